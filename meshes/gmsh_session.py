@@ -1,0 +1,95 @@
+"""The one place that owns gmsh's global state."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import ModuleType
+
+from meshes.errors import MeshingError
+
+# gmsh keeps one model for the whole process: two threads that mesh at once would share it.
+_LOCK = threading.Lock()
+
+# Every option that decides about the mesh is named here, so that no ~/.gmshrc changes a result.
+_OPTIONS = {
+    "General.Terminal": 0,
+    "General.Verbosity": 2,
+    "General.NumThreads": 1,
+    "Geometry.Tolerance": 1e-12,
+    "Geometry.AutoCoherence": 0,
+    "Mesh.Algorithm": 6,
+    "Mesh.ElementOrder": 1,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.MeshSizeFromCurvature": 0,
+    "Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeFactor": 1.0,
+    "Mesh.MeshSizeMin": 0.0,
+    "Mesh.MeshSizeMax": 1e22,
+    "Mesh.Optimize": 1,
+    "Mesh.Smoothing": 3,
+    "Mesh.RandomSeed": 1,
+    "Mesh.RandomFactor": 1e-9,
+    "Mesh.RecombineAll": 0,
+    "Mesh.Renumber": 1,
+}
+
+SYSTEM_LIBRARIES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libfontconfig1 libxrender1 libxext6"
+
+
+def load_gmsh() -> ModuleType:
+    """Import gmsh, or say which system library it misses.
+
+    Raises
+    ------
+    MeshingError
+        If gmsh or one of the shared libraries it is linked to is not installed.
+    """
+    try:
+        import gmsh
+    except ImportError as error:
+        raise MeshingError(f"gmsh is not installed ({error}); install it with: pip install gmsh") from error
+    except OSError as error:
+        raise MeshingError(
+            f"gmsh cannot be loaded: {error}. On a bare Debian or Ubuntu server install the libraries that it "
+            f"is linked to: apt-get install {SYSTEM_LIBRARIES}"
+        ) from error
+    return gmsh
+
+
+@contextmanager
+def gmsh_session(name: str) -> Iterator[ModuleType]:
+    """Give an empty gmsh model with known options, and leave gmsh as it was found.
+
+    Parameters
+    ----------
+    name : str
+        Name of the model.
+
+    Raises
+    ------
+    MeshingError
+        If gmsh cannot be loaded.
+    """
+    gmsh = load_gmsh()
+    with _LOCK:
+        own = not gmsh.isInitialized()
+        if own:
+            # interruptible=False: gmsh's own SIGINT handler works in the main thread only.
+            gmsh.initialize(argv=["fem-seal"], readConfigFiles=False, run=False, interruptible=False)
+        before = {} if own else {key: gmsh.option.getNumber(key) for key in _OPTIONS}
+        previous = None if own else gmsh.model.getCurrent()
+        try:
+            for key, value in _OPTIONS.items():
+                gmsh.option.setNumber(key, value)
+            gmsh.model.add(name)
+            yield gmsh
+        finally:
+            if own:
+                gmsh.finalize()
+            else:
+                gmsh.model.remove()
+                gmsh.model.setCurrent(previous)
+                for key, value in before.items():
+                    gmsh.option.setNumber(key, value)

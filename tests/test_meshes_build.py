@@ -1,0 +1,170 @@
+"""The gmsh mesh: areas, names, grading, determinism, files, gmsh's global state."""
+
+from __future__ import annotations
+
+import builtins
+import math
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import meshes
+from meshes import Ball, ConicalSeat, GeometryError, MeshingError, SealMesh, Sizing
+from meshes.seal_mesh import section_area
+
+SIZING = Sizing(20e-6, 0.3e-3, (-0.8e-3, 0.8e-3), 0.1, 0.25, 2.5e-3)
+CLOSURE_NAMES = {"closure_contact", "closure_inner", "closure_outer", "closure_top", "closure_axis"}
+SEAT_NAMES = {"seat_contact", "seat_inner", "seat_outer", "seat_wall", "seat_bottom"}
+
+
+def make(angle: float = math.radians(45), radius: float = 0.02, sizing: Sizing = SIZING) -> SealMesh:
+    return meshes.build(Ball(radius), ConicalSeat.around(angle, radius), sizing)
+
+
+@pytest.fixture(scope="module")
+def seal_mesh() -> SealMesh:
+    return make()
+
+
+def test_names(seal_mesh: SealMesh) -> None:
+    assert set(seal_mesh.mesh.subdomains) == {"closure", "seat"}
+    assert set(seal_mesh.mesh.boundaries) == CLOSURE_NAMES | SEAT_NAMES
+    assert set(seal_mesh.closure.boundaries) == CLOSURE_NAMES
+    assert set(seal_mesh.seat.boundaries) == SEAT_NAMES
+
+
+def test_boundaries_are_complete_and_disjoint(seal_mesh: SealMesh) -> None:
+    named = np.concatenate(list(seal_mesh.mesh.boundaries.values()))
+    assert len(np.unique(named)) == len(named)
+    assert set(named) == set(seal_mesh.mesh.boundary_facets())
+
+
+def test_boundary_nodes_lie_on_the_exact_curves(seal_mesh: SealMesh) -> None:
+    mesh, contact = seal_mesh.mesh, seal_mesh.contact
+    arcs = [n for n in CLOSURE_NAMES if n != "closure_axis"]
+    for name in arcs:
+        r, z = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries[name]])]
+        assert np.hypot(r, z - contact.centre_height) == pytest.approx(0.02, rel=1e-12)
+    r, z = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["seat_contact"]])]
+    assert z == pytest.approx((r - contact.touch_radius) * math.tan(contact.angle), abs=1e-15)
+
+
+def test_contact_vertices_of_both_bodies_face_each_other(seal_mesh: SealMesh) -> None:
+    contact = seal_mesh.contact
+    lines = []
+    for body, coordinate in ((seal_mesh.closure, contact.closure_coordinate), (seal_mesh.seat, contact.seat_coordinate)):
+        (name,) = [n for n in body.boundaries if n.endswith("_contact")]
+        lines.append(np.sort(coordinate(*body.p[:, np.unique(body.facets[:, body.boundaries[name]])])))
+    assert lines[0] == pytest.approx(lines[1], abs=1e-12)
+    assert lines[1] == pytest.approx(seal_mesh.sizing.contact_vertices, abs=1e-12)
+
+
+def test_area_error_falls_quadratically_with_the_size() -> None:
+    errors = [
+        make(sizing=Sizing(h / 4, 1e-4, (-5e-4, 5e-4), 0.2, 0.3, h)).quality.area_error for h in (4e-3, 2e-3, 1e-3)
+    ]
+    rates = np.diff(np.log(errors)) / np.log(0.5)
+    assert rates == pytest.approx(2.0, abs=0.4)  # chords of a circle: the area error is of second order
+    assert errors[-1] < 5e-4
+
+
+def test_straight_seat_has_its_exact_area(seal_mesh: SealMesh) -> None:
+    exact = next(o for o in seal_mesh.outlines if o.name == "seat").area
+    assert section_area(seal_mesh.seat) == pytest.approx(exact, rel=1e-10)
+
+
+@pytest.mark.parametrize("degrees", [5, 20, 45, 70, 85])
+@pytest.mark.parametrize("radius", [1e-3, 0.5])
+def test_quality_at_every_angle_and_size(degrees: float, radius: float) -> None:
+    s = radius / 400
+    mesh = make(math.radians(degrees), radius, Sizing(s / 4, 2 * s, (-6 * s, 6 * s), 0.1, 0.25, radius / 8))
+    assert mesh.quality.smallest > 0.2
+    assert mesh.quality.mean > 0.85
+
+
+def test_the_mesh_scales_with_the_seal() -> None:
+    def scaled(k: float) -> SealMesh:  # k a power of two: no rounding, so the very same mesh
+        return make(radius=0.02 * k, sizing=Sizing(20e-6 * k, 3e-4 * k, (-8e-4 * k, 8e-4 * k), 0.1, 0.25, 2.5e-3 * k))
+
+    small, large = scaled(1.0), scaled(1024.0)
+    assert np.array_equal(small.mesh.t, large.mesh.t)
+    assert large.mesh.p == pytest.approx(1024 * small.mesh.p, rel=1e-9, abs=1e-12)
+
+
+def test_two_builds_give_the_same_mesh(seal_mesh: SealMesh) -> None:
+    again = make()
+    assert np.array_equal(again.mesh.p, seal_mesh.mesh.p)
+    assert np.array_equal(again.mesh.t, seal_mesh.mesh.t)
+
+
+def test_meshing_works_in_a_thread_and_leaves_a_users_gmsh_alone(seal_mesh: SealMesh) -> None:
+    import gmsh
+
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.Algorithm", 1)
+        gmsh.model.add("mine")
+        gmsh.model.geo.addPoint(0, 0, 0)
+        done: list[SealMesh] = []
+        thread = threading.Thread(target=lambda: done.append(make()))
+        thread.start()
+        thread.join()
+        assert np.array_equal(done[0].mesh.p, seal_mesh.mesh.p)
+        assert gmsh.model.getCurrent() == "mine"
+        assert gmsh.option.getNumber("Mesh.Algorithm") == 1
+    finally:
+        gmsh.finalize()
+
+
+def test_msh_file_opens_in_gmsh_with_its_groups(seal_mesh: SealMesh, tmp_path: Path) -> None:
+    import gmsh
+
+    path = seal_mesh.write(tmp_path / "mesh.msh")
+    assert [p.name for p in tmp_path.iterdir()] == ["mesh.msh"]
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(path))
+        groups = {gmsh.model.getPhysicalName(d, t): (d, t) for d, t in gmsh.model.getPhysicalGroups()}
+        assert set(groups) == {"closure", "seat"} | CLOSURE_NAMES | SEAT_NAMES
+        tags, _ = gmsh.model.mesh.getNodesForPhysicalGroup(*groups["closure"])
+        assert len(tags) == seal_mesh.closure.nvertices
+    finally:
+        gmsh.finalize()
+
+
+def test_msh_file_survives_the_round_trip_through_scikit_fem(seal_mesh: SealMesh, tmp_path: Path) -> None:
+    from skfem import MeshTri
+
+    mesh = MeshTri.load(seal_mesh.write(tmp_path / "mesh.msh"), force_meshio_type="triangle")
+    assert np.allclose(mesh.p, seal_mesh.mesh.p, rtol=1e-12)
+    assert mesh.nelements == seal_mesh.mesh.nelements
+
+
+def test_ball_that_falls_through_or_sits_on_the_edge_is_refused() -> None:
+    seat = ConicalSeat(math.radians(45), 0.016, 0.02, 0.05, 0.03)
+    with pytest.raises(GeometryError, match="would touch the cone"):
+        meshes.build(Ball(0.02), seat, SIZING)
+
+
+def test_zone_beyond_the_face_is_refused() -> None:
+    seat = ConicalSeat(math.radians(45), 0.0138, 0.02, 0.05, 0.03)
+    with pytest.raises(GeometryError, match="does not fit"):
+        meshes.build(Ball(0.02), seat, SIZING)
+
+
+def test_missing_system_library_names_the_packages(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def broken(name: str, *args: Any, **kwargs: Any) -> Any:
+        if name == "gmsh":
+            raise OSError("libGLU.so.1: cannot open shared object file: No such file or directory")
+        return real(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", broken)
+    with pytest.raises(MeshingError, match=r"libGLU\.so\.1.*apt-get install .*libglu1-mesa"):
+        make()
