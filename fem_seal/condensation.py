@@ -1,0 +1,261 @@
+"""Both bodies condensed on the contact line: factorise once, then every load is a small dense problem.
+
+The pressure acts at quadrature points of the contact line along the seat's normal n; the same point forces,
+with opposite sign, act on both bodies. A body answers with the normal displacement of its quadratic trace, so
+the compliance between quadrature points is T S T^T with T the trace and S the compliance of the trace's
+nodes. The closure floats: its axial rigid motion is an unknown of the contact problem, and its closing force
+is a pressure on its wetted surface that balances whatever the contact line carries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from fem_seal.elasticity import displacement_basis, pressure_load, stiffness_matrix
+from fem_seal.materials import Material, effective_modulus
+from fem_seal.stress import node_dofs, quadratic_nodes, stress_operator
+from meshes import SealMesh
+
+if TYPE_CHECKING:
+    from skfem import Basis, MeshTri
+
+FloatArray = NDArray[np.float64]
+
+_GAUSS = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True)
+class ContactLine:
+    """Quadrature points of the contact line.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m,)
+        Arc length from first touch [m], increasing.
+    radius : ndarray, shape (m,)
+        r(x) [m].
+    arc_weight : ndarray, shape (m,)
+        Quadrature weights over x [m].
+    normal : ndarray, shape (2, m)
+        Unit normal (n_r, n_z) of the seat, towards the closure.
+    initial_gap : ndarray, shape (m,)
+        Exact gap g0(x) at first touch [m].
+    vertices : ndarray
+        x of the element ends between which the points lie [m], increasing.
+    """
+
+    x: FloatArray
+    radius: FloatArray
+    arc_weight: FloatArray
+    normal: FloatArray
+    initial_gap: FloatArray
+    vertices: FloatArray
+
+    @property
+    def area_weight(self) -> FloatArray:
+        """Area that each point stands for, 2 pi r dx [m^2]."""
+        return 2 * np.pi * self.radius * self.arc_weight
+
+
+@dataclass(frozen=True)
+class CondensedBody:
+    """One body seen from its contact line.
+
+    Parameters
+    ----------
+    basis : skfem.Basis
+        Displacement basis of the body.
+    material : Material
+    trace : csr_matrix, shape (m, n)
+        From the body's n trace nodes to the m points of the contact line.
+    response : ndarray, shape (dofs, n)
+        Displacement [m] of the whole body under a unit force [N] at each trace node along the normal,
+        the seat held, the closure in equilibrium with its closing load.
+    compliance : ndarray, shape (n, n)
+        Normal displacement of the trace nodes under the same unit forces [m/N].
+    contact_nodes : ndarray of int, shape (n,)
+        The trace nodes among the body's quadratic nodes, along increasing x.
+    contact_x : ndarray, shape (n,)
+        Their arc length from first touch [m].
+    """
+
+    basis: Basis
+    material: Material
+    trace: csr_matrix
+    response: FloatArray
+    compliance: FloatArray
+    contact_nodes: NDArray[np.int64]
+    contact_x: FloatArray
+
+    @cached_property
+    def stress_operator(self) -> csr_matrix:
+        """From displacement dofs [m] to nodal stress [Pa], see `fem_seal.stress.stress_operator`."""
+        return stress_operator(self.basis, self.material)
+
+    def displacement(self, point_forces: FloatArray) -> FloatArray:
+        """Displacement dofs [m] under normal forces [N] at the points of the contact line."""
+        return self.response @ (self.trace.T @ point_forces)
+
+
+@dataclass(frozen=True)
+class ContactModel:
+    """Compliance of both bodies on one contact line; independent of load, roughness and interface law.
+
+    Parameters
+    ----------
+    line : ContactLine
+    closure, seat : CondensedBody
+    compliance : ndarray, shape (m, m)
+        Opening of the gap at point i per unit normal force at point j [m/N], both bodies together.
+    touch_radius : float
+        r0 [m].
+    touch_normal_z : float
+        cos(theta) of the contact normal at first touch.
+    relative_radius : float
+        R_rel [m].
+    """
+
+    line: ContactLine
+    closure: CondensedBody
+    seat: CondensedBody
+    compliance: FloatArray
+    touch_radius: float
+    touch_normal_z: float
+    relative_radius: float
+
+    @property
+    def effective_modulus(self) -> float:
+        """E* of the pair [Pa]."""
+        return effective_modulus(self.closure.material, self.seat.material)
+
+    def line_load(self, axial_force: float) -> float:
+        """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""
+        return axial_force / (2 * np.pi * self.touch_radius * self.touch_normal_z)
+
+
+def condense(seal_mesh: SealMesh, closure: Material, seat: Material) -> ContactModel:
+    """Factorise both bodies and condense them on the contact line.
+
+    Parameters
+    ----------
+    seal_mesh : SealMesh
+    closure, seat : Material
+
+    Returns
+    -------
+    ContactModel
+    """
+    contact = seal_mesh.contact
+    line = _contact_line(seal_mesh)
+    bodies = [
+        _condense_body(seal_mesh.closure, "closure", closure, line, contact.closure_coordinate),
+        _condense_body(seal_mesh.seat, "seat", seat, line, contact.seat_coordinate),
+    ]
+    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in bodies)
+    return ContactModel(
+        line,
+        bodies[0],
+        bodies[1],
+        0.5 * (compliance + compliance.T),
+        contact.touch_radius,
+        float(contact.normal(np.zeros(1))[1, 0]),
+        contact.relative_radius,
+    )
+
+
+def _contact_line(seal_mesh: SealMesh) -> ContactLine:
+    """Three Gauss points on each contact facet of the seat."""
+    contact = seal_mesh.contact
+    vertices = np.unique(contact.seat_coordinate(*_boundary_vertices(seal_mesh.seat, "seat_contact")))
+    middle, half = 0.5 * (vertices[1:] + vertices[:-1]), 0.5 * np.diff(vertices)
+    points, weights = _GAUSS
+    x = (middle[:, None] + half[:, None] * points).ravel()
+    return ContactLine(
+        x, contact.radius(x), (half[:, None] * weights).ravel(), contact.normal(x), contact.gap(x), vertices
+    )
+
+
+def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
+    return mesh.p[:, np.unique(mesh.facets[:, (mesh.boundaries or {})[boundary]])]
+
+
+def _condense_body(
+    mesh: MeshTri,
+    name: str,
+    material: Material,
+    line: ContactLine,
+    coordinate: Callable[[FloatArray, FloatArray], FloatArray],
+) -> CondensedBody:
+    from scipy.sparse.linalg import splu
+
+    basis = displacement_basis(mesh)
+    nodes, trace = trace_matrix(basis, f"{name}_contact", coordinate, line.x)
+    # Towards the body's inside: up into the closure, down into the seat.
+    direction = line.normal[:, 0] * (1.0 if name == "closure" else -1.0)
+    forces = np.zeros((basis.N, len(nodes)))
+    forces[node_dofs(basis)[:, nodes], np.arange(len(nodes))] = direction[:, None]
+    if name == "closure":
+        closing = pressure_load(basis, "closure_top")
+        forces -= np.outer(closing / _axial(basis, closing), _axial(basis, forces))
+        held = np.concatenate([_radial_dofs(basis, "closure_axis"), _axial_dofs(basis, "closure_top")[:1]])
+    else:
+        held = _axial_dofs(basis, "seat_bottom")
+    free = np.setdiff1d(np.arange(basis.N), held)
+    stiffness = stiffness_matrix(basis, material)[free][:, free].tocsc()
+    factor = splu(stiffness, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    response = np.zeros_like(forces)
+    response[free] = factor.solve(forces[free])
+    contact_x = coordinate(*quadratic_nodes(mesh)[0][nodes].T)
+    order = np.argsort(contact_x)
+    return CondensedBody(
+        basis, material, trace, response, forces.T @ response, nodes[order], contact_x[order]
+    )
+
+
+def trace_matrix(
+    basis: Basis, boundary: str, coordinate: Callable[[FloatArray, FloatArray], FloatArray], x: FloatArray
+) -> tuple[NDArray[np.int64], csr_matrix]:
+    """Quadratic trace on a contact line evaluated at the arc lengths `x`.
+
+    Returns
+    -------
+    nodes : ndarray of int, shape (n,)
+        The trace nodes among the body's quadratic nodes.
+    trace : csr_matrix, shape (len(x), n)
+    """
+    mesh = basis.mesh
+    facets = np.asarray((mesh.boundaries or {})[boundary])
+    ends = coordinate(*mesh.p[:, mesh.facets[:, facets].ravel()]).reshape(2, -1)
+    order = np.argsort(ends.mean(axis=0))
+    facets, ends = facets[order], ends[:, order]
+    first = ends.min(axis=0)
+    facet = np.clip(np.searchsorted(first, x, side="right") - 1, 0, len(facets) - 1)
+    t = (x - ends[0, facet]) / (ends[1, facet] - ends[0, facet])
+    shape = np.stack([(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)])
+    vertex, vertex_index = np.unique(mesh.facets[:, facets], return_inverse=True)
+    vertex_index = vertex_index.reshape(2, -1)
+    columns = np.stack([vertex_index[0, facet], vertex_index[1, facet], len(vertex) + facet])
+    rows = np.tile(np.arange(len(x)), 3)
+    trace = csr_matrix((shape.ravel(), (rows, columns.ravel())), shape=(len(x), len(vertex) + len(facets)))
+    return np.concatenate([vertex, mesh.nvertices + facets]), trace
+
+
+def _axial(basis: Basis, forces: FloatArray) -> FloatArray:
+    """Sum of the axial components of nodal forces."""
+    rows = np.concatenate([basis.nodal_dofs[1], basis.facet_dofs[1]])
+    return forces[rows].sum(axis=0)
+
+
+def _radial_dofs(basis: Basis, boundary: str) -> NDArray[np.int64]:
+    return np.asarray(basis.get_dofs(boundary).all(["u^1"]))
+
+
+def _axial_dofs(basis: Basis, boundary: str) -> NDArray[np.int64]:
+    return np.asarray(basis.get_dofs(boundary).all(["u^2"]))

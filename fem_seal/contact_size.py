@@ -1,0 +1,115 @@
+"""How wide the contact will be, and from it the contact zone and the element sizes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem_seal.contact import InterfaceLaw
+from fem_seal.hard_contact import HardContact
+from meshes import BallOnCone, ConicalSeat, Sizing
+
+# Elements per standard deviation of the narrowest profile, and growth of the elements: chosen so that p0, width and
+# standard deviation change by less than 1e-4 on further refinement (tests/test_verification_contact.py).
+_ROUGH = {"per_std": 6.0, "growth_along": 0.08, "growth_deep": 0.2}
+# Where contact ends sharply only small elements follow the edge.
+_HARD = {"per_std": 14.0, "growth_along": 0.04, "growth_deep": 0.25}
+
+# Pressure over peak pressure at which the zone may end.
+_TAIL = 1e-7
+
+
+@dataclass(frozen=True)
+class ContactWidth:
+    """Expected width of one contact.
+
+    Parameters
+    ----------
+    std : float
+        Standard deviation of the pressure profile [m].
+    reach : float
+        Distance from first touch at which the pressure has fallen to 1e-7 of its peak [m].
+    """
+
+    std: float
+    reach: float
+
+
+def contact_width(
+    law: InterfaceLaw | HardContact, line_load: float, relative_radius: float, effective_modulus: float
+) -> ContactWidth:
+    """Width of a line contact before it is solved.
+
+    The variance of the profile is the sum of the variances of the interface law alone, R u0, and of Hertz,
+    a^2/4 - exact for the exponential law; u0 is taken at the peak pressure.
+
+    Parameters
+    ----------
+    law : InterfaceLaw or HardContact
+    line_load : float
+        f_N [N/m].
+    relative_radius : float
+        R_rel [m].
+    effective_modulus : float
+        E* [Pa].
+    """
+    R = relative_radius
+    a = 2 * math.sqrt(line_load * R / (math.pi * effective_modulus))
+    if isinstance(law, HardContact):
+        return ContactWidth(a / 2, 1.3 * a)
+    log_peak = math.log(line_load / (math.sqrt(math.pi / 2) * a))
+    for _ in range(4):
+        std = math.sqrt(R * _decay_length(law, log_peak) + a**2 / 4)
+        log_peak = math.log(line_load / (math.sqrt(2 * math.pi) * std))
+    tail = math.sqrt(2 * R * (_gap(law, log_peak + math.log(_TAIL)) - _gap(law, log_peak)))
+    return ContactWidth(std, a + tail)
+
+
+def _decay_length(law: InterfaceLaw, log_pressure: float) -> float:
+    return float(law.decay_length(np.array([log_pressure]))[0])
+
+
+def _gap(law: InterfaceLaw, log_pressure: float) -> float:
+    return float(law.gap(np.array([log_pressure]))[0])
+
+
+def element_sizes(
+    law: InterfaceLaw | HardContact,
+    line_loads: Sequence[float],
+    contact: BallOnCone,
+    seat: ConicalSeat,
+    effective_modulus: float,
+    contact_size: float | None = None,
+) -> Sizing:
+    """Sizes that resolve every load on one mesh: fine enough for the narrowest contact, wide enough for the widest.
+
+    Parameters
+    ----------
+    law : InterfaceLaw or HardContact
+    line_loads : sequence of float
+        f_N of every load [N/m].
+    contact : BallOnCone
+    seat : ConicalSeat
+    effective_modulus : float
+        E* [Pa].
+    contact_size : float, optional
+        Element size along the contact line [m], instead of the one found.
+    """
+    widths = [contact_width(law, f, contact.relative_radius, effective_modulus) for f in line_loads]
+    std, reach = min(w.std for w in widths), max(w.reach for w in widths)
+    rules = _HARD if isinstance(law, HardContact) else _ROUGH
+    lower, upper = seat.face_reach(contact.touch_radius)
+    far_size = contact.ball.radius / 8
+    sizing = Sizing(
+        contact_size=min(std / rules["per_std"], far_size),
+        core=3 * std,
+        # Contact ends where the face or the ball ends, whatever the law says.
+        zone=(max(-reach, 0.98 * lower), min(reach, 0.98 * upper, 0.98 * contact.reach[1])),
+        growth_along=rules["growth_along"],
+        growth_deep=rules["growth_deep"],
+        far_size=far_size,
+    )
+    return sizing if contact_size is None else replace(sizing, contact_size=min(contact_size, far_size))

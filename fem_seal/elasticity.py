@@ -1,0 +1,63 @@
+"""Axisymmetric linear elasticity on a straight-sided triangle mesh with quadratic displacement."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from fem_seal.materials import Material
+
+if TYPE_CHECKING:
+    from skfem import Basis, MeshTri
+
+FloatArray = NDArray[np.float64]
+
+
+def lame_parameters(material: Material) -> tuple[float, float]:
+    """Return lambda and mu [Pa] of an isotropic solid."""
+    E, nu = material.youngs_modulus, material.poissons_ratio
+    return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+
+
+def displacement_basis(mesh: MeshTri) -> Basis:
+    """Quadratic vector basis (u_r, u_z); integration exact for constant strain times r."""
+    from skfem import Basis, ElementTriP2, ElementVector
+
+    return Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+
+
+def stiffness_matrix(basis: Basis, material: Material) -> csr_matrix:
+    """Assemble int 2 pi r sigma(u) : epsilon(v) dr dz [N/m].
+
+    Strains e_rr = du_r/dr, e_zz = du_z/dz, e_tt = u_r/r, g_rz = du_r/dz + du_z/dr.
+    """
+    from skfem import BilinearForm
+
+    lam, mu = lame_parameters(material)
+
+    @BilinearForm
+    def virtual_work(u, v, w):  # type: ignore[no-untyped-def]
+        r, _ = w.x
+        (u_rr, u_rz), (u_zr, u_zz) = u.grad
+        (v_rr, v_rz), (v_zr, v_zz) = v.grad
+        u_tt, v_tt = u[0] / r, v[0] / r
+        dilation = lam * (u_rr + u_zz + u_tt) * (v_rr + v_zz + v_tt)
+        distortion = mu * (2 * (u_rr * v_rr + u_zz * v_zz + u_tt * v_tt) + (u_rz + u_zr) * (v_rz + v_zr))
+        return 2 * np.pi * r * (dilation + distortion)
+
+    return virtual_work.assemble(basis).tocsr()
+
+
+def pressure_load(basis: Basis, boundary: str) -> FloatArray:
+    """Nodal forces [N] of a unit pressure (1 Pa, pushing into the body) on a named boundary."""
+    from skfem import LinearForm
+
+    @LinearForm
+    def push(v, w):  # type: ignore[no-untyped-def]
+        r, _ = w.x
+        return -2 * np.pi * r * (v[0] * w.n[0] + v[1] * w.n[1])
+
+    return push.assemble(basis.boundary(boundary))

@@ -1,0 +1,99 @@
+"""Everything that can go wrong in fem_seal, in one tree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+class SealError(Exception):
+    """Base of all errors that fem_seal raises on purpose."""
+
+
+class QuantityError(SealError, ValueError):
+    """A text is not a quantity of the wanted dimension, or its value is outside the allowed range."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One wrong entry of an input.
+
+    Parameters
+    ----------
+    key : str
+        Where it stands, such as ``seat.angle``; empty for the input as a whole.
+    message : str
+        What is wrong and what is allowed.
+    value : str or None
+        What stands there, as the user wrote it; None if nothing does.
+    """
+
+    key: str
+    message: str
+    value: str | None = None
+
+    def __str__(self) -> str:
+        """``key = value: message``, without the parts that do not exist."""
+        entry = self.key if self.value is None else f"{self.key} = {self.value}"
+        return f"{entry}: {self.message}" if entry else self.message
+
+
+class InputError(SealError, ValueError):
+    """The input is wrong: each problem names the key, the value and what is allowed.
+
+    Parameters
+    ----------
+    *problems : Problem
+        At least one.
+    file : path, optional
+        File in which they stand.
+    """
+
+    def __init__(self, *problems: Problem, file: str | Path | None = None) -> None:
+        self.problems = problems
+        self.file = None if file is None else Path(file)
+        super().__init__(*problems)
+
+    def __str__(self) -> str:
+        """One line per problem, each beginning with the file."""
+        prefix = "" if self.file is None else f"{self.file}: "
+        return "\n".join(f"{prefix}{problem}" for problem in self.problems)
+
+    @property
+    def key(self) -> str:
+        """Key of the first problem."""
+        return self.problems[0].key
+
+    @property
+    def value(self) -> str | None:
+        """Value that stands at the first problem's key."""
+        return self.problems[0].value
+
+    @property
+    def allowed(self) -> str:
+        """What the first problem's message says is wrong and allowed."""
+        return self.problems[0].message
+
+    def in_file(self, file: str | Path | None) -> InputError:
+        """The same problems, found in `file`."""
+        return type(self)(*self.problems, file=file)
+
+
+class ConvergenceError(SealError, RuntimeError):
+    """An iteration did not converge; `partial` keeps what was reached, None if nothing was.
+
+    Parameters
+    ----------
+    message : str
+        Which load, which residual, what to try.
+    partial : object, optional
+        Results of the loads solved before, or the last iterate.
+    """
+
+    def __init__(self, message: str, partial: object = None) -> None:
+        super().__init__(message)
+        self.partial = partial
+
+
+class OutputError(SealError, OSError):
+    """A result file cannot be written."""

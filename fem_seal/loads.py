@@ -1,0 +1,76 @@
+"""From fluid pressure to the line load of a seal (Fischer et al. 2020, eq. 1)."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+PressureSide = Literal["outer", "inner"]
+
+
+def touch_radius(ball_radius: float, angle: float) -> float:
+    """Radius r0 = R sin(theta) of the circle where a ball touches a conical seat [m].
+
+    Parameters
+    ----------
+    ball_radius : float
+        R [m].
+    angle : float
+        theta between the axis and the contact normal [rad].
+    """
+    return ball_radius * math.sin(angle)
+
+
+def closing_force(
+    sealing_radius: float,
+    fluid_pressure: float,
+    axial_force: float = 0.0,
+    pressure_side: PressureSide = "outer",
+) -> float:
+    """Axial force F_N that presses the closure on the seat [N], with the fluid acting on the sealed area.
+
+    With the pressure outside the sealing circle it presses the closure down,
+    F_N = axial_force + pi r0^2 p_fluid; with the pressure inside, in the bore, it lifts the closure,
+    F_N = axial_force - pi r0^2 p_fluid.
+
+    Parameters
+    ----------
+    sealing_radius : float
+        Radius r0 of the sealing circle [m].
+    fluid_pressure : float
+        Pressure difference across the seal [Pa].
+    axial_force : float
+        Additional force on the closure, positive when it closes [N].
+    pressure_side : {"outer", "inner"}
+        Side of the high pressure.
+
+    Examples
+    --------
+    >>> round(closing_force(0.014142, 20e5), 1)
+    1256.6
+    """
+    sealed_area = math.pi * sealing_radius**2
+    return axial_force + (sealed_area if pressure_side == "outer" else -sealed_area) * fluid_pressure
+
+
+def line_load(closing_force: float, sealing_radius: float, angle: float) -> float:
+    """Force per circumference normal to the contact, f_N = F_N / (2 pi r0 cos(theta)) [N/m].
+
+    Parameters
+    ----------
+    closing_force : float
+        Axial force F_N [N].
+    sealing_radius : float
+        r0 [m].
+    angle : float
+        theta between the axis and the contact normal [rad].
+
+    Examples
+    --------
+    A ball of 20 mm at 45 deg and 20 bar carries 20 kN/m (Fischer et al. 2020, fig. 4):
+
+    >>> r0 = touch_radius(0.02, math.radians(45))
+    >>> round(line_load(closing_force(r0, 20e5), r0, math.radians(45)), 6)
+    20000.0
+    """
+    return closing_force / (2 * math.pi * sealing_radius * math.cos(angle))

@@ -1,0 +1,107 @@
+"""The nominal pressure profile of a contact and its measures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PressureProfile:
+    """Nominal pressure over the contact line.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m,)
+        Arc length from first touch [m], increasing.
+    radius : ndarray, shape (m,)
+        Distance from the axis [m].
+    pressure : ndarray, shape (m,)
+        Contact pressure [Pa], positive in compression.
+    gap : ndarray, shape (m,)
+        Mean separation of the surfaces [m].
+    arc_weight : ndarray, shape (m,)
+        Quadrature weights over x [m] that belong to the points.
+    """
+
+    x: FloatArray
+    radius: FloatArray
+    pressure: FloatArray
+    gap: FloatArray
+    arc_weight: FloatArray
+
+    def moment(self, order: int, centre: float = 0.0) -> float:
+        """int p (x - centre)^order dx [Pa m^(order + 1)]."""
+        return float(self.arc_weight @ (self.pressure * (self.x - centre) ** order))
+
+    @property
+    def centroid(self) -> float:
+        """Centre of the pressure over x [m]."""
+        return self.moment(1) / self.moment(0)
+
+    @property
+    def std(self) -> float:
+        """Square root of the second central moment of p over x [m]."""
+        return float(np.sqrt(self.moment(2, self.centroid) / self.moment(0)))
+
+    @property
+    def peak(self) -> tuple[float, float]:
+        """Place x [m] and height [Pa] of the highest pressure, from a parabola through three points of p."""
+        k = int(np.clip(np.argmax(self.pressure), 1, len(self.x) - 2))
+        # Points that mirror each other about the peak make argmax a matter of round-off; the parabola does not.
+        x, p = self.x[k - 1 : k + 2] - self.x[k], self.pressure[k - 1 : k + 2]
+        c2, c1, c0 = np.polyfit(x / x[2], p / p[1], 2)
+        if not c2 < 0:
+            return float(self.x[k]), float(p[1])
+        top = float(np.clip(-c1 / (2 * c2), x[0] / x[2], 1.0))
+        return float(self.x[k] + top * x[2]), float(p[1] * (c0 + c1 * top + c2 * top**2))
+
+    @property
+    def peak_pressure(self) -> float:
+        """Highest nominal pressure p0 [Pa]."""
+        return self.peak[1]
+
+    @property
+    def fwhm(self) -> float:
+        """Full width at half maximum [m]; the flanks are interpolated in (p/p0)^2, exact for an ellipse."""
+        height = (self.pressure / self.peak_pressure) ** 2 - 0.25
+        if self.pressure[0] == 0 and self.pressure[-1] == 0:
+            return self._width_of_ellipse(height)
+        above = np.flatnonzero(height >= 0)
+        if len(above) == 0:
+            return 0.0
+        return self._crossing(height, above[-1], +1) - self._crossing(height, above[0], -1)
+
+    def _width_of_ellipse(self, height: FloatArray) -> float:
+        """Width between the roots of a polynomial through the inner part of p^2.
+
+        Where contact ends sharply p^2 is a smooth function up to the edge, but the outermost elements hold only
+        part of it; they are left out.
+        """
+        from scipy.optimize import brentq
+
+        inner = self.pressure > 0.4 * self.peak_pressure
+        curve = np.polynomial.Polynomial.fit(self.x[inner], height[inner], min(4, int(inner.sum()) - 1))
+        edges = self.x[np.flatnonzero(self.pressure)[[0, -1]]]
+        if curve(self.centroid) > 0 > max(curve(edges)):
+            left, right = (float(brentq(curve, self.centroid, edge, xtol=1e-15)) for edge in edges)
+            return right - left
+        above = np.flatnonzero(height >= 0)
+        return self._crossing(height, above[-1], +1) - self._crossing(height, above[0], -1)
+
+    def _crossing(self, height: FloatArray, inside: int, step: int) -> float:
+        from scipy.interpolate import CubicSpline
+        from scipy.optimize import brentq
+
+        outside = inside + step
+        if not 0 <= outside < len(self.x):
+            return float(self.x[inside])
+        lower = max(min(inside, outside) - 2, 0)
+        part = slice(lower, lower + 6)
+        spline = CubicSpline(self.x[part], height[part])
+        a, b = sorted((float(self.x[inside]), float(self.x[outside])))
+        return float(brentq(spline, a, b, xtol=1e-15))

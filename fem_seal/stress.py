@@ -1,0 +1,163 @@
+"""Displacement and stress of the bodies under a solved contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from fem_seal.elasticity import lame_parameters
+
+if TYPE_CHECKING:
+    from skfem import Basis, MeshTri
+
+    from fem_seal.condensation import CondensedBody
+    from fem_seal.contact import ContactSolution
+    from fem_seal.materials import Material
+
+FloatArray = NDArray[np.float64]
+
+_NODES = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
+
+
+@dataclass(frozen=True)
+class BodyField:
+    """Displacement and stress of one body at the nodes of its quadratic triangles.
+
+    Parameters
+    ----------
+    name : str
+        "closure" or "seat".
+    points : ndarray, shape (n, 2)
+        (r, z) [m].
+    triangles6 : ndarray of int, shape (m, 6)
+        Corners, then the middles of the edges 01, 12, 20 (VTK's order).
+    displacement : ndarray, shape (n, 2)
+        (u_r, u_z) [m]; the closure's rigid approach is not part of it.
+    stress : ndarray, shape (n, 4)
+        sigma_rr, sigma_zz, sigma_tt (hoop), sigma_rz [Pa], averaged over the elements that share a node.
+    contact_nodes : ndarray of int
+        Nodes on the contact line, along increasing x.
+    contact_x : ndarray
+        Their arc length from first touch [m].
+    contact_pressure : ndarray, shape (n,)
+        Contact pressure [Pa] at the nodes of the contact line, zero elsewhere.
+    """
+
+    name: str
+    points: FloatArray
+    triangles6: NDArray[np.int64]
+    displacement: FloatArray
+    stress: FloatArray
+    contact_nodes: NDArray[np.int64]
+    contact_x: FloatArray
+    contact_pressure: FloatArray
+
+    @property
+    def von_mises(self) -> FloatArray:
+        """von Mises stress at the nodes [Pa]."""
+        return von_mises(self.stress)
+
+
+def von_mises(stress: FloatArray) -> FloatArray:
+    """von Mises stress [Pa] of (..., 4) arrays sigma_rr, sigma_zz, sigma_tt, sigma_rz [Pa]."""
+    rr, zz, tt, rz = np.moveaxis(stress, -1, 0)
+    return np.sqrt(0.5 * ((rr - zz) ** 2 + (zz - tt) ** 2 + (tt - rr) ** 2) + 3 * rz**2)
+
+
+def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
+    """Fields of both bodies under a solved contact, "closure" and "seat".
+
+    Parameters
+    ----------
+    solution : ContactSolution
+    """
+    model = solution.model
+    return {"closure": _field("closure", model.closure, solution), "seat": _field("seat", model.seat, solution)}
+
+
+def _field(name: str, body: CondensedBody, solution: ContactSolution) -> BodyField:
+    points, triangles = quadratic_nodes(body.basis.mesh)
+    dofs = node_dofs(body.basis)
+    nodal = body.displacement(solution.point_forces)
+    nodes = body.contact_nodes
+    pressure = np.zeros(len(points))
+    with np.errstate(under="ignore"):
+        pressure[nodes] = np.interp(body.contact_x, solution.model.line.x, solution.pressure)
+    return BodyField(
+        name,
+        points,
+        triangles,
+        nodal[dofs].T,
+        (body.stress_operator @ nodal).reshape(len(points), 4),
+        nodes,
+        body.contact_x,
+        pressure,
+    )
+
+
+def quadratic_nodes(mesh: MeshTri) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Corner and mid-edge points (n, 2) [m] and the triangles (m, 6) over them, in VTK's order."""
+    points = np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)]).T
+    return points, np.vstack([mesh.t, mesh.nvertices + mesh.t2f]).T
+
+
+def node_dofs(basis: Basis) -> NDArray[np.int64]:
+    """Radial and axial dof of every quadratic node, shape (2, n)."""
+    return np.hstack([basis.nodal_dofs, basis.facet_dofs])
+
+
+def stress_operator(basis: Basis, material: Material) -> csr_matrix:
+    """Matrix from displacement dofs [m] to nodal stress [Pa], rows 4 i + (rr, zz, tt, rz) of node i.
+
+    The gradient is evaluated at the six nodes of each triangle and averaged over the triangles that share a
+    node, weighted by their area. On the axis u_r/r is replaced by its limit du_r/dr.
+    """
+    mesh = basis.mesh
+    points, triangles = quadratic_nodes(mesh)
+    dofs = node_dofs(basis)[:, triangles]  # (2, m, 6)
+    gradient, area = _nodal_gradients(mesh)  # (m, node 6, shape 6, 2), (m,)
+    weight = np.bincount(triangles.ravel(), np.repeat(area, 6), minlength=len(points))
+    share = area[:, None] / weight[triangles]
+    lam, mu = lame_parameters(material)
+    r = points[triangles, 0]
+    on_axis = r < 1e-12 * points[:, 0].max()
+    d_r, d_z = gradient[..., 0], gradient[..., 1]
+    hoop = np.where(on_axis[..., None], d_r, np.eye(6) / np.where(on_axis, 1.0, r)[..., None])
+    zero = np.zeros_like(d_r)
+    strain_r = np.stack([d_r, zero, hoop, d_z])  # rr, zz, tt, g_rz from u_r
+    strain_z = np.stack([zero, d_z, zero, d_r])
+    elastic = np.diag([2 * mu, 2 * mu, 2 * mu, mu])
+    elastic[:3, :3] += lam
+    shape = (4, *triangles.shape, 6)
+    rows = np.broadcast_to((4 * triangles + np.arange(4)[:, None, None])[..., None], shape)
+    data, columns = [], []
+    for strain, dof in zip((strain_r, strain_z), dofs, strict=True):
+        data.append(np.einsum("ij,jmab,ma->imab", elastic, strain, share))
+        columns.append(np.broadcast_to(dof[None, :, None, :], shape))
+    entries = np.stack(data).ravel()
+    index = (np.stack([rows, rows]).ravel(), np.stack(columns).ravel())
+    return csr_matrix((entries, index), shape=(4 * len(points), basis.N))
+
+
+def _nodal_gradients(mesh: MeshTri) -> tuple[FloatArray, FloatArray]:
+    """Gradients of the six quadratic shape functions at the six nodes, and the areas of the triangles."""
+    x, y = _NODES
+    l0, one, zero = 1 - x - y, np.ones(6), np.zeros(6)
+    reference = np.array(
+        [
+            [1 - 4 * l0, 1 - 4 * l0],
+            [4 * x - 1, zero],
+            [zero, 4 * y - 1],
+            [4 * (l0 - x), -4 * x],
+            [4 * y, 4 * x],
+            [-4 * y, 4 * (l0 - y)],
+        ]
+    ) * one  # (shape, direction, node)
+    p, t = mesh.p, mesh.t
+    jacobian = np.stack([p[:, t[1]] - p[:, t[0]], p[:, t[2]] - p[:, t[0]]], axis=1)  # (xy, reference, m)
+    inverse = np.linalg.inv(np.moveaxis(jacobian, -1, 0))  # (m, reference, xy)
+    return np.einsum("sdn,mdk->mnsk", reference, inverse), 0.5 * np.abs(np.linalg.det(np.moveaxis(jacobian, -1, 0)))

@@ -1,0 +1,48 @@
+"""Fixtures that several test files share."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+
+import pytest
+
+import meshes
+from fem_seal.condensation import ContactModel, condense
+from fem_seal.contact_size import element_sizes
+from fem_seal.loads import closing_force, line_load
+from fem_seal.materials import Material
+
+STEEL = Material("steel", 210e9, 0.3)
+
+
+@pytest.fixture(scope="session")
+def reference_folder() -> Path:
+    """Folder with the independent reference numbers, next to the repository unless FEM_SEAL_REFERENCE says where."""
+    default = Path(__file__).resolve().parents[2] / "shared" / "reference"
+    folder = Path(os.environ.get("FEM_SEAL_REFERENCE", default))
+    if not folder.is_dir():
+        pytest.skip(f"reference numbers are not at {folder}; set FEM_SEAL_REFERENCE to their folder")
+    return folder
+
+
+def ball_on_cone(
+    law: object,
+    fluid_pressures: list[float],
+    *,
+    radius: float = 0.02,
+    angle: float = math.radians(45),
+    closure: Material = STEEL,
+    seat: Material = STEEL,
+    refine: float = 1.0,
+) -> tuple[ContactModel, list[float]]:
+    """Model of a ball on a cone with the default mesh for these loads, and the axial forces of the loads."""
+    from fem_seal.materials import effective_modulus
+
+    ball, cone = meshes.Ball(radius), meshes.ConicalSeat.around(angle, radius)
+    contact = meshes.BallOnCone(ball, angle)
+    forces = [closing_force(contact.touch_radius, p) for p in fluid_pressures]
+    loads = [line_load(force, contact.touch_radius, angle) for force in forces]
+    sizing = element_sizes(law, loads, contact, cone, effective_modulus(closure, seat)).refined(refine)  # type: ignore[arg-type]
+    return condense(meshes.build(ball, cone, sizing), closure, seat), forces

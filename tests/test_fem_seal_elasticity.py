@@ -1,0 +1,117 @@
+"""The axisymmetric elements against closed solutions: patch test, rigid motion, Lame's thick cylinder."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import Basis, MeshTri, condense, solve
+
+from fem_seal.elasticity import displacement_basis, lame_parameters, pressure_load, stiffness_matrix
+from fem_seal.materials import Material
+from fem_seal.stress import node_dofs, quadratic_nodes, stress_operator, von_mises
+
+STEEL = Material("steel", 210e9, 0.3)
+INNER, OUTER, HEIGHT = 0.01, 0.02, 0.005
+
+
+def ring(refine: int, inner: float = INNER) -> MeshTri:
+    """Rectangle in the (r, z) half-plane with its four sides named, elements deliberately unequal."""
+    r = np.linspace(inner, OUTER, 3) + np.array([0, 0.1, 0]) * (OUTER - inner)
+    mesh = MeshTri.init_tensor(r, np.linspace(0, HEIGHT, 2)).refined(refine)
+    return mesh.with_boundaries(
+        {
+            "inner": lambda x: np.isclose(x[0], inner),
+            "outer": lambda x: np.isclose(x[0], OUTER),
+            "bottom": lambda x: np.isclose(x[1], 0),
+            "top": lambda x: np.isclose(x[1], HEIGHT),
+        }
+    )
+
+
+def nodal(basis: Basis, r_component: object, z_component: object) -> np.ndarray:
+    points, _ = quadratic_nodes(basis.mesh)
+    u = np.zeros(basis.N)
+    u[node_dofs(basis)[0]], u[node_dofs(basis)[1]] = r_component(points), z_component(points)  # type: ignore[operator]
+    return u
+
+
+def test_stiffness_is_symmetric_and_positive() -> None:
+    K = stiffness_matrix(displacement_basis(ring(1)), STEEL)
+    assert abs(K - K.T).max() <= 1e-14 * abs(K).max()
+    eigenvalues = np.linalg.eigvalsh(K.toarray())
+    assert np.sum(eigenvalues < 1e-10 * eigenvalues[-1]) == 1  # the axial rigid motion, nothing else
+
+
+@pytest.mark.parametrize("inner", [0.0, INNER])
+def test_axial_rigid_motion_has_no_force_and_no_stress(inner: float) -> None:
+    basis = displacement_basis(ring(2, inner))
+    u = nodal(basis, lambda p: 0 * p[:, 0], lambda p: 0 * p[:, 0] + 1e-3)
+    K = stiffness_matrix(basis, STEEL)
+    assert np.abs(K @ u).max() < 1e-12 * abs(K).max() * 1e-3
+    assert np.abs(stress_operator(basis, STEEL) @ u).max() < 1e-10 * 210e9
+
+
+@pytest.mark.parametrize("inner", [0.0, INNER])
+def test_patch_test_uniform_pressure_gives_uniform_stress(inner: float) -> None:
+    """Hydrostatic pressure on every surface: u = -p (1 - 2 nu)/E (r, z), exactly representable."""
+    p, (E, nu) = 30e6, (STEEL.youngs_modulus, STEEL.poissons_ratio)
+    basis = displacement_basis(ring(1, inner))
+    k = -p * (1 - 2 * nu) / E
+    u = nodal(basis, lambda x: k * x[:, 0], lambda x: k * x[:, 1])
+    sides = ["outer", "top", "bottom"] + (["inner"] if inner else [])
+    force = p * sum(pressure_load(basis, side) for side in sides)
+    assert stiffness_matrix(basis, STEEL) @ u == pytest.approx(force, abs=1e-10 * np.abs(force).max())
+    stress = (stress_operator(basis, STEEL) @ u).reshape(-1, 4)
+    assert stress == pytest.approx(np.tile([-p, -p, -p, 0.0], (len(stress), 1)), abs=1e-9 * p)
+
+
+def test_pressure_load_sums_to_pressure_times_area() -> None:
+    basis = displacement_basis(ring(1))
+    load = pressure_load(basis, "top")
+    axial = np.concatenate([basis.nodal_dofs[1], basis.facet_dofs[1]])
+    assert load[axial].sum() == pytest.approx(-np.pi * (OUTER**2 - INNER**2), rel=1e-12)
+
+
+def lame_displacement(r: np.ndarray, p: float) -> np.ndarray:
+    """Radial displacement of a thick cylinder under inner pressure, plane strain (Timoshenko & Goodier, art. 28)."""
+    lam, mu = lame_parameters(STEEL)
+    A = p * INNER**2 / (OUTER**2 - INNER**2)
+    return A / 2 * (r / (lam + mu) + OUTER**2 / (mu * r))
+
+
+def solved_cylinder(refine: int, p: float) -> tuple[Basis, np.ndarray]:
+    basis = displacement_basis(ring(refine))
+    held = np.concatenate([basis.get_dofs(side).all(["u^2"]) for side in ("top", "bottom")])
+    u = solve(*condense(stiffness_matrix(basis, STEEL), p * pressure_load(basis, "inner"), D=held))
+    return basis, u
+
+
+def test_lame_cylinder_converges_with_third_order() -> None:
+    p, errors = 50e6, []
+    for refine in (0, 1, 2, 3):
+        basis, u = solved_cylinder(refine, p)
+        field = basis.interpolate(u)
+        r = np.asarray(basis.global_coordinates())[0]
+        error = np.asarray(field)[0] - lame_displacement(r, p)
+        errors.append(np.sqrt(np.sum(error**2 * basis.dx)))
+    rates = np.diff(np.log(errors)) / np.log(0.5)
+    assert rates[-1] == pytest.approx(3.0, abs=0.25)  # quadratic elements: displacement of third order in L2
+
+
+def test_lame_stress_at_the_bore() -> None:
+    """Hoop stress at the bore p (ro^2 + ri^2)/(ro^2 - ri^2), radial stress -p."""
+    p = 50e6
+    basis, u = solved_cylinder(4, p)
+    points, _ = quadratic_nodes(basis.mesh)
+    stress = (stress_operator(basis, STEEL) @ u).reshape(-1, 4)
+    bore = np.isclose(points[:, 0], INNER)
+    hoop = p * (OUTER**2 + INNER**2) / (OUTER**2 - INNER**2)
+    # nodal stress is of second order: 1/32 of the wall per element leaves 1e-3
+    assert stress[bore, 2] == pytest.approx(hoop, rel=2e-3)
+    assert stress[bore, 0] == pytest.approx(-p, rel=5e-3)
+
+
+def test_von_mises_of_simple_states() -> None:
+    assert von_mises(np.array([100.0, 0, 0, 0])) == pytest.approx(100.0)
+    assert von_mises(np.array([0.0, 0, 0, 50.0])) == pytest.approx(50 * np.sqrt(3))
+    assert von_mises(np.array([-7.0, -7.0, -7.0, 0])) == pytest.approx(0.0)
