@@ -18,9 +18,10 @@ from scipy.optimize import brentq
 
 import leak
 from fem_seal.condensation import ContactModel, condense
-from fem_seal.contact import ContactSolution, InterfaceLaw, solve
+from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
-from fem_seal.hard_contact import HardContact
+from fem_seal.contact_solution import ContactSolution
+from fem_seal.laws import HardContact, Law
 from fem_seal.loads import closing_force, line_load
 from fem_seal.materials import Material, effective_modulus
 from meshes import Ball, BallOnCone, ConicalSeat, build
@@ -68,7 +69,7 @@ def paper_spectrum(hurst: float = 0.6) -> leak.PowerSpectrum:
 
 
 def contact_model(
-    law: InterfaceLaw | HardContact, pressures: Sequence[float], degrees: float = 45.0, refine: float = 1.0
+    law: Law, pressures: Sequence[float], degrees: float = 45.0, refine: float = 1.0
 ) -> tuple[ContactModel, list[float]]:
     """Ball on cone, steel on steel, default mesh; and the axial force of each fluid pressure."""
     ball, angle = Ball(RADIUS), math.radians(degrees)
@@ -82,7 +83,8 @@ def contact_model(
 def deviations(solution: ContactSolution, exact: object) -> list[float]:
     """Relative differences of peak, FWHM and standard deviation."""
     return [
-        getattr(solution.profile, name) / getattr(exact, name) - 1 for name in ("peak_pressure", "fwhm", "std")
+        getattr(solution.profile, name) / getattr(exact, name) - 1
+        for name in ("peak_pressure", "fwhm", "std")
     ]
 
 
@@ -184,7 +186,9 @@ def angles_section() -> Section:
         errors = deviations(solution, exact)
         centre = solution.profile.centroid
         rows.append((f"{degrees} deg", *(f"{e:+.1e}" for e in errors), f"{centre * 1e6:.2f}"))
-        figures += [Figure(f"{name} at {degrees} deg", e, 5e-4) for name, e in zip("pws", errors, strict=True)]
+        figures += [
+            Figure(f"{name} at {degrees} deg", e, 5e-4) for name, e in zip("pws", errors, strict=True)
+        ]
     return Section(
         "Contact: other cone angles",
         "Exponential law, 20 bar. The last column is the shift of the profile's centre, which a half-space does not "
@@ -395,8 +399,8 @@ def sensitivity_section() -> Section:
     return Section(
         "How much the spectrum decides",
         "Elastic over plastic leak rate with other Hurst exponents, rms height 1.9 um and rms slope 0.4 kept (the "
-        "roll-off follows), Gaussian profile s = 0.139 mm. All of these surfaces fit the paper's words about height and "
-        "slope; a leak rate is not better known than the spectrum that it is calculated from.",
+        "roll-off follows), Gaussian profile s = 0.139 mm. All of these surfaces fit the paper's words about "
+        "height and slope; a leak rate is not better known than the spectrum that it is calculated from.",
         ("Hurst exponent", "roll-off [1/m]", "at 1 bar", "at 20 bar"),
         tuple(rows),
     )

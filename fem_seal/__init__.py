@@ -30,12 +30,14 @@ _HOME = {
     "ConvergenceError": "fem_seal.errors",
     "derive": "fem_seal.derived",
     "run": "fem_seal.pipeline",
-    "SealResult": "fem_seal.pipeline",
+    "SealResult": "fem_seal.results",
     "condense": "fem_seal.condensation",
     "ContactModel": "fem_seal.condensation",
     "solve": "fem_seal.contact",
-    "ContactSettings": "fem_seal.contact",
-    "ContactSolution": "fem_seal.contact",
+    "body_fields": "fem_seal.stress",
+    "ContactSettings": "fem_seal.contact_solution",
+    "ContactSolution": "fem_seal.contact_solution",
+    "HardContact": "fem_seal.laws",
     "PressureProfile": "fem_seal.profile",
 }
 

@@ -2,108 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Protocol
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from fem_seal.condensation import ContactModel
+from fem_seal.contact_solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
-from fem_seal.profile import PressureProfile
+from fem_seal.hard_contact import solve_hard
+from fem_seal.laws import HardContact, InterfaceLaw, Law
 
 FloatArray = NDArray[np.float64]
 
 
-class InterfaceLaw(Protocol):
-    """p(u) of two rough surfaces, as separation over the logarithm of the pressure."""
-
-    def gap(self, log_pressure: FloatArray) -> FloatArray:
-        """Mean separation u [m] at ln(p/Pa)."""
-        ...
-
-    def decay_length(self, log_pressure: FloatArray) -> FloatArray:
-        """-du/d ln p [m], positive."""
-        ...
-
-
-@dataclass(frozen=True)
-class ContactSettings:
-    """When the Newton iteration stops.
-
-    Parameters
-    ----------
-    gap_tolerance : float
-        Largest residual of the gap in units of the law's decay length; this is also the relative error of p.
-    force_tolerance : float
-        Relative residual of the axial force.
-    max_iterations : int
-    """
-
-    gap_tolerance: float = 1e-10
-    force_tolerance: float = 1e-12
-    max_iterations: int = 60
-
-
-@dataclass(frozen=True)
-class ContactSolution:
-    """State of the contact line under one axial force.
-
-    Parameters
-    ----------
-    model : ContactModel
-    axial_force : float
-        Applied force F_N [N].
-    approach : float
-        Axial rigid motion of the closure towards the seat since first touch of the mean planes [m].
-    log_pressure : ndarray, shape (m,)
-        ln(p/Pa) at the points of the contact line; -inf where hard contact is open.
-    gap : ndarray, shape (m,)
-        Separation [m].
-    iterations : int
-    residuals : tuple of float
-        Largest gap residual over decay length, one per iteration.
-    """
-
-    model: ContactModel
-    axial_force: float
-    approach: float
-    log_pressure: FloatArray = field(repr=False)
-    gap: FloatArray = field(repr=False)
-    iterations: int
-    residuals: tuple[float, ...] = field(repr=False)
-
-    @property
-    def pressure(self) -> FloatArray:
-        """Contact pressure at the points of the contact line [Pa]."""
-        return np.exp(self.log_pressure)
-
-    @property
-    def point_forces(self) -> FloatArray:
-        """Normal forces at the points of the contact line [N]."""
-        return self.model.line.area_weight * self.pressure
-
-    @property
-    def force_error(self) -> float:
-        """(axial contact force - applied force) / applied force."""
-        return float(self.model.line.normal[1] @ self.point_forces) / self.axial_force - 1
-
-    @property
-    def line_load(self) -> float:
-        """f_N [N/m]."""
-        return self.model.line_load(self.axial_force)
-
-    @property
-    def profile(self) -> PressureProfile:
-        """Nominal pressure profile."""
-        line = self.model.line
-        return PressureProfile(line.x, line.radius, self.pressure, self.gap, line.arc_weight)
-
-
 def solve(
     model: ContactModel,
-    law: InterfaceLaw,
+    law: Law,
     *,
     axial_force: float,
     settings: ContactSettings | None = None,
@@ -114,7 +28,7 @@ def solve(
     Parameters
     ----------
     model : ContactModel
-    law : InterfaceLaw
+    law : InterfaceLaw or HardContact
         `leak.ExponentialLaw`, `leak.TabulatedLaw`, `RoughContact.interface_law()` or `HardContact()`.
     axial_force : float
         F_N [N], positive.
@@ -140,8 +54,6 @@ def solve(
     Increments of v are applied as they are where they fall and as log(1 + dv) where they rise: the pressure
     then never rises faster than linear extrapolation says, and the exponential cannot run away.
     """
-    from fem_seal.hard_contact import HardContact, solve_hard
-
     if not (np.isfinite(axial_force) and axial_force > 0):
         raise ValueError(f"axial_force = {axial_force!r} N: must be positive and finite")
     if isinstance(law, HardContact):
@@ -191,7 +103,9 @@ def _newton_step(
     D = scale[active]
     matrix = np.eye(len(active)) + D[:, None] * C[np.ix_(active, active)] * D
     right = np.column_stack([-gap_residual[active], n_z[active]]) * D[:, None]
-    eta = D[:, None] * cho_solve(cho_factor(matrix, lower=True, check_finite=False), right, check_finite=False)
+    eta = D[:, None] * cho_solve(
+        cho_factor(matrix, lower=True, check_finite=False), right, check_finite=False
+    )
     step_d = (axial_force * force_residual - n_z[active] @ eta[:, 0]) / (n_z[active] @ eta[:, 1])
     step_f = eta[:, 0] + step_d * eta[:, 1]
     step_v = (-gap_residual + step_d * n_z - C[:, active] @ step_f) / decay

@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem_seal.contact import InterfaceLaw
-from fem_seal.hard_contact import HardContact
+from fem_seal.laws import HardContact, InterfaceLaw, Law
 from meshes import BallOnCone, ConicalSeat, Sizing
 
-# Elements per standard deviation of the narrowest profile, and growth of the elements: chosen so that p0, width and
-# standard deviation change by less than 1e-4 on further refinement (tests/test_verification_contact.py).
-_ROUGH = {"per_std": 6.0, "growth_along": 0.08, "growth_deep": 0.2}
-# Where contact ends sharply only small elements follow the edge.
-_HARD = {"per_std": 14.0, "growth_along": 0.04, "growth_deep": 0.25}
+# Chosen so that peak, width and standard deviation change by less than 2e-4 on further refinement
+# (tests/test_verification_contact.py). A soft interface spreads the pressure smoothly; the stiffer it is against the
+# bodies, the sharper the pressure ends, and the smaller the elements must be to follow its edge.
+_PER_STD_SOFT, _PER_STD_HARD = 6.0, 14.0
+_GROWTH_SOFT = 0.08
+_GROWTH_DEEP = 0.2
 
 # Pressure over peak pressure at which the zone may end.
 _TAIL = 1e-7
@@ -30,16 +30,19 @@ class ContactWidth:
     ----------
     std : float
         Standard deviation of the pressure profile [m].
+    per_std : float
+        Elements per standard deviation that resolve it.
     reach : float
         Distance from first touch at which the pressure has fallen to 1e-7 of its peak [m].
     """
 
     std: float
+    per_std: float
     reach: float
 
 
 def contact_width(
-    law: InterfaceLaw | HardContact, line_load: float, relative_radius: float, effective_modulus: float
+    law: Law, line_load: float, relative_radius: float, effective_modulus: float
 ) -> ContactWidth:
     """Width of a line contact before it is solved.
 
@@ -59,13 +62,15 @@ def contact_width(
     R = relative_radius
     a = 2 * math.sqrt(line_load * R / (math.pi * effective_modulus))
     if isinstance(law, HardContact):
-        return ContactWidth(a / 2, 1.3 * a)
+        return ContactWidth(a / 2, _PER_STD_HARD, 1.3 * a)
     log_peak = math.log(line_load / (math.sqrt(math.pi / 2) * a))
     for _ in range(4):
-        std = math.sqrt(R * _decay_length(law, log_peak) + a**2 / 4)
+        law_variance = R * _decay_length(law, log_peak)
+        std = math.sqrt(law_variance + a**2 / 4)
         log_peak = math.log(line_load / (math.sqrt(2 * math.pi) * std))
     tail = math.sqrt(2 * R * (_gap(law, log_peak + math.log(_TAIL)) - _gap(law, log_peak)))
-    return ContactWidth(std, a + tail)
+    per_std = min(max(a / math.sqrt(law_variance), _PER_STD_SOFT), _PER_STD_HARD)
+    return ContactWidth(std, per_std, a + tail)
 
 
 def _decay_length(law: InterfaceLaw, log_pressure: float) -> float:
@@ -77,7 +82,7 @@ def _gap(law: InterfaceLaw, log_pressure: float) -> float:
 
 
 def element_sizes(
-    law: InterfaceLaw | HardContact,
+    law: Law,
     line_loads: Sequence[float],
     contact: BallOnCone,
     seat: ConicalSeat,
@@ -100,16 +105,15 @@ def element_sizes(
     """
     widths = [contact_width(law, f, contact.relative_radius, effective_modulus) for f in line_loads]
     std, reach = min(w.std for w in widths), max(w.reach for w in widths)
-    rules = _HARD if isinstance(law, HardContact) else _ROUGH
     lower, upper = seat.face_reach(contact.touch_radius)
     far_size = contact.ball.radius / 8
     sizing = Sizing(
-        contact_size=min(std / rules["per_std"], far_size),
+        contact_size=min(min(w.std / w.per_std for w in widths), far_size),
         core=3 * std,
         # Contact ends where the face or the ball ends, whatever the law says.
         zone=(max(-reach, 0.98 * lower), min(reach, 0.98 * upper, 0.98 * contact.reach[1])),
-        growth_along=rules["growth_along"],
-        growth_deep=rules["growth_deep"],
+        growth_along=_GROWTH_SOFT * _PER_STD_SOFT / max(w.per_std for w in widths),
+        growth_deep=_GROWTH_DEEP,
         far_size=far_size,
     )
     return sizing if contact_size is None else replace(sizing, contact_size=min(contact_size, far_size))

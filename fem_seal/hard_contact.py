@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.condensation import ContactLine, ContactModel
+from fem_seal.contact_solution import ContactSolution
 from fem_seal.errors import ConvergenceError
-
-if TYPE_CHECKING:
-    from fem_seal.condensation import ContactLine, ContactModel
-    from fem_seal.contact import ContactSolution
 
 FloatArray = NDArray[np.float64]
 
 _MAX_CHANGES = 100
-
-
-@dataclass(frozen=True)
-class HardContact:
-    """Smooth surfaces: p >= 0, gap >= 0, p gap = 0."""
 
 
 def hat_functions(line: ContactLine) -> FloatArray:
@@ -40,8 +30,6 @@ def solve_hard(model: ContactModel, axial_force: float) -> ContactSolution:
     ConvergenceError
         If the active set does not settle.
     """
-    from fem_seal.contact import ContactSolution
-
     line = model.line
     hats = hat_functions(line)
     loads = line.area_weight[:, None] * hats
@@ -54,7 +42,10 @@ def solve_hard(model: ContactModel, axial_force: float) -> ContactSolution:
     for change in range(1, _MAX_CHANGES + 1):
         inside = np.flatnonzero(active)
         matrix = np.block(
-            [[compliance[np.ix_(inside, inside)], -axial[inside, None]], [-axial[None, inside], np.zeros((1, 1))]]
+            [
+                [compliance[np.ix_(inside, inside)], -axial[inside, None]],
+                [-axial[None, inside], np.zeros((1, 1))],
+            ]
         )
         solution = np.linalg.solve(matrix, np.append(-gap0[inside], -axial_force))
         pressure, approach = np.zeros(len(active)), float(solution[-1])

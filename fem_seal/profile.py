@@ -104,4 +104,4 @@ class PressureProfile:
         part = slice(lower, lower + 6)
         spline = CubicSpline(self.x[part], height[part])
         a, b = sorted((float(self.x[inside]), float(self.x[outside])))
-        return float(brentq(spline, a, b, xtol=1e-15))
+        return float(brentq(lambda x: float(spline(x)), a, b, xtol=1e-15))

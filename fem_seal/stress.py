@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from skfem import Basis, MeshTri
 
     from fem_seal.condensation import CondensedBody
-    from fem_seal.contact import ContactSolution
+    from fem_seal.contact_solution import ContactSolution
     from fem_seal.materials import Material
 
 FloatArray = NDArray[np.float64]
@@ -76,7 +76,10 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     solution : ContactSolution
     """
     model = solution.model
-    return {"closure": _field("closure", model.closure, solution), "seat": _field("seat", model.seat, solution)}
+    return {
+        "closure": _field("closure", model.closure, solution),
+        "seat": _field("seat", model.seat, solution),
+    }
 
 
 def _field(name: str, body: CondensedBody, solution: ContactSolution) -> BodyField:
@@ -147,17 +150,22 @@ def _nodal_gradients(mesh: MeshTri) -> tuple[FloatArray, FloatArray]:
     """Gradients of the six quadratic shape functions at the six nodes, and the areas of the triangles."""
     x, y = _NODES
     l0, one, zero = 1 - x - y, np.ones(6), np.zeros(6)
-    reference = np.array(
-        [
-            [1 - 4 * l0, 1 - 4 * l0],
-            [4 * x - 1, zero],
-            [zero, 4 * y - 1],
-            [4 * (l0 - x), -4 * x],
-            [4 * y, 4 * x],
-            [-4 * y, 4 * (l0 - y)],
-        ]
-    ) * one  # (shape, direction, node)
+    reference = (
+        np.array(
+            [
+                [1 - 4 * l0, 1 - 4 * l0],
+                [4 * x - 1, zero],
+                [zero, 4 * y - 1],
+                [4 * (l0 - x), -4 * x],
+                [4 * y, 4 * x],
+                [-4 * y, 4 * (l0 - y)],
+            ]
+        )
+        * one
+    )  # (shape, direction, node)
     p, t = mesh.p, mesh.t
     jacobian = np.stack([p[:, t[1]] - p[:, t[0]], p[:, t[2]] - p[:, t[0]]], axis=1)  # (xy, reference, m)
     inverse = np.linalg.inv(np.moveaxis(jacobian, -1, 0))  # (m, reference, xy)
-    return np.einsum("sdn,mdk->mnsk", reference, inverse), 0.5 * np.abs(np.linalg.det(np.moveaxis(jacobian, -1, 0)))
+    return np.einsum("sdn,mdk->mnsk", reference, inverse), 0.5 * np.abs(
+        np.linalg.det(np.moveaxis(jacobian, -1, 0))
+    )

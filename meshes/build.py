@@ -67,7 +67,11 @@ def _check_touch(contact: BallOnCone, seat: ConicalSeat, sizing: Sizing) -> None
         )
     r_start, r_end = contact.radius(np.array(sizing.zone))
     slack = 1e-9 * r0
-    if r_start < seat.bore_radius - slack or r_end > seat.face_radius + slack or sizing.zone[1] > contact.reach[1]:
+    if (
+        r_start < seat.bore_radius - slack
+        or r_end > seat.face_radius + slack
+        or sizing.zone[1] > contact.reach[1]
+    ):
         raise GeometryError(
             f"the contact zone from r = {r_start:.6g} m to {r_end:.6g} m does not fit on the seat's face "
             f"({seat.bore_radius:.6g} m to {seat.face_radius:.6g} m) below the ball"
@@ -120,9 +124,7 @@ def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> dict[str, lis
     loop = []
     for s in outline.segments:
         start, end = point(s.start), point(s.end)
-        curve = (
-            geo.addLine(start, end) if s.centre is None else geo.addCircleArc(start, point(s.centre), end)
-        )
+        curve = geo.addLine(start, end) if s.centre is None else geo.addCircleArc(start, point(s.centre), end)
         curves.setdefault(s.name, []).append(curve)
         loop.append(curve)
     surface = geo.addPlaneSurface([geo.addCurveLoop(loop)])

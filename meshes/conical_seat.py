@@ -47,7 +47,9 @@ class ConicalSeat:
 
     def __post_init__(self) -> None:
         if not 0 < self.angle < math.pi / 2:
-            raise GeometryError(f"seat angle = {math.degrees(self.angle):.6g} deg: must lie between 0 and 90 deg")
+            raise GeometryError(
+                f"seat angle = {math.degrees(self.angle):.6g} deg: must lie between 0 and 90 deg"
+            )
         if not 0 < self.bore_radius < self.face_radius <= self.outer_radius:
             raise GeometryError(
                 "seat radii must increase from the bore over the upper edge of the face to the housing, got "

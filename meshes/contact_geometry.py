@@ -38,7 +38,9 @@ class BallOnCone:
 
     def __post_init__(self) -> None:
         if not 0 < self.angle < math.pi / 2:
-            raise GeometryError(f"seat angle = {math.degrees(self.angle):.6g} deg: must lie between 0 and 90 deg")
+            raise GeometryError(
+                f"seat angle = {math.degrees(self.angle):.6g} deg: must lie between 0 and 90 deg"
+            )
 
     @property
     def touch_radius(self) -> float:
@@ -64,7 +66,7 @@ class BallOnCone:
         return np.asarray(x) * math.sin(self.angle)
 
     def normal(self, x: FloatArray) -> FloatArray:
-        """Unit normal (n_r, n_z) of the seat, towards the closure; shape (2, \\*x.shape)."""
+        """Unit normal (n_r, n_z) of the seat, towards the closure; shape (2, ...) over x."""
         one = np.ones_like(np.asarray(x, dtype=float))
         return np.stack([-math.sin(self.angle) * one, math.cos(self.angle) * one])
 
@@ -76,11 +78,15 @@ class BallOnCone:
 
     def closure_coordinate(self, r: FloatArray, z: FloatArray) -> FloatArray:
         """x of a point (r, z) of the closure's surface [m]."""
-        return (np.asarray(r) - self.touch_radius) * math.cos(self.angle) + np.asarray(z) * math.sin(self.angle)
+        return (np.asarray(r) - self.touch_radius) * math.cos(self.angle) + np.asarray(z) * math.sin(
+            self.angle
+        )
 
     def seat_coordinate(self, r: FloatArray, z: FloatArray) -> FloatArray:
         """x of a point (r, z) of the seat's face [m]."""
-        return (np.asarray(r) - self.touch_radius) * math.cos(self.angle) + np.asarray(z) * math.sin(self.angle)
+        return (np.asarray(r) - self.touch_radius) * math.cos(self.angle) + np.asarray(z) * math.sin(
+            self.angle
+        )
 
     @property
     def centre_height(self) -> float:

@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 class Sizing:
     """Element size as a function of place.
 
-    size = contact_size + growth_along max(0, \\|x\\| - core) + growth_deep \\|y\\|, at most far_size, where x runs
+    size = contact_size + growth_along max(0, abs(x) - core) + growth_deep abs(y), at most far_size, where x runs
     along the common tangent and y along the common normal from first touch. What happens at depth y varies over
     a length of the order of y, so the elements may grow with it without loss.
 

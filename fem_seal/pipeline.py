@@ -1,0 +1,299 @@
+"""The chain from a case to its results: geometry, mesh, contact, profile, leak."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.condensation import ContactModel, condense
+from fem_seal.contact import solve
+from fem_seal.contact_size import element_sizes
+from fem_seal.contact_solution import ContactSolution
+from fem_seal.interface import exponential_law, rough_contact
+from fem_seal.laws import HardContact, Law
+from fem_seal.loads import closing_force, line_load
+from fem_seal.results import DiscretisationError, InterfaceVariant, LoadResult, SealResult
+from fem_seal.stress import body_fields
+from fem_seal.validity import contact_warnings
+from meshes import Ball, BallOnCone, ConicalSeat, SealMesh, Sizing, build
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+    from leak import ConductivityTable, LeakResult, RoughContact
+
+Progress = Callable[[str], None]
+
+# The coarser mesh of the error estimate has elements this much larger.
+_COARSER = 1.5
+
+
+def run(case: Case, progress: Progress | None = None) -> SealResult:
+    """Solve every load of a case.
+
+    Parameters
+    ----------
+    case : Case
+    progress : callable, optional
+        Told in words what is being done.
+
+    Returns
+    -------
+    SealResult
+
+    Raises
+    ------
+    GeometryError
+        If the bodies do not fit together.
+    MeshingError
+        If gmsh cannot be loaded or fails.
+    ConvergenceError
+        If a contact does not converge.
+    """
+    clock = _Clock(progress or (lambda text: None))
+    with clock.step("interface", "roughness and interface law"):
+        surface = rough_contact(case)
+        law = interface_law(case, surface)
+    with clock.step("mesh", "meshing closure and seat"):
+        seal_mesh = _build_mesh(case, law)
+    with clock.step("condense", "condensing both bodies on the contact line"):
+        model = _condensed(case, seal_mesh)
+    with clock.step("contact", f"solving {len(case.load.fluid_pressure)} contacts"):
+        contacts = [solve(model, law, axial_force=force) for force in axial_forces(case)]
+    with clock.step("leak", "flow conductivity and leak rates"):
+        flows = _leak_rates(case, surface, contacts)
+    with clock.step("stress", "stress in both bodies"):
+        loads = tuple(
+            _load_result(case, surface, *item)
+            for item in zip(case.load.fluid_pressure, contacts, *flows, strict=True)
+        )
+    with clock.step("error", "estimating the discretisation error"):
+        error = _discretisation_error(case, law, seal_mesh, loads, surface)
+    with clock.step("variants", "comparing elastic and plastic interface law"):
+        variants = _interface_variants(case, surface, loads)
+    return SealResult(
+        case,
+        seal_mesh,
+        model,
+        surface,
+        loads,
+        error,
+        variants,
+        contact_warnings(case, model, loads, error),
+        clock.timings,
+    )
+
+
+def build_mesh(case: Case) -> SealMesh:
+    """Mesh of a case, sized for all its loads.
+
+    Parameters
+    ----------
+    case : Case
+
+    Raises
+    ------
+    GeometryError, MeshingError
+    """
+    return _build_mesh(case, interface_law(case, rough_contact(case)))
+
+
+def interface_law(case: Case, surface: RoughContact | None) -> Law:
+    """The law between contact pressure and gap that the case asks for.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact or None
+        The case's rough contact.
+    """
+    from leak import ExponentialLaw
+
+    if case.interface.law == "smooth":
+        return HardContact()
+    if case.interface.law == "persson":
+        assert surface is not None  # the case's own checks demand a roughness
+        return surface.interface_law(plastic=case.interface.plastic)
+    u0, p_c = exponential_law(case, surface)
+    assert u0 is not None and p_c is not None
+    return ExponentialLaw(p_c=p_c, u0=u0)
+
+
+def axial_forces(case: Case) -> list[float]:
+    """Force F_N that closes the seal at each fluid pressure [N]."""
+    load = case.load
+    return [
+        closing_force(case.touch_radius, pressure, load.axial_force, load.pressure_side)
+        for pressure in load.fluid_pressure
+    ]
+
+
+def geometry(case: Case) -> tuple[Ball, ConicalSeat]:
+    """Closure and seat, with the dimensions that the case leaves open."""
+    seat = case.seat
+    return Ball(case.closure.radius), ConicalSeat.around(
+        seat.angle,
+        case.closure.radius,
+        bore_radius=seat.bore_radius,
+        face_radius=seat.face_radius,
+        outer_radius=seat.outer_radius,
+        height=seat.height,
+    )
+
+
+@dataclass(frozen=True)
+class _Clock:
+    progress: Progress
+    timings: dict[str, float] = field(default_factory=dict)
+
+    @contextmanager
+    def step(self, name: str, text: str) -> Iterator[None]:
+        self.progress(text)
+        start = time.perf_counter()
+        yield
+        self.timings[name] = time.perf_counter() - start
+
+
+def _build_mesh(case: Case, law: Law) -> SealMesh:
+    closure, seat = geometry(case)
+    contact = BallOnCone(closure, seat.angle)
+    line_loads = [line_load(force, contact.touch_radius, seat.angle) for force in axial_forces(case)]
+    sizing = element_sizes(law, line_loads, contact, seat, case.effective_modulus, case.mesh.contact_size)
+    return build(closure, seat, sizing)
+
+
+def _condensed(case: Case, seal_mesh: SealMesh) -> ContactModel:
+    return condense(seal_mesh, case.closure.material, case.seat.material)
+
+
+def _leak_rates(
+    case: Case, surface: RoughContact | None, contacts: Sequence[ContactSolution]
+) -> tuple[list[LeakResult | None], list[LeakResult | None]]:
+    """Leak of each contact with the case's surface and with the same surface kept elastic."""
+    if surface is None or case.fluid is None:
+        nothing: list[LeakResult | None] = [None] * len(contacts)
+        return nothing, nothing
+    plastic = conductivity_table(case, surface, contacts)
+    elastic = plastic if surface.hardness is None else conductivity_table(case, surface.elastic, contacts)
+    return (
+        [_leak(case, plastic, c, p) for c, p in zip(contacts, case.load.fluid_pressure, strict=True)],
+        [_leak(case, elastic, c, p) for c, p in zip(contacts, case.load.fluid_pressure, strict=True)],
+    )
+
+
+def conductivity_table(
+    case: Case, surface: RoughContact, contacts: Sequence[ContactSolution]
+) -> ConductivityTable:
+    """Flow conductivity of a surface over all pressures that occur in the contacts.
+
+    Pressures more than nine decades below the peak resist the flow by less than one part in a million.
+    """
+    peaks = [contact.profile.peak_pressure for contact in contacts]
+    return surface.conductivity_table(1e-9 * min(peaks), 1.01 * max(peaks), method=case.leak.conductivity)
+
+
+def _leak(
+    case: Case, table: ConductivityTable, contact: ContactSolution, fluid_pressure: float
+) -> LeakResult:
+    from leak import leak_flow
+
+    assert case.fluid is not None
+    profile = contact.profile
+    # Without a pressure difference nothing flows, whatever the resistance; the flow scales with the difference.
+    flow = leak_flow(
+        profile.x,
+        profile.pressure,
+        table.at(case.fluid.viscosity),
+        fluid_pressure or 1.0,
+        profile.radius,
+        pressure_side=case.load.pressure_side,
+    )
+    if fluid_pressure == 0:
+        flow = replace(flow, leak_rate=0.0, fluid_pressure=0.0 * flow.fluid_pressure)
+    return flow
+
+
+def _load_result(
+    case: Case,
+    surface: RoughContact | None,
+    fluid_pressure: float,
+    contact: ContactSolution,
+    leak: LeakResult | None,
+    leak_elastic: LeakResult | None,
+) -> LoadResult:
+    peak = contact.profile.peak_pressure
+    stress, place = _largest_stress(contact)
+    return LoadResult(
+        fluid_pressure,
+        contact.axial_force,
+        contact.line_load,
+        contact,
+        leak,
+        leak_elastic,
+        None if surface is None else float(surface.critical_separation(peak)),
+        None if surface is None else float(surface.elastic.critical_separation(peak)),
+        stress,
+        place,
+    )
+
+
+def _largest_stress(contact: ContactSolution) -> tuple[float, tuple[str, float, float]]:
+    fields = body_fields(contact).values()
+    worst = max(fields, key=lambda field: float(field.von_mises.max()))
+    node = int(np.argmax(worst.von_mises))
+    r, z = worst.points[node].tolist()
+    return float(worst.von_mises[node]), (worst.name, r, z)
+
+
+def _discretisation_error(
+    case: Case,
+    law: Law,
+    seal_mesh: SealMesh,
+    loads: Sequence[LoadResult],
+    surface: RoughContact | None,
+) -> DiscretisationError:
+    """Solve the highest load once more on larger elements."""
+    load = max(loads, key=lambda load: load.axial_force)
+    closure, seat = geometry(case)
+    coarse_mesh = build(closure, seat, _coarser(seal_mesh.sizing))
+    coarse = solve(_condensed(case, coarse_mesh), law, axial_force=load.axial_force)
+    fine_profile, profile = load.contact.profile, coarse.profile
+
+    def change(name: str) -> float:
+        return abs(getattr(profile, name) / getattr(fine_profile, name) - 1)
+
+    leak_change = None
+    if load.leak is not None and surface is not None and load.leak.leak_rate > 0:
+        table = conductivity_table(case, surface, [load.contact, coarse])
+        leak_change = abs(_leak(case, table, coarse, load.fluid_pressure).leak_rate / load.leak.leak_rate - 1)
+    return DiscretisationError(change("peak_pressure"), change("fwhm"), change("std"), leak_change)
+
+
+def _coarser(sizing: Sizing) -> Sizing:
+    return sizing.refined(1 / _COARSER)
+
+
+def _interface_variants(
+    case: Case, surface: RoughContact | None, loads: Sequence[LoadResult]
+) -> tuple[InterfaceVariant, ...]:
+    """The highest load with p(u) of the elastic and of the plastically smoothed surface."""
+    if surface is None or surface.hardness is None or case.interface.law != "persson":
+        return ()
+    load = max(loads, key=lambda load: load.axial_force)
+    variants = []
+    for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
+        contact = load.contact
+        if plastic != case.interface.plastic:
+            law = surface.interface_law(plastic=plastic)
+            contact = solve(load.contact.model, law, axial_force=load.axial_force)
+        leak = None
+        if case.fluid is not None:
+            table = conductivity_table(case, surface, [contact])
+            leak = _leak(case, table, contact, load.fluid_pressure).leak_rate
+        profile = contact.profile
+        variants.append(InterfaceVariant(name, profile.peak_pressure, profile.fwhm, profile.std, leak))
+    return tuple(variants)

@@ -1,0 +1,155 @@
+"""What a calculation leaves behind."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from fem_seal.case import Case
+    from fem_seal.condensation import ContactModel
+    from fem_seal.contact_solution import ContactSolution
+    from fem_seal.profile import PressureProfile
+    from leak import LeakResult, RoughContact
+    from meshes import SealMesh
+
+
+@dataclass(frozen=True)
+class LoadResult:
+    """One load of a case.
+
+    Parameters
+    ----------
+    fluid_pressure : float
+        Pressure difference across the seal [Pa].
+    axial_force : float
+        Force F_N that closes the seal [N].
+    line_load : float
+        f_N [N/m].
+    contact : ContactSolution
+    leak, leak_elastic : LeakResult or None
+        With and without asperity plasticity on the same contact; None without roughness or fluid.
+    critical_separation, critical_separation_elastic : float or None
+        u_c at the peak pressure [m].
+    max_von_mises : float
+        Largest von Mises stress in both bodies [Pa].
+    max_von_mises_at : tuple
+        Name of the body and place (r, z) [m] of `max_von_mises`.
+    """
+
+    fluid_pressure: float
+    axial_force: float
+    line_load: float
+    contact: ContactSolution
+    leak: LeakResult | None
+    leak_elastic: LeakResult | None
+    critical_separation: float | None
+    critical_separation_elastic: float | None
+    max_von_mises: float
+    max_von_mises_at: tuple[str, float, float]
+
+
+@dataclass(frozen=True)
+class InterfaceVariant:
+    """What another choice of the interface law does to the highest load.
+
+    Parameters
+    ----------
+    name : str
+    peak_pressure, fwhm, std : float
+        [Pa], [m], [m].
+    leak_rate : float or None
+        [m^3/s].
+    """
+
+    name: str
+    peak_pressure: float
+    fwhm: float
+    std: float
+    leak_rate: float | None
+
+
+@dataclass(frozen=True)
+class DiscretisationError:
+    """Estimated error of the highest load, from the same solve on elements 1.5 times as large.
+
+    The difference is quoted as it is: with quadratic elements the finer solution's own error is at most 0.8 of it.
+
+    Parameters
+    ----------
+    peak_pressure, fwhm, std : float
+        Relative.
+    leak_rate : float or None
+        Relative.
+    """
+
+    peak_pressure: float
+    fwhm: float
+    std: float
+    leak_rate: float | None
+
+
+@dataclass(frozen=True)
+class SealResult:
+    """Everything that a case gave.
+
+    Parameters
+    ----------
+    case : Case
+    seal_mesh : SealMesh
+    model : ContactModel
+    surface : RoughContact or None
+        With the hardness if asperities yield; None without roughness.
+    loads : tuple of LoadResult
+        In the order of the case.
+    discretisation_error : DiscretisationError
+    interface_variants : tuple of InterfaceVariant
+        Elastic and plastic p(u), for `law = "persson"` with a hardness; else empty.
+    warnings : tuple of str
+    timings : dict
+        Wall time of each step [s].
+    """
+
+    case: Case
+    seal_mesh: SealMesh
+    model: ContactModel
+    surface: RoughContact | None
+    loads: tuple[LoadResult, ...]
+    discretisation_error: DiscretisationError
+    interface_variants: tuple[InterfaceVariant, ...] = ()
+    warnings: tuple[str, ...] = ()
+    timings: dict[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """One row per load, the columns of leak.csv."""
+        from fem_seal.tables import leak_table
+
+        return leak_table(self)
+
+    @property
+    def profiles(self) -> tuple[PressureProfile, ...]:
+        """Pressure profile of each load."""
+        return tuple(load.contact.profile for load in self.loads)
+
+    @property
+    def contact(self) -> tuple[ContactSolution, ...]:
+        """Contact solution of each load."""
+        return tuple(load.contact for load in self.loads)
+
+    def write(self, folder: str | os.PathLike[str]) -> Path:
+        """Write tables, summary, VTK files, mesh and report into a folder, each file atomically.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it does not exist.
+        """
+        from fem_seal.result_files import write
+
+        return write(self, Path(folder))
