@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
@@ -13,6 +15,10 @@ from fem_seal.hard_contact import solve_hard
 from fem_seal.laws import HardContact, InterfaceLaw, Law
 
 FloatArray = NDArray[np.float64]
+
+# Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
+_FLOOR = 1e-6
+_ROUND_OFF = 64 * np.finfo(float).eps
 
 
 def solve(
@@ -59,18 +65,70 @@ def solve(
     if isinstance(law, HardContact):
         return solve_hard(model, axial_force)
     settings = settings or ContactSettings()
-    v, d = _first_guess(model, law, axial_force) if start is None else (start.log_pressure, start.approach)
-    residuals: list[float] = []
-    for iteration in range(1, settings.max_iterations + 1):
-        v, d, residual, force_residual = _newton_step(model, law, axial_force, v, d)
-        residuals.append(residual)
-        if residual < settings.gap_tolerance and abs(force_residual) < settings.force_tolerance:
-            return ContactSolution(model, axial_force, d, v, law.gap(v), iteration, tuple(residuals))
+    softest = model.line_load(axial_force) / (np.pi * model.effective_modulus)
+    guess = None if start is None else (start.log_pressure, start.approach)
+    # Straight at the law; if that fails, from a soft interface to the law in steps.
+    for floors in ((_FLOOR,), (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, _FLOOR)):
+        state, residuals = guess, []
+        for floor in floors:
+            state, residuals = _newton(
+                model, _Softened(law, floor * softest), axial_force, settings, state, settings.max_iterations
+            )
+            if state is None:
+                break
+        if state is not None:
+            v, d = state
+            return ContactSolution(model, axial_force, d, v, law.gap(v), len(residuals), tuple(residuals))
     raise ConvergenceError(
         f"contact at axial force {axial_force:.6g} N (line load {model.line_load(axial_force):.6g} N/m) did not "
         f"converge in {settings.max_iterations} iterations; last residual {residuals[-1]:.2g} decay lengths, "
         "refine [mesh] contact_size or soften the interface law"
     )
+
+
+@dataclass(frozen=True)
+class _Softened:
+    """A law with a constant added to its decay length.
+
+    Where a law becomes rigid (full contact of rough surfaces) the pressure at single points is not defined any
+    more. A decay length of 1e-6 f_N/(pi E*) keeps it defined; it changes the peak pressure by 1/(4c) with c = 1e6.
+    """
+
+    law: InterfaceLaw
+    extra: float
+
+    def gap(self, log_pressure: FloatArray) -> FloatArray:
+        return self.law.gap(log_pressure) - self.extra * log_pressure
+
+    def decay_length(self, log_pressure: FloatArray) -> FloatArray:
+        return self.law.decay_length(log_pressure) + self.extra
+
+
+State = tuple[FloatArray, float]
+
+
+def _newton(
+    model: ContactModel,
+    law: InterfaceLaw,
+    axial_force: float,
+    settings: ContactSettings,
+    state: State | None,
+    max_iterations: int,
+) -> tuple[State | None, list[float]]:
+    """Iterate to the tolerances; None instead of a state if that fails. Also the residual of every iteration."""
+    v, d = state or _first_guess(model, law, axial_force)
+    residuals: list[float] = []
+    for _ in range(max_iterations):
+        try:
+            with np.errstate(over="raise", invalid="raise", under="ignore"):
+                v, d, residual, force_residual = _newton_step(model, law, axial_force, v, d, settings)
+        except (FloatingPointError, np.linalg.LinAlgError):
+            residuals.append(np.inf)
+            return None, residuals
+        residuals.append(residual)
+        if residual < settings.gap_tolerance and abs(force_residual) < settings.force_tolerance:
+            return (v, d), residuals
+    return None, residuals
 
 
 def _first_guess(model: ContactModel, law: InterfaceLaw, axial_force: float) -> tuple[FloatArray, float]:
@@ -88,14 +146,20 @@ def _first_guess(model: ContactModel, law: InterfaceLaw, axial_force: float) -> 
 
 
 def _newton_step(
-    model: ContactModel, law: InterfaceLaw, axial_force: float, v: FloatArray, d: float
+    model: ContactModel,
+    law: InterfaceLaw,
+    axial_force: float,
+    v: FloatArray,
+    d: float,
+    settings: ContactSettings,
 ) -> tuple[FloatArray, float, float, float]:
     """One Newton step for (v, d); also the residuals at the state that it leaves."""
     line, C = model.line, model.compliance
     n_z = line.normal[1]
     f = line.area_weight * np.exp(v)
     decay = law.decay_length(v)
-    gap_residual = line.initial_gap - d * n_z + C @ f - law.gap(v)
+    terms = (line.initial_gap, -d * n_z, C @ f, -law.gap(v))
+    gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     force_residual = 1 - float(n_z @ f) / axial_force
     # Points that carry nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.
     scale = np.sqrt(f / decay)
@@ -109,6 +173,8 @@ def _newton_step(
     step_d = (axial_force * force_residual - n_z[active] @ eta[:, 0]) / (n_z[active] @ eta[:, 1])
     step_f = eta[:, 0] + step_d * eta[:, 1]
     step_v = (-gap_residual + step_d * n_z - C[:, active] @ step_f) / decay
-    worst = float(np.max(np.abs(gap_residual / decay)[f * decay > 0], initial=0.0))
+    # Lengths cancel in the gap: what is below their round-off is no residual.
+    round_off = _ROUND_OFF * sum(np.abs(term) for term in terms) / settings.gap_tolerance
+    worst = float(np.max((np.abs(gap_residual) / (decay + round_off))[f > 0], initial=0.0))
     v_new = v + np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v)
     return v_new, d + step_d, worst, force_residual

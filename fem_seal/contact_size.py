@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem_seal.errors import InputError, Problem
 from fem_seal.laws import HardContact, InterfaceLaw, Law
 from meshes import BallOnCone, ConicalSeat, Sizing
 
@@ -17,6 +18,8 @@ from meshes import BallOnCone, ConicalSeat, Sizing
 _PER_STD_SOFT, _PER_STD_HARD = 6.0, 14.0
 _GROWTH_SOFT = 0.08
 _GROWTH_DEEP = 0.2
+
+_MOST_ELEMENTS = 1500
 
 # Pressure over peak pressure at which the zone may end.
 _TAIL = 1e-7
@@ -102,6 +105,11 @@ def element_sizes(
         E* [Pa].
     contact_size : float, optional
         Element size along the contact line [m], instead of the one found.
+
+    Raises
+    ------
+    InputError
+        If `contact_size` would need an unreasonable number of elements.
     """
     widths = [contact_width(law, f, contact.relative_radius, effective_modulus) for f in line_loads]
     std, reach = min(w.std for w in widths), max(w.reach for w in widths)
@@ -116,4 +124,16 @@ def element_sizes(
         growth_deep=_GROWTH_DEEP,
         far_size=far_size,
     )
-    return sizing if contact_size is None else replace(sizing, contact_size=min(contact_size, far_size))
+    if contact_size is None:
+        return sizing
+    smallest = (sizing.zone[1] - sizing.zone[0]) / _MOST_ELEMENTS
+    if contact_size < smallest:
+        raise InputError(
+            Problem(
+                "mesh.contact_size",
+                f"needs more than {_MOST_ELEMENTS} elements along the contact line; allowed is {smallest * 1e6:.3g} um "
+                "or more, or leave it out",
+                f"{contact_size * 1e6:.3g} um",
+            )
+        )
+    return replace(sizing, contact_size=min(contact_size, far_size))

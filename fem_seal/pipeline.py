@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -190,10 +190,11 @@ def conductivity_table(
 ) -> ConductivityTable:
     """Flow conductivity of a surface over all pressures that occur in the contacts.
 
-    Pressures more than nine decades below the peak resist the flow by less than one part in a million.
+    Pressures more than nine decades below the peak resist the flow by less than one part in a million. Between the
+    points of a coarse profile the interpolated pressure may rise above the largest of them.
     """
-    peaks = [contact.profile.peak_pressure for contact in contacts]
-    return surface.conductivity_table(1e-9 * min(peaks), 1.01 * max(peaks), method=case.leak.conductivity)
+    peaks = [float(contact.pressure.max()) for contact in contacts]
+    return surface.conductivity_table(1e-9 * min(peaks), 2 * max(peaks), method=case.leak.conductivity)
 
 
 def _leak(
@@ -203,18 +204,14 @@ def _leak(
 
     assert case.fluid is not None
     profile = contact.profile
-    # Without a pressure difference nothing flows, whatever the resistance; the flow scales with the difference.
-    flow = leak_flow(
+    return leak_flow(
         profile.x,
         profile.pressure,
         table.at(case.fluid.viscosity),
-        fluid_pressure or 1.0,
+        fluid_pressure,
         profile.radius,
         pressure_side=case.load.pressure_side,
     )
-    if fluid_pressure == 0:
-        flow = replace(flow, leak_rate=0.0, fluid_pressure=0.0 * flow.fluid_pressure)
-    return flow
 
 
 def _load_result(

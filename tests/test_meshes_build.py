@@ -55,7 +55,10 @@ def test_boundary_nodes_lie_on_the_exact_curves(seal_mesh: SealMesh) -> None:
 def test_contact_vertices_of_both_bodies_face_each_other(seal_mesh: SealMesh) -> None:
     contact = seal_mesh.contact
     lines = []
-    for body, coordinate in ((seal_mesh.closure, contact.closure_coordinate), (seal_mesh.seat, contact.seat_coordinate)):
+    for body, coordinate in (
+        (seal_mesh.closure, contact.closure_coordinate),
+        (seal_mesh.seat, contact.seat_coordinate),
+    ):
         (name,) = [n for n in body.boundaries if n.endswith("_contact")]
         lines.append(np.sort(coordinate(*body.p[:, np.unique(body.facets[:, body.boundaries[name]])])))
     assert lines[0] == pytest.approx(lines[1], abs=1e-12)
@@ -64,7 +67,8 @@ def test_contact_vertices_of_both_bodies_face_each_other(seal_mesh: SealMesh) ->
 
 def test_area_error_falls_quadratically_with_the_size() -> None:
     errors = [
-        make(sizing=Sizing(h / 4, 1e-4, (-5e-4, 5e-4), 0.2, 0.3, h)).quality.area_error for h in (4e-3, 2e-3, 1e-3)
+        make(sizing=Sizing(h / 4, 1e-4, (-5e-4, 5e-4), 0.2, 0.3, h)).quality.area_error
+        for h in (4e-3, 2e-3, 1e-3)
     ]
     rates = np.diff(np.log(errors)) / np.log(0.5)
     assert rates == pytest.approx(2.0, abs=0.4)  # chords of a circle: the area error is of second order
@@ -87,7 +91,9 @@ def test_quality_at_every_angle_and_size(degrees: float, radius: float) -> None:
 
 def test_the_mesh_scales_with_the_seal() -> None:
     def scaled(k: float) -> SealMesh:  # k a power of two: no rounding, so the very same mesh
-        return make(radius=0.02 * k, sizing=Sizing(20e-6 * k, 3e-4 * k, (-8e-4 * k, 8e-4 * k), 0.1, 0.25, 2.5e-3 * k))
+        return make(
+            radius=0.02 * k, sizing=Sizing(20e-6 * k, 3e-4 * k, (-8e-4 * k, 8e-4 * k), 0.1, 0.25, 2.5e-3 * k)
+        )
 
     small, large = scaled(1.0), scaled(1024.0)
     assert np.array_equal(small.mesh.t, large.mesh.t)

@@ -30,7 +30,9 @@ def test_touch_circle_lies_on_both_surfaces_and_they_share_the_normal(radius: fl
 
 
 @given(radii, angles, st.floats(-0.5, 0.9))
-def test_gap_reaches_from_the_face_to_the_ball_along_the_normal(radius: float, angle: float, share: float) -> None:
+def test_gap_reaches_from_the_face_to_the_ball_along_the_normal(
+    radius: float, angle: float, share: float
+) -> None:
     contact = BallOnCone(Ball(radius), angle)
     x = np.array([share * radius])
     foot = np.array([contact.radius(x)[0], contact.height(x)[0]])
@@ -64,7 +66,8 @@ def test_outline_areas_are_exact(radius: float, angle: float) -> None:
 
 def test_area_of_a_plain_circle_sector() -> None:
     sector = Outline(
-        "sector", (Segment((0, 0), (1, 0), "a"), Segment((1, 0), (0, 1), "b", (0, 0)), Segment((0, 1), (0, 0), "c"))
+        "sector",
+        (Segment((0, 0), (1, 0), "a"), Segment((1, 0), (0, 1), "b", (0, 0)), Segment((0, 1), (0, 0), "c")),
     )
     assert sector.area == pytest.approx(math.pi / 4, rel=1e-14)
 
@@ -89,7 +92,13 @@ def test_seat_radii_must_increase() -> None:
 
 
 def test_sizing_refuses_nonsense() -> None:
-    good = {"contact_size": 1e-5, "core": 1e-4, "zone": (-1e-3, 1e-3), "growth_along": 0.1, "growth_deep": 0.2}
+    good = {
+        "contact_size": 1e-5,
+        "core": 1e-4,
+        "zone": (-1e-3, 1e-3),
+        "growth_along": 0.1,
+        "growth_deep": 0.2,
+    }
     with pytest.raises(GeometryError, match="contact_size"):
         Sizing(**{**good, "contact_size": -1.0}, far_size=1e-3)  # type: ignore[arg-type]
     with pytest.raises(GeometryError, match="zone"):
