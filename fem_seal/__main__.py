@@ -1,0 +1,30 @@
+"""Entry point of the command ``fem-seal`` and of ``python -m fem_seal``."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+
+def main() -> int:
+    """Run the command line with the arguments of the process; return its exit code."""
+    # Asked for by scripts and editors all the time, and answered before the parser of the command line is
+    # loaded.
+    if sys.argv[1:] == ["--version"]:
+        from fem_seal import __version__
+
+        sys.stdout.write(f"fem-seal {__version__}\n")
+        return 0
+    # The matrices are small: threads gain nothing, and on a busy machine their waiting for each other makes a run
+    # several times slower. To be set before numpy is loaded; a user's own setting wins.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    try:
+        from fem_seal import cli
+
+        return cli.main()
+    except KeyboardInterrupt:
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

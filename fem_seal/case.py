@@ -1,0 +1,194 @@
+"""The case: everything that one calculation needs, read from a TOML file or made in code."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, PrivateAttr, ValidationError
+
+from fem_seal.case_bodies import Ball, Cone, Table
+from fem_seal.case_checks import contradictions
+from fem_seal.case_messages import problems
+from fem_seal.case_tables import Fluid, Interface, Leak, Load, Mesh, Output, Roughness
+from fem_seal.errors import InputError, Problem
+from fem_seal.loads import touch_radius
+from fem_seal.materials import effective_modulus
+
+
+class Case(Table):
+    """One seal with its loads. All numbers are SI floats; angles are in radian.
+
+    Built from the same tables and texts that stand in the case file:
+
+    >>> case = Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     interface={"law": "smooth"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ... )
+    >>> case.closure.radius
+    0.02
+    >>> round(case.replace({"seat.angle": "60 deg"}).touch_radius, 6)
+    0.017321
+
+    Raises
+    ------
+    InputError
+        If anything is wrong; it lists every problem.
+    """
+
+    title: str = Field("", description="what tables and reports are headed with; the file name unless given")
+    closure: Ball
+    seat: Cone
+    roughness: Roughness | None = None
+    interface: Interface = Interface()
+    fluid: Fluid | None = None
+    load: Load
+    leak: Leak = Leak()
+    mesh: Mesh = Mesh()
+    output: Output = Output()
+
+    _input: dict[str, Any] = PrivateAttr(default_factory=dict)
+    _file: Path | None = PrivateAttr(default=None)
+
+    def __init__(self, /, **tables: Any) -> None:
+        try:
+            super().__init__(**tables)
+        except ValidationError as error:
+            raise InputError(*problems(error, type(self))) from None
+        wrong = contradictions(self)
+        if wrong:
+            raise InputError(*wrong)
+        # what the user wrote, so that `replace` checks a change exactly as it checks a file
+        self._input = copy.deepcopy(tables)
+
+    @property
+    def touch_radius(self) -> float:
+        """Radius r0 of the circle of first touch [m]."""
+        return touch_radius(self.closure.radius, self.seat.angle)
+
+    @property
+    def effective_modulus(self) -> float:
+        """E* of both bodies [Pa]."""
+        return effective_modulus(self.closure.material, self.seat.material)
+
+    @property
+    def hardness(self) -> float | None:
+        """Penetration hardness of the contact [Pa]: the softer body's or the only one given; None if none."""
+        known = [
+            body.hardness for body in (self.closure.material, self.seat.material) if body.hardness is not None
+        ]
+        return min(known, default=None)
+
+    @property
+    def file(self) -> Path | None:
+        """File the case was read from, None if made in code."""
+        return self._file
+
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **tables: Any) -> Case:
+        """A changed copy, checked like a new case.
+
+        Parameters
+        ----------
+        changes : mapping, optional
+            Dotted keys with their new entries: ``{"seat.angle": "50 deg"}``.
+        **tables
+            The same as nested tables: ``seat={"angle": "50 deg"}``. Tables are merged; a table with another
+            `shape` or `kind` replaces the old one. None removes an entry.
+
+        Raises
+        ------
+        InputError
+            If the changed case is wrong.
+        """
+        changed = copy.deepcopy(self._input)
+        for key, value in (changes or {}).items():
+            *parents, last = str(key).split(".")
+            nested: Any = {last: value}
+            for parent in reversed(parents):
+                nested = {parent: nested}
+            changed = _merged(changed, nested)
+        try:
+            case = Case(**_merged(changed, tables))
+        except InputError as error:
+            raise error.in_file(self._file) from None
+        case._file = self._file
+        return case
+
+
+def load_case(path: str | Path) -> Case:
+    """Read and check a case file.
+
+    Parameters
+    ----------
+    path : path
+        TOML file. Files named in it are looked for beside it, and the results folder is placed beside it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or anything in it is wrong; it lists every problem.
+
+    Examples
+    --------
+    >>> case = load_case("examples/ball_cone.toml")     # doctest: +SKIP
+    >>> case.seat.angle                                 # doctest: +SKIP
+    0.7853981633974483
+    """
+    path = Path(path)
+    tables = _read_toml(path)
+    tables.setdefault("title", path.stem)
+    _place_files(tables, path)
+    try:
+        case = Case(**tables)
+    except InputError as error:
+        raise error.in_file(path) from None
+    case._file = path
+    return case
+
+
+def _read_toml(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except UnicodeDecodeError:
+        message = "is not a text file; a case file in TOML is needed"
+    except tomllib.TOMLDecodeError as error:
+        message = f'is not valid TOML: {error}. Texts and quantities need quotes: radius = "20 mm"'
+    except RecursionError:
+        message = "is not a case file: nested too deeply"
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "not a file name"
+        message = f"cannot be read ({reason.lower()})"
+    raise InputError(Problem("", message), file=path)
+
+
+def _place_files(tables: dict[str, Any], path: Path) -> None:
+    """Make the files named in the tables relative to the case file, and name the results folder after it."""
+    folder = path.absolute().parent
+    roughness = tables.get("roughness")
+    spectrum = roughness.get("spectrum") if isinstance(roughness, dict) else None
+    if isinstance(spectrum, dict) and isinstance(spectrum.get("file"), str):
+        spectrum["file"] = str(folder / spectrum["file"])
+    output = tables.setdefault("output", {})
+    if isinstance(output, dict) and isinstance(output.get("folder", ""), str):
+        output["folder"] = str(folder / output.get("folder", f"{path.stem}.out"))
+
+
+def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+    merged = dict(old)
+    for key, value in new.items():
+        before = merged.get(key)
+        if value is None:
+            merged.pop(key, None)
+        elif isinstance(value, Mapping):
+            same = isinstance(before, dict) and all(
+                value.get(k, before.get(k)) == before.get(k) for k in ("shape", "kind")
+            )
+            merged[key] = _merged(before if same and before else {}, value)
+        else:
+            merged[key] = value
+    return merged

@@ -1,0 +1,170 @@
+"""What each table cannot know alone: contradictions between the tables of a case."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from fem_seal.case_fields import shown
+from fem_seal.case_tables import SelfAffine
+from fem_seal.errors import Problem
+from fem_seal.loads import closing_force, line_load
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+
+
+def contradictions(case: Case) -> list[Problem]:
+    """Everything in a case that does not fit together."""
+    return [*_seat(case), *_spectrum(case), *_interface(case), *_hardness(case), *_closing(case)]
+
+
+def _seat(case: Case) -> Iterator[Problem]:
+    seat, r0 = case.seat, case.touch_radius
+    touches = f"the ball touches the cone at r = R sin(angle) = {_mm(r0)}"
+    misses = f"the ball does not touch the conical face: {touches}"
+    if seat.bore_radius is not None and seat.bore_radius >= r0:
+        yield Problem(
+            "seat.bore_radius",
+            f"{misses}, inside the bore; allowed is less than {_mm(r0)}",
+            _mm(seat.bore_radius),
+        )
+    if seat.face_radius is not None and seat.face_radius <= r0:
+        yield Problem(
+            "seat.face_radius",
+            f"{misses}, outside it; allowed is more than {_mm(r0)}",
+            _mm(seat.face_radius),
+        )
+    inner = max(r0, seat.face_radius or 0)
+    if seat.outer_radius is not None and not seat.outer_radius > r0:
+        yield Problem(
+            "seat.outer_radius",
+            f"{touches}, outside the seat; allowed is more than {_mm(r0)}",
+            _mm(seat.outer_radius),
+        )
+    elif seat.outer_radius is not None and seat.outer_radius < inner:
+        yield Problem(
+            "seat.outer_radius", f"must not be below seat.face_radius = {_mm(inner)}", _mm(seat.outer_radius)
+        )
+    size = case.mesh.contact_size
+    if size is not None and size > r0 / 4:
+        yield Problem(
+            "mesh.contact_size",
+            f"too coarse for a contact circle of {_mm(r0)}; allowed is up to {_mm(r0 / 4)}",
+            _mm(size),
+        )
+
+
+def _spectrum(case: Case) -> Iterator[Problem]:
+    if case.roughness is None or not isinstance(case.roughness.spectrum, SelfAffine):
+        return
+    spectrum = case.roughness.spectrum
+    if spectrum.q_low >= spectrum.q_high:
+        yield Problem(
+            "roughness.spectrum.q_low",
+            f"must be below q_high = {spectrum.q_high:g} 1/m",
+            f"{spectrum.q_low:g} 1/m",
+        )
+    elif not spectrum.q_low <= spectrum.q_rolloff <= spectrum.q_high:
+        yield Problem(
+            "roughness.spectrum.q_rolloff",
+            f"must lie between q_low = {spectrum.q_low:g} 1/m and q_high = {spectrum.q_high:g} 1/m",
+            f"{spectrum.q_rolloff:g} 1/m",
+        )
+
+
+def _interface(case: Case) -> Iterator[Problem]:
+    interface, rough = case.interface, case.roughness is not None
+    if interface.law == "persson" and not rough:
+        yield Problem(
+            "roughness",
+            'is missing; interface.law = "persson" takes p(u) from the spectrum. Add [roughness], or use '
+            'law = "smooth"',
+        )
+    if interface.law != "exponential":
+        for key in ("gamma", "u0", "p_c"):
+            if getattr(interface, key) is not None:
+                yield Problem(
+                    f"interface.{key}",
+                    f'only with law = "exponential", but law = "{interface.law}"; remove it',
+                )
+    if interface.law != "persson" and interface.plastic:
+        yield Problem(
+            "interface.plastic", f'only with law = "persson", but law = "{interface.law}"; remove it', "true"
+        )
+    if interface.law == "exponential" and interface.gamma is not None and interface.u0 is not None:
+        yield Problem(
+            "interface.gamma",
+            "u0 is given as well, and u0 = gamma times rms height; remove one of them",
+            f"{interface.gamma:g}",
+        )
+    if interface.law == "exponential" and not rough:
+        for key, source in (("u0", "gamma times rms height"), ("p_c", "spectrum")):
+            if getattr(interface, key) is None:
+                yield Problem(
+                    f"interface.{key}",
+                    f"is missing; without [roughness] there is no {source} to take it from",
+                )
+        if interface.gamma is not None:
+            yield Problem(
+                "interface.gamma",
+                "needs [roughness] with its rms height; give u0 instead",
+                f"{interface.gamma:g}",
+            )
+
+
+def _hardness(case: Case) -> Iterator[Problem]:
+    if case.roughness is None or case.hardness is not None:
+        return
+    closure, seat = shown(case.closure.material.name), shown(case.seat.material.name)
+    bodies = f"closure.material = {closure} and seat.material = {seat} have none"
+    remedy = 'add hardness = "3.5 GPa" (your value) to the table of one of them'
+    if case.leak.plasticity:
+        yield Problem(
+            "leak.plasticity", f"needs a hardness, but {bodies}; {remedy}, or set plasticity = false", "true"
+        )
+    if case.interface.plastic:
+        yield Problem(
+            "interface.plastic", f"needs a hardness, but {bodies}; {remedy}, or set plastic = false", "true"
+        )
+
+
+def _closing(case: Case) -> Iterator[Problem]:
+    load, r0 = case.load, case.touch_radius
+    forces = {p: closing_force(r0, p, load.axial_force, load.pressure_side) for p in load.fluid_pressure}
+    open_at = [pressure for pressure, force in forces.items() if not force > 0]
+    if not open_at:
+        yield from _small_strains(case, max(forces.values()))
+        return
+    worst = min(open_at, key=lambda pressure: forces[pressure])
+    needed = load.axial_force - forces[worst]
+    how = "lifts the closure with" if load.pressure_side == "inner" else "closes with"
+    lifting = f"the fluid {how} {math.pi * r0**2 * worst:.4g} N" if worst > 0 else "the fluid does not press"
+    yield Problem(
+        "load.axial_force",
+        f"the seal is open at a fluid pressure of {worst / 1e5:.6g} bar: {lifting} on the sealed area "
+        f"of radius {_mm(r0)}; "
+        f"allowed is an axial_force above {needed:.6g} N",
+        f"{load.axial_force:.6g} N",
+    )
+
+
+def _small_strains(case: Case, force: float) -> Iterator[Problem]:
+    """Smooth bodies of the highest load must not be pressed flat over more than a tenth of the contact radius."""
+    r0, R, E = case.touch_radius, case.closure.radius, case.effective_modulus
+    f = line_load(force, r0, case.seat.angle)
+    half_width = math.sqrt(4 * f * R / (math.pi * E))
+    if half_width <= r0 / 10:
+        return
+    allowed = force * (r0 / 10 / half_width) ** 2
+    yield Problem(
+        "load",
+        f"a closing force of {force:.4g} N presses smooth bodies flat over {_mm(half_width)} to each side of first "
+        f"touch (Hertz), more than a tenth of its radius {_mm(r0)}; the theory is for small strains and allows "
+        f"{allowed:.4g} N. Lower fluid_pressure or axial_force, or take stiffer materials",
+    )
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.6g} mm"

@@ -1,0 +1,267 @@
+"""The command line: read, call, show. Everything heavy is imported by the command that needs it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fem_seal import __version__
+from fem_seal.errors import ConvergenceError, InputError, Problem, SealError
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+
+DONE, OTHER_FAILURE, WRONG_INPUT, NO_CONVERGENCE, INTERRUPTED = 0, 1, 2, 3, 130
+
+app = typer.Typer(
+    name="fem-seal",
+    help="Leakage of metal seals: contact pressure, interfacial gap and leak rate from one case file.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON, in SI units.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show where in the program an error comes from.")]
+
+
+def _folder_option(default: str) -> Any:
+    return typer.Option("--output", "-o", metavar="DIR", show_default=default, help="Folder for the results.")
+
+
+@app.callback(invoke_without_command=True)
+def _version(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and leave.")] = False,
+) -> None:
+    if version:
+        typer.echo(f"fem-seal {__version__}")
+        raise typer.Exit(DONE)
+
+
+@app.command()
+def run(
+    case_file: CaseFile,
+    output: Annotated[Path | None, _folder_option("[output] folder of the case, CASE.out")] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Solve all loads of a case: tables, VTK files, mesh and report into the output folder."""
+    from fem_seal import console
+    from fem_seal.case import load_case
+
+    case = load_case(case_file)
+    folder = _results_folder(output, case)
+    from fem_seal import pipeline
+
+    with _progress(quiet) as progress:
+        result = pipeline.run(case, progress=progress)
+        progress("writing results")
+        result.write(folder)
+    _warn(result.warnings)
+    rows: list[dict[str, Any]] = [
+        {str(key): value for key, value in row.items()} for row in result.table.to_dict("records")
+    ]
+    if json:
+        typer.echo(console.as_json({"folder": str(folder), "loads": rows, "warnings": result.warnings}))
+    elif not quiet:
+        console.show_leak_table(rows, case.title)
+        _list_files(folder)
+
+
+@app.command()
+def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: Debug = False) -> None:
+    """Check a case file and print what follows from it in closed form, without solving."""
+    from fem_seal import console
+    from fem_seal.case import load_case
+    from fem_seal.derived import derive
+
+    case = load_case(case_file)
+    numbers = console.derived_numbers(case, derive(case))
+    _warn(_remarks(case))
+    if json:
+        typer.echo(console.as_json(numbers))
+    elif not quiet:
+        typer.echo(f"{case_file} is valid: {case.title}")
+        console.show_derived(numbers)
+
+
+@app.command()
+def mesh(
+    case_file: CaseFile,
+    output: Annotated[Path | None, _folder_option("[output] folder of the case, CASE.out")] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Mesh a case, write mesh.msh and print how good the elements are."""
+    from dataclasses import asdict
+
+    from fem_seal import console
+    from fem_seal.case import load_case
+
+    case = load_case(case_file)
+    folder = _results_folder(output, case)
+    from fem_seal import pipeline
+
+    seal_mesh = pipeline.build_mesh(case)
+    path = seal_mesh.write(folder / "mesh.msh")
+    quality = asdict(seal_mesh.quality)
+    if json:
+        typer.echo(console.as_json({"file": str(path), **quality}))
+    elif not quiet:
+        typer.echo(f"{quality['elements']} triangles, {quality['vertices']} vertices")
+        typer.echo(
+            f"shape (1 is equilateral): smallest {quality['smallest']:.3f}, mean {quality['mean']:.3f}"
+        )
+        typer.echo(f"area of the sections within {quality['area_error']:.1e} of the exact one")
+        typer.echo(f"mesh in {path}")
+
+
+@app.command()
+def leak(
+    profile_file: Annotated[
+        Path,
+        typer.Argument(metavar="PROFILE.csv", show_default=False, help="Contact pressure over arc length."),
+    ],
+    case_file: CaseFile,
+    output: Annotated[Path | None, _folder_option("PROFILE.leak")] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
+    from fem_seal import console
+    from fem_seal.case import load_case
+    from fem_seal.profile_file import read_profiles
+    from fem_seal.profile_leak import leak_of_profiles, write_rows
+
+    case = load_case(case_file)
+    profiles = read_profiles(profile_file)
+    folder = _made(output or profile_file.with_suffix(".leak"))
+    rows = leak_of_profiles(case, profiles)
+    write_rows(rows, folder / "leak.csv")
+    if json:
+        typer.echo(console.as_json({"folder": str(folder), "loads": rows}))
+    elif not quiet:
+        console.show_leak_table(rows, f"{profile_file.name}: {case.title}")
+        _list_files(folder)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of the case file, for editors that complete and check while one types."""
+    from fem_seal import console
+    from fem_seal.schema import case_schema
+
+    typer.echo(console.as_json(case_schema()))
+
+
+def _results_folder(output: Path | None, case: Case) -> Path:
+    return _made(output or Path(case.output.folder or "fem-seal.out"))
+
+
+def _made(folder: Path) -> Path:
+    """Make a results folder before the work starts, not after it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = (getattr(error, "strerror", None) or "not a folder name").lower()
+        problem = Problem(
+            "--output", f"cannot be made ({reason}); give a folder that can be written", str(folder)
+        )
+        raise InputError(problem) from None
+    return folder
+
+
+def _remarks(case: Case) -> list[str]:
+    remarks = []
+    if case.roughness is None:
+        remarks.append("no [roughness]: no leak rate is calculated")
+    if case.fluid is None:
+        remarks.append("no [fluid]: no leak rate is calculated")
+    return remarks
+
+
+def _list_files(folder: Path) -> None:
+    names = sorted(path.name for path in folder.iterdir() if path.is_file())
+    steps = [name for name in names if name.endswith((".vtu", ".vtp"))]
+    others = [name for name in names if name not in steps]
+    listed = ", ".join(others) + (f" and {len(steps)} VTK files" if steps else "")
+    typer.echo(f"Results in {folder}{'' if str(folder).endswith('/') else '/'}: {listed}")
+
+
+def _warn(warnings: Sequence[str]) -> None:
+    for warning in warnings:
+        typer.secho(f"warning: {warning}", err=True, fg=typer.colors.YELLOW)
+
+
+@contextmanager
+def _progress(quiet: bool) -> Iterator[Callable[[str], None]]:
+    """Show on stderr what is being done: a changing line on a terminal, lines elsewhere, or nothing."""
+    if quiet:
+        yield lambda text: None
+    elif not sys.stderr.isatty():
+        yield lambda text: typer.echo(text, err=True)
+    else:
+        from rich.console import Console
+
+        with Console(stderr=True, highlight=False).status("starting") as status:
+            yield lambda text: status.update(text)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code; no traceback ever reaches the user.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Without the program's name; those of the process unless given.
+
+    Returns
+    -------
+    int
+        0 done, 2 wrong input, 3 no convergence, 130 interrupted, 1 anything else.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        app(args=words, prog_name="fem-seal")
+    except SystemExit as leave:
+        return leave.code if isinstance(leave.code, int) else DONE
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:
+        if "--debug" in words:
+            raise
+        code, message = _explained(error)
+        for line in message.splitlines():
+            typer.secho(f"error: {line}", err=True, fg=typer.colors.RED)
+        return code
+    return DONE
+
+
+def _explained(error: Exception) -> tuple[int, str]:
+    """Exit code and message of an error."""
+    own = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
+    if isinstance(error, ConvergenceError):
+        return NO_CONVERGENCE, str(error)
+    if own and isinstance(error, ValueError):
+        return WRONG_INPUT, str(error)
+    if own or isinstance(error, SealError):
+        return OTHER_FAILURE, str(error)
+    if isinstance(error, OSError):
+        return OTHER_FAILURE, f"{error.filename or 'file'}: {(error.strerror or str(error)).lower()}"
+    if isinstance(error, MemoryError):
+        return OTHER_FAILURE, "not enough memory; try a coarser mesh or fewer loads"
+    name = type(error).__name__
+    return (
+        OTHER_FAILURE,
+        f"unexpected {name}: {error}. This is a defect of fem-seal; --debug shows where it comes from",
+    )

@@ -1,0 +1,162 @@
+"""What the command line shows: tables for people, JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+    from fem_seal.derived import Derived
+
+# Wide enough for the leak table when the output is not a terminal.
+_WIDTH = 120
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the results as it is shown: its name in the files, heading, unit and factor from SI."""
+
+    key: str
+    heading: str
+    unit: str
+    factor: float
+
+
+LEAK_COLUMNS = (
+    Column("fluid_pressure_Pa", "p fluid", "bar", 1e-5),
+    Column("axial_force_N", "force", "N", 1.0),
+    Column("peak_pressure_Pa", "p peak", "MPa", 1e-6),
+    Column("fwhm_m", "FWHM", "mm", 1e3),
+    Column("std_m", "std dev", "mm", 1e3),
+    Column("critical_separation_m", "u_c", "um", 1e6),
+    Column("leak_rate_m3_per_s", "leak rate", "mm³/s", 1e9),
+    Column("leak_rate_elastic_m3_per_s", "elastic", "mm³/s", 1e9),
+    Column("max_von_mises_Pa", "von Mises", "MPa", 1e-6),
+)
+
+
+def show_leak_table(rows: Sequence[Mapping[str, float]], title: str) -> None:
+    """Print rows of leak.csv as a table, without the columns that no row fills."""
+    columns = [column for column in LEAK_COLUMNS if any(_filled(row.get(column.key)) for row in rows)]
+    cells = [[_cell(row.get(column.key), column.factor) for column in columns] for row in rows]
+    show_table(title, [f"{column.heading}\n{column.unit}" for column in columns], cells)
+
+
+def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table, numbers to the right."""
+    from rich import box
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    console = Console(width=None if sys.stdout.isatty() else _WIDTH, highlight=False)
+    table = Table(box=box.SIMPLE_HEAD)
+    for heading in headings:
+        table.add_column(escape(heading), justify="right")
+    for row in rows:
+        table.add_row(*(escape(cell) for cell in row))
+    # above the table and not its title, which would be broken to the width of the table
+    console.print(title, style="bold", markup=False)
+    console.print(table)
+
+
+def _filled(value: float | None) -> bool:
+    return value is not None and not math.isnan(value)
+
+
+def _cell(value: float | None, factor: float) -> str:
+    if value is None or math.isnan(value):
+        return "-"
+    # four digits, also when they are zeros: columns stay aligned
+    return f"{value * factor:#.4g}".removesuffix(".")
+
+
+def as_json(value: object) -> str:
+    """JSON of numbers, texts, lists and tables; what is not a number in JSON (NaN, infinity) becomes null."""
+    return json.dumps(_plain(value), indent=2, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, float) or hasattr(value, "item"):
+        number = value.item() if hasattr(value, "item") else value
+        return None if isinstance(number, float) and not math.isfinite(number) else number
+    return value
+
+
+def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
+    """Derived numbers of a case in SI, as `check --json` prints them."""
+    fluid = case.fluid
+    return {
+        "title": case.title,
+        "touch_radius_m": derived.touch_radius,
+        "effective_modulus_Pa": derived.effective_modulus,
+        "hardness_Pa": derived.hardness,
+        "rms_height_m": derived.rms_height,
+        "rms_slope": derived.rms_slope,
+        "decay_length_m": derived.decay_length,
+        "law_pressure_Pa": derived.law_pressure,
+        "viscosity_Pa_s": fluid.viscosity if fluid else None,
+        "loads": [
+            {
+                "fluid_pressure_Pa": load.fluid_pressure,
+                "axial_force_N": load.closing_force,
+                "line_load_N_per_m": load.line_load,
+                "hertz_peak_pressure_Pa": load.hertz.peak_pressure,
+                "hertz_half_width_m": load.hertz.half_width,
+                "gaussian_peak_pressure_Pa": load.gaussian.peak_pressure if load.gaussian else None,
+                "gaussian_std_m": load.gaussian.std if load.gaussian else None,
+                "crossover_peak_pressure_Pa": load.crossover.peak_pressure if load.crossover else None,
+                "crossover_fwhm_m": load.crossover.fwhm if load.crossover else None,
+                "crossover_std_m": load.crossover.std if load.crossover else None,
+            }
+            for load in derived.loads
+        ],
+    }
+
+
+_CHECK_COLUMNS = (
+    Column("fluid_pressure_Pa", "p fluid", "bar", 1e-5),
+    Column("axial_force_N", "force", "N", 1.0),
+    Column("line_load_N_per_m", "line load", "kN/m", 1e-3),
+    Column("hertz_peak_pressure_Pa", "Hertz p0", "MPa", 1e-6),
+    Column("hertz_half_width_m", "half width", "mm", 1e3),
+    Column("gaussian_peak_pressure_Pa", "Gauss p0", "MPa", 1e-6),
+    Column("crossover_peak_pressure_Pa", "crossover p0", "MPa", 1e-6),
+    Column("crossover_fwhm_m", "FWHM", "mm", 1e3),
+    Column("crossover_std_m", "std dev", "mm", 1e3),
+)
+
+_CHECK_LINES = (
+    Column("touch_radius_m", "radius of first touch r0", "mm", 1e3),
+    Column("effective_modulus_Pa", "effective modulus E*", "GPa", 1e-9),
+    Column("hardness_Pa", "hardness", "GPa", 1e-9),
+    Column("rms_height_m", "rms height", "um", 1e6),
+    Column("rms_slope", "rms slope", "", 1.0),
+    Column("decay_length_m", "decay length u0", "um", 1e6),
+    Column("law_pressure_Pa", "p_c", "GPa", 1e-9),
+    Column("viscosity_Pa_s", "viscosity", "mPa s", 1e3),
+)
+
+
+def show_derived(numbers: Mapping[str, Any]) -> None:
+    """Print the derived numbers of a case."""
+    for column in _CHECK_LINES:
+        value = numbers[column.key]
+        if value is not None:
+            print(f"  {column.heading:26}{_cell(value, column.factor)} {column.unit}".rstrip())  # noqa: T201
+    rows = numbers["loads"]
+    columns = [column for column in _CHECK_COLUMNS if any(row[column.key] is not None for row in rows)]
+    show_table(
+        "Closed-form pressure profiles",
+        [f"{column.heading}\n{column.unit}" for column in columns],
+        [[_cell(row[column.key], column.factor) for column in columns] for row in rows],
+    )

@@ -1,0 +1,120 @@
+"""What follows from a case in closed form, before anything is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem_seal.interface import exponential_law, rough_contact
+from fem_seal.loads import closing_force, line_load
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+    from leak import CrossoverLine, GaussianLine, HertzLine
+
+
+@dataclass(frozen=True)
+class DerivedLoad:
+    """One load of a case with its closed pressure profiles.
+
+    Parameters
+    ----------
+    fluid_pressure : float
+        [Pa]
+    closing_force : float
+        Axial force F_N that presses the closure on the seat [N].
+    line_load : float
+        f_N [N/m].
+    hertz : HertzLine
+        Smooth elastic bodies.
+    gaussian : GaussianLine or None
+        Rigid bodies with the exponential law; None for a smooth interface.
+    crossover : CrossoverLine or None
+        Elastic bodies with the exponential law, exact for half-spaces; None for a smooth interface.
+    """
+
+    fluid_pressure: float
+    closing_force: float
+    line_load: float
+    hertz: HertzLine
+    gaussian: GaussianLine | None
+    crossover: CrossoverLine | None
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Closed-form numbers of a case.
+
+    Parameters
+    ----------
+    touch_radius : float
+        Radius r0 of the circle of first touch [m].
+    effective_modulus : float
+        E* [Pa].
+    relative_radius : float
+        Radius of relative curvature across the contact line [m].
+    hardness : float or None
+        Penetration hardness used for the asperities [Pa]; None without asperity plasticity.
+    rms_height, rms_slope : float or None
+        Of the combined roughness [m], [-]; None without roughness.
+    decay_length : float or None
+        u0 of p = p_c exp(-u/u0) [m]: as given, gamma times rms height, or of the spectrum at low pressure;
+        None for a smooth interface.
+    law_pressure : float or None
+        p_c [Pa].
+    loads : tuple of DerivedLoad
+        One per fluid pressure.
+    """
+
+    touch_radius: float
+    effective_modulus: float
+    relative_radius: float
+    hardness: float | None
+    rms_height: float | None
+    rms_slope: float | None
+    decay_length: float | None
+    law_pressure: float | None
+    loads: tuple[DerivedLoad, ...]
+
+
+def derive(case: Case) -> Derived:
+    """Closed-form numbers of a case: geometry, loads, and the Hertz, Gaussian and crossover profiles.
+
+    Parameters
+    ----------
+    case : Case
+
+    Returns
+    -------
+    Derived
+        With law "persson" the exponential of the elastic spectrum at low pressure stands for the law.
+    """
+    surface = rough_contact(case)
+    decay_length, law_pressure = exponential_law(case, surface)
+    return Derived(
+        touch_radius=case.touch_radius,
+        effective_modulus=case.effective_modulus,
+        relative_radius=case.closure.radius,
+        hardness=surface.hardness if surface else None,
+        rms_height=surface.spectrum.rms_height if surface else None,
+        rms_slope=surface.spectrum.rms_slope if surface else None,
+        decay_length=decay_length,
+        law_pressure=law_pressure,
+        loads=tuple(_derive_load(case, pressure, decay_length) for pressure in case.load.fluid_pressure),
+    )
+
+
+def _derive_load(case: Case, fluid_pressure: float, decay_length: float | None) -> DerivedLoad:
+    from leak import crossover_line, gaussian_line, hertz_line
+
+    r0, R, E = case.touch_radius, case.closure.radius, case.effective_modulus
+    force = closing_force(r0, fluid_pressure, case.load.axial_force, case.load.pressure_side)
+    f = line_load(force, r0, case.seat.angle)
+    return DerivedLoad(
+        fluid_pressure=fluid_pressure,
+        closing_force=force,
+        line_load=f,
+        hertz=hertz_line(f, R, E),
+        gaussian=gaussian_line(f, R, decay_length) if decay_length else None,
+        crossover=crossover_line(f, R, E, decay_length) if decay_length else None,
+    )

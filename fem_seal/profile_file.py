@@ -1,0 +1,173 @@
+"""Contact pressure profiles from a CSV file: this program's own, or exported from any finite-element code."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.errors import InputError, Problem, QuantityError
+from fem_seal.text_table import TextTable, TextTableError, read_text_table
+from fem_seal.units import parse_quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+FloatArray = NDArray[np.float64]
+
+# What a column may be called, and its dimension.
+_NAMES = {
+    "x": ("length", ("x", "s", "arc_length", "distance")),
+    "pressure": ("pressure", ("contact_pressure", "pressure", "p", "cpress")),
+    "radius": ("length", ("r", "radius")),
+    "fluid_pressure": ("pressure", ("fluid_pressure",)),
+}
+# A profile with fewer points has no shape to integrate over.
+_FEWEST_ROWS = 5
+_HIGHEST_PRESSURE = 1e12
+
+
+@dataclass(frozen=True)
+class ImportedProfile:
+    """A contact pressure profile across a seal, from a file.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Arc length across the contact [m], increasing towards larger radius.
+    pressure : ndarray, shape (n,)
+        Contact pressure [Pa], not negative.
+    radius : ndarray, shape (n,), or None
+        Distance from the axis [m]; None if the file has no such column.
+    fluid_pressure : float or None
+        Fluid pressure that belongs to the profile [Pa]; None if the file does not say.
+    """
+
+    x: FloatArray
+    pressure: FloatArray
+    radius: FloatArray | None
+    fluid_pressure: float | None
+
+
+def read_profiles(file: str | Path) -> tuple[ImportedProfile, ...]:
+    """Contact pressure profiles of a CSV file.
+
+    Parameters
+    ----------
+    file : path
+        Text file with a header. Columns: arc length (``x_m``, ``x [mm]``, ...) and contact pressure
+        (``contact_pressure_Pa``, ``p [MPa]``, ...), or any two columns in this order with their units;
+        optionally radius (``r_m``) and fluid pressure (``fluid_pressure_Pa``), one profile for each.
+
+    Returns
+    -------
+    tuple of ImportedProfile
+
+    Raises
+    ------
+    InputError
+        If the file is not such a table; the message names column and line.
+    """
+    try:
+        table = read_text_table(file)
+        columns = _columns(table)
+        return tuple(_profiles(table, columns))
+    except (TextTableError, QuantityError) as error:
+        raise InputError(Problem("", str(error)), file=file) from None
+
+
+def _columns(table: TextTable) -> dict[str, FloatArray]:
+    """The known columns in SI."""
+    if not table.header:
+        raise TextTableError(
+            'has no header; name the columns and their units, such as "x_mm, contact_pressure_MPa"'
+        )
+    if len(table.header) != table.values.shape[1]:
+        raise TextTableError(f"has {len(table.header)} column names over {table.values.shape[1]} columns")
+    split = [_name_and_unit(name) for name in table.header]
+    places = {role: _place(split, names) for role, (_, names) in _NAMES.items()}
+    if (places["x"] is None or places["pressure"] is None) and len(split) == 2:
+        places = {"x": 0, "pressure": 1}
+    missing = [role for role in ("x", "pressure") if places[role] is None]
+    if missing:
+        wanted = {"x": "x_m (arc length)", "pressure": "contact_pressure_Pa"}[missing[0]]
+        raise TextTableError(f"has no column {wanted}; its columns are {', '.join(table.header)}")
+    return {role: _scaled(table, split, place, role) for role, place in places.items() if place is not None}
+
+
+def _place(split: list[tuple[str, str]], names: tuple[str, ...]) -> int | None:
+    return next((n for n, (word, _) in enumerate(split) if word in names), None)
+
+
+def _scaled(table: TextTable, split: list[tuple[str, str]], place: int, role: str) -> FloatArray:
+    name, unit, dimension = table.header[place], split[place][1], _NAMES[role][0]
+    if not unit:
+        example = "mm" if dimension == "length" else "MPa"
+        raise TextTableError(
+            f'column "{name}" has no unit; write it as "{name}_{example}" or "{name} [{example}]"'
+        )
+    try:
+        return table.values[:, place] * parse_quantity(f"1 {unit}", dimension)
+    except QuantityError as error:
+        raise TextTableError(f'column "{name}": {error}') from None
+
+
+def _name_and_unit(header: str) -> tuple[str, str]:
+    """``"x_m"``, ``"x [mm]"``, ``"Contact pressure (MPa)"`` as word and unit; unit empty if there is none."""
+    bracketed = re.fullmatch(r"(.*?)[\s_]*[\[(]\s*([^\])]+?)\s*[\])]", header)
+    suffixed = re.fullmatch(r"(.+)[\s_]([^\s_]+)", header)
+    for match in (bracketed, suffixed):
+        if match and (match is bracketed or _is_unit(match[2])):
+            return re.sub(r"\s+", "_", match[1].lower()), match[2]
+    return re.sub(r"\s+", "_", header.lower()), ""
+
+
+def _is_unit(text: str) -> bool:
+    for dimension in ("length", "pressure"):
+        try:
+            parse_quantity(f"1 {text}", dimension)
+        except QuantityError:
+            continue
+        return True
+    return False
+
+
+def _profiles(table: TextTable, columns: dict[str, FloatArray]) -> Iterator[ImportedProfile]:
+    rows = np.arange(len(table.lines))
+    loads = columns.get("fluid_pressure")
+    for load in [None] if loads is None else list(dict.fromkeys(loads.tolist())):
+        own = rows if load is None else rows[loads == load]
+        x, pressure = columns["x"][own], columns["pressure"][own]
+        _check(x, pressure, [table.lines[row] for row in own])
+        radius = columns["radius"][own] if "radius" in columns else None
+        if radius is not None and not (radius > 0).all():
+            raise TextTableError(
+                f"radius must be positive; line {table.lines[own[int(np.argmin(radius > 0))]]} is not"
+            )
+        if load is not None and not load > 0:
+            raise TextTableError(f"fluid pressure must be positive, it holds {load:g} Pa")
+        yield ImportedProfile(x, pressure, radius, load)
+
+
+def _check(x: FloatArray, pressure: FloatArray, lines: list[int]) -> None:
+    if len(x) < _FEWEST_ROWS:
+        raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(x)}")
+    increasing = np.diff(x) > 0
+    if not increasing.all():
+        line = lines[int(np.argmin(increasing)) + 1]
+        raise TextTableError(
+            f"arc length x must increase from row to row; line {line} does not. Sort the rows by x"
+        )
+    inside = (pressure >= 0) & (pressure <= _HIGHEST_PRESSURE)
+    if not inside.all():
+        row = int(np.argmin(inside))
+        raise TextTableError(
+            f"contact pressure must lie between 0 and 1 TPa (compression is positive); line {lines[row]} has "
+            f"{pressure[row]:g} Pa"
+        )
+    if not pressure.max() > 0:
+        raise TextTableError("contact pressure is zero in every row: the bodies do not touch")

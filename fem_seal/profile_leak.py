@@ -1,0 +1,100 @@
+"""Leak rate of a given pressure profile: the second half of a case, without its contact calculation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fem_seal.atomic_files import write_text
+from fem_seal.errors import InputError, Problem
+from fem_seal.interface import rough_contact
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+    from fem_seal.case_tables import Fluid
+    from fem_seal.profile_file import ImportedProfile
+    from leak import Conductivity, RoughContact
+
+COLUMNS = (
+    "fluid_pressure_Pa",
+    "peak_pressure_Pa",
+    "leak_rate_m3_per_s",
+    "leak_rate_elastic_m3_per_s",
+    "critical_separation_m",
+    "critical_separation_elastic_m",
+)
+
+
+def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[dict[str, float]]:
+    """Leak rates of imported pressure profiles with the surface and the fluid of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Its roughness, fluid and leak tables are used, and its seat where a profile has no radius.
+    profiles : sequence of ImportedProfile
+        A profile with its own fluid pressure gives one row, one without gives a row for each fluid pressure
+        of the case.
+
+    Returns
+    -------
+    list of dict
+        Rows with `COLUMNS`, as in leak.csv.
+
+    Raises
+    ------
+    InputError
+        If the case has no roughness or no fluid.
+    """
+    surface = rough_contact(case)
+    missing = [
+        name for name, table in (("roughness", case.roughness), ("fluid", case.fluid)) if table is None
+    ]
+    if surface is None or case.fluid is None:
+        raise InputError(
+            *(Problem(name, f"is missing; a leak rate needs a table [{name}]") for name in missing),
+            file=case.file,
+        )
+    peaks = [float(profile.pressure.max()) for profile in profiles]
+    plastic, elastic = (_conductivity(case, case.fluid, one, peaks) for one in (surface, surface.elastic))
+    return [
+        {
+            "fluid_pressure_Pa": fluid_pressure,
+            "peak_pressure_Pa": peak,
+            "leak_rate_m3_per_s": _leak_rate(case, profile, plastic, fluid_pressure),
+            "leak_rate_elastic_m3_per_s": _leak_rate(case, profile, elastic, fluid_pressure),
+            "critical_separation_m": float(surface.critical_separation(peak)),
+            "critical_separation_elastic_m": float(surface.elastic.critical_separation(peak)),
+        }
+        for profile, peak in zip(profiles, peaks, strict=True)
+        for fluid_pressure in (
+            [profile.fluid_pressure] if profile.fluid_pressure else case.load.fluid_pressure
+        )
+    ]
+
+
+def _conductivity(case: Case, fluid: Fluid, surface: RoughContact, peaks: Sequence[float]) -> Conductivity:
+    """Flow conductivity over all pressures of the profiles."""
+    # nine decades below the peak the resistance is less than one part in a million of the whole
+    table = surface.conductivity_table(1e-9 * min(peaks), 1.01 * max(peaks), method=case.leak.conductivity)
+    return table.at(fluid.viscosity)
+
+
+def _leak_rate(
+    case: Case, profile: ImportedProfile, conductivity: Conductivity, fluid_pressure: float
+) -> float:
+    from leak import leak_rate
+
+    x, radius = profile.x, profile.radius
+    if radius is None:
+        # the contact line of a cone is straight: r grows along it with the cosine of its inclination
+        radius = case.touch_radius + x * math.cos(case.seat.angle)
+    return float(leak_rate(x, profile.pressure, conductivity, fluid_pressure, radius))
+
+
+def write_rows(rows: Sequence[dict[str, float]], path: Path) -> None:
+    """Write rows as a CSV file; OutputError if it cannot be written."""
+    lines = [",".join(COLUMNS), *(",".join(repr(row[column]) for column in COLUMNS) for row in rows)]
+    write_text(path, "\n".join(lines) + "\n")

@@ -1,0 +1,371 @@
+"""The command line through real files: what it prints, what it writes, how it leaves."""
+
+import csv
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fem_seal
+from fem_seal import cli
+from fem_seal.errors import ConvergenceError
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+CASE = EXAMPLES / "ball_cone.toml"
+PROFILE = EXAMPLES / "profile_from_another_code.csv"
+
+
+def program(*arguments, **options):
+    """Run the program in a process of its own."""
+    command = [sys.executable, "-m", "fem_seal", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)
+
+
+@pytest.fixture
+def call(capsys):
+    """Run the command line in this process; exit code, stdout, stderr."""
+
+    def run(*arguments):
+        code = cli.main([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return run
+
+
+@pytest.fixture
+def changed(tmp_path):
+    """Write the main example with replaced text."""
+
+    def write(old, new, name="case.toml"):
+        text = CASE.read_text()
+        assert old in text
+        path = tmp_path / name
+        path.write_text(text.replace(old, new))
+        return path
+
+    return write
+
+
+# --- start ------------------------------------------------------------------------------------------------
+
+
+def test_version_is_fast():
+    times = []
+    for _ in range(3):
+        start = time.perf_counter()
+        done = program("--version")
+        times.append(time.perf_counter() - start)
+        assert (done.returncode, done.stdout, done.stderr) == (0, f"fem-seal {fem_seal.__version__}\n", "")
+    # the best of three: other processes of the machine are not what is measured
+    assert min(times) < 0.3
+
+
+@pytest.mark.parametrize("command", ["check", "schema", "leak"])
+def test_commands_without_a_mesh_load_neither_gmsh_nor_pyvista(command, tmp_path):
+    arguments = {"check": [CASE], "schema": [], "leak": [PROFILE, CASE, "-o", tmp_path]}[command]
+    words = [command, *map(str, arguments)]
+    code = (
+        "import sys; from fem_seal.cli import main; "
+        f"code = main({words!r}); "
+        "heavy = {'gmsh', 'pyvista', 'vtk', 'skfem', 'meshio', 'matplotlib', 'pandas'}; "
+        "print(sorted(heavy & set(sys.modules))); "
+        "sys.exit(code)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_usage_errors_leave_with_2():
+    assert program("no-such-command").returncode == 2
+    assert program("run").returncode == 2
+    assert program("run", CASE, "--no-such-option").returncode == 2
+
+
+# --- check and schema -------------------------------------------------------------------------------------
+
+
+def test_check_prints_the_derived_numbers(call):
+    code, out, err = call("check", CASE)
+    assert code == 0
+    assert "is valid" in out
+    assert "14.14 mm" in out  # R sin(theta)
+    assert "115.4 GPa" in out  # E*
+    assert "191.6" in out  # Hertz p0 at 20 bar
+    assert err == ""
+
+
+def test_check_json_is_si(call):
+    code, out, _ = call("check", "--json", CASE)
+    numbers = json.loads(out)
+    assert code == 0
+    assert numbers["touch_radius_m"] == pytest.approx(0.0141421, rel=1e-5)
+    assert numbers["loads"][-1]["line_load_N_per_m"] == pytest.approx(20e3)
+    assert numbers["loads"][-1]["hertz_peak_pressure_Pa"] == pytest.approx(191.646e6, rel=1e-5)
+
+
+def test_check_quiet_prints_nothing(call):
+    assert call("check", "--quiet", CASE) == (0, "", "")
+
+
+def test_schema_accepts_the_examples_and_refuses_slips(call):
+    jsonschema = pytest.importorskip("jsonschema")
+    import tomllib
+
+    code, out, _ = call("schema")
+    schema = json.loads(out)
+    assert code == 0
+    jsonschema.Draft202012Validator.check_schema(schema)
+    for path in EXAMPLES.glob("*.toml"):
+        jsonschema.validate(tomllib.loads(path.read_text()), schema)
+    case = tomllib.loads(CASE.read_text())
+    for damage in ({"angel": "45 deg"}, {"angle": 45}, {"shape": "egg"}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate({**case, "seat": {**case["seat"], **damage}}, schema)
+
+
+# --- wrong input ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", ["run", "check", "mesh"])
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('angle = "45 deg"', 'angle = "95 deg"', "seat.angle"),
+        ('angle = "45 deg"', 'angel = "45 deg"', "do you mean angle?"),
+        ('radius = "20 mm"', "radius = 20", "closure.radius"),
+        ('radius = "20 mm"', "radius = 20 mm", "not valid TOML"),
+        ('radius = "20 mm"', 'radius = "20 bar"', "closure.radius"),
+        (', hardness = "3.5 GPa"', "", "needs a hardness"),
+        ('q_low = "1e3 1/m"', 'q_low = "1e9 1/m"', "q_low"),
+        ('name = "water"', 'name = "watre"', "fluid"),
+    ],
+)
+def test_wrong_input_leaves_with_2_and_names_file_and_key(call, changed, command, old, new, said):
+    path = changed(old, new)
+    code, out, err = call(command, path)
+    assert code == 2
+    assert out == ""
+    assert str(path) in err
+    assert said in err
+    assert "Traceback" not in err
+
+
+def test_missing_case_file_and_unusable_output_folder(call, tmp_path):
+    code, _, err = call("run", tmp_path / "none.toml")
+    assert code == 2
+    assert "none.toml: cannot be read (no such file or directory)" in err
+    (tmp_path / "taken").write_text("")
+    code, _, err = call("run", CASE, "-o", tmp_path / "taken")
+    assert code == 2
+    assert "--output" in err
+    assert "taken" in err
+
+
+# --- failures ---------------------------------------------------------------------------------------------
+
+
+def fail_with(monkeypatch, error):
+    from fem_seal import pipeline
+
+    def run(case, progress=None):
+        raise error
+
+    monkeypatch.setattr(pipeline, "run", run)
+
+
+def test_no_convergence_leaves_with_3(call, monkeypatch, tmp_path):
+    fail_with(monkeypatch, ConvergenceError("20 bar: residual 1e-3 after 50 steps; try a finer mesh"))
+    code, out, err = call("run", "--quiet", CASE, "-o", tmp_path)
+    assert (code, out) == (3, "")
+    assert err == "error: 20 bar: residual 1e-3 after 50 steps; try a finer mesh\n"
+
+
+@pytest.mark.parametrize(
+    "error", [ZeroDivisionError("division by zero"), ValueError("bad"), MemoryError(), KeyError("k")]
+)
+def test_the_unexpected_is_one_line_and_leaves_with_1(call, monkeypatch, tmp_path, error):
+    fail_with(monkeypatch, error)
+    code, _, err = call("run", "--quiet", CASE, "-o", tmp_path)
+    assert code == 1
+    assert len(err.splitlines()) == 1
+    assert "Traceback" not in err
+
+
+def test_debug_shows_the_traceback(monkeypatch, tmp_path):
+    fail_with(monkeypatch, ZeroDivisionError("division by zero"))
+    with pytest.raises(ZeroDivisionError):
+        cli.main(["run", "--debug", str(CASE), "-o", str(tmp_path)])
+
+
+def test_a_full_disk_is_named(call, monkeypatch, tmp_path):
+    fail_with(monkeypatch, OSError(28, "No space left on device", "out/leak.csv"))
+    code, _, err = call("run", "--quiet", CASE, "-o", tmp_path)
+    assert (code, err) == (1, "error: out/leak.csv: no space left on device\n")
+
+
+def test_interrupt_leaves_with_130(monkeypatch, tmp_path, call):
+    fail_with(monkeypatch, KeyboardInterrupt())
+    code, _, err = call("run", "--quiet", CASE, "-o", tmp_path)
+    assert code == 130
+    assert "Traceback" not in err
+
+
+# --- leak of a given profile ------------------------------------------------------------------------------
+
+
+def test_leak_of_a_profile_from_another_code(call, tmp_path):
+    code, out, err = call("leak", PROFILE, CASE, "-o", tmp_path)
+    assert (code, err) == (0, "")
+    assert "leak.csv" in out
+    rows = list(csv.DictReader((tmp_path / "leak.csv").open()))
+    assert len(rows) == 20
+    plastic, elastic = (np.array([float(row[key]) for row in rows]) for key in list(rows[0])[2:4])
+    pressures = np.array([float(row["fluid_pressure_Pa"]) for row in rows])
+    # one profile: the leak rate is proportional to the pressure difference
+    assert plastic / pressures == pytest.approx(plastic[0] / pressures[0], rel=1e-12)
+    # about 8 in the paper, 8.1 by an independent calculation
+    assert elastic / plastic == pytest.approx(8.1, abs=0.1)
+
+
+def test_leak_takes_units_from_the_header_and_groups_by_fluid_pressure(call, tmp_path):
+    x, p = np.loadtxt(PROFILE, delimiter=",", skiprows=2).T
+    rows = [(load, a * 1e-3, 14e-3, b * 1e6) for load in (1e5, 2e5) for a, b in zip(x, p, strict=True)]
+    own = tmp_path / "profile.csv"
+    np.savetxt(own, rows, delimiter=",", header="fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa", comments="")
+    code, out, _ = call("leak", own, CASE, "--json")
+    loads = json.loads(out)["loads"]
+    assert code == 0
+    assert [load["fluid_pressure_Pa"] for load in loads] == [1e5, 2e5]
+    assert (tmp_path / "profile.leak" / "leak.csv").exists()
+    other = tmp_path / "other.csv"
+    np.savetxt(
+        other, np.c_[x * 1e3, p * 10], delimiter=";", header="Arc length [um]; CPRESS (bar)", comments=""
+    )
+    code, out, _ = call("leak", other, CASE, "--json")
+    first = json.loads(out)["loads"][0]
+    assert first["peak_pressure_Pa"] == pytest.approx(loads[0]["peak_pressure_Pa"], rel=1e-9)
+    # r = 14 mm there, r0 = 14.142 mm and r(x) here
+    assert first["leak_rate_m3_per_s"] == pytest.approx(
+        loads[0]["leak_rate_m3_per_s"] * 14.142 / 14, rel=1e-3
+    )
+
+
+GOOD_ROWS = [f"{x},{10 - x * x}" for x in (-3, -2, -1, 0, 1, 2, 3)]
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ([], "is empty"),
+        (["x_mm,p_MPa"], "no rows"),
+        (GOOD_ROWS, "has no header"),
+        (["x,p", *GOOD_ROWS], 'column "x" has no unit'),
+        (["x_mm,p_kg", *GOOD_ROWS], "no unit"),
+        (["x_MPa,p_mm", *GOOD_ROWS], 'column "x_MPa"'),
+        (["x_mm,p_MPa", *GOOD_ROWS[::-1]], "x must increase from row to row; line 3"),
+        (["x_mm,p_MPa", *GOOD_ROWS[:3], *GOOD_ROWS[2:]], "line 5"),
+        (["x_mm,p_MPa", *GOOD_ROWS, "4,nan"], "line 9"),
+        (["x_mm,p_MPa", *GOOD_ROWS, "4,-1"], "line 9 has -1e+06 Pa"),
+        (["x_mm,p_MPa", *GOOD_ROWS, "4"], "line 9"),
+        (["x_mm,p_MPa", *GOOD_ROWS, "4,five"], "line 9"),
+        (["x_mm,p_MPa", *GOOD_ROWS[:3]], "at least 5 rows"),
+        (["x_mm,p_MPa", *(f"{n},0" for n in range(6))], "do not touch"),
+        (["x_mm,p_MPa", *(f"{n},1e9" for n in range(6))], "between 0 and 1 TPa"),
+        (["a_mm,b_MPa,c_mm", *(f"{n},1,2" for n in range(6))], "has no column x_m"),
+        (["x_mm,p_MPa,r_mm", *(f"{n},1,{n - 2}" for n in range(6))], "radius must be positive; line 2"),
+    ],
+)
+def test_wrong_profiles_leave_with_2_and_name_the_line(call, tmp_path, lines, said):
+    path = tmp_path / "profile.csv"
+    path.write_text("\n".join(lines))
+    code, out, err = call("leak", path, CASE, "-o", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert said in err
+    assert str(path) in err
+
+
+def test_binary_and_missing_profiles_leave_with_2(call, tmp_path):
+    path = tmp_path / "profile.csv"
+    path.write_bytes(bytes(range(256)))
+    assert call("leak", path, CASE)[0] == 2
+    assert call("leak", tmp_path / "none.csv", CASE)[0] == 2
+
+
+def test_a_leak_rate_needs_roughness_and_fluid(call, tmp_path):
+    code, _, err = call("leak", PROFILE, EXAMPLES / "smooth.toml", "-o", tmp_path)
+    assert code == 2
+    assert "[roughness]" in err
+    assert "[fluid]" in err
+
+
+# --- run and mesh -----------------------------------------------------------------------------------------
+
+
+def test_mesh_writes_the_mesh_and_prints_its_quality(call, tmp_path):
+    code, out, _ = call("mesh", CASE, "-o", tmp_path)
+    assert code == 0
+    assert "triangles" in out
+    assert (tmp_path / "mesh.msh").stat().st_size > 1000
+
+
+@pytest.fixture(scope="module")
+def main_job(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("main job") / "results"
+    return program("run", CASE, "-o", folder), folder
+
+
+def test_run_prints_the_table_and_where_the_files_are(main_job):
+    done, folder = main_job
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+    assert "leak rate" in done.stdout
+    assert str(folder) in done.stdout
+
+
+def test_run_writes_the_files_of_the_contract(main_job):
+    _, folder = main_job
+    names = {path.name for path in folder.iterdir()}
+    contract = {
+        "leak.csv",
+        "profile.csv",
+        "summary.json",
+        "contact.pvd",
+        "contact_line.pvd",
+        "report.html",
+        "mesh.msh",
+    }
+    assert contract <= names
+    assert not [name for name in names if name.endswith((".part", ".tmp"))]
+    header = (folder / "leak.csv").read_text().splitlines()[0]
+    assert header == (
+        "fluid_pressure_Pa,axial_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
+        "leak_rate_m3_per_s,leak_rate_elastic_m3_per_s,critical_separation_m,critical_separation_elastic_m,"
+        "max_von_mises_Pa"
+    )
+
+
+def test_leak_of_the_own_profile_is_the_leak_of_the_run(main_job, call, tmp_path):
+    _, folder = main_job
+    code, out, _ = call("leak", folder / "profile.csv", CASE, "-o", tmp_path, "--json")
+    assert code == 0
+    again = [load["leak_rate_m3_per_s"] for load in json.loads(out)["loads"]]
+    rows = list(csv.DictReader((folder / "leak.csv").open()))
+    # the same integral over the written points: the difference is that of the quadrature
+    assert again == pytest.approx([float(row["leak_rate_m3_per_s"]) for row in rows], rel=2e-3)
+
+
+def test_run_json(call, tmp_path):
+    code, out, _ = call("run", "--json", EXAMPLES / "smooth.toml", "-o", tmp_path)
+    assert code == 0
+    result = json.loads(out)
+    assert result["folder"] == str(tmp_path)
+    assert len(result["loads"]) == 2
+    assert result["loads"][0]["leak_rate_m3_per_s"] is None
