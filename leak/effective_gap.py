@@ -1,0 +1,83 @@
+"""The two equivalent gaps of a rough interface: of the effective medium, and at the critical junction."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leak.conductivity import effective_medium
+from leak.persson import ElasticRoughness, RoughnessSeen, separations
+from leak.separation import LostArea, SeparationGrid, density
+from leak.spectrum import PowerSpectrum
+
+FloatArray = NDArray[np.float64]
+
+_GRID_POINTS = 256
+
+
+def effective_gap(
+    lost: LostArea, mean_separation: FloatArray, rms_height: float, n: float, *, refinement: int = 1
+) -> FloatArray:
+    """u_eff of Bruggeman's effective medium over P(u), shape (P,) [m]; see `leak.conductivity.effective_medium`.
+
+    References
+    ----------
+    B. Lorenz, B. N. J. Persson, Eur. Phys. J. E 31, 159 (2010); W. B. Dapp et al., Phys. Rev. Lett. 108, 244301
+    (2012).
+    """
+    grid = SeparationGrid.around(mean_separation, rms_height, count=_GRID_POINTS * refinement)
+    weight = density(lost, grid.separation) * grid.weight
+    # What the grid misses is wide open above it; below it is too narrow to matter and counts as contact.
+    beyond = _folded_above(lost, grid.separation[:, -1])
+    contact = np.maximum(1.0 - weight.sum(axis=1) - beyond, 0.0)
+    return effective_medium(grid.separation, weight, contact, beyond, n)
+
+
+def critical_gap(
+    spectrum: PowerSpectrum,
+    seen: RoughnessSeen,
+    relative_pressure: FloatArray,
+    gamma: float,
+    percolation_threshold: float,
+) -> FloatArray:
+    """u_c = u1 where A(zeta_c)/A0 is the percolation threshold, shape (P,) [m]; zero where no zeta reaches it.
+
+    References
+    ----------
+    Fischer et al., "Fluid leakage in metallic seals", eq. (12) and the text above it.
+    """
+    target = relative_pressure**2 / (np.pi * area_argument_at(percolation_threshold) ** 2)
+    whole = seen.moment(np.full((target.size, 1), seen.end))[:, 0]
+    M = _elastic_moment(seen, np.minimum(target, whole))
+    found = separations(spectrum, seen, relative_pressure, M[:, None], gamma, refinement=2)
+    return np.where(target < whole, found.lost[:, 0], 0.0)
+
+
+def area_argument_at(relative_area: float) -> float:
+    """z with erf(z) = A/A0."""
+    from scipy.special import erfinv
+
+    return float(erfinv(relative_area))
+
+
+def _elastic_moment(seen: RoughnessSeen, remaining: FloatArray) -> FloatArray:
+    """Elastic moment M at which the remaining moment has a given value, by bisection in ln M (it rises with M)."""
+    if isinstance(seen, ElasticRoughness):
+        return remaining
+    low, high = np.log(remaining), np.full(remaining.shape, np.log(seen.end))
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        below = seen.moment(np.exp(middle)[:, None])[:, 0] < remaining
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return np.exp(0.5 * (low + high))
+
+
+def _folded_above(lost: LostArea, u: FloatArray) -> FloatArray:
+    """Area with a separation above u, shape (P,)."""
+    from scipy.special import erfc
+
+    scale = np.sqrt(0.5) / lost.width
+    above = 0.5 * (
+        erfc((u[:, None] - lost.separation) * scale) + erfc((u[:, None] + lost.separation) * scale)
+    )
+    return (lost.weight * above).sum(axis=1)
