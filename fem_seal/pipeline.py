@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -67,9 +68,10 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
     with clock.step("leak", "flow conductivity and leak rates"):
         flows = _leak_rates(case, surface, contacts)
     with clock.step("stress", "stress in both bodies"):
+        separations = _critical_separations(surface, contacts)
         loads = tuple(
-            _load_result(case, surface, *item)
-            for item in zip(case.load.fluid_pressure, contacts, *flows, strict=True)
+            _load_result(*item)
+            for item in zip(case.load.fluid_pressure, contacts, *flows, *separations, strict=True)
         )
     with clock.step("error", "estimating the discretisation error"):
         error = _discretisation_error(case, law, seal_mesh, loads, surface)
@@ -190,11 +192,12 @@ def conductivity_table(
 ) -> ConductivityTable:
     """Flow conductivity of a surface over all pressures that occur in the contacts.
 
-    Pressures more than nine decades below the peak resist the flow by less than one part in a million. Between the
-    points of a coarse profile the interpolated pressure may rise above the largest of them.
+    Pressures more than nine decades below the peak resist the flow by less than one part in a million. The range
+    is rounded out to whole decades, so that neighbouring contacts share one table.
     """
-    peaks = [float(contact.pressure.max()) for contact in contacts]
-    return surface.conductivity_table(1e-9 * min(peaks), 2 * max(peaks), method=case.leak.conductivity)
+    peaks = [math.log10(contact.pressure.max()) for contact in contacts]
+    low, high = math.floor(min(peaks) - 9), math.ceil(max(peaks) + 0.3)
+    return surface.conductivity_table(10.0**low, 10.0**high, method=case.leak.conductivity)
 
 
 def _leak(
@@ -214,15 +217,28 @@ def _leak(
     )
 
 
+def _critical_separations(
+    surface: RoughContact | None, contacts: Sequence[ContactSolution]
+) -> tuple[list[float | None], list[float | None]]:
+    """u_c at the peak of every contact with the case's surface and with the same surface kept elastic [m]."""
+    if surface is None:
+        nothing: list[float | None] = [None] * len(contacts)
+        return nothing, nothing
+    peaks = np.array([contact.profile.peak_pressure for contact in contacts])
+    return (
+        np.asarray(surface.critical_separation(peaks)).tolist(),
+        np.asarray(surface.elastic.critical_separation(peaks)).tolist(),
+    )
+
+
 def _load_result(
-    case: Case,
-    surface: RoughContact | None,
     fluid_pressure: float,
     contact: ContactSolution,
     leak: LeakResult | None,
     leak_elastic: LeakResult | None,
+    critical_separation: float | None,
+    critical_separation_elastic: float | None,
 ) -> LoadResult:
-    peak = contact.profile.peak_pressure
     stress, place = _largest_stress(contact)
     return LoadResult(
         fluid_pressure,
@@ -231,8 +247,8 @@ def _load_result(
         contact,
         leak,
         leak_elastic,
-        None if surface is None else float(surface.critical_separation(peak)),
-        None if surface is None else float(surface.elastic.critical_separation(peak)),
+        critical_separation,
+        critical_separation_elastic,
         stress,
         place,
     )
