@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 # Below this fraction of the local slope the integrand v F contributes less than 1e-8 of the separation.
 _SMALLEST_STEP = 1e-9
 # Gauss points of a part over which things change by L e-folds: 1 + this times L^0.7, found by doubling them.
-_POINTS = 3.3
+_POINTS = 3.0
 # G/sigma_P^2 where C_pl begins to leave C and where it has nearly gone.
 _YIELDING = (0.03, 0.3, 1.2)
 _LOWEST_LOG = -300.0

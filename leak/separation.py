@@ -25,8 +25,10 @@ _FIRST_RANGE = 38.0
 _FIRST_PANELS = np.array([3.0, 4.0, 6.0, 9.0, 16.0]) / 38.0
 _FIRST_NODES = 8
 # Panels elsewhere are at most this long in `_detail`, with about this many Gauss points per unit length.
-_PANEL, _PANEL_POINTS = 1.3, 4.9
+_PANEL, _PANEL_POINTS = 1.3, 4.6
 _SMALLEST_WIDTH = 1e-12
+# Area so small that no value of P(u) that matters notices it.
+_LEAST_WEIGHT = 1e-13
 
 
 class MagnificationNodes(NamedTuple):
@@ -262,7 +264,7 @@ def density(lost: LostArea, separation: FloatArray) -> FloatArray:
     out = np.empty((lost.weight.shape[0], separation.shape[1]))
     grid = np.broadcast_to(separation, out.shape)
     for k in range(out.shape[0]):
-        used = amplitude[k] > 0.0
+        used = lost.weight[k] > _LEAST_WEIGHT
         x = grid[k][:, None] * inverse[k][used]
         c = centre[k][used]
         pair = np.exp(-((x - c) ** 2)) + np.exp(-((x + c) ** 2))
