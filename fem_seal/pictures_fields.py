@@ -1,0 +1,165 @@
+"""Pictures of the bodies: the mesh, and the stress under the contact."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.pictures import BLUE, INK, ORANGE, Picture, label, panels, svg
+from fem_seal.readable import given, number, quantity, unit_for
+from fem_seal.stress import body_fields
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from fem_seal.results import LoadResult, SealResult
+    from meshes import SealMesh
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# A quadratic triangle as four linear ones.
+_QUARTERS = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
+_BANDS = 12
+
+
+def mesh_picture(result: SealResult, load: LoadResult) -> Picture:
+    """The whole mesh beside the contact zone.
+
+    Parameters
+    ----------
+    result : SealResult
+    load : LoadResult
+        Its width sets how much of the contact zone is shown.
+    """
+    seal_mesh, quality = result.seal_mesh, result.seal_mesh.quality
+    mesh, contact = seal_mesh.mesh, seal_mesh.contact
+    figure, (whole, zone) = panels(2, height=4.4, ratios=(1.0, 1.35))
+    for name, colour in (("closure", BLUE), ("seat", "#8a6d3b")):
+        edges = np.unique(_edges(mesh.t[:, (mesh.subdomains or {})[name]]), axis=1)
+        whole.plot(*_polyline(1e3 * mesh.p, edges), color=colour, linewidth=0.25, rasterized=True)
+        turned = _turned(seal_mesh, mesh.p.T).T
+        half = _half_width(load)
+        near = (np.abs(turned[:, edges]).min(axis=1) < 1.8 * half).all(axis=0)
+        unit = unit_for("length", 2 * half)
+        zone.plot(*_polyline(turned / unit.size, edges[:, near]), color=colour, linewidth=0.55)
+    whole.set_aspect("equal")
+    whole.grid(False)
+    label(whole, "Both bodies", "r  [mm]", "z  [mm]")
+    whole.plot(1e3 * contact.touch_radius, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
+    _frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
+    smallest = float(np.diff(result.model.line.vertices).min())
+    return Picture(
+        "mesh",
+        svg(figure),
+        f"Finite-element mesh of both bodies and, enlarged, of the contact zone, {quality.elements} triangles",
+        f"{quality.elements} triangles with quadratic displacement ({_unknowns(result)} unknowns), "
+        f"{quantity('length', smallest)} long at the contact and growing outwards; the circle marks the zone shown on "
+        f"the right. Shape of the elements (1 is equilateral): worst {quality.smallest:.2f}, mean {quality.mean:.2f}.",
+    )
+
+
+def stress_picture(result: SealResult, load: LoadResult) -> Picture:
+    """von Mises stress under the contact, twice enlarged.
+
+    Parameters
+    ----------
+    result : SealResult
+    load : LoadResult
+        The load to show.
+    """
+    from matplotlib.ticker import MaxNLocator
+    from matplotlib.tri import Triangulation
+
+    figure, axes = panels(2, height=4.3)
+    fields = body_fields(load.contact)
+    unit = unit_for("contact pressure", load.max_von_mises)
+    half = _half_width(load)
+    levels = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, unit.of(load.max_von_mises))
+    bands = None
+    for view, reach, title in (
+        (axes[0], 4.0 * half, "Around the contact"),
+        (axes[1], half, "Under the contact"),
+    ):
+        length = unit_for("length", 2 * reach)
+        for field in fields.values():
+            place = _turned(result.seal_mesh, field.points)
+            triangles = _near(place, field.triangles6[:, _QUARTERS].reshape(-1, 3), reach)
+            grid = Triangulation(place[:, 0] / length.size, place[:, 1] / length.size, triangles)
+            bands = view.tricontourf(grid, unit.of(1.0) * field.von_mises, levels=levels, cmap="YlOrRd")
+            line = place[field.contact_nodes] / length.size
+            view.plot(*line.T, color=INK, linewidth=0.8)
+        _frame_zone(view, reach / length.size, length.name, title)
+    if bands is not None:
+        bar = figure.colorbar(bands, ax=axes, fraction=0.03, pad=0.015, aspect=28)
+        bar.set_label(f"von Mises stress  [{unit.name}]")
+        bar.outline.set_linewidth(0.5)
+    _mark_largest(axes[1], result, load)
+    body, r, z = load.max_von_mises_at
+    depth = float(_turned(result.seal_mesh, np.array([[r, z]]))[0, 1])
+    return Picture(
+        "stress",
+        svg(figure),
+        f"Map of the von Mises stress around the contact; its largest value is "
+        f"{quantity('contact pressure', load.max_von_mises)} in the {body}",
+        f"von Mises stress at {given('fluid pressure', load.fluid_pressure)}, closure above, seat below, undeformed "
+        f"shape. The largest value, {quantity('contact pressure', load.max_von_mises)}, lies in the {body} "
+        f"{quantity('length', abs(depth))} {'below' if depth < 0 else 'above'} the contact line (cross). "
+        "Asperities are not resolved here: they carry many times this stress and yield first.",
+    )
+
+
+def _mark_largest(axes: Axes, result: SealResult, load: LoadResult) -> None:
+    _, r, z = load.max_von_mises_at
+    half = _half_width(load)
+    place = _turned(result.seal_mesh, np.array([[r, z]]))[0]
+    if np.all(np.abs(place) < half):
+        axes.plot(*(place / unit_for("length", 2 * half).size), "x", color=INK, ms=6, mew=1.2)
+
+
+def _half_width(load: LoadResult) -> float:
+    """Half of what the enlarged views show along the contact [m]."""
+    profile = load.contact.profile
+    return 4.2 * profile.std
+
+
+def _turned(seal_mesh: SealMesh, points: FloatArray) -> FloatArray:
+    """(r, z) in the frame of the contact: along the tangent, along the normal; shape (n, 2) [m]."""
+    contact = seal_mesh.contact
+    n_r, n_z = contact.normal(np.zeros(1))[:, 0]
+    r, z = points[:, 0] - contact.touch_radius, points[:, 1]
+    return np.column_stack([r * n_z - z * n_r, r * n_r + z * n_z])
+
+
+def _near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
+    """Triangles of which a part may lie within `reach` of first touch."""
+    corners = place[triangles]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    inside = (low < reach) & (high > -reach)
+    return np.asarray(triangles[inside.all(axis=1)])
+
+
+def _frame_zone(axes: Axes, reach: float, unit: str, title: str) -> None:
+    axes.set_aspect("equal")
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(-0.8 * reach, 0.8 * reach)
+    axes.grid(False)
+    label(axes, title, f"along the contact, outwards  [{unit}]", f"along the normal  [{unit}]")
+
+
+def _edges(triangles: IntArray) -> IntArray:
+    """Edges of triangles, shape (2, n), each one sorted."""
+    return np.sort(np.hstack([triangles[[0, 1]], triangles[[1, 2]], triangles[[2, 0]]]), axis=0)
+
+
+def _polyline(points: FloatArray, edges: IntArray) -> FloatArray:
+    """x and y of all edges in one broken line."""
+    ends = points[:, edges]
+    gaps = np.full((2, 1, edges.shape[1]), np.nan)
+    return np.concatenate([ends, gaps], axis=1).transpose(0, 2, 1).reshape(2, -1)
+
+
+def _unknowns(result: SealResult) -> str:
+    return number(float(result.model.closure.basis.N + result.model.seat.basis.N), 5)

@@ -1,0 +1,147 @@
+"""Picture of what leaks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.pictures import (
+    BLUE,
+    INK,
+    ORANGE,
+    PURPLE,
+    Picture,
+    label,
+    logarithmic,
+    panels,
+    spans_decades,
+    svg,
+)
+from fem_seal.readable import Unit, given, number, quantity, unit_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from fem_seal.results import LoadResult, SealResult
+
+FloatArray = NDArray[np.float64]
+
+
+def leak_picture(result: SealResult) -> Picture | None:
+    """Leak rate against fluid pressure, with and without asperity plasticity; None if none was calculated.
+
+    Parameters
+    ----------
+    result : SealResult
+    """
+    loads = sorted((load for load in result.loads if load.leak), key=lambda load: load.fluid_pressure)
+    if not loads:
+        return None
+    pressure = np.array([load.fluid_pressure for load in loads])
+    rates = np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
+    elastic = np.array([load.leak_elastic.leak_rate if load.leak_elastic else np.nan for load in loads])
+    plastic = result.surface is not None and result.surface.hardness is not None
+    series = [("asperities yield (result)" if plastic else "elastic asperities (result)", rates, BLUE, 2.2)]
+    if plastic and np.isfinite(elastic).any():
+        series.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
+    shown = np.concatenate([rates for _, rates, _, _ in series])
+    unit = unit_for("flow", float(rates.max() or np.nanmax(shown)))
+    fluid = unit_for("fluid pressure", float(pressure.max()))
+    if len(loads) == 1:
+        return _single_leak(
+            loads[0], [(name, float(values[0]), colour) for name, values, colour, _ in series], unit
+        )
+    both = len(series) == 2 and bool(((rates > 0) & (elastic > 0)).any())
+    figure, axes, factor = _leak_panels(2 if both else 1)
+    for name, values, colour, width in series:
+        positive = np.where(values > 0, values, np.nan) / unit.size
+        axes.plot(pressure / fluid.size, positive, "o-", color=colour, linewidth=width, ms=3.8, label=name)
+    _mark_sealed(axes, pressure[rates == 0] / fluid.size)
+    scales = [n for n, values in (("x", pressure), ("y", shown)) if spans_decades(values)]
+    if "y" not in scales:
+        axes.set_ylim(0.0)
+    logarithmic(axes, *scales)
+    axes.legend(loc="best")
+    label(axes, "Leak rate", f"fluid pressure  [{fluid.name}]", f"leak rate  [{unit.name}]")
+    if factor is not None:
+        _reduction(factor, pressure / fluid.size, elastic, rates, "x" in scales)
+        label(
+            factor,
+            "Reduction by yielding asperities",
+            f"fluid pressure  [{fluid.name}]",
+            "elastic over yielded",
+        )
+    return Picture(
+        "leak",
+        svg(figure),
+        "Leak rate against fluid pressure"
+        + (", with yielding and with elastic asperities" if plastic else ""),
+        "Leak rate of the whole circumference at each fluid pressure."
+        + (
+            " Where asperities yield, the surfaces come closer and less leaks; the elastic curve is the same contact "
+            "with asperities of unlimited strength."
+            if plastic
+            else ""
+        ),
+    )
+
+
+def _single_leak(load: LoadResult, series: list[tuple[str, float, str]], unit: Unit) -> Picture:
+    """Bars for a case with one load."""
+    figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
+    names = [name for name, _, _ in series]
+    values = [unit.of(rate) for _, rate, _ in series]
+    bars = axes.barh(range(len(series)), values, color=[colour for _, _, colour in series], height=0.55)
+    axes.bar_label(
+        bars, [f"{number(value)} {unit.name}" if value else "sealed" for value in values], padding=4
+    )
+    axes.set_xlim(0.0, 1.25 * max(*values, 1e-30))
+    axes.set_yticks([])
+    for n, name in enumerate(names):
+        axes.text(0.004, n - 0.31, name, transform=axes.get_yaxis_transform(), va="bottom")
+    axes.set_ylim(len(series) - 0.6, -0.8)
+    pressure = given("fluid pressure", load.fluid_pressure)
+    label(axes, f"Leak rate at {pressure}", f"leak rate  [{unit.name}]", "")
+    return Picture(
+        "leak",
+        svg(figure),
+        f"Leak rate at {pressure}: "
+        + ", ".join(f"{name} {quantity('flow', rate)}" for name, rate, _ in series),
+        "Leak rate of the whole circumference.",
+    )
+
+
+def _leak_panels(series: int) -> tuple[Figure, Axes, Axes | None]:
+    """Axes for the leak rates and, where there are two, for their ratio."""
+    if series == 1:
+        figure, (axes,) = panels(1, height=3.5, width=6.4)
+        return figure, axes, None
+    figure, (axes, ratio) = panels(2, height=3.5, ratios=(1.5, 1.0))
+    return figure, axes, ratio
+
+
+def _mark_sealed(axes: Axes, pressure: FloatArray) -> None:
+    """Loads without any leak cannot stand on a logarithmic axis; they are marked at its foot."""
+    if pressure.size:
+        axes.plot(
+            pressure,
+            np.full(pressure.shape, 0.02),
+            "v",
+            color=INK,
+            ms=6,
+            transform=axes.get_xaxis_transform(),
+            label="sealed: nothing leaks",
+            clip_on=False,
+        )
+
+
+def _reduction(axes: Axes, x: FloatArray, elastic: FloatArray, rates: FloatArray, log_x: bool) -> None:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor = np.where((rates > 0) & (elastic > 0), elastic / rates, np.nan)
+    axes.plot(x, factor, "o-", color=PURPLE, ms=3.8)
+    logarithmic(axes, *(["x"] if log_x else []), *(["y"] if spans_decades(factor) else []))
+    if not spans_decades(factor):
+        axes.set_ylim(0.0, 1.12 * float(np.nanmax(factor)))

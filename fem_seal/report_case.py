@@ -1,0 +1,186 @@
+"""The case and its accuracy as the report lists them: names with values in readable units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem_seal.readable import given, number, percent, quantity, trimmed
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+    from fem_seal.materials import Material
+    from fem_seal.results import SealResult
+
+
+_CLOSING = {"sealed-area": "fluid pressure on the sealed area"}
+
+
+@dataclass(frozen=True)
+class Group:
+    """Part of the case: names with their values.
+
+    Parameters
+    ----------
+    name : str
+    rows : list of (name, value)
+    """
+
+    name: str
+    rows: list[tuple[str, str]]
+
+
+def seal_groups(result: SealResult) -> list[Group]:
+    """Geometry, load and fluid of the case in readable units."""
+    case = result.case
+    groups = [Group("Geometry", _geometry(result)), Group("Load", _load(case))]
+    if case.fluid is not None:
+        viscosity = given("viscosity", case.fluid.viscosity)
+        groups.append(Group("Fluid", [("name", case.fluid.name), ("viscosity", viscosity)]))
+    return groups
+
+
+def surface_groups(result: SealResult) -> list[Group]:
+    """Materials, roughness, interface and leak of the case in readable units."""
+    groups = list(_materials(result.case))
+    if result.surface is not None:
+        groups.append(Group("Roughness of both surfaces", _roughness(result)))
+    groups.append(Group("Interface law", _interface(result)))
+    if result.surface is not None and result.case.fluid is not None:
+        groups.append(Group("Leak", _leak(result.case)))
+    return groups
+
+
+def _geometry(result: SealResult) -> list[tuple[str, str]]:
+    case, contact = result.case, result.seal_mesh.contact
+    return [
+        (f"closure, {case.closure.shape}: radius R", given("length", case.closure.radius)),
+        (f"seat, {case.seat.shape}: angle θ", f"{trimmed(math.degrees(case.seat.angle))}°"),
+        ("radius of first touch r₀", quantity("length", contact.touch_radius, 4)),
+        ("radius of relative curvature", quantity("length", contact.relative_radius, 4)),
+    ]
+
+
+def _materials(case: Case) -> Iterator[Group]:
+    closure, seat = case.closure.material, case.seat.material
+    if closure == seat:
+        yield Group("Material of closure and seat", _material(closure))
+    else:
+        yield Group("Material of the closure", _material(closure))
+        yield Group("Material of the seat", _material(seat))
+
+
+def _material(material: Material) -> list[tuple[str, str]]:
+    rows = [
+        ("name", material.name),
+        ("Young's modulus", given("contact pressure", material.youngs_modulus)),
+        ("Poisson's ratio", trimmed(material.poissons_ratio)),
+    ]
+    for name, value in (("hardness", material.hardness), ("yield stress", material.yield_stress)):
+        rows.append((name, "not given" if value is None else given("contact pressure", value)))
+    return [*rows, ("source", material.source)] if material.source else rows
+
+
+def _roughness(result: SealResult) -> list[tuple[str, str]]:
+    assert result.surface is not None
+    spectrum = result.surface.spectrum
+    rows = [
+        ("rms height", quantity("length", spectrum.rms_height, 4)),
+        ("rms slope", number(spectrum.rms_slope, 3)),
+        ("longest wavelength", quantity("length", 2 * math.pi / spectrum.q_low)),
+        ("shortest wavelength", quantity("length", 2 * math.pi / spectrum.q_high)),
+    ]
+    given_as = result.case.roughness.spectrum if result.case.roughness else None
+    hurst = getattr(given_as, "hurst", None)
+    if hurst is not None:
+        rows.insert(2, ("Hurst exponent", trimmed(hurst)))
+    return rows
+
+
+def _interface(result: SealResult) -> list[tuple[str, str]]:
+    from fem_seal.interface import exponential_law
+
+    interface = result.case.interface
+    names = {
+        "persson": "p(u) of the spectrum" + (", yielded" if interface.plastic else ", elastic"),
+        "exponential": "p = p_c exp(−u/u₀)",
+        "smooth": "smooth, hard contact",
+    }
+    u0, p_c = exponential_law(result.case, result.surface)
+    rows = [("law", names[interface.law])]
+    if u0 is not None and p_c is not None:
+        when = " at low pressure" if interface.law == "persson" else ""
+        rows.append((f"decay length u₀{when}", quantity("length", u0)))
+        rows.append((f"p_c{when}", quantity("contact pressure", p_c)))
+    return rows
+
+
+def _load(case: Case) -> list[tuple[str, str]]:
+    pressures = [given("fluid pressure", p) for p in sorted(case.load.fluid_pressure)]
+    shown = (
+        ", ".join(pressures)
+        if len(pressures) <= 3
+        else f"{len(pressures)} from {pressures[0]} to {pressures[-1]}"
+    )
+    return [
+        ("fluid pressure", shown),
+        ("additional axial force", given("force", case.load.axial_force) if case.load.axial_force else "0 N"),
+        ("high pressure", f"on the {case.load.pressure_side} side"),
+        (
+            "closing force",
+            {"sealed-area": "fluid pressure on the sealed area"}.get(case.load.closing, case.load.closing),
+        ),
+    ]
+
+
+def _leak(case: Case) -> list[tuple[str, str]]:
+    conductivity = {"bruggeman": "effective medium (Bruggeman)", "critical-junction": "critical junction"}
+    return [
+        ("asperities", "yield at the hardness" if case.leak.plasticity else "stay elastic"),
+        ("no open path above", f"{percent(case.leak.percolation_threshold)} contact"),
+        ("flow conductivity", conductivity[case.leak.conductivity]),
+    ]
+
+
+def accuracy(result: SealResult) -> list[tuple[str, str]]:
+    """How far the numbers can be trusted: discretisation and convergence."""
+    error = result.discretisation_error
+    iterations = [load.contact.iterations for load in result.loads]
+    residuals = [load.contact.residuals[-1] for load in result.loads if load.contact.residuals]
+    rows = [
+        ("error of the peak pressure", _error(error.peak_pressure)),
+        ("error of the width (FWHM)", _error(error.fwhm)),
+        ("error of the std. deviation", _error(error.std)),
+    ]
+    if error.leak_rate is not None:
+        rows.append(("error of the leak rate", _error(error.leak_rate)))
+    rows.append(("iterations per load", f"{min(iterations)} to {max(iterations)}"))
+    if residuals:
+        rows.append(("residual of the gap", f"{number(max(residuals), 1)} decay lengths"))
+    force = max(abs(load.contact.force_error) for load in result.loads)
+    rows.append(("error of the contact force", _error(force)))
+    return rows
+
+
+def _error(share: float) -> str:
+    """A relative error, without digits that mean nothing."""
+    return "below 10⁻⁹ %" if share < 1e-11 else percent(share, 1)
+
+
+_STEPS = {
+    "interface": "roughness and interface law",
+    "mesh": "mesh",
+    "condense": "condensing the bodies on the contact line",
+    "contact": "all contacts",
+    "leak": "flow conductivity and leak rates",
+    "stress": "stresses",
+    "error": "estimate of the error",
+    "variants": "other interface law",
+}
+
+
+def times(result: SealResult) -> list[tuple[str, str]]:
+    """How long each step of the calculation took."""
+    return [(_STEPS.get(name, name), f"{seconds:.2f} s") for name, seconds in result.timings.items()]

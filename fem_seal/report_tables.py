@@ -1,0 +1,142 @@
+"""The tables of the report: one unit per column, figures that mean something."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem_seal.readable import Unit, flow, given, number, quantity, trimmed, unit_for
+
+if TYPE_CHECKING:
+    from fem_seal.closed_forms import Sizes
+    from fem_seal.results import SealResult
+    from leak import LeakResult
+
+
+@dataclass(frozen=True)
+class ReadableTable:
+    """A table for the page.
+
+    Parameters
+    ----------
+    headings : tuple of str
+    rows : tuple of tuple of str
+    """
+
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def load_table(result: SealResult, sizes: Mapping[str, Sizes]) -> ReadableTable:
+    """All loads, with one unit per column and without the columns that no load fills."""
+    calculated, loads = sizes["calculated"], result.loads
+    columns = [
+        _Column("fluid pressure", "fluid pressure", [load.fluid_pressure for load in loads]),
+        _Column("closing force", "force", [load.axial_force for load in loads]),
+        _Column("line load", "line load", [load.line_load for load in loads]),
+        _Column("peak pressure", "contact pressure", calculated.peak_pressure.tolist()),
+        _Column("width (FWHM)", "length", calculated.fwhm.tolist()),
+        _Column("std. deviation", "length", calculated.std.tolist(), unit_of="width (FWHM)"),
+        _Column("u_c", "length", [load.critical_separation for load in loads]),
+        _Column(
+            "u_c, elastic", "length", [load.critical_separation_elastic for load in loads], unit_of="u_c"
+        ),
+        _Column("leak rate", "flow", [_leak_rate(load.leak) for load in loads]),
+        _Column(
+            "leak rate, elastic",
+            "flow",
+            [_leak_rate(load.leak_elastic) for load in loads],
+            unit_of="leak rate",
+        ),
+        _Column("von Mises", "contact pressure", [load.max_von_mises for load in loads]),
+    ]
+    if result.surface is None or result.surface.hardness is None:
+        columns = [column for column in columns if not column.name.endswith("elastic")]
+    shown = [column for column in columns if any(value is not None for value in column.values)]
+    units = {column.name: unit_for(column.kind, column.largest) for column in shown}
+    return ReadableTable(
+        tuple(f"{column.name} [{units[column.unit_of or column.name].name}]" for column in shown),
+        tuple(
+            tuple(_cell(column, units[column.unit_of or column.name], n) for column in shown)
+            for n in range(len(loads))
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A column in SI; `unit_of` names the one whose unit it shares, so that the two can be compared."""
+
+    name: str
+    kind: str
+    values: list[float | None]
+    unit_of: str = ""
+
+    @property
+    def largest(self) -> float:
+        return max(value for value in self.values if value is not None)
+
+
+def _leak_rate(leak: LeakResult | None) -> float | None:
+    return None if leak is None else leak.leak_rate
+
+
+def _cell(column: _Column, unit: Unit, n: int) -> str:
+    value = column.values[n]
+    if value is None:
+        return "–"
+    return trimmed(unit.of(value)) if column.name == "fluid pressure" else number(unit.of(value), 4)
+
+
+def comparison_table(result: SealResult, sizes: Mapping[str, Sizes]) -> ReadableTable:
+    """How much every load differs from the closed forms, in per cent."""
+    names = {key: name for key, name in (("crossover", "crossover"), ("hertz", "Hertz")) if key in sizes}
+    measures = {"peak_pressure": "peak", "fwhm": "FWHM", "std": "std. dev."}
+    headings = [f"{text} over {name} − 1 [%]" for name in names.values() for text in measures.values()]
+    columns = [
+        getattr(sizes["calculated"], measure) / getattr(sizes[key], measure) - 1
+        for key in names
+        for measure in measures
+    ]
+    rows = tuple(
+        (given("fluid pressure", load.fluid_pressure), *(_difference(column[n]) for column in columns))
+        for n, load in enumerate(result.loads)
+    )
+    return ReadableTable(("fluid pressure", *headings), rows)
+
+
+def comparison_note(result: SealResult) -> str:
+    """What to expect of the comparison with the closed forms; empty if nothing needs saying."""
+    law = result.case.interface.law
+    if law == "smooth":
+        return " Small differences to Hertz are those of the mesh and of the curved sealing line."
+    if law == "exponential":
+        return " The crossover is exact for this interface law; the rest is the mesh and the curved sealing line."
+    return (
+        " The crossover is drawn with u₀ of the roughness at low pressure; differences of a per cent or more show that "
+        "the full p(u) is no exponential at these pressures."
+    )
+
+
+def _difference(share: float) -> str:
+    digits = 3 if abs(share) < 0.1 else 0
+    return f"{100 * share:+.{digits}f}".replace("-", "−")
+
+
+def variant_table(result: SealResult) -> ReadableTable:
+    """What the choice of the interface law does to the highest load; no rows if there was no choice."""
+    rows = [
+        (
+            variant.name
+            + (" (used)" if ("plastic" in variant.name) == result.case.interface.plastic else ""),
+            quantity("contact pressure", variant.peak_pressure),
+            quantity("length", variant.fwhm),
+            quantity("length", variant.std),
+            "–" if variant.leak_rate is None else flow(variant.leak_rate),
+        )
+        for variant in result.interface_variants
+    ]
+    return ReadableTable(
+        ("interface law", "peak pressure", "FWHM", "std. deviation", "leak rate"), tuple(rows)
+    )

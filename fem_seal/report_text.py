@@ -1,0 +1,212 @@
+"""What the report says in words: the result, why it came out so, and what the words mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.readable import flow, given, number, percent, quantity, unit_for
+
+if TYPE_CHECKING:
+    from fem_seal.derived import Derived
+    from fem_seal.results import LoadResult, SealResult
+
+# Share of the pressure drop whose place is called the seal proper: its middle 80 %.
+_MIDDLE = (0.1, 0.9)
+# From here on the fluid pressure opens the gap noticeably.
+_FLUID_OPENS = 0.2
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A number with its name, as the report shows it at the top.
+
+    Parameters
+    ----------
+    name, value, remark : str
+    """
+
+    name: str
+    value: str
+    remark: str = ""
+
+
+def highest_load(result: SealResult) -> LoadResult:
+    """The load that the report explains in detail: the one with the highest fluid pressure."""
+    return max(result.loads, key=lambda load: (load.fluid_pressure, load.line_load))
+
+
+def strongest_load(result: SealResult) -> LoadResult:
+    """The load with the largest closing force; for it error and interface laws are compared."""
+    return max(result.loads, key=lambda load: load.axial_force)
+
+
+def facts(result: SealResult) -> list[Fact]:
+    """The result in a few numbers, at the highest load."""
+    load = highest_load(result)
+    profile = load.contact.profile
+    found = [
+        Fact("Peak contact pressure", quantity("contact pressure", profile.peak_pressure)),
+        Fact(
+            "Width of the contact",
+            quantity("length", profile.fwhm),
+            "full width at half of the peak pressure",
+        ),
+    ]
+    if load.critical_separation is not None:
+        narrow = "sealed" if load.critical_separation == 0 else quantity("length", load.critical_separation)
+        found.append(
+            Fact("Narrowest place on the leak path", narrow, "critical separation at the peak pressure")
+        )
+    found.append(
+        Fact("Largest stress in the bodies", quantity("contact pressure", load.max_von_mises), "von Mises")
+    )
+    if load.leak is not None:
+        found.insert(0, Fact("Leak rate", flow(load.leak.leak_rate), per_day(load.leak.leak_rate)))
+    return found
+
+
+def per_day(leak_rate: float) -> str:
+    """A leak rate as what collects in a day."""
+    litres = leak_rate * 86400e3
+    for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
+        if litres >= size:
+            return f"{number(litres / size, 2)} {unit} per day"
+    return "" if leak_rate == 0 else "less than 1 µl per day"
+
+
+def headline(result: SealResult) -> str:
+    """The answer in one sentence."""
+    loads = sorted(result.loads, key=lambda load: load.fluid_pressure)
+    first, last = loads[0], loads[-1]
+    span = given("fluid pressure", last.fluid_pressure)
+    if first.leak is None or last.leak is None:
+        missing = "roughness" if result.surface is None else "fluid"
+        profile = last.contact.profile
+        return (
+            f"At {span} the contact is {quantity('length', profile.fwhm)} wide under "
+            f"{quantity('contact pressure', profile.peak_pressure)} peak pressure. No leak rate: the case "
+            f"has no {missing}."
+        )
+    if all(load.leak is not None and load.leak.leak_rate == 0 for load in loads):
+        return f"Sealed at every load up to {span}: so much of the nominal area touches that no leak path is open."
+    if len(loads) == 1:
+        return f"The seal leaks {flow(last.leak.leak_rate)} at {span}."
+    rates = [first.leak.leak_rate, last.leak.leak_rate]
+    return (
+        f"The seal leaks {_flow_beside(rates[0], rates[1])} at {given('fluid pressure', first.fluid_pressure)} and "
+        f"{_flow_beside(rates[1], rates[0])} at {span}."
+    )
+
+
+def _flow_beside(leak_rate: float, other: float) -> str:
+    """A leak rate in a unit that suits another one too, as long as it stays readable."""
+    unit = unit_for("flow", max(leak_rate, other))
+    return flow(leak_rate) if unit.of(leak_rate) < 0.01 else f"{number(unit.of(leak_rate))} {unit.name}"
+
+
+def reasons(result: SealResult, derived: Derived) -> list[str]:
+    """Why the result came out so: what sets the contact and what throttles the flow."""
+    load = highest_load(result)
+    return [*_what_sets_the_width(result, derived, load), *_what_throttles(load), *_what_yields(result, load)]
+
+
+def _what_sets_the_width(result: SealResult, derived: Derived, load: LoadResult) -> Iterator[str]:
+    hertz = derived.loads[result.loads.index(load)].hertz
+    profile = load.contact.profile
+    bulk = min((hertz.std / profile.std) ** 2, 1.0)
+    if result.case.interface.law == "smooth":
+        yield (
+            "The surfaces are smooth, so the elasticity of the bodies alone sets the contact; Hertz' line contact "
+            f"gives {quantity('contact pressure', hertz.peak_pressure)} peak pressure, the calculation "
+            f"{quantity('contact pressure', profile.peak_pressure)}."
+        )
+        return
+    if bulk < 0.25:
+        dominant = "The roughness, not the elasticity of the bodies, sets the width of the contact"
+    elif bulk > 0.75:
+        dominant = "The elasticity of the bodies, not the roughness, sets the width of the contact"
+    else:
+        dominant = "Roughness and elasticity of the bodies both set the width of the contact"
+    yield (
+        f"{dominant}: perfectly smooth bodies would touch over {quantity('length', hertz.fwhm)} under "
+        f"{quantity('contact pressure', hertz.peak_pressure)}, the rough ones touch over "
+        f"{quantity('length', profile.fwhm)} under {quantity('contact pressure', profile.peak_pressure)}."
+    )
+
+
+def _what_throttles(load: LoadResult) -> Iterator[str]:
+    if load.leak is None or load.leak.leak_rate == 0:
+        return
+    x, share = load.contact.profile.x, load.leak.fluid_pressure / load.fluid_pressure
+    rising = share if share[-1] > share[0] else 1 - share
+    ends = np.interp(_MIDDLE, rising, x)
+    yield (
+        f"{percent(_MIDDLE[1] - _MIDDLE[0])} of the pressure drop falls over the middle "
+        f"{quantity('length', float(ends[1] - ends[0]))} of the contact: this strip is the seal proper."
+    )
+    ratio = load.fluid_pressure / load.contact.profile.peak_pressure
+    if ratio > _FLUID_OPENS:
+        yield (
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. It helps to open the gap, which "
+            "this calculation does not take into account: expect a larger leak rate."
+        )
+    else:
+        yield (
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure; that it pushes the surfaces apart "
+            "is neglected."
+        )
+
+
+def _what_yields(result: SealResult, load: LoadResult) -> Iterator[str]:
+    surface = result.surface
+    if surface is None:
+        return
+    peak = load.contact.profile.peak_pressure
+    if surface.hardness is None:
+        if load.leak is not None:
+            yield "Asperities are taken as elastic. If they yield, the surfaces come closer and less leaks."
+        return
+    area = float(surface.contact_area(peak))
+    yielded = float(surface.plastic_area(peak)) / area
+    share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
+    text = f"{percent(area)} of the nominal area really touches at the peak pressure, and {share} of that has yielded"
+    if load.leak is not None and load.leak_elastic is not None and load.leak.leak_rate > 0:
+        factor = load.leak_elastic.leak_rate / load.leak.leak_rate
+        text += f"; with asperities that never yield {number(factor, 2)} times as much would leak"
+    yield text + "."
+
+
+DEFINITIONS = (
+    (
+        "contact pressure p",
+        "pressure between the bodies, averaged over many asperities, positive in compression",
+    ),
+    ("x", "arc length across the sealing line, zero where the bodies first touch, positive outwards"),
+    ("peak pressure", "largest nominal contact pressure over x"),
+    ("FWHM", "full width of the pressure profile at half of its peak"),
+    ("standard deviation", "square root of the second central moment of p over x"),
+    ("line load", "force per circumference normal to the contact, F_N / (2π r₀ cos θ)"),
+    ("gap u", "mean separation of the surfaces, measured between their mean planes"),
+    (
+        "u_c",
+        "critical separation: height of the narrowest place on the first open leak path, at the peak pressure",
+    ),
+    (
+        "magnification",
+        "wavenumber up to which roughness is seen, over the smallest wavenumber of the spectrum",
+    ),
+    (
+        "yielded area A_pl",
+        "area of real contact in which the asperities carry the hardness; A_el: the elastic rest",
+    ),
+    ("elastic columns", "the same contact with asperities that never yield"),
+    ("leak rate", "volume per time through the whole circumference, all fluid pressures as differences"),
+    (
+        "discretisation error",
+        "change of the result for the load with the largest closing force on a coarser mesh",
+    ),
+)

@@ -1,0 +1,106 @@
+"""The publications behind the numbers of a result: only those whose formulas it used."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fem_seal.results import SealResult
+
+
+@dataclass(frozen=True)
+class Source:
+    """A publication and what was taken from it.
+
+    Parameters
+    ----------
+    name : str
+        Short name, as used in texts.
+    reference : str
+        Where to find it.
+    used_for : str
+        What it was used for, in words.
+    equations : tuple of str
+        The equations, as one line of text each.
+    """
+
+    name: str
+    reference: str
+    used_for: str
+    equations: tuple[str, ...] = ()
+
+
+def sources(result: SealResult) -> list[Source]:
+    """Publications whose formulas a result used, in the order of the calculation.
+
+    Parameters
+    ----------
+    result : SealResult
+    """
+    return list(_sources(result))
+
+
+def _sources(result: SealResult) -> Iterator[Source]:
+    case, surface = result.case, result.surface
+    flow = any(load.leak is not None for load in result.loads)
+    yield Source(
+        "Fischer et al. 2020",
+        "F. J. Fischer, K. Schmitz, A. Tiwari, B. N. J. Persson, Fluid leakage in metallic seals, Tribol. Lett. 68, "
+        "125 (2020)",
+        "load on the contact line, closed pressure profiles" + (", leak rate" if flow else ""),
+        (
+            "eq. 1: f_N = F_N / (2π r₀ cos θ), r₀ = R sin θ, F_N = π r₀² p_fluid + axial force",
+            *(("eq. 8: p = p_c exp(−u/u₀)",) if case.interface.law == "exponential" else ()),
+            *(("eq. 13 to 15: Δp = Q ∫ dx / (2π r(x) σ_eff(p(x)))",) if flow else ()),
+        ),
+    )
+    yield Source(
+        "Johnson 1985",
+        "K. L. Johnson, Contact Mechanics, Cambridge University Press (1985), chapter 4",
+        "Hertzian line contact, for comparison",
+        ("p = p₀ (1 − x²/a²)^½, p₀ = (E* f_N / (π R))^½, 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂",),
+    )
+    if surface is None:
+        return
+    yield Source(
+        "Persson 2001",
+        "B. N. J. Persson, Theory of rubber friction and contact mechanics, J. Chem. Phys. 115, 3840 (2001)",
+        "area of real contact at each magnification" + (", elastic and yielded" if surface.hardness else ""),
+        ("A/A₀ = erf(p / (2 √G)), G = (π/4) E*² ∫ q³ C(q) dq",)
+        + (("∂P/∂G = ∂²P/∂σ², absorbing at σ = 0 and at the hardness",) if surface.hardness else ()),
+    )
+    yield Source(
+        "Yang & Persson 2008",
+        "C. Yang, B. N. J. Persson, Contact mechanics: contact area and interfacial separation from small contact to "
+        "full contact, J. Phys.: Condens. Matter 20, 215214 (2008); B. N. J. Persson, Phys. Rev. Lett. 99, 125502 "
+        "(2007)",
+        "mean separation of rough surfaces under pressure, p(u)",
+        ("ū = √π ∫ dq q² C w ∫ dp′/p′ [γ + 3(1−γ) erf²(w p′/E*)] exp(−(w p′/E*)²), γ = 0.45",),
+    )
+    if surface.hardness is not None:
+        yield Source(
+            "Persson 2016",
+            "B. N. J. Persson, Leakage of metallic seals: role of plastic deformations, Tribol. Lett. 63, 42 (2016); "
+            "Fischer et al. 2020, eq. 16",
+            "spectrum of the plastically smoothed surface",
+            ("C_pl = [1 − (A_pl/A_pl⁰)⁶] C, A_pl⁰/A₀ = p/σ_P",),
+        )
+    if not flow:
+        return
+    yield Source(
+        "Lorenz & Persson 2010",
+        "B. Lorenz, B. N. J. Persson, Leak rate of seals: effective-medium theory and comparison with experiment, "
+        "Eur. Phys. J. E 31, 159 (2010); A. Almqvist et al., J. Mech. Phys. Solids 59, 2355 (2011)",
+        "distribution of the separations, critical junction",
+        ("Q = u_c³ Δp / (12 η) for a square, u_c the separation where the open area begins to percolate",),
+    )
+    if case.leak.conductivity == "bruggeman":
+        yield Source(
+            "Dapp et al. 2012",
+            "W. B. Dapp, A. Lücke, B. N. J. Persson, M. H. Müser, Self-affine elastic contacts: percolation and "
+            "leakage, Phys. Rev. Lett. 108, 244301 (2012)",
+            "effective medium of all channels, with the percolation threshold built in",
+            ("∫ dσ P(σ) (σ − σ_eff) / (σ + (n−1) σ_eff) = 0, σ(u) = u³/(12 η), n = 1/(1 − threshold)",),
+        )

@@ -1,0 +1,103 @@
+"""What summary.json holds: the input with its defaults, what followed from it, and how far it can be trusted."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, is_dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fem_seal import __version__
+from fem_seal.atomic_files import write_text
+from fem_seal.console import as_json, derived_numbers
+from fem_seal.derived import derive
+from fem_seal.sources import sources
+from fem_seal.tables import leak_rows
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+    from fem_seal.results import LoadResult, SealResult
+
+# Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
+FORMAT_VERSION = 1
+
+
+def summary(result: SealResult) -> dict[str, Any]:
+    """Everything about a result except its fields, in SI, ready for JSON.
+
+    Parameters
+    ----------
+    result : SealResult
+
+    Returns
+    -------
+    dict
+        ``format_version``, ``program``, ``created``, ``title``, ``case_file``, ``input``, ``derived``, ``mesh``,
+        ``loads`` (rows of leak.csv), ``convergence`` (one entry per load), ``discretisation_error``,
+        ``interface_variants``, ``warnings``, ``wall_times_s``, ``sources``.
+    """
+    case = result.case
+    return {
+        "format_version": FORMAT_VERSION,
+        "program": {"name": "fem-seal", "version": __version__},
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "title": case.title,
+        "case_file": None if case.file is None else str(case.file),
+        "input": input_tables(case),
+        "derived": derived_numbers(case, derive(case)),
+        "mesh": mesh_numbers(result),
+        "loads": leak_rows(result),
+        "convergence": [_convergence(load) for load in result.loads],
+        "discretisation_error": asdict(result.discretisation_error),
+        "interface_variants": [asdict(variant) for variant in result.interface_variants],
+        "warnings": list(result.warnings),
+        "wall_times_s": dict(result.timings),
+        "sources": [asdict(source) for source in sources(result)],
+    }
+
+
+def write_summary(result: SealResult, path: Path) -> Path:
+    """Write summary.json, atomically; numbers that JSON does not know (NaN, infinity) are null."""
+    return write_text(path, as_json(summary(result)) + "\n")
+
+
+def input_tables(case: Case) -> dict[str, Any]:
+    """The case as nested tables in SI with all defaults filled in."""
+    return {name: _plain(value) for name, value in case if name != "title"}
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "model_fields_set"):
+        return {name: _plain(entry) for name, entry in value}
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
+    return list(value) if isinstance(value, tuple) else value
+
+
+def mesh_numbers(result: SealResult) -> dict[str, Any]:
+    """Size and quality of the mesh."""
+    quality, sizing, model = result.seal_mesh.quality, result.seal_mesh.sizing, result.model
+    return {
+        "triangles": quality.elements,
+        "vertices": quality.vertices,
+        "unknowns": {"closure": int(model.closure.basis.N), "seat": int(model.seat.basis.N)},
+        "contact_elements": len(model.line.vertices) - 1,
+        "contact_points": len(model.line.x),
+        "contact_size_m": sizing.contact_size,
+        "contact_zone_m": list(sizing.zone),
+        "far_size_m": sizing.far_size,
+        "smallest_shape": quality.smallest,
+        "mean_shape": quality.mean,
+        "area_error": quality.area_error,
+    }
+
+
+def _convergence(load: LoadResult) -> dict[str, Any]:
+    contact = load.contact
+    return {
+        "fluid_pressure_Pa": load.fluid_pressure,
+        "iterations": contact.iterations,
+        "residual": contact.residuals[-1] if contact.residuals else None,
+        "force_error": contact.force_error,
+        "approach_m": contact.approach,
+    }

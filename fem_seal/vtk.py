@@ -1,0 +1,136 @@
+"""What the bodies and the contact line look like under each load, for ParaView: metre and pascal."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.stress import BodyField, body_fields
+from fem_seal.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_line, write_series
+
+if TYPE_CHECKING:
+    from fem_seal.results import LoadResult, SealResult
+
+FloatArray = NDArray[np.float64]
+
+BODIES = ("closure", "seat")
+
+
+def write_contact(result: SealResult, folder: Path) -> list[Path]:
+    """Write contact.pvd and one contact_000.vtu per load: both bodies with displacement and stress.
+
+    Point data: ``displacement`` [m], the closure's rigid motion since first touch included, ``stress`` [Pa] as
+    XX YY ZZ XY YZ XZ with x = r, y = z, z = hoop, ``von_mises`` [Pa], ``contact_pressure`` [Pa] on the contact
+    line, zero elsewhere. Cell data: ``body``, its number in the field data ``body_names``.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files written, contact.pvd first.
+    """
+    files = _names("contact", "vtu", len(result.loads))
+    written = [_write_bodies(load, folder / file) for load, file in zip(result.loads, files, strict=True)]
+    series = write_series(folder / "contact.pvd", files, _times(result.loads))
+    _remove_stale(folder, "contact", "vtu", files)
+    return [series, *written]
+
+
+def write_contact_line(result: SealResult, folder: Path) -> list[Path]:
+    """Write contact_line.pvd and one contact_line_000.vtp per load: the pressure profile in space.
+
+    Point data: ``x``, arc length from first touch [m], ``contact_pressure`` [Pa], ``gap`` [m] and, where a leak
+    rate was calculated, ``fluid_pressure_in_gap`` [Pa].
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files written, contact_line.pvd first.
+    """
+    files = _names("contact_line", "vtp", len(result.loads))
+    height = result.seal_mesh.contact.height
+    written = []
+    for load, file in zip(result.loads, files, strict=True):
+        profile = load.contact.profile
+        points = _in_space(np.column_stack([profile.radius, height(profile.x)]))
+        data = {"x": profile.x, "contact_pressure": profile.pressure, "gap": profile.gap}
+        if load.leak is not None:
+            data["fluid_pressure_in_gap"] = load.leak.fluid_pressure
+        written.append(write_line(folder / file, points, point_data=data, field_data=_load_data(load)))
+    series = write_series(folder / "contact_line.pvd", files, _times(result.loads))
+    _remove_stale(folder, "contact_line", "vtp", files)
+    return [series, *written]
+
+
+def _write_bodies(load: LoadResult, path: Path) -> Path:
+    fields = body_fields(load.contact)
+    bodies = [fields[name] for name in BODIES]
+    starts = np.cumsum([0, *(len(body.points) for body in bodies)])
+    return write_grid(
+        path,
+        _in_space(np.concatenate([body.points for body in bodies])),
+        np.concatenate([body.triangles6 + start for body, start in zip(bodies, starts, strict=False)]),
+        QUADRATIC_TRIANGLE,
+        point_data={
+            "displacement": _in_space(
+                np.concatenate([_displacement(body, load.contact.approach) for body in bodies])
+            ),
+            "stress": _symmetric_tensor(np.concatenate([body.stress for body in bodies])),
+            "von_mises": np.concatenate([body.von_mises for body in bodies]),
+            "contact_pressure": np.concatenate([body.contact_pressure for body in bodies]),
+        },
+        cell_data={
+            "body": np.repeat(
+                np.arange(len(bodies), dtype=np.int32), [len(body.triangles6) for body in bodies]
+            )
+        },
+        field_data={"body_names": np.array(BODIES), **_load_data(load)},
+    )
+
+
+def _displacement(body: BodyField, approach: float) -> FloatArray:
+    """Displacement (n, 2) [m] that moves the body to where it really is, so that warped bodies show the gap."""
+    rigid = -approach if body.name == "closure" else 0.0
+    return body.displacement + np.array([0.0, rigid])
+
+
+def _symmetric_tensor(stress: FloatArray) -> FloatArray:
+    """(rr, zz, hoop, rz) as XX YY ZZ XY YZ XZ; nothing acts across the (r, z) plane."""
+    return np.column_stack([stress, np.zeros((len(stress), 2))])
+
+
+def _in_space(values: FloatArray) -> FloatArray:
+    """(r, z) as (x, y, 0)."""
+    return np.column_stack([values, np.zeros(len(values))])
+
+
+def _load_data(load: LoadResult) -> dict[str, NDArray[np.generic]]:
+    return {
+        "fluid_pressure": np.array([load.fluid_pressure]),
+        "axial_force": np.array([load.axial_force]),
+        "line_load": np.array([load.line_load]),
+    }
+
+
+def _names(stem: str, suffix: str, count: int) -> list[str]:
+    digits = max(3, len(str(count - 1)))
+    return [f"{stem}_{number:0{digits}}.{suffix}" for number in range(count)]
+
+
+def _times(loads: Sequence[LoadResult]) -> list[float]:
+    """The fluid pressures [Pa] as time, or the numbers of the loads where pressure does not rise throughout."""
+    pressures = [load.fluid_pressure for load in loads]
+    rising = all(a < b for a, b in pairwise(pressures))
+    return pressures if rising else [float(number) for number in range(len(loads))]
+
+
+def _remove_stale(folder: Path, stem: str, suffix: str, written: Sequence[str]) -> None:
+    """Remove what an earlier run with more loads left, so that no viewer mixes two runs."""
+    for path in folder.iterdir():
+        if re.fullmatch(rf"{stem}_\d{{3,}}\.{suffix}", path.name) and path.name not in written:
+            path.unlink()

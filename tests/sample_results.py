@@ -1,0 +1,71 @@
+"""Results of small cases, solved once per test process and shared by the tests of all result files."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import fem_seal
+from fem_seal.case import Case
+from fem_seal.results import SealResult
+
+STEEL = {
+    "name": "steel <1.4122>",
+    "youngs_modulus": "210 GPa",
+    "poissons_ratio": 0.3,
+    "hardness": "3.5 GPa",
+    "yield_stress": "1 GPa",
+}
+SPECTRUM = {
+    "kind": "self-affine",
+    "rms_height": "1.9 um",
+    "hurst": 0.6,
+    "q_low": "1e3 1/m",
+    "q_rolloff": "3.7268e4 1/m",
+    "q_high": "3.14159e6 1/m",
+}
+
+
+def case(**tables: Any) -> Case:
+    """A ball of 20 mm on a cone of 45 deg with some tables changed; None leaves one out."""
+    standard: dict[str, Any] = {
+        "title": 'Ball & cone <script>alert("x")</script>',
+        "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
+        "seat": {"shape": "cone", "angle": "45 deg", "material": STEEL},
+        "roughness": {"spectrum": SPECTRUM},
+        "fluid": {"name": "water"},
+        "load": {"fluid_pressure": ["2 bar", "5 bar", "20 bar"]},
+        **tables,
+    }
+    return Case(**{name: table for name, table in standard.items() if table is not None})
+
+
+@cache
+def rough_result() -> SealResult:
+    """Three loads with yielding asperities and water."""
+    return fem_seal.run(case())
+
+
+@cache
+def single_result() -> SealResult:
+    """One load with elastic asperities, high pressure in the bore."""
+    return fem_seal.run(
+        case(
+            load={"fluid_pressure": "20 bar", "pressure_side": "inner", "axial_force": "5 kN"},
+            leak={"plasticity": False},
+        )
+    )
+
+
+@cache
+def smooth_result() -> SealResult:
+    """Hard contact: no roughness, no fluid, no leak."""
+    return fem_seal.run(
+        case(
+            roughness=None,
+            fluid=None,
+            interface={"law": "smooth"},
+            leak={"plasticity": False},
+            load={"fluid_pressure": ["20 bar", "50 bar"]},
+        )
+    )

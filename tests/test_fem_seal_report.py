@@ -1,0 +1,231 @@
+"""The report is one page that stands alone, shows everything and trusts nobody's text."""
+
+from __future__ import annotations
+
+import base64
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from sample_results import rough_result, single_result, smooth_result
+
+from fem_seal.report import report
+from fem_seal.results import SealResult
+
+FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}
+ALL_PICTURES = {
+    "sketch",
+    "mesh",
+    "profiles",
+    "sizes",
+    "gap",
+    "law",
+    "leak",
+    "separation",
+    "surface",
+    "stress",
+}
+
+
+class Page(HTMLParser):
+    """Tags, images and texts of a page; complains about tags that are not closed."""
+
+    VOID = {"meta", "img", "br", "link", "input", "hr"}  # noqa: RUF012
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] != "style":
+            self.texts.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.texts).split())
+
+    @property
+    def pictures(self) -> dict[str, bytes]:
+        names = [a["id"].removeprefix("picture-") for tag, a in self.tags if tag == "figure"]
+        images = [a for tag, a in self.tags if tag == "img"]
+        prefix = "data:image/svg+xml;base64,"
+        return {
+            name: base64.b64decode(image["src"].removeprefix(prefix))
+            for name, image in zip(names, images, strict=True)
+        }
+
+
+@pytest.fixture(scope="module")
+def page() -> Page:
+    return Page(report(rough_result()))
+
+
+@pytest.mark.parametrize("result", [rough_result, single_result, smooth_result])
+def test_nothing_is_fetched(result):
+    page = Page(report(result()))
+    assert not {"script", "iframe", "link", "object", "embed"} & {tag for tag, _ in page.tags}
+    for _, attributes in page.tags:
+        for name in FETCHING & set(attributes):
+            assert re.match(r"#|data:image/svg\+xml;base64,", attributes[name] or "")
+    styles = "".join(re.findall(r"<style>(.*?)</style>", report(result()), flags=re.DOTALL))
+    assert "url(" not in styles and "@import" not in styles
+    for svg in page.pictures.values():
+        for element in ET.fromstring(svg).iter():
+            for name, value in element.attrib.items():
+                if name.endswith("href"):
+                    assert re.match(r"#|data:image/png;base64,", value)
+        assert b"<script" not in svg
+
+
+def test_every_picture_is_there_and_has_words(page):
+    assert set(page.pictures) == ALL_PICTURES
+    for svg in page.pictures.values():
+        assert ET.fromstring(svg).tag.endswith("svg")
+    alts = [a["alt"] for tag, a in page.tags if tag == "img"]
+    assert all(len(alt) > 20 for alt in alts) and len(set(alts)) == len(alts)
+    assert page.text.count("Used for:") == len({a for a in re.findall(r"Used for: ([^.]+)\.", page.text)})
+
+
+def test_pictures_carry_their_axes_as_text(page):
+    texts = {name: svg.decode() for name, svg in page.pictures.items()}
+    for name, words in {
+        "profiles": ("contact pressure", "crossover", "Gaussian", "Hertz", "calculated"),
+        "leak": ("leak rate", "ml/min", "asperities yield"),
+        "separation": ("u_c",),
+        "surface": ("magnification", "wavelength", "wavenumber", "after yielding"),
+        "stress": ("von Mises stress", "MPa"),
+        "law": ("mean gap u", "yielded"),
+        "gap": ("share of the pressure drop",),
+    }.items():
+        for word in words:
+            assert word in texts[name], f"{word} in {name}"
+
+
+def test_user_text_is_escaped():
+    warning = 'seat <img src="http://example.org/x.png" onerror="boom"> & more'
+    text = report(replace(rough_result(), warnings=(warning,)))
+    page = Page(text)
+    assert 'Ball & cone <script>alert("x")</script>' in page.text
+    assert "steel <1.4122>" in page.text
+    assert warning in page.text
+    assert "example.org" not in "".join(str(a) for _, a in page.tags)
+
+
+def test_warnings_stand_at_the_top_and_absence_is_said(page):
+    warned = Page(report(replace(rough_result(), warnings=("the seat yields", "mesh too coarse")))).text
+    assert warned.index("2 warnings") < warned.index("the seat yields") < warned.index("Leak rate")
+    assert "No warnings" in page.text
+
+
+def test_headline_and_table_say_the_same_as_the_result(page):
+    result = rough_result()
+    highest = result.loads[-1]
+    assert f"{highest.leak.leak_rate * 6e7:.1f} ml/min at 20 bar" in page.text
+    assert f"{highest.leak.leak_rate * 6e7:.4g}" in page.text
+    assert f"{highest.contact.profile.peak_pressure / 1e6:.1f} MPa" in page.text
+    factor = highest.leak_elastic.leak_rate / highest.leak.leak_rate
+    assert f"never yield {factor:.1f} times as much would leak" in page.text
+    assert "elastic p(u) (used)" in page.text and "plastic p(u)" in page.text
+
+
+def test_links_lead_somewhere(page):
+    ids = [a["id"] for _, a in page.tags if "id" in a]
+    assert len(ids) == len(set(ids))
+    targets = {a["href"].removeprefix("#") for tag, a in page.tags if tag == "a"}
+    assert targets <= set(ids)
+
+
+def test_a_smooth_contact_has_no_leak_section():
+    page = Page(report(smooth_result()))
+    assert set(page.pictures) == {"sketch", "mesh", "profiles", "sizes", "gap", "stress"}
+    assert "No leak rate: the case has no roughness" in page.text
+    assert b"Gaussian" not in page.pictures["profiles"]
+
+
+def test_a_single_load_is_shown_without_curves_over_pressure():
+    page = Page(report(single_result()))
+    assert "sizes" not in page.pictures
+    assert b"Leak rate at 20 bar" in page.pictures["leak"]
+    assert "The seal leaks" in page.text
+
+
+def sealed(result: SealResult, above: float) -> SealResult:
+    """The result with every load above a fluid pressure sealed."""
+    return replace(
+        result,
+        loads=tuple(
+            replace(
+                load,
+                leak=replace(load.leak, leak_rate=0.0, resistance=float("inf")),
+                critical_separation=0.0,
+            )
+            if load.fluid_pressure > above
+            else load
+            for load in result.loads
+        ),
+    )
+
+
+def test_a_sealed_contact_says_so():
+    page = Page(report(sealed(rough_result(), 0.0)))
+    assert "Sealed at every load up to 20 bar" in page.text
+    partly = Page(report(sealed(rough_result(), 10e5)))
+    assert b"sealed: nothing leaks" in partly.pictures["leak"]
+    assert "none, sealed at 20 bar" in partly.text
+
+
+def test_many_loads_do_not_make_many_legend_entries():
+    result = rough_result()
+    many = replace(
+        result,
+        case=result.case.replace({"load.fluid_pressure": ["20 bar"] * 40}),
+        loads=result.loads[-1:] * 40,
+    )
+    page = Page(report(many))
+    svg = page.pictures["profiles"].decode()
+    assert "All 40 loads" in svg
+    assert svg.count(">20 bar<") <= 6
+
+
+def test_drawing_leaves_the_settings_of_matplotlib_alone():
+    import matplotlib
+
+    before = dict(matplotlib.rcParams)
+    report(smooth_result())
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_all_result_files_are_written(tmp_path: Path):
+    mine = tmp_path / "notes.txt"
+    mine.write_text("mine")
+    rough_result().write(tmp_path)
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {
+        "leak.csv",
+        "profile.csv",
+        "summary.json",
+        "report.html",
+        "mesh.msh",
+        "contact.pvd",
+        "contact_line.pvd",
+        "notes.txt",
+        *(f"contact_{n:03}.vtu" for n in range(3)),
+        *(f"contact_line_{n:03}.vtp" for n in range(3)),
+    }
+    assert mine.read_text() == "mine"

@@ -1,0 +1,202 @@
+"""leak.csv, profile.csv and summary.json say what the result holds."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from sample_results import case, rough_result, single_result, smooth_result
+
+import fem_seal
+from fem_seal.atomic_files import write_bytes, write_text
+from fem_seal.errors import OutputError
+from fem_seal.readable import flow, given, number, percent, quantity, trimmed, unit_for
+from fem_seal.summary import summary, write_summary
+from fem_seal.tables import leak_table, profile_table, write_leak_csv, write_profile_csv
+
+LEAK_HEADER = (
+    "fluid_pressure_Pa,axial_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
+    "leak_rate_m3_per_s,leak_rate_elastic_m3_per_s,critical_separation_m,critical_separation_elastic_m,"
+    "max_von_mises_Pa"
+)
+PROFILE_HEADER = "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa"
+
+
+def test_leak_csv_has_the_agreed_columns_and_the_numbers_of_the_table(tmp_path):
+    result = rough_result()
+    path = write_leak_csv(result, tmp_path / "leak.csv")
+    assert path.read_text().splitlines()[0] == LEAK_HEADER
+    table = leak_table(result)
+    assert ",".join(table.columns) == LEAK_HEADER
+    # ten digits are written
+    pd.testing.assert_frame_equal(pd.read_csv(path), table, rtol=1e-9, atol=0, check_dtype=False)
+
+
+def test_leak_table_is_consistent_with_statics_and_geometry():
+    result = rough_result()
+    table = leak_table(result)
+    r0, theta = 0.02 * math.sin(math.radians(45)), math.radians(45)
+    np.testing.assert_allclose(
+        table["axial_force_N"], math.pi * r0**2 * table["fluid_pressure_Pa"], rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        table["line_load_N_per_m"], table["axial_force_N"] / (2 * math.pi * r0 * math.cos(theta)), rtol=1e-12
+    )
+    # the centre of pressure stays within a fraction of the width around first touch
+    assert (abs(table["contact_radius_m"] - r0) < 0.1 * table["std_m"]).all()
+    assert (table["leak_rate_m3_per_s"] < table["leak_rate_elastic_m3_per_s"]).all()
+    assert (table["critical_separation_m"] < table["critical_separation_elastic_m"]).all()
+
+
+def test_without_plasticity_both_leak_columns_agree():
+    table = leak_table(single_result())
+    assert table["leak_rate_m3_per_s"].item() == table["leak_rate_elastic_m3_per_s"].item() > 0
+
+
+def test_what_was_not_calculated_is_not_a_number(tmp_path):
+    table = pd.read_csv(write_leak_csv(smooth_result(), tmp_path / "leak.csv"))
+    missing = [
+        "leak_rate_m3_per_s",
+        "leak_rate_elastic_m3_per_s",
+        "critical_separation_m",
+        "critical_separation_elastic_m",
+    ]
+    assert table[missing].isna().all().all()
+    assert table.drop(columns=missing).notna().all().all()
+    assert np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1).shape == (2, 12)
+
+
+def test_profile_csv_gives_the_line_load_back(tmp_path):
+    result = rough_result()
+    path = write_profile_csv(result, tmp_path / "profile.csv")
+    assert path.read_text().splitlines()[0] == PROFILE_HEADER
+    profiles = pd.read_csv(path)
+    pd.testing.assert_frame_equal(profiles, profile_table(result), rtol=1e-9, atol=0, check_dtype=False)
+    for (pressure, rows), load in zip(profiles.groupby("fluid_pressure_Pa"), result.loads, strict=True):
+        assert pressure == load.fluid_pressure
+        # trapezoids through Gauss points: good to a few 1e-3
+        force = np.trapezoid(rows["contact_pressure_Pa"] * 2 * np.pi * rows["r_m"], rows["x_m"])
+        assert force * math.cos(math.radians(45)) == pytest.approx(load.axial_force, rel=5e-3)
+        fluid = rows["fluid_pressure_in_gap_Pa"].to_numpy()
+        assert (np.diff(fluid) >= 0).all() and 0 <= fluid[0] < 0.05 * pressure < 0.95 * pressure < fluid[
+            -1
+        ] <= pressure
+
+
+def test_summary_is_valid_json_and_complete(tmp_path):
+    result = replace(rough_result(), warnings=("one µ warning",))
+    told = json.loads(write_summary(result, tmp_path / "summary.json").read_text(encoding="utf-8"))
+    assert list(told) == [
+        "format_version",
+        "program",
+        "created",
+        "title",
+        "case_file",
+        "input",
+        "derived",
+        "mesh",
+        "loads",
+        "convergence",
+        "discretisation_error",
+        "interface_variants",
+        "warnings",
+        "wall_times_s",
+        "sources",
+    ]
+    assert told["program"] == {"name": "fem-seal", "version": fem_seal.__version__}
+    assert told["warnings"] == ["one µ warning"]
+    assert [",".join(row) for row in told["loads"]] == [LEAK_HEADER] * 3
+    assert told["loads"][-1]["leak_rate_m3_per_s"] == result.loads[-1].leak.leak_rate
+    for convergence in told["convergence"]:
+        assert convergence["iterations"] >= 1
+        assert convergence["residual"] < 1e-9
+        assert abs(convergence["force_error"]) < 1e-8
+    assert told["discretisation_error"]["peak_pressure"] == result.discretisation_error.peak_pressure
+    assert told["mesh"]["triangles"] == result.seal_mesh.quality.elements
+    assert set(told["wall_times_s"]) == set(result.timings)
+
+
+def test_summary_holds_the_whole_input_in_si_with_defaults():
+    told = summary(rough_result())["input"]
+    assert told["closure"]["radius"] == 0.02
+    assert told["seat"]["angle"] == pytest.approx(math.pi / 4)
+    assert told["seat"]["material"]["hardness"] == 3.5e9
+    assert told["roughness"]["spectrum"]["q_high"] == 3.14159e6
+    assert told["load"]["fluid_pressure"] == [2e5, 5e5, 20e5]
+    assert told["load"]["axial_force"] == 0.0
+    assert told["leak"]["percolation_threshold"] == 0.42
+    assert told["interface"] == {"law": "persson", "plastic": False, "gamma": None, "u0": None, "p_c": None}
+    assert told["fluid"]["viscosity"] == case().fluid.viscosity
+
+
+def test_summary_of_a_smooth_contact_has_null_for_what_does_not_exist(tmp_path):
+    told = json.loads(write_summary(smooth_result(), tmp_path / "summary.json").read_text())
+    assert told["loads"][0]["leak_rate_m3_per_s"] is None
+    assert told["input"]["roughness"] is None
+    assert told["derived"]["decay_length_m"] is None
+    assert told["interface_variants"] == []
+
+
+def test_sources_are_those_of_the_formulas_used():
+    used = {source["name"] for source in summary(rough_result())["sources"]}
+    assert {"Persson 2001", "Yang & Persson 2008", "Persson 2016", "Dapp et al. 2012"} <= used
+    assert {source["name"] for source in summary(smooth_result())["sources"]} == {
+        "Fischer et al. 2020",
+        "Johnson 1985",
+    }
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "text"),
+    [
+        ("length", 0.000307, "0.307 mm"),
+        ("length", 1.9e-6, "1.90 µm"),
+        ("contact pressure", 61.6678e6, "61.7 MPa"),
+        ("contact pressure", 1e6, "1.00 MPa"),
+        ("fluid pressure", 2e6, "20.0 bar"),
+        ("fluid pressure", 0.0, "0 bar"),
+        ("flow", 3.84e-7, "23.0 ml/min"),
+        ("flow", 1e-13, "6.00 nl/min"),
+        ("force", 1256.6, "1257 N"),
+        ("length", math.nan, "–"),
+    ],
+)
+def test_units_suit_the_value(kind, value, text):
+    assert quantity(kind, value) == text
+
+
+def test_numbers_for_readers():
+    assert given("fluid pressure", 2e6) == "20 bar"
+    assert trimmed(0.30) == "0.3" and trimmed(100.0) == "100" and trimmed(1.0016) == "1.0016"
+    assert number(1.234e-9) == "1.23·10⁻⁹"
+    assert number(-0.5) == "−0.500"
+    assert percent(0.0388) == "3.9 %"
+    assert flow(0.0) == "none, sealed"
+    assert unit_for("flow", 1e-30).name == "pl/min"
+
+
+def test_files_are_replaced_whole(tmp_path: Path):
+    path = write_text(tmp_path / "new" / "a.txt", "ä\n")
+    assert path.read_bytes() == "ä\n".encode()
+    write_bytes(path, [b"b", b"c"])
+    assert path.read_bytes() == b"bc"
+
+    def broken():
+        yield b"half"
+        raise ValueError("no more")
+
+    with pytest.raises(ValueError, match="no more"):
+        write_bytes(path, broken())
+    assert path.read_bytes() == b"bc"
+    assert [p.name for p in path.parent.iterdir()] == ["a.txt"]
+
+
+def test_a_file_that_cannot_be_written_is_named(tmp_path: Path):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(OutputError, match=r"file/leak\.csv: cannot be written"):
+        write_text(tmp_path / "file" / "leak.csv", "")
