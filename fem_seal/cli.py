@@ -60,15 +60,14 @@ def run(
     case = load_case(case_file)
     folder = _results_folder(output, case)
     from fem_seal import pipeline
+    from fem_seal.tables import leak_rows
 
     with _progress(quiet) as progress:
         result = pipeline.run(case, progress=progress)
         progress("writing results")
         result.write(folder)
     _warn(result.warnings)
-    rows: list[dict[str, Any]] = [
-        {str(key): value for key, value in row.items()} for row in result.table.to_dict("records")
-    ]
+    rows = leak_rows(result)
     if json:
         typer.echo(console.as_json({"folder": str(folder), "loads": rows, "warnings": result.warnings}))
     elif not quiet:

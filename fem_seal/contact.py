@@ -69,7 +69,7 @@ def solve(
     guess = None if start is None else (start.log_pressure, start.approach)
     # Straight at the law; if that fails, from a soft interface to the law in steps.
     for floors in ((_FLOOR,), (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, _FLOOR)):
-        state, residuals = guess, []
+        state, residuals = guess, list[float]()
         for floor in floors:
             state, residuals = _newton(
                 model, _Softened(law, floor * softest), axial_force, settings, state, settings.max_iterations

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.condensation import ContactModel
 from fem_seal.profile import PressureProfile
+from fem_seal.stress import BodyField, body_fields
 
 FloatArray = NDArray[np.float64]
 
@@ -69,6 +71,11 @@ class ContactSolution:
     def point_forces(self) -> FloatArray:
         """Normal forces at the points of the contact line [N]."""
         return self.model.line.area_weight * self.pressure
+
+    @cached_property
+    def fields(self) -> dict[str, BodyField]:
+        """Displacement and stress of "closure" and "seat"."""
+        return body_fields(self)
 
     @property
     def force_error(self) -> float:

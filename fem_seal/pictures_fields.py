@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from fem_seal.pictures import BLUE, INK, ORANGE, Picture, label, panels, svg
 from fem_seal.readable import given, number, quantity, unit_for
-from fem_seal.stress import body_fields
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -74,7 +73,7 @@ def stress_picture(result: SealResult, load: LoadResult) -> Picture:
     from matplotlib.tri import Triangulation
 
     figure, axes = panels(2, height=4.3)
-    fields = body_fields(load.contact)
+    fields = load.contact.fields
     unit = unit_for("contact pressure", load.max_von_mises)
     half = _half_width(load)
     levels = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, unit.of(load.max_von_mises))

@@ -207,6 +207,6 @@ DEFINITIONS = (
     ("leak rate", "volume per time through the whole circumference, all fluid pressures as differences"),
     (
         "discretisation error",
-        "change of the result for the load with the largest closing force on a coarser mesh",
+        "upper estimate from the load with the largest closing force, solved again on a mesh twice as coarse",
     ),
 )

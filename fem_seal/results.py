@@ -76,9 +76,10 @@ class InterfaceVariant:
 
 @dataclass(frozen=True)
 class DiscretisationError:
-    """Estimated error of the highest load, from the same solve on elements 1.5 times as large.
+    """Estimated error of the highest load, from the same solve on elements twice as large.
 
-    The difference is quoted as it is: with quadratic elements the finer solution's own error is at most 0.8 of it.
+    A third of the difference: what the finer solution's error would be if it fell with the second power of the
+    element size. It falls with the fourth, so that this is an upper estimate.
 
     Parameters
     ----------

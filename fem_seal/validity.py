@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from fem_seal.stress import body_fields
+import numpy as np
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -33,7 +33,7 @@ def contact_warnings(
     """
     return tuple(
         text for check in (_yielding, _cut_off, _wide, _above_hardness) for text in check(case, model, loads)
-    ) + tuple(_coarse(error))
+    ) + tuple(_coarse(model, error))
 
 
 def _yielding(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
@@ -42,7 +42,7 @@ def _yielding(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> I
         if limit is None:
             continue
         worst = [
-            (load, float(body_fields(load.contact)[name].von_mises.max()))
+            (load, float(load.contact.fields[name].von_mises.max()))
             for load in loads
             if load.max_von_mises > limit
         ]
@@ -79,7 +79,7 @@ def _wide(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Itera
 
 
 def _above_hardness(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
-    hardness = case.hardness if case.leak.plasticity else None
+    hardness = case.hardness if case.leak.plasticity and case.roughness is not None else None
     load = max(loads, key=lambda load: load.contact.profile.peak_pressure)
     peak = load.contact.profile.peak_pressure
     if hardness is not None and peak > 0.3 * hardness:
@@ -89,9 +89,11 @@ def _above_hardness(case: Case, model: ContactModel, loads: Sequence[LoadResult]
         )
 
 
-def _coarse(error: DiscretisationError) -> Iterator[str]:
+def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[str]:
     worst = max(error.peak_pressure, error.std, error.leak_rate or 0.0)
     if worst > _LARGEST_ERROR:
+        size = float(np.diff(model.line.vertices).min())
         yield (
-            f"the estimated discretisation error is {100 * worst:.2g} %; reduce [mesh] contact_size or leave it out"
+            f"the estimated discretisation error is {100 * worst:.2g} %; a [mesh] contact_size below the present "
+            f"{1e6 * size:.3g} um reduces it"
         )

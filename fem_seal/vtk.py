@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.stress import BodyField, body_fields
+from fem_seal.stress import BodyField
 from fem_seal.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_line, write_series
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def write_contact_line(result: SealResult, folder: Path) -> list[Path]:
 
 
 def _write_bodies(load: LoadResult, path: Path) -> Path:
-    fields = body_fields(load.contact)
+    fields = load.contact.fields
     bodies = [fields[name] for name in BODIES]
     starts = np.cumsum([0, *(len(body.points) for body in bodies)])
     return write_grid(
