@@ -18,7 +18,7 @@ from leak.gauss import gauss
 
 FloatArray = NDArray[np.float64]
 
-_BISECTIONS = 70
+_BISECTIONS = 28
 # A window in which the integrand stays above exp(-40) of its peak, cut into Gauss panels.
 _DROP = 40.0
 _PANELS = 10
@@ -242,7 +242,7 @@ def _half_height(c: float) -> float:
         value, slope = _log_N(c, np.array([X]))
         step = (target - float(value[0])) / float(slope[0])
         X += float(np.clip(step, -0.3 * X, 0.3 * X))
-        if abs(step) < 1e-14 * X:
+        if abs(step) < 1e-12 * X:
             break
     return X
 
