@@ -9,7 +9,7 @@ is a pressure on its wetted surface that balances whatever the contact line carr
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -144,28 +144,37 @@ class ContactModel:
         return axial_force / (2 * np.pi * self.touch_radius * self.touch_normal_z)
 
 
-def condense(seal_mesh: SealMesh, closure: Material, seat: Material) -> ContactModel:
+def condense(seal_mesh: SealMesh, materials: Mapping[str, Material]) -> ContactModel:
     """Factorise both bodies and condense them on the contact line.
 
     Parameters
     ----------
     seal_mesh : SealMesh
-    closure, seat : Material
+    materials : mapping
+        Material of the body "closure" and of the body "seat".
 
     Returns
     -------
     ContactModel
+
+    Raises
+    ------
+    ValueError
+        If the materials are not those of these two bodies.
     """
+    if set(materials) != {"closure", "seat"}:
+        raise ValueError(f'materials of {sorted(materials)}: needed are those of "closure" and "seat"')
     contact = seal_mesh.contact
     line = _contact_line(seal_mesh)
     # SuperLU works without Python's lock, so the two bodies can be condensed side by side.
     with ThreadPoolExecutor(2) as pool:
-        jobs = (
-            pool.submit(
-                _condense_body, seal_mesh.closure, "closure", closure, line, contact.closure_coordinate
-            ),
-            pool.submit(_condense_body, seal_mesh.seat, "seat", seat, line, contact.seat_coordinate),
-        )
+        jobs = [
+            pool.submit(_condense_body, mesh, name, materials[name], line, coordinate)
+            for name, mesh, coordinate in (
+                ("closure", seal_mesh.closure, contact.closure_coordinate),
+                ("seat", seal_mesh.seat, contact.seat_coordinate),
+            )
+        ]
         bodies = [job.result() for job in jobs]
     compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in bodies)
     return ContactModel(

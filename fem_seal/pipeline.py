@@ -168,7 +168,7 @@ def _build_mesh(case: Case, law: Law) -> SealMesh:
 
 
 def _condensed(case: Case, seal_mesh: SealMesh) -> ContactModel:
-    return condense(seal_mesh, case.closure.material, case.seat.material)
+    return condense(seal_mesh, {"closure": case.closure.material, "seat": case.seat.material})
 
 
 def _leak_rates(

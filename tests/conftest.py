@@ -45,4 +45,4 @@ def ball_on_cone(
     forces = [closing_force(contact.touch_radius, p) for p in fluid_pressures]
     loads = [line_load(force, contact.touch_radius, angle) for force in forces]
     sizing = element_sizes(law, loads, contact, cone, effective_modulus(closure, seat)).refined(refine)  # type: ignore[arg-type]
-    return condense(meshes.build(ball, cone, sizing), closure, seat), forces
+    return condense(meshes.build(ball, cone, sizing), {"closure": closure, "seat": seat}), forces

@@ -208,7 +208,7 @@ def test_result_does_not_depend_on_the_unit_system() -> None:
         )
         law = ExponentialLaw(p_c=5e9 * stress, u0=0.76e-6 * length)
         material = Material("steel", 210e9 * stress, 0.3)
-        model = condense(build(ball, seat, sizing), material, material)
+        model = condense(build(ball, seat, sizing), {"closure": material, "seat": material})
         profiles.append(solve(model, law, axial_force=1000.0 * stress * length**2).profile)
     assert profiles[1].peak_pressure == pytest.approx(profiles[0].peak_pressure * m, rel=1e-9)
     assert profiles[1].std == pytest.approx(profiles[0].std * k, rel=1e-9)
@@ -220,7 +220,7 @@ def test_size_of_the_housing_hardly_matters() -> None:
         ball = Ball(0.02)
         seat = ConicalSeat.around(math.radians(45), 0.02, outer_radius=0.044 * scale, height=0.03 * scale)
         sizing = Sizing(2e-5, 3e-4, (-1e-3, 1e-3), 0.1, 0.25, 2.5e-3)
-        model = condense(build(ball, seat, sizing), STEEL, STEEL)
+        model = condense(build(ball, seat, sizing), {"closure": STEEL, "seat": STEEL})
         profiles.append(solve(model, LAW, axial_force=1256.0).profile)
     assert profiles[0].peak_pressure == pytest.approx(profiles[1].peak_pressure, rel=3e-5)
 
