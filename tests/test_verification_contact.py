@@ -301,4 +301,4 @@ def test_random_seals_all_converge() -> None:
         model, (force,) = ball_on_cone(law, [p], radius=R, angle=angle, closure=first, seat=second)
         solution = solve(model, law, axial_force=force)
         assert abs(solution.force_error) < 1e-10
-        assert solution.iterations < 20
+        assert solution.residuals[-1] < 1e-10
