@@ -82,26 +82,27 @@ class PressureProfile:
         Where contact ends sharply p^2 is a smooth function up to the edge, but the outermost elements hold only
         part of it; they are left out.
         """
-        from scipy.optimize import brentq
-
         inner = self.pressure > 0.4 * self.peak_pressure
         curve = np.polynomial.Polynomial.fit(self.x[inner], height[inner], min(4, int(inner.sum()) - 1))
         edges = self.x[np.flatnonzero(self.pressure)[[0, -1]]]
         if curve(self.centroid) > 0 > max(curve(edges)):
-            left, right = (float(brentq(curve, self.centroid, edge, xtol=1e-15)) for edge in edges)
-            return right - left
+            return _root(curve, self.centroid, edges[1]) - _root(curve, edges[0], self.centroid)
         above = np.flatnonzero(height >= 0)
         return self._crossing(height, above[-1], +1) - self._crossing(height, above[0], -1)
 
     def _crossing(self, height: FloatArray, inside: int, step: int) -> float:
-        from scipy.interpolate import CubicSpline
-        from scipy.optimize import brentq
-
         outside = inside + step
         if not 0 <= outside < len(self.x):
             return float(self.x[inside])
         lower = max(min(inside, outside) - 2, 0)
         part = slice(lower, lower + 6)
-        spline = CubicSpline(self.x[part], height[part])
-        a, b = sorted((float(self.x[inside]), float(self.x[outside])))
-        return float(brentq(lambda x: float(spline(x)), a, b, xtol=1e-15))
+        curve = np.polynomial.Polynomial.fit(self.x[part], height[part], len(self.x[part]) - 1)
+        a, b = sorted((self.x[inside], self.x[outside]))
+        return _root(curve, a, b)
+
+
+def _root(curve: np.polynomial.Polynomial, a: float, b: float) -> float:
+    """Real root between a and b, where the curve changes sign."""
+    roots = curve.roots()
+    outside = np.maximum(0, np.maximum(a - roots.real, roots.real - b)) + np.abs(roots.imag)
+    return float(roots.real[np.argmin(outside)])
