@@ -9,8 +9,8 @@ from leak.spectrum import PowerSpectrum
 
 FloatArray = NDArray[np.float64]
 
-# Pieces of constant C, this long in ln q, stand for a power law; their midpoints are good to 1e-4 for C ~ q^-4.
-_PIECE = 0.02
+# Pieces of constant C, this long in ln q, stand for a power law; C_1D is good to 2e-4 for C ~ q^-4.
+_PIECE = 0.005
 
 
 def abel_weights(wavenumber: FloatArray, edges: FloatArray) -> FloatArray:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from leak.errors import ScanError, positive
-from leak.periodogram import WINDOWS, Periodogram, Window, evidence, periodogram
+from leak.errors import ScanError
+from leak.periodogram import Periodogram, evidence, periodogram
+from leak.reliable_range import ReliableRange, reliable_range, share_above
+from leak.scan_settings import ScanSettings, SelfAffineContinuation
 from leak.spectrum import PowerSpectrum
 from leak.spectrum_fit import VarianceShare, fit_spectrum
 from leak.surface_shape import RollOff, anisotropy, fit_rolloff, remarks_on_shape, shape_moments
-from leak.topography import DETRENDS, Detrend, Topography
+from leak.topography import Topography
 
 FloatArray = NDArray[np.float64]
 
@@ -23,103 +24,6 @@ FloatArray = NDArray[np.float64]
 _PER_DECADE = 10
 _BEYOND = 10.0
 _FINE = 0.02
-# A spectrum needs more than one octave.
-_LEAST_RANGE = 4.0
-
-
-@dataclass(frozen=True)
-class SelfAffineContinuation:
-    """C ~ q^(-2 (1 + H)) outside the reliable range of a scan: an assumption, not a measurement.
-
-    Parameters
-    ----------
-    hurst : float
-        Hurst exponent H, between 0 and 1 [-].
-    q_low, q_high : float, optional
-        Where the continued spectrum begins and ends; None: the end of the reliable range [1/m].
-
-    Raises
-    ------
-    ScanError
-        A value is outside its range, or neither end is given.
-    """
-
-    hurst: float
-    q_low: float | None = None
-    q_high: float | None = None
-
-    def __post_init__(self) -> None:
-        if not 0.0 < positive(ScanError, "hurst", self.hurst, "-") <= 1.0:
-            raise ScanError(f"hurst = {self.hurst}: must lie in (0, 1]")
-        for name, value in (("q_low", self.q_low), ("q_high", self.q_high)):
-            if value is not None:
-                positive(ScanError, name, value, "1/m")
-        if self.q_low is None and self.q_high is None:
-            raise ScanError("q_low and q_high are both missing: say where the continued spectrum begins or ends [1/m]")
-
-    def continued(self, spectrum: PowerSpectrum) -> PowerSpectrum:
-        """The spectrum with its ends continued."""
-        q, C = list(spectrum.wavenumber), list(spectrum.density)
-        fall = -2.0 * (1.0 + self.hurst)
-        if self.q_low is not None:
-            if not self.q_low < q[0]:
-                raise ScanError(f"q_low = {self.q_low:.4g} 1/m: must be below the reliable range, {q[0]:.4g} 1/m")
-            q, C = [self.q_low, *q], [C[0] * (self.q_low / q[0]) ** fall, *C]
-        if self.q_high is not None:
-            if not self.q_high > q[-1]:
-                raise ScanError(f"q_high = {self.q_high:.4g} 1/m: must be above the reliable range, {q[-1]:.4g} 1/m")
-            q, C = [*q, self.q_high], [*C, C[-1] * (self.q_high / q[-1]) ** fall]
-        return PowerSpectrum(np.array(q), np.array(C))
-
-
-@dataclass(frozen=True)
-class ScanSettings:
-    """How scans become a spectrum.
-
-    Parameters
-    ----------
-    detrend : {"tilt", "mean", "curvature"}
-        What is taken off each scan first: its mean line or plane, its mean only, or its mean parabola or paraboloid
-        (for scans over a ball, a cone or another curved part).
-    window : {"hann", "none"}
-        Weight of the heights along the scan. "none" is for periodic, calculated surfaces only.
-    tip_radius : float, optional
-        Radius of the stylus tip; the file's, if it states one, unless given [m].
-    shortest_wavelength : float, optional
-        What the instrument resolves (optical resolution, filter); two points unless given [m].
-    extrapolation : "cut" or SelfAffineContinuation
-        What lies outside the reliable range: nothing, or a continuation.
-
-    Raises
-    ------
-    ScanError
-        A value is none of these.
-    """
-
-    detrend: Detrend = "tilt"
-    window: Window = "hann"
-    tip_radius: float | None = None
-    shortest_wavelength: float | None = None
-    extrapolation: Literal["cut"] | SelfAffineContinuation = "cut"
-
-    def __post_init__(self) -> None:
-        for name, value, known in (("detrend", self.detrend, DETRENDS), ("window", self.window, WINDOWS)):
-            if value not in known:
-                raise ScanError(f"{name} = {value!r}: must be " + " or ".join(f'"{one}"' for one in known))
-        for name, length in (("tip_radius", self.tip_radius), ("shortest_wavelength", self.shortest_wavelength)):
-            if length is not None:
-                positive(ScanError, name, length, "m")
-        if self.extrapolation != "cut" and not isinstance(self.extrapolation, SelfAffineContinuation):
-            raise ScanError(f'extrapolation = {self.extrapolation!r}: must be "cut" or a SelfAffineContinuation')
-
-
-@dataclass(frozen=True)
-class ReliableRange:
-    """Wavenumbers that a scan can tell [1/m], and what limits them at the upper end."""
-
-    q_low: float
-    q_high: float
-    limit: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,8 +58,8 @@ class MeasuredSurface:
         What limits the range at the upper end.
     tip_radius : float or None
         What was used [m].
-    height_below, height_above : float
-        Shares of the variance that lie outside the reliable range [-].
+    height_above : float
+        Share of the variance in waves shorter than the reliable range [-].
     scans : tuple of Topography
         The scans without form.
     settings : ScanSettings
@@ -180,10 +84,12 @@ class MeasuredSurface:
     height_above: float
     scans: tuple[Topography, ...]
     settings: ScanSettings
-    warnings: tuple[str, ...] = field(default=())
+    warnings: tuple[str, ...] = ()
 
 
-def measure(scans: Topography | Sequence[Topography], settings: ScanSettings | None = None) -> MeasuredSurface:
+def measure(
+    scans: Topography | Sequence[Topography], settings: ScanSettings | None = None
+) -> MeasuredSurface:
     """Spectrum and key figures of a surface from one or more scans of it.
 
     Each scan loses its form (`settings.detrend`), is windowed and Fourier transformed; the isotropic C(q) is the
@@ -230,10 +136,10 @@ def measure(scans: Topography | Sequence[Topography], settings: ScanSettings | N
         raise ScanError("no scan: at least one is needed")
     flat = tuple(_without_form(scan, settings) for scan in given)
     modes = [periodogram(scan, settings.window) for scan in flat]
-    ranges = [_reliable_range(scan, one, settings) for scan, one in zip(flat, modes, strict=True)]
+    ranges = [reliable_range(scan, one, settings) for scan, one in zip(flat, modes, strict=True)]
     variances = np.array([float(np.mean(scan.heights**2)) for scan in flat])
     measured, log_error = _spectrum(modes, ranges, variances)
-    above = [_share_above(one, reliable.q_high) for one, reliable in zip(modes, ranges, strict=True)]
+    above = [share_above(one, reliable.q_high) for one, reliable in zip(modes, ranges, strict=True)]
     skewness, kurtosis = shape_moments(flat)
     lay = anisotropy(modes, ranges)
     finest = max(ranges, key=lambda one: one.q_high)
@@ -267,38 +173,10 @@ def measure(scans: Topography | Sequence[Topography], settings: ScanSettings | N
 def _without_form(scan: Topography, settings: ScanSettings) -> Topography:
     flat = scan.without_form(settings.detrend)
     if float(np.abs(flat.heights).max()) <= 1e-12 * float(np.abs(scan.heights).max()):
-        raise ScanError(f"{scan.name or 'scan'}: nothing is left without its {settings.detrend}; there is no roughness")
-    return flat
-
-
-def _reliable_range(scan: Topography, modes: Periodogram, settings: ScanSettings) -> ReliableRange:
-    limits = {"sampling": np.pi / scan.resolution}
-    if settings.shortest_wavelength is not None:
-        limits["shortest wavelength"] = 2.0 * np.pi / settings.shortest_wavelength
-    tip = settings.tip_radius or scan.tip_radius
-    if tip is not None:
-        limits["tip radius"] = _tip_limit(modes, tip)
-    limit = min(limits, key=lambda name: limits[name])
-    low, high = 2.0 * np.pi / scan.length, limits[limit]
-    if high < _LEAST_RANGE * low:
         raise ScanError(
-            f"{scan.name or 'scan'}: nothing reliable is left between its length, {scan.length:.3g} m, and the "
-            f"shortest wave, {2 * np.pi / high:.3g} m ({limit})"
+            f"{scan.name or 'scan'}: nothing is left without its {settings.detrend}; there is no roughness"
         )
-    return ReliableRange(low, high, limit)
-
-
-def _tip_limit(modes: Periodogram, tip_radius: float) -> float:
-    """Wavenumber up to which a profile bends less than the tip can follow [1/m]."""
-    along = np.mean(modes.vector**4, axis=1)
-    curvature = np.sqrt(np.cumsum(modes.shares * along))
-    reached = np.flatnonzero(curvature > 0.5 / tip_radius)
-    return float(modes.wavenumber[reached[0]]) if reached.size else np.inf
-
-
-def _share_above(modes: Periodogram, q: float) -> float:
-    shares = modes.shares
-    return float(np.sum(shares[modes.wavenumber > q * (1 + 1e-9)]) / np.sum(shares))
+    return flat
 
 
 def _spectrum(
@@ -316,7 +194,7 @@ def _spectrum(
         for one, reliable in zip(modes, ranges, strict=True)
     ]
     held = np.array(
-        [v * (1.0 - _share_above(one, r.q_high)) for v, one, r in zip(variances, modes, ranges, strict=True)]
+        [v * (1.0 - share_above(one, r.q_high)) for v, one, r in zip(variances, modes, ranges, strict=True)]
     )
     within = np.mean([_overlap(edges, reliable) for reliable in ranges], axis=0)
     share = VarianceShare(float(held.mean()), np.sqrt(edges[1:] * edges[:-1]), 2.0 * np.pi * within)

@@ -97,9 +97,9 @@ def periodogram(scan: Topography, window: Window) -> Periodogram:
 def _of_line(scan: LineScan, window: Window) -> Periodogram:
     n = scan.heights.size
     heights = _windowed(scan.heights, _window(n, window))
-    dq = 2.0 * np.pi / scan.length
-    modes = np.arange(1, (n + 1) // 2)
-    power = np.abs(np.fft.rfft(heights)[modes]) ** 2 / n**2 / dq
+    dq = float(2.0 * np.pi / scan.length)
+    modes = np.arange(1, (n + 1) // 2, dtype=np.float64)
+    power = np.abs(np.fft.rfft(heights)[1 : modes.size + 1]) ** 2 / n**2 / dq
     q = dq * modes
     return Periodogram(
         q, q[:, None], _above_rounding(power, 2.0 * dq), np.full(q.shape, 2.0 * dq), np.array([dq]), window
@@ -150,7 +150,9 @@ def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evide
     beyond : ndarray
         Edges of the pieces of C that a line scan sees, over all wavenumbers [1/m].
     """
-    inside = np.flatnonzero((modes.wavenumber >= edges[0] * (1 - 1e-9)) & (modes.wavenumber <= edges[-1] * (1 + 1e-9)))
+    inside = np.flatnonzero(
+        (modes.wavenumber >= edges[0] * (1 - 1e-9)) & (modes.wavenumber <= edges[-1] * (1 + 1e-9))
+    )
     bins = np.clip(np.searchsorted(edges, modes.wavenumber[inside] * (1 + 1e-9)) - 1, 0, edges.size - 2)
     groups = [inside[bins == k] for k in np.unique(bins)]
     count = np.array([group.size for group in groups])
@@ -167,7 +169,9 @@ def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evide
     )
 
 
-def _line_weights(modes: Periodogram, groups: list[IntArray], edges: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _line_weights(
+    modes: Periodogram, groups: list[IntArray], edges: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Expected C_1D of each bin from pieces of constant C, the smearing of the window included."""
     step = modes.step[0]
     rows = []
@@ -190,7 +194,9 @@ def _represented(q: FloatArray, most: int) -> FloatArray:
     return 0.5 * (edges[1:] + edges[:-1])
 
 
-def _map_weights(modes: Periodogram, groups: list[IntArray], edges: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _map_weights(
+    modes: Periodogram, groups: list[IntArray], edges: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Expected C of each bin from C at the modes, the smearing of the window included."""
     shares = _NEIGHBOURS[modes.window]
     shifts = np.array([(i * modes.step[0], j * modes.step[1]) for i in shares for j in shares])
@@ -203,5 +209,7 @@ def _map_weights(modes: Periodogram, groups: list[IntArray], edges: FloatArray) 
         # the mean height is taken off, so nothing comes from there
         real = q > 0.25 * modes.step.min()
         piece = np.searchsorted(centres, np.log(np.where(real, q, 1.0)))
-        np.add.at(row, np.clip(piece, 0, centres.size - 1)[real], np.broadcast_to(share, q.shape)[real] / few.size)
+        np.add.at(
+            row, np.clip(piece, 0, centres.size - 1)[real], np.broadcast_to(share, q.shape)[real] / few.size
+        )
     return np.exp(centres), rows

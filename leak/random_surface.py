@@ -12,7 +12,7 @@ from leak.spectrum import PowerSpectrum
 FloatArray = NDArray[np.float64]
 
 # A scan is cut out of a periodic one this many times longer, so that its ends know nothing of each other.
-_LONGER = 4
+_LONGER = 2
 
 
 def random_line_scan(
@@ -56,7 +56,7 @@ def random_line_scan(
     random = np.random.default_rng(seed)
     amplitude = np.zeros(total // 2 + 1, dtype=complex)
     amplitude[1:-1] = np.sqrt(variance) * (random.standard_normal((q.size, 2)) @ [0.5, 0.5j]) * total
-    return L / n * np.arange(n), np.fft.irfft(amplitude, total)[:n]
+    return L / n * np.arange(n, dtype=np.float64), np.fft.irfft(amplitude, total)[:n]
 
 
 def random_map(

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from itertools import pairwise
+from os import PathLike
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.errors import SpectrumError, positive
 
+if TYPE_CHECKING:
+    from leak.length_units import Unit
+    from leak.periodogram import Window
+    from leak.scan_settings import SelfAffineContinuation
+    from leak.topography import Detrend
+
 FloatArray = NDArray[np.float64]
 
-# A sum of two power laws is no power law; at this spacing in ln q its log-log interpolant is good to 2e-5.
-_SUM_SPACING = 0.005
+# A sum of two power laws is no power law; its log-log interpolant is made as good as this.
+_SUM_ERROR = 2e-5
 # Between two spectra that do not meet there is nothing; a log-log interpolant needs a positive number for it.
 _GAP = 1e-12
 # Quadratures stop at nodes where the exponent of C changes by more than this or C steps; smaller kinks do no harm.
@@ -147,6 +156,74 @@ class PowerSpectrum:
             )
         return cls(q, np.asarray(density, dtype=float))
 
+    @classmethod
+    def from_profile(
+        cls,
+        x: ArrayLike,
+        h: ArrayLike,
+        *,
+        detrend: Detrend = "tilt",
+        window: Window = "hann",
+        tip_radius: float | None = None,
+        shortest_wavelength: float | None = None,
+        extrapolation: Literal["cut"] | SelfAffineContinuation = "cut",
+    ) -> PowerSpectrum:
+        """Isotropic spectrum of a surface from a line scan over it; see `leak.measure`.
+
+        Parameters
+        ----------
+        x, h : array_like, shape (n,)
+            Position, monotonic, and height [m].
+        detrend, window, tip_radius, shortest_wavelength, extrapolation
+            See `leak.ScanSettings`.
+
+        Raises
+        ------
+        ScanError
+            The scan or a setting cannot be used.
+        """
+        from leak.measured_surface import measure
+        from leak.scan_settings import ScanSettings
+        from leak.topography import line_scan
+
+        settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
+        return measure(line_scan(x, h), settings).spectrum
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | PathLike[str] | Sequence[str | PathLike[str]],
+        *,
+        unit: Unit | None = None,
+        detrend: Detrend = "tilt",
+        window: Window = "hann",
+        tip_radius: float | None = None,
+        shortest_wavelength: float | None = None,
+        extrapolation: Literal["cut"] | SelfAffineContinuation = "cut",
+    ) -> PowerSpectrum:
+        """Isotropic spectrum of a surface from a file of an instrument, or from several scans of it.
+
+        Parameters
+        ----------
+        path : path or sequence of paths
+            Text with position and height, or any format that SurfaceTopography reads; see `leak.read_topography`.
+        unit : str or two of them, optional
+            Unit of x and height where the file states none: "um", or ("mm", "um").
+        detrend, window, tip_radius, shortest_wavelength, extrapolation
+            See `leak.ScanSettings`.
+
+        Raises
+        ------
+        ScanError
+            A file or a setting cannot be used.
+        """
+        from leak.measured_surface import measure
+        from leak.scan_settings import ScanSettings
+        from leak.topography_files import read_topographies
+
+        settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
+        return measure(read_topographies(path, unit=unit), settings).spectrum
+
     # ---------------------------------------------------------------- values
 
     @property
@@ -174,12 +251,13 @@ class PowerSpectrum:
         if not isinstance(other, PowerSpectrum):
             return NotImplemented
         nodes = np.unique(np.concatenate([self.wavenumber, other.wavenumber]))
-        log_nodes = np.log(nodes)
-        counts = np.maximum(np.ceil(np.diff(log_nodes) / _SUM_SPACING).astype(int), 1)
         pieces_q: list[FloatArray] = []
         pieces_C: list[FloatArray] = []
-        for left, right, count in zip(nodes[:-1], nodes[1:], counts, strict=True):
-            middle = float(np.sqrt(left * right))
+        for left, right in pairwise(nodes):
+            middle, ends = float(np.sqrt(left * right)), np.array([left, right])
+            count = _pieces_of_sum(
+                np.log(right / left), self._inside_piece(middle, ends), other._inside_piece(middle, ends)
+            )
             q = np.geomspace(left, right, count + 1)
             q[[0, -1]] = left, right
             C = self._inside_piece(middle, q) + other._inside_piece(middle, q)
@@ -347,6 +425,20 @@ class PowerSpectrum:
 def _log_range(q_from: float, q_to: float, spectrum: PowerSpectrum) -> tuple[float, float]:
     low, high = spectrum.q_low, spectrum.q_high
     return float(np.log(np.clip(q_from, low, high))), float(np.log(np.clip(q_to, low, high)))
+
+
+def _pieces_of_sum(length: float, one: FloatArray, other: FloatArray) -> int:
+    """Pieces of a sum of two power laws, given at both ends of a stretch of `length` in ln q.
+
+    The sum bends by (difference of slopes)^2 w (1 - w), w the share of one; its chord is off by length^2/8 of that.
+    """
+    if one[0] == 0.0 or other[0] == 0.0:
+        return 1
+    ratio = np.log(one / other)
+    nearest = 0.0 if ratio[0] * ratio[1] < 0.0 else float(np.abs(ratio).min())
+    share = 1.0 / (1.0 + np.exp(nearest))
+    bend = (ratio[1] - ratio[0]) ** 2 * share * (1.0 - share)
+    return max(int(np.ceil(np.sqrt(bend / (8.0 * _SUM_ERROR)))), 1)
 
 
 def _power_integral(exponent: FloatArray, length: FloatArray) -> FloatArray:

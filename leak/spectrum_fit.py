@@ -17,9 +17,12 @@ from leak.periodogram import Evidence
 
 FloatArray = NDArray[np.float64]
 
-# Standard deviation of a bend of ln C from node to node at ten nodes per decade; beyond it bends cost only linearly, so
-# that a roll-off or the end of a spectrum stays sharp.
-_BEND = 0.1
+# A bend of ln C at one of ten nodes per decade costs half a unit of log-likelihood when it is this large, and rises
+# only linearly beyond, so that a roll-off or the end of a spectrum stays sharp.
+_BEND = 0.25
+# Spectra of surfaces hardly ever rise with q. Below the roll-off a line scan tells nearly nothing of C; there a slope
+# of ln C over ln q above zero by this much costs half a unit.
+_RISE = 0.4
 # The variance of the scans is known better than any single long wave: to this relative accuracy.
 _VARIANCE = 2e-3
 _MOST_STEPS = 200
@@ -43,6 +46,15 @@ class SpectrumFit:
     log_error: FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class _Terms:
+    """A part of minus the log-likelihood, its gradient and its expected second derivative."""
+
+    cost: float
+    gradient: FloatArray
+    curvature: FloatArray
+
+
 def fit_spectrum(nodes: FloatArray, evidence: Sequence[Evidence], variance: VarianceShare) -> SpectrumFit:
     """Fit ln C, linear in ln q between nodes, to the binned power of scans and their variance.
 
@@ -62,95 +74,109 @@ def fit_spectrum(nodes: FloatArray, evidence: Sequence[Evidence], variance: Vari
     ----------
     P. Whittle, J. Royal Stat. Soc. B 15, 125 (1953).
     """
-    log_nodes = np.log(nodes)
-    samples = np.concatenate([*(one.samples for one in evidence), variance.samples])
-    hats = _hat_functions(np.log(samples), log_nodes)
-    data = np.concatenate([one.density for one in evidence])
-    freedom = np.concatenate([one.freedom for one in evidence])
-    weights = _block_diagonal([*(one.weights for one in evidence), variance.weights[None, :]])
-    bends = np.diff(np.eye(nodes.size), 2, axis=0)
-    scale = _BEND * (log_nodes[1] - log_nodes[0]) / (0.1 * np.log(10.0))
+    power = _Power.of(np.log(nodes), evidence, variance)
+    smoothness = _Smoothness.at(np.log(nodes))
 
-    def model(log_C: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Log of the expected data and its derivative."""
-        C = np.exp(hats @ log_C)
-        value = weights @ C
-        return np.log(value), (weights @ (C[:, None] * hats)) / value[:, None]
+    def terms(log_C: FloatArray) -> _Terms:
+        parts = (power.terms(log_C), smoothness.terms(log_C))
+        return _Terms(
+            *(sum(getattr(part, name) for part in parts) for name in ("cost", "gradient", "curvature"))
+        )
 
-    def cost(log_C: FloatArray, log_value: FloatArray) -> float:
-        misfit = log_value[:-1] - np.log(data)
-        likelihood = np.sum(freedom * (misfit + np.exp(-misfit)))
-        bent = np.sum(np.sqrt(1.0 + (bends @ log_C / scale) ** 2))
-        return float(likelihood + bent + 0.5 * ((log_value[-1] - np.log(variance.value)) / _VARIANCE) ** 2)
-
-    log_C = _start(log_nodes, evidence)
-    log_value, slope = model(log_C)
-    now = cost(log_C, log_value)
+    log_C = _start(np.log(nodes), evidence)
+    now = terms(log_C)
     for _ in range(_MOST_STEPS):
-        gradient, hessian = _derivatives(log_C, log_value, slope, data, freedom, variance.value, bends, scale)
-        step = -np.linalg.solve(hessian, gradient)
+        step = -np.linalg.solve(now.curvature, now.gradient)
         step *= min(1.0, 3.0 / float(np.abs(step).max()))
-        promised = -float(gradient @ step)
+        promised = -float(now.gradient @ step)
+        if promised < _CONVERGED:
+            break
         for fraction in 0.5 ** np.arange(12):
-            log_value, slope = model(log_C + fraction * step)
-            trial = cost(log_C + fraction * step, log_value)
-            if trial <= now - 1e-3 * fraction * promised:
+            trial = terms(log_C + fraction * step)
+            if trial.cost <= now.cost - 1e-3 * fraction * promised:
                 break
         else:
             break
         log_C, now = log_C + fraction * step, trial
-        if promised < _CONVERGED:
-            break
-    log_value, slope = model(log_C)
-    _, hessian = _derivatives(log_C, log_value, slope, data, freedom, variance.value, bends, scale)
-    return SpectrumFit(log_C, np.sqrt(np.diag(np.linalg.inv(hessian))))
+    return SpectrumFit(log_C, np.sqrt(np.diag(np.linalg.inv(now.curvature))))
 
 
-def _derivatives(
-    log_C: FloatArray,
-    log_value: FloatArray,
-    slope: FloatArray,
-    data: FloatArray,
-    freedom: FloatArray,
-    variance: float,
-    bends: FloatArray,
-    scale: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Gradient, and the expected second derivative, which is always positive definite."""
-    excess = 1.0 - np.exp(np.clip(np.log(data) - log_value[:-1], None, 50.0))
-    bent = bends @ log_C / scale
-    stiffness = 1.0 / (scale**2 * np.sqrt(1.0 + bent**2))
-    pull = (log_value[-1] - np.log(variance)) / _VARIANCE**2
-    gradient = slope[:-1].T @ (freedom * excess) + pull * slope[-1] + bends.T @ (stiffness * (bends @ log_C))
-    hessian = slope[:-1].T @ (freedom[:, None] * slope[:-1]) + bends.T @ (stiffness[:, None] * bends)
-    hessian += np.outer(slope[-1], slope[-1]) / _VARIANCE**2
-    # a node that no data reach, such as one at the end of the last wave, keeps its place
-    return gradient, hessian + 1e-6 * np.eye(log_C.size)
+@dataclass(frozen=True, eq=False)
+class _Power:
+    """What the scans say: mean power of the bins, and last the variance."""
+
+    log_data: FloatArray
+    freedom: FloatArray
+    weights: FloatArray
+    hats: FloatArray
+
+    @classmethod
+    def of(cls, log_nodes: FloatArray, evidence: Sequence[Evidence], variance: VarianceShare) -> _Power:
+        from scipy.linalg import block_diag
+
+        samples = np.concatenate([*(one.samples for one in evidence), variance.samples])
+        data = np.concatenate([*(one.density for one in evidence), [variance.value]])
+        freedom = np.concatenate([one.freedom for one in evidence])
+        weights = block_diag(*(one.weights for one in evidence), variance.weights[None, :])
+        return cls(np.log(data), freedom, weights, _hat_functions(np.log(samples), log_nodes))
+
+    def terms(self, log_C: FloatArray) -> _Terms:
+        C = np.exp(self.hats @ log_C)
+        value = self.weights @ C
+        slope = (self.weights @ (C[:, None] * self.hats)) / value[:, None]
+        misfit = np.log(value) - self.log_data
+        ratio = np.exp(np.clip(-misfit[:-1], None, 100.0))
+        n, total = self.freedom, misfit[-1] / _VARIANCE
+        return _Terms(
+            float(np.sum(n * (misfit[:-1] + ratio)) + 0.5 * total**2),
+            slope[:-1].T @ (n * (1.0 - ratio)) + slope[-1] * total / _VARIANCE,
+            slope[:-1].T @ (n[:, None] * slope[:-1]) + np.outer(slope[-1], slope[-1]) / _VARIANCE**2,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Smoothness:
+    """What is expected of any spectrum: few bends, no rise with q."""
+
+    bends: FloatArray
+    rises: FloatArray
+
+    @classmethod
+    def at(cls, log_nodes: FloatArray) -> _Smoothness:
+        n, step = log_nodes.size, log_nodes[1] - log_nodes[0]
+        per_decade = np.log(10.0) / step
+        return cls(
+            np.diff(np.eye(n), 2, axis=0) / (_BEND * 10.0 / per_decade),
+            np.diff(np.eye(n), axis=0) / (_RISE * step),
+        )
+
+    def terms(self, log_C: FloatArray) -> _Terms:
+        bend, rise = self.bends @ log_C, np.maximum(self.rises @ log_C, 0.0)
+        length = np.sqrt(1.0 + bend**2)
+        rising = self.rises[rise > 0.0]
+        return _Terms(
+            float(np.sum(length) + 0.5 * np.sum(rise**2)),
+            self.bends.T @ (bend / length) + self.rises.T @ rise,
+            # a node that no data reach keeps its place
+            (self.bends.T / length) @ self.bends + rising.T @ rising + 1e-6 * np.eye(log_C.size),
+        )
 
 
 def _start(log_nodes: FloatArray, evidence: Sequence[Evidence]) -> FloatArray:
-    """Data over what a spectrum of constant slope would give in their place, smoothed a little."""
-    q = np.concatenate([np.log(one.wavenumber) for one in evidence])
-    guess = np.concatenate([np.log(one.density) for one in evidence])
-    flat = np.concatenate([_slope_weight(one) for one in evidence])
-    order = np.argsort(q)
-    rough = np.interp(log_nodes, q[order], (guess - flat)[order])
+    """Data over what C = (q/q_bin)^-3 would give in their place, smoothed a little."""
+    log_q = np.concatenate([np.log(one.wavenumber) for one in evidence])
+    level = np.concatenate([np.log(one.density) - _log_of_steep_spectrum(one) for one in evidence])
+    order = np.argsort(log_q)
+    rough = np.interp(log_nodes, log_q[order], level[order])
     return np.convolve(np.pad(rough, 2, mode="edge"), np.full(5, 0.2), mode="valid")
 
 
-def _slope_weight(one: Evidence) -> FloatArray:
-    """Log of the data that C = (q/q_bin)^-3 would give in each bin."""
+def _log_of_steep_spectrum(one: Evidence) -> FloatArray:
     ratio = one.samples[None, :] / one.wavenumber[:, None]
-    return np.log(np.sum(one.weights * np.minimum(ratio, 1e6) ** -3.0, axis=1))
+    return np.log(np.sum(one.weights * ratio**-3.0, axis=1))
 
 
 def _hat_functions(log_q: FloatArray, log_nodes: FloatArray) -> FloatArray:
     """Linear interpolation in ln q as a matrix, continued as constant outside the nodes."""
     place = np.clip((log_q - log_nodes[0]) / (log_nodes[1] - log_nodes[0]), 0.0, log_nodes.size - 1.0)
     return np.maximum(1.0 - np.abs(place[:, None] - np.arange(log_nodes.size)), 0.0)
-
-
-def _block_diagonal(blocks: Sequence[FloatArray]) -> FloatArray:
-    from scipy.linalg import block_diag
-
-    return np.asarray(block_diag(*blocks))

@@ -58,7 +58,7 @@ class LineScan:
     def without_form(self, detrend: Detrend) -> LineScan:
         """The scan without its mean, its mean line or its mean parabola (least squares)."""
         t = np.linspace(-1.0, 1.0, self.heights.size)
-        basis = np.polynomial.legendre.legvander(t, DETRENDS.index(detrend))
+        basis = np.asarray(np.polynomial.legendre.legvander(t, DETRENDS.index(detrend)), dtype=np.float64)
         return replace(self, heights=_residual(self.heights, basis))
 
 
@@ -107,7 +107,9 @@ class HeightMap:
         degree = DETRENDS.index(detrend)
         x, y = (np.polynomial.legendre.legvander(np.linspace(-1, 1, n), degree) for n in self.heights.shape)
         products = [
-            np.multiply.outer(x[:, i], y[:, j]).ravel() for i in range(degree + 1) for j in range(degree + 1 - i)
+            np.multiply.outer(x[:, i], y[:, j]).ravel()
+            for i in range(degree + 1)
+            for j in range(degree + 1 - i)
         ]
         flat = _residual(self.heights.ravel(), np.stack(products, axis=1))
         return replace(self, heights=flat.reshape(self.heights.shape))
@@ -145,17 +147,23 @@ def line_scan(x: ArrayLike, h: ArrayLike, *, name: str = "", tip_radius: float |
     bridged = np.cumsum(widest)
     resolution = float(widest[np.searchsorted(bridged, _NARROW * length)])
     if widest[0] > _WIDE * length:
-        raise ScanError(f"x has a gap of {widest[0]:.4g} m in a length of {length:.4g} m: allowed is a fifth of it")
+        raise ScanError(
+            f"x has a gap of {widest[0]:.4g} m in a length of {length:.4g} m: allowed is a fifth of it"
+        )
     spacing = length / (n - 1)
     if _is_even(x, spacing):
         return LineScan(h, spacing, spacing, tip_radius, name)
     spacing = min(float(np.median(steps)), spacing)
     count = round(length / spacing) + 1
     if count > 20 * n:
-        raise ScanError(f"x is too uneven: half of its steps are below {spacing:.3g} m, their mean is {length / n:.3g} m")
+        raise ScanError(
+            f"x is too uneven: half of its steps are below {spacing:.3g} m, their mean is {length / n:.3g} m"
+        )
     grid = np.linspace(x[0], x[-1], count)
     remark = f"x is not evenly spaced (up to {widest[0]:.3g} m): interpolated on {count} points {spacing:.3g} m apart"
-    return LineScan(np.interp(grid, x, h), length / (count - 1), max(resolution, spacing), tip_radius, name, (remark,))
+    return LineScan(
+        np.interp(grid, x, h), length / (count - 1), max(resolution, spacing), tip_radius, name, (remark,)
+    )
 
 
 def height_map(
@@ -181,17 +189,23 @@ def height_map(
     """
     h = np.array(heights, dtype=float)
     if h.ndim != 2 or min(h.shape) < FEWEST_POINTS:
-        raise ScanError(f"map of shape {h.shape}: needs two dimensions and at least {FEWEST_POINTS} points a side")
+        raise ScanError(
+            f"map of shape {h.shape}: needs two dimensions and at least {FEWEST_POINTS} points a side"
+        )
     if not all(0.0 < step < np.inf for step in spacing):
         raise ScanError(f"spacing = {spacing}: must be two positive finite lengths [m]")
     missing = ~np.isfinite(h)
     share = float(missing.mean())
     if share > _NARROW:
-        raise ScanError(f"{share:.1%} of the map is missing: allowed is {_NARROW:.0%}; measure again or cut a piece out")
+        raise ScanError(
+            f"{share:.1%} of the map is missing: allowed is {_NARROW:.0%}; measure again or cut a piece out"
+        )
     remarks: tuple[str, ...] = ()
     if share > 0.0:
         h = _filled(h, missing)
-        remarks = (f"{int(missing.sum())} missing points ({share:.2%}) are filled with the height of the nearest one",)
+        remarks = (
+            f"{int(missing.sum())} missing points ({share:.2%}) are filled with the height of the nearest one",
+        )
     _not_flat(h)
     return HeightMap(h, (float(spacing[0]), float(spacing[1])), tip_radius, name, remarks)
 
@@ -221,7 +235,9 @@ def _checked(x: ArrayLike, h: ArrayLike) -> tuple[FloatArray, FloatArray]:
 
 def _not_flat(h: FloatArray) -> None:
     if np.ptp(h) <= 1e-14 * np.abs(h).max() or not np.ptp(h) < 1e100:
-        raise ScanError(f"heights from {h.min():.4g} m to {h.max():.4g} m: no roughness to make a spectrum of")
+        raise ScanError(
+            f"heights from {h.min():.4g} m to {h.max():.4g} m: no roughness to make a spectrum of"
+        )
 
 
 def _is_even(x: FloatArray, spacing: float) -> bool:

@@ -1,0 +1,335 @@
+"""The table [roughness] of the case file: power spectra of both surfaces, given, tabulated or measured.
+
+A new kind of spectrum comes in as one more model in `Spectrum`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import (
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import CoreSchema, core_schema
+
+from fem_seal.case_bodies import Table
+from fem_seal.case_fields import Number, Quantity
+from fem_seal.case_messages import problems
+from fem_seal.errors import InputError
+from fem_seal.spectrum_file import read_spectrum
+
+if TYPE_CHECKING:
+    from leak import MeasuredSurface, PowerSpectrum, ScanSettings
+
+WAVENUMBER = Quantity("wavenumber", "1 1/m", "1e12 1/m")
+_MOST_FILES = 200
+
+
+class Texts:
+    """A list of texts, a tuple after reading."""
+
+    def __init__(self, *, most: int, what: str) -> None:
+        self.most, self.what = most, what
+
+    def read(self, value: object) -> tuple[str, ...]:
+        """The texts; ValueError if it is no list of texts."""
+        if not isinstance(value, (list, tuple)) or not all(isinstance(one, str) for one in value):
+            raise ValueError(f"must be a list of texts, such as {self.what}")
+        if not 0 < len(value) <= self.most:
+            raise ValueError(f"has {len(value)} entries; allowed are 1 to {self.most}")
+        return tuple(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": self.most}
+
+
+class LengthUnits(Texts):
+    """One unit of length, or two, those of x and height."""
+
+    def read(self, value: object) -> tuple[str, ...]:
+        """Two units; ValueError if they are none."""
+        from leak.length_units import two_units
+
+        units = super().read([value, value] if isinstance(value, str) else value)
+        two_units(units)
+        return units
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        several = super().__get_pydantic_json_schema__(schema, handler)
+        return {"anyOf": [{"type": "string"}, {**several, "minItems": 2}]}
+
+
+class SelfAffine(Table):
+    """kind = "self-affine": isotropic, constant up to q_rolloff, then falling as q^(-2 (1 + hurst))."""
+
+    kind: Literal["self-affine"] = Field(description="kind of spectrum", examples=["self-affine"])
+    rms_height: Annotated[float, Quantity("length", "0.01 nm", "1 mm")] = Field(
+        description="root-mean-square height", examples=["1.9 um"]
+    )
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] = Field(
+        description="Hurst exponent", examples=[0.6]
+    )
+    q_low: Annotated[float, WAVENUMBER] = Field(
+        description="smallest wavenumber, 2 pi over the longest wavelength", examples=["1e3 1/m"]
+    )
+    q_rolloff: Annotated[float, WAVENUMBER] = Field(
+        description="wavenumber above which the spectrum falls", examples=["3.727e4 1/m"]
+    )
+    q_high: Annotated[float, WAVENUMBER] = Field(
+        description="largest wavenumber, 2 pi over the shortest wavelength", examples=["3.1416e6 1/m"]
+    )
+
+    def build(self) -> PowerSpectrum:
+        """The spectrum as `leak` takes it."""
+        from leak import PowerSpectrum
+
+        return PowerSpectrum.self_affine(**self.model_dump(exclude={"kind"}))
+
+
+class Tabulated(Table):
+    """kind = "table": a two-dimensional isotropic spectrum from a file."""
+
+    kind: Literal["table"] = Field(description="kind of spectrum", examples=["table"])
+    file: str = Field(
+        description="text file with two columns, wavenumber q [1/m] and density C [m^4], relative to the "
+        "case file",
+        examples=["C.csv"],
+    )
+
+    @field_validator("file")
+    @classmethod
+    def _readable(cls, file: str) -> str:
+        read_spectrum(file)
+        return str(Path(file).absolute())
+
+    def build(self) -> PowerSpectrum:
+        """The spectrum as `leak` takes it."""
+        from leak import PowerSpectrum
+
+        return PowerSpectrum.from_table(*read_spectrum(self.file))
+
+
+class Measured(Table):
+    """kind = "profile": the spectrum of measured line scans or maps; see docs/surfaces.md."""
+
+    kind: Literal["profile"] = Field(description="kind of spectrum", examples=["profile"])
+    file: str | None = Field(
+        None,
+        description="scan: text with two columns, position and height, or a file of an instrument; relative to the "
+        "case file",
+        examples=["seat.csv"],
+    )
+    files: Annotated[tuple[str, ...], Texts(most=_MOST_FILES, what='["scan1.csv", "scan2.csv"]')] | None = (
+        Field(
+            None,
+            description="several scans of one surface, instead of file; they are averaged",
+            examples=[["scan1.csv", "scan2.csv"]],
+        )
+    )
+    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = Field(
+        None,
+        description="unit of length of x and height, or of each, where the file states none; it is never guessed",
+        examples=["um"],
+    )
+    detrend: Literal["tilt", "mean", "curvature"] = Field(
+        "tilt",
+        description="what is taken off each scan: its mean line or plane; only its mean; its mean parabola, for "
+        "scans over a curved part",
+    )
+    window: Literal["hann", "none"] = Field(
+        "hann",
+        description='weight of the heights along the scan; "none" for calculated, periodic surfaces only',
+    )
+    tip_radius: Annotated[float, Quantity("length", "1 nm", "10 mm")] | None = Field(
+        None,
+        description="radius of the stylus tip, limits the range; the one stated in the file unless given",
+        examples=["2 um"],
+    )
+    shortest_wavelength: Annotated[float, Quantity("length", "0.1 nm", "10 mm")] | None = Field(
+        None,
+        description="what the instrument resolves, limits the range; two points of the scan unless given",
+        examples=["2.5 um"],
+    )
+    extrapolation: Literal["cut", "self-affine"] = Field(
+        "cut",
+        description='outside the range of the scans: "cut": no roughness; "self-affine": continued with hurst to q_low '
+        "and q_high",
+    )
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] | None = Field(
+        None,
+        description='Hurst exponent of the continuation, with extrapolation = "self-affine"',
+        examples=[0.8],
+    )
+    q_low: Annotated[float, WAVENUMBER] | None = Field(
+        None,
+        description="where the continued spectrum begins; the end of the range unless given",
+        examples=["1e2 1/m"],
+    )
+    q_high: Annotated[float, WAVENUMBER] | None = Field(
+        None,
+        description="where the continued spectrum ends; the end of the range unless given",
+        examples=["1e8 1/m"],
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Measured:
+        if (self.file is None) == (self.files is None):
+            raise ValueError('needs file = "seat.csv", or files = ["scan1.csv", "scan2.csv"], one of both')
+        for key in ("hurst", "q_low", "q_high"):
+            if self.extrapolation == "cut" and getattr(self, key) is not None:
+                raise ValueError(f'{key} is only for extrapolation = "self-affine"; remove it, or set that')
+        if self.extrapolation == "self-affine" and self.hurst is None:
+            raise ValueError('extrapolation = "self-affine" needs hurst, such as hurst = 0.8')
+        self.measured()
+        return self
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """The files, absolute."""
+        names = self.files if self.files is not None else (self.file or "",)
+        return tuple(str(Path(name).absolute()) for name in names)
+
+    @property
+    def settings(self) -> ScanSettings:
+        """How the scans become a spectrum, as `leak` takes it."""
+        from leak import ScanSettings, SelfAffineContinuation
+
+        continued = self.hurst and SelfAffineContinuation(self.hurst, self.q_low, self.q_high)
+        return ScanSettings(
+            self.detrend, self.window, self.tip_radius, self.shortest_wavelength, continued or "cut"
+        )
+
+    def measured(self) -> MeasuredSurface:
+        """What the scans say about the surface."""
+        return _measured(tuple((path, _stamp(path)) for path in self.paths), self.unit, self.settings)
+
+    def build(self) -> PowerSpectrum:
+        """The spectrum as `leak` takes it."""
+        return self.measured().spectrum
+
+    def scan_spectra(self) -> tuple[PowerSpectrum, ...]:
+        """The spectrum of each scan alone."""
+        scans = [((path, _stamp(path)),) for path in self.paths]
+        return tuple(_measured(scan, self.unit, self.settings).spectrum for scan in scans)
+
+
+def _stamp(path: str) -> tuple[int, int]:
+    """Tells whether a file has changed."""
+    try:
+        status = Path(path).stat()
+    except (OSError, ValueError):
+        return 0, 0
+    return status.st_mtime_ns, status.st_size
+
+
+# A case asks for its spectrum several times, and reading a spreadsheet takes more than a second.
+@cache
+def _measured(
+    files: tuple[tuple[str, tuple[int, int]], ...], unit: tuple[str, ...] | None, settings: ScanSettings
+) -> MeasuredSurface:
+    from leak import measure, read_topographies
+
+    return measure(read_topographies([path for path, _ in files], unit=unit), settings)
+
+
+Spectrum = Annotated[SelfAffine | Tabulated | Measured, Field(discriminator="kind")]
+
+
+class Roughness(Table):
+    """[roughness]: of both surfaces together, or of each; their spectra add."""
+
+    spectrum: Spectrum | None = Field(None, description="power spectrum of both surfaces together")
+    seat: Spectrum | None = Field(
+        None,
+        description="power spectrum of the seat, instead of spectrum; without closure that one is smooth",
+    )
+    closure: Spectrum | None = Field(
+        None,
+        description="power spectrum of the closure, instead of spectrum; without seat that one is smooth",
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Roughness:
+        each = self.seat is not None or self.closure is not None
+        if (self.spectrum is not None) == each:
+            raise ValueError(
+                "needs spectrum, of both surfaces together, or seat and closure, or one of these; not both ways"
+                if each
+                else "needs spectrum, of both surfaces together, or seat, closure or both"
+            )
+        return self
+
+    @property
+    def parts(self) -> dict[str, SelfAffine | Tabulated | Measured]:
+        """The spectra that are given, by their key."""
+        given = {"spectrum": self.spectrum, "seat": self.seat, "closure": self.closure}
+        return {key: one for key, one in given.items() if one is not None}
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether a spectrum comes from scans."""
+        return any(isinstance(one, Measured) for one in self.parts.values())
+
+    def build(self) -> PowerSpectrum:
+        """Spectrum of the gap between the undeformed surfaces, the sum of those given."""
+        first, *rest = (one.build() for one in self.parts.values())
+        for one in rest:
+            first = first + one
+        return first
+
+    def remarks(self) -> Iterator[str]:
+        """What the scans themselves say against their use."""
+        for key, one in self.parts.items():
+            if isinstance(one, Measured):
+                for warning in one.measured().warnings:
+                    yield f"roughness.{key}: {warning}"
+
+
+def scan_case(files: Sequence[str], entries: Mapping[str, Any]) -> Measured:
+    """Scans with the settings of a case file, given outside of one.
+
+    Parameters
+    ----------
+    files : sequence of str
+    entries : mapping
+        Keys of a spectrum of kind "profile" as they stand in a case file; None is left out.
+
+    Raises
+    ------
+    InputError
+        If an entry is wrong or a file cannot be used.
+    """
+    given = {key: value for key, value in entries.items() if value is not None}
+    try:
+        return Measured.model_validate({"kind": "profile", "files": list(files), **given})
+    except ValidationError as error:
+        raise InputError(*problems(error, Measured)) from None
+
+
+def place_files(roughness: object, folder: Path) -> None:
+    """Make the files named in the table, as it stands in a case file, relative to that file's folder."""
+    for key in ("spectrum", "seat", "closure"):
+        spectrum = roughness.get(key) if isinstance(roughness, dict) else None
+        if not isinstance(spectrum, dict):
+            continue
+        if isinstance(spectrum.get("file"), str):
+            spectrum["file"] = str(folder / spectrum["file"])
+        if isinstance(spectrum.get("files"), list):
+            spectrum["files"] = [
+                str(folder / name) if isinstance(name, str) else name for name in spectrum["files"]
+            ]

@@ -1,0 +1,110 @@
+"""How measured scans become a spectrum: what the user may choose, and what lies outside the reliable range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from leak.errors import ScanError, positive
+from leak.periodogram import WINDOWS, Window
+from leak.spectrum import PowerSpectrum
+from leak.topography import DETRENDS, Detrend
+
+
+@dataclass(frozen=True)
+class SelfAffineContinuation:
+    """C ~ q^(-2 (1 + H)) outside the reliable range of a scan: an assumption, not a measurement.
+
+    Parameters
+    ----------
+    hurst : float
+        Hurst exponent H, between 0 and 1 [-].
+    q_low, q_high : float, optional
+        Where the continued spectrum begins and ends; None: the end of the reliable range [1/m].
+
+    Raises
+    ------
+    ScanError
+        A value is outside its range, or neither end is given.
+    """
+
+    hurst: float
+    q_low: float | None = None
+    q_high: float | None = None
+
+    def __post_init__(self) -> None:
+        if not 0.0 < positive(ScanError, "hurst", self.hurst, "-") <= 1.0:
+            raise ScanError(f"hurst = {self.hurst}: must lie in (0, 1]")
+        for name, value in (("q_low", self.q_low), ("q_high", self.q_high)):
+            if value is not None:
+                positive(ScanError, name, value, "1/m")
+        if self.q_low is None and self.q_high is None:
+            raise ScanError(
+                "q_low and q_high are both missing: say where the continued spectrum begins or ends [1/m]"
+            )
+
+    def continued(self, spectrum: PowerSpectrum) -> PowerSpectrum:
+        """The spectrum with its ends continued."""
+        q, C = list(spectrum.wavenumber), list(spectrum.density)
+        fall = -2.0 * (1.0 + self.hurst)
+        if self.q_low is not None:
+            if not self.q_low < q[0]:
+                raise ScanError(
+                    f"q_low = {self.q_low:.4g} 1/m: must be below the reliable range, {q[0]:.4g} 1/m"
+                )
+            q, C = [self.q_low, *q], [C[0] * (self.q_low / q[0]) ** fall, *C]
+        if self.q_high is not None:
+            if not self.q_high > q[-1]:
+                raise ScanError(
+                    f"q_high = {self.q_high:.4g} 1/m: must be above the reliable range, {q[-1]:.4g} 1/m"
+                )
+            q, C = [*q, self.q_high], [*C, C[-1] * (self.q_high / q[-1]) ** fall]
+        return PowerSpectrum(np.array(q), np.array(C))
+
+
+@dataclass(frozen=True)
+class ScanSettings:
+    """How scans become a spectrum.
+
+    Parameters
+    ----------
+    detrend : {"tilt", "mean", "curvature"}
+        What is taken off each scan first: its mean line or plane, its mean only, or its mean parabola or paraboloid
+        (for scans over a ball, a cone or another curved part).
+    window : {"hann", "none"}
+        Weight of the heights along the scan. "none" is for periodic, calculated surfaces only.
+    tip_radius : float, optional
+        Radius of the stylus tip; the file's, if it states one, unless given [m].
+    shortest_wavelength : float, optional
+        What the instrument resolves (optical resolution, filter); two points unless given [m].
+    extrapolation : "cut" or SelfAffineContinuation
+        What lies outside the reliable range: nothing, or a continuation.
+
+    Raises
+    ------
+    ScanError
+        A value is none of these.
+    """
+
+    detrend: Detrend = "tilt"
+    window: Window = "hann"
+    tip_radius: float | None = None
+    shortest_wavelength: float | None = None
+    extrapolation: Literal["cut"] | SelfAffineContinuation = "cut"
+
+    def __post_init__(self) -> None:
+        for name, value, known in (("detrend", self.detrend, DETRENDS), ("window", self.window, WINDOWS)):
+            if value not in known:
+                raise ScanError(f"{name} = {value!r}: must be " + " or ".join(f'"{one}"' for one in known))
+        for name, length in (
+            ("tip_radius", self.tip_radius),
+            ("shortest_wavelength", self.shortest_wavelength),
+        ):
+            if length is not None:
+                positive(ScanError, name, length, "m")
+        if self.extrapolation != "cut" and not isinstance(self.extrapolation, SelfAffineContinuation):
+            raise ScanError(
+                f'extrapolation = {self.extrapolation!r}: must be "cut" or a SelfAffineContinuation'
+            )
