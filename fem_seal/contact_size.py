@@ -109,7 +109,7 @@ def element_sizes(
     Raises
     ------
     InputError
-        If `contact_size` would need an unreasonable number of elements.
+        If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements.
     """
     widths = [contact_width(law, f, contact.relative_radius, effective_modulus) for f in line_loads]
     std, reach = min(w.std for w in widths), max(w.reach for w in widths)
@@ -127,13 +127,14 @@ def element_sizes(
     if contact_size is None:
         return sizing
     smallest = (sizing.zone[1] - sizing.zone[0]) / _MOST_ELEMENTS
-    if contact_size < smallest:
+    if not smallest <= contact_size <= std:
         raise InputError(
             Problem(
                 "mesh.contact_size",
-                f"needs more than {_MOST_ELEMENTS} elements along the contact line; allowed is {smallest * 1e6:.3g} um "
-                "or more, or leave it out",
-                f"{contact_size * 1e6:.3g} um",
+                f"allowed is {smallest * 1e6:.3g} um ({_MOST_ELEMENTS} elements along the contact line) to "
+                f"{std * 1e6:.3g} um (standard deviation of the narrowest pressure profile); or leave it out: "
+                f"{sizing.contact_size * 1e6:.3g} um",
+                f"{contact_size * 1e6:.6g} um",
             )
         )
-    return replace(sizing, contact_size=min(contact_size, far_size))
+    return replace(sizing, contact_size=contact_size)

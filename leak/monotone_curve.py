@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from leak.cubic_spline import cubic_spline_slopes
+
 FloatArray = NDArray[np.float64]
 
 # Safeguarded Newton converges in about 6 steps; the rest is for cells in which one end is almost flat.
@@ -102,10 +104,8 @@ def _end_slope(h0: float, h1: float, secant0: float, secant1: float) -> float:
 
 def spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
     """Slopes of the not-a-knot cubic spline through monotone points, limited so that the curve stays monotone."""
-    from scipy.interpolate import CubicSpline
-
     secant = np.diff(y) / np.diff(x)
     left, right = np.append(secant[0], secant), np.append(secant, secant[-1])
     gentlest = np.where(np.abs(left) < np.abs(right), left, right)
-    slope = CubicSpline(x, y)(x, 1) / np.where(gentlest == 0.0, 1.0, gentlest)
+    slope = cubic_spline_slopes(x, y) / np.where(gentlest == 0.0, 1.0, gentlest)
     return np.clip(slope, 0.0, 3.0) * gentlest

@@ -73,7 +73,7 @@ class ConicalSeat:
 
         The bore has half the radius of first touch, the face ends 0.6 ball radii (along the face) beyond first
         touch, the housing is 1.5 ball radii wider than first touch and 1.5 ball radii high below the face: far
-        enough from the contact to change the pressure profile by less than 1e-5.
+        enough from the contact to change the pressure profile of a narrow contact by some 1e-5.
 
         Parameters
         ----------

@@ -243,3 +243,32 @@ def test_the_paper_case():
     q = 100 * contact.spectrum.q_low
     share = contact.plastic_area(50e6, q) / contact.contact_area(50e6, q)
     assert share == pytest.approx(0.9994, abs=1e-4)
+
+
+def test_two_separate_bands_add_their_resistances() -> None:
+    x = np.linspace(-1e-3, 1e-3, 401)
+    bands = [
+        height * np.maximum(0, 1 - ((x - centre) / 2e-4) ** 2)
+        for height, centre in ((1e7, -5e-4), (2e7, 5e-4))
+    ]
+    single = [leak.leak_rate(x, band, lambda p: 1e-10 / p, 1e6, 0.014) for band in bands]
+    both = leak.leak_rate(x, bands[0] + bands[1], lambda p: 1e-10 / p, 1e6, 0.014)
+    assert both == pytest.approx(1 / (1 / single[0] + 1 / single[1]), rel=1e-9)
+
+
+@pytest.mark.parametrize("node", [20, 35, 50])
+@pytest.mark.parametrize("value", [0.0, 1e-3])
+def test_one_bad_point_changes_little_and_invents_no_pressure(node: int, value: float) -> None:
+    x = np.linspace(-6, 6, 101) * 1e-4
+    p = 3e7 * np.exp(-((x / 1e-4) ** 2) / 2)
+    largest: list[float] = []
+
+    def conductivity(pressure: np.ndarray) -> np.ndarray:
+        largest.append(float(np.max(pressure)))
+        return 1e-10 / pressure
+
+    good = leak.leak_rate(x, p, conductivity, 1e6, 0.014)
+    p[node] = value
+    # a point is at most 5 % of the resistance of this profile, and its neighbours' cells go with it
+    assert leak.leak_rate(x, p, conductivity, 1e6, 0.014) == pytest.approx(good, rel=0.11)
+    assert max(largest) < 1.11 * 3e7
