@@ -12,7 +12,7 @@ from fem_seal.case_bodies import MaterialTable, Table
 from fem_seal.case_messages import allowed_range, choices, tables_of, toml
 from fem_seal.materials import LIBRARY
 from fem_seal.units import DIMENSIONS
-from leak import FLUIDS, liquid
+from leak import FLUIDS, GASES
 
 FILE = Path(__file__).with_name("input.md")
 
@@ -69,11 +69,16 @@ def _tables() -> Iterator[str]:
             need = "needed" if field.is_required() else "may be left out"
             yield f"### [{name}] ({need})\n\n{_about(table)}\n"
             yield from _rows(table)
+            explained: dict[tuple[type[Table], ...], str] = {}
             for key, nested in table.model_fields.items():
-                for inner in tables_of(nested):
-                    if inner is not MaterialTable:
-                        yield f"`{name}.{key}`: {_about(inner)}\n"
-                        yield from _rows(inner)
+                inner = tuple(one for one in tables_of(nested) if one is not MaterialTable)
+                if inner in explained:
+                    yield f"`{name}.{key}`: as `{name}.{explained[inner]}`.\n"
+                elif inner:
+                    explained[inner] = key
+                    for one in inner:
+                        yield f"`{name}.{key}`: {_about(one)}\n"
+                        yield from _rows(one)
     yield f"### A material as a table\n\n{_about(MaterialTable)}\n"
     yield from _rows(MaterialTable)
 
@@ -137,11 +142,18 @@ def _materials() -> Iterator[str]:
 
 
 def _fluids() -> Iterator[str]:
-    yield "## Fluids\n\n| name | viscosity [mPa s] | temperature [K] | source |\n|---|---|---|---|"
-    for name in FLUIDS:
-        fluid = liquid(name)
-        viscosity = f"{fluid.viscosity * 1e3:g}"
-        yield f'| `"{name}"` | {viscosity} | {fluid.temperature:g} | {fluid.source} |'
+    yield (
+        "## Fluids\n\nProperties follow `fluid.temperature`; these are at 20 degC. [fluids.md](fluids.md) has the "
+        "formulas.\n"
+    )
+    yield "| liquid | viscosity [mPa s] | density [kg/m³] | source |\n|---|---|---|---|"
+    for name, fluid in FLUIDS.items():
+        yield f'| `"{name}"` | {fluid.viscosity * 1e3:.4g} | {fluid.density:.4g} | {fluid.source} |'
+    yield ""
+    yield "| gas | viscosity [µPa s] | molar mass [g/mol] | dilute up to [bar] | source |\n|---|---|---|---|---|"
+    for name, gas in GASES.items():
+        cells = f"{gas.viscosity * 1e6:.4g} | {gas.molar_mass * 1e3:g} | {gas.dilute_pressure / 1e5:g}"
+        yield f'| `"{name}"` | {cells} | {gas.source} |'
     yield ""
 
 

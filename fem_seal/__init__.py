@@ -39,6 +39,9 @@ _HOME = {
     "ContactSolution": "fem_seal.contact_solution",
     "HardContact": "fem_seal.laws",
     "PressureProfile": "fem_seal.profile",
+    "Study": "fem_seal.studies.study",
+    "load_study": "fem_seal.studies.study",
+    "StudyResult": "fem_seal.studies.results",
 }
 
 __all__ = ["Case", "ConvergenceError", "InputError", "Material", "SealError", "load_case", *_HOME]

@@ -12,8 +12,11 @@ from pydantic import Field, PrivateAttr, ValidationError
 
 from fem_seal.case_bodies import Ball, Cone, Table
 from fem_seal.case_checks import contradictions
+from fem_seal.case_fluid import Fluid
 from fem_seal.case_messages import problems
-from fem_seal.case_tables import Fluid, Interface, Leak, Load, Mesh, Output, Roughness
+from fem_seal.case_roughness import Roughness, place_files
+from fem_seal.case_tables import Interface, Leak, Load, Mesh, Output
+from fem_seal.case_uncertainty import Uncertainty
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import touch_radius
 from fem_seal.materials import effective_modulus
@@ -49,6 +52,7 @@ class Case(Table):
     fluid: Fluid | None = None
     load: Load
     leak: Leak = Leak()
+    uncertainty: Uncertainty | None = None
     mesh: Mesh = Mesh()
     output: Output = Output()
 
@@ -169,10 +173,7 @@ def _read_toml(path: Path) -> dict[str, Any]:
 def _place_files(tables: dict[str, Any], path: Path) -> None:
     """Make the files named in the tables relative to the case file, and name the results folder after it."""
     folder = path.absolute().parent
-    roughness = tables.get("roughness")
-    spectrum = roughness.get("spectrum") if isinstance(roughness, dict) else None
-    if isinstance(spectrum, dict) and isinstance(spectrum.get("file"), str):
-        spectrum["file"] = str(folder / spectrum["file"])
+    place_files(tables.get("roughness"), folder)
     output = tables.setdefault("output", {})
     if isinstance(output, dict) and isinstance(output.get("folder", ""), str):
         output["folder"] = str(folder / output.get("folder", f"{path.stem}.out"))

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fem_seal.case_fields import shown
-from fem_seal.case_tables import SelfAffine
+from fem_seal.case_roughness import SelfAffine
+from fem_seal.case_uncertainty import uncertainty_problems
 from fem_seal.errors import Problem
 from fem_seal.loads import closing_force, line_load
 
@@ -17,7 +18,35 @@ if TYPE_CHECKING:
 
 def contradictions(case: Case) -> list[Problem]:
     """Everything in a case that does not fit together."""
-    return [*_seat(case), *_spectrum(case), *_interface(case), *_hardness(case), *_closing(case)]
+    return [
+        *_seat(case),
+        *_spectrum(case),
+        *_interface(case),
+        *_hardness(case),
+        *_closing(case),
+        *_fluid(case),
+        *_flow(case),
+        *uncertainty_problems(case),
+    ]
+
+
+def _flow(case: Case) -> Iterator[Problem]:
+    if case.leak.fluid_in_gap == "local" and case.fluid is not None and case.fluid.gas is not None:
+        yield Problem(
+            "leak.fluid_in_gap",
+            'only for liquids, but the fluid is a gas; remove it, or set "uncoupled"',
+            '"local"',
+        )
+    directed = case.roughness is not None and (
+        case.roughness.peklenik != 1 or case.roughness.along is not None
+    )
+    if directed and case.leak.conductivity == "critical-junction":
+        yield Problem(
+            "leak.conductivity",
+            "one junction knows no direction, but the roughness has one (peklenik, or along and across); use "
+            '"bruggeman"',
+            '"critical-junction"',
+        )
 
 
 def _seat(case: Case) -> Iterator[Problem]:
@@ -57,18 +86,21 @@ def _seat(case: Case) -> Iterator[Problem]:
 
 
 def _spectrum(case: Case) -> Iterator[Problem]:
-    if case.roughness is None or not isinstance(case.roughness.spectrum, SelfAffine):
-        return
-    spectrum = case.roughness.spectrum
+    for name, spectrum in case.roughness.parts.items() if case.roughness else ():
+        if isinstance(spectrum, SelfAffine):
+            yield from _wavenumbers(f"roughness.{name}", spectrum)
+
+
+def _wavenumbers(key: str, spectrum: SelfAffine) -> Iterator[Problem]:
     if spectrum.q_low >= spectrum.q_high:
         yield Problem(
-            "roughness.spectrum.q_low",
+            f"{key}.q_low",
             f"must be below q_high = {spectrum.q_high:g} 1/m",
             f"{spectrum.q_low:g} 1/m",
         )
     elif not spectrum.q_low <= spectrum.q_rolloff <= spectrum.q_high:
         yield Problem(
-            "roughness.spectrum.q_rolloff",
+            f"{key}.q_rolloff",
             f"must lie between q_low = {spectrum.q_low:g} 1/m and q_high = {spectrum.q_high:g} 1/m",
             f"{spectrum.q_rolloff:g} 1/m",
         )
@@ -148,6 +180,24 @@ def _closing(case: Case) -> Iterator[Problem]:
         f"allowed is an axial_force above {needed:.6g} N",
         f"{load.axial_force:.6g} N",
     )
+
+
+def _fluid(case: Case) -> Iterator[Problem]:
+    fluid = case.fluid
+    if fluid is None:
+        return
+    if fluid.gas is None and fluid.outlet_pressure is not None:
+        yield Problem(
+            "fluid.outlet_pressure",
+            f"only for a gas; the leak of a liquid ({shown(fluid.name)}) depends on the pressure difference alone, "
+            "remove it",
+            f"{fluid.outlet_pressure:.6g} Pa",
+        )
+    if fluid.gas is not None and case.uncertainty is not None and case.uncertainty.viscosity is not None:
+        yield Problem(
+            "uncertainty.viscosity",
+            f"only for a liquid, whose leak rate is inversely proportional to it; remove it for {shown(fluid.name)}",
+        )
 
 
 def _small_strains(case: Case, force: float) -> Iterator[Problem]:

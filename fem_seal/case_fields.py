@@ -63,6 +63,32 @@ class Quantity:
 
 
 @dataclass(frozen=True)
+class NominalSize(Quantity):
+    """A nominal pipe size, "DN 25" or "NPS 1", or a length."""
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return f'"DN 25", "NPS 1" or a length {super().range}'
+
+    def read(self, text: object) -> float:
+        """Size in metres; ValueError if it is neither."""
+        from leak.leakage_class import read_nominal_size
+
+        size = read_nominal_size(text) if isinstance(text, str) else None
+        return super().read(text) if size is None else size
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {
+            "type": "string",
+            "pattern": rf"^\s*({NUMBER}\s*\S.*|[dD][nN]\s*\d+|[nN][pP][sS]\s*\d.*)\s*$",
+            "examples": ["DN 25", "NPS 1", "26.5 mm"],
+        }
+
+
+@dataclass(frozen=True)
 class Number:
     """A number without unit between `low` and `high`, both allowed unless `exclusive_low`."""
 

@@ -19,7 +19,6 @@ from fem_seal.materials import Material
 PLANNED = {
     "closure.shape": ("torus", "cone", "profile"),
     "seat.shape": ("sphere", "torus", "flat", "profile"),
-    "roughness.spectrum.kind": ("profile",),
     "load.closing": ("penetration",),
 }
 
@@ -146,7 +145,7 @@ def _unknown_key(name: str, table: type[BaseModel] | None) -> str:
 def _without_tag(key: str, value: object) -> Problem:
     if not isinstance(value, Mapping):
         return Problem(key, 'must be a table, such as { kind = "table", file = "C.csv" }', shown(value))
-    return Problem(f"{key}.kind", 'is missing; write kind = "self-affine" or kind = "table"')
+    return Problem(f"{key}.kind", 'is missing; write kind = "self-affine", kind = "table" or kind = "profile"')
 
 
 def _choice(key: str, value: object, words: list[str]) -> str:
@@ -164,6 +163,8 @@ def toml(value: object) -> str:
         return f'"{value}"'
     if isinstance(value, list):
         return "[" + ", ".join(toml(entry) for entry in value) + "]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {toml(entry)}" for key, entry in value.items()) + " }"
     return str(value)
 
 

@@ -5,8 +5,9 @@ A new kind of spectrum comes in as one more model in `Spectrum`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
+from functools import cache, reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -27,10 +28,12 @@ from fem_seal.errors import InputError
 from fem_seal.spectrum_file import read_spectrum
 
 if TYPE_CHECKING:
-    from leak import MeasuredSurface, PowerSpectrum, ScanSettings
+    from leak import MeasuredSurface, PowerSpectrum, ScanSettings, StretchedRoughness
 
 WAVENUMBER = Quantity("wavenumber", "1 1/m", "1e12 1/m")
 _MOST_FILES = 200
+# Root mean square of ln C_along/C_across after stretching, above which isolines are no similar ellipses.
+_LARGEST_MISFIT = 0.5
 
 
 class Texts:
@@ -263,9 +266,29 @@ class Roughness(Table):
         description="power spectrum of the closure, instead of spectrum; without seat that one is smooth",
     )
 
+    along: Spectrum | None = Field(
+        None,
+        description="with across, instead of the others: spectrum from scans along the flow, across the seat's face",
+    )
+    across: Spectrum | None = Field(
+        None,
+        description="with along: spectrum from scans across the flow, along the circumference; see "
+        "docs/theory_anisotropy.md",
+    )
+    peklenik: Annotated[float, Number(0.001, 1000)] = Field(
+        1.0,
+        description="Tripp (Peklenik) number: correlation length of the roughness along the flow over that across it, "
+        "below 1 for a turned seat; the spectrum is then the average over all directions. along and across "
+        "determine it",
+        examples=[0.2],
+    )
+
     @model_validator(mode="after")
     def _one_way(self) -> Roughness:
         each = self.seat is not None or self.closure is not None
+        if self.along is not None or self.across is not None:
+            self._two_directions(each)
+            return self
         if (self.spectrum is not None) == each:
             raise ValueError(
                 "needs spectrum, of both surfaces together, or seat and closure, or one of these; not both ways"
@@ -274,10 +297,21 @@ class Roughness(Table):
             )
         return self
 
+    def _two_directions(self, each: bool) -> None:
+        if self.along is None or self.across is None:
+            raise ValueError("needs along and across, both or neither")
+        if self.spectrum is not None or each:
+            raise ValueError(
+                "needs along and across, or spectrum, or seat and closure; not several of these ways"
+            )
+        if self.peklenik != 1.0:
+            raise ValueError("has peklenik, which along and across determine already; remove it")
+
     @property
     def parts(self) -> dict[str, SelfAffine | Tabulated | Measured]:
         """The spectra that are given, by their key."""
-        given = {"spectrum": self.spectrum, "seat": self.seat, "closure": self.closure}
+        keys = ("spectrum", "seat", "closure", "along", "across")
+        given = {key: getattr(self, key) for key in keys}
         return {key: one for key, one in given.items() if one is not None}
 
     @property
@@ -286,11 +320,25 @@ class Roughness(Table):
         return any(isinstance(one, Measured) for one in self.parts.values())
 
     def build(self) -> PowerSpectrum:
-        """Spectrum of the gap between the undeformed surfaces, the sum of those given."""
-        first, *rest = (one.build() for one in self.parts.values())
-        for one in rest:
-            first = first + one
-        return first
+        """Spectrum of the gap between the undeformed surfaces."""
+        return self.combined()[0]
+
+    def combined(self, instead: Mapping[str, PowerSpectrum] | None = None) -> tuple[PowerSpectrum, float]:
+        """Spectrum of the gap between the undeformed surfaces, and its Tripp number.
+
+        The sum of the spectra given, or the angular average of those along and across.
+
+        Parameters
+        ----------
+        instead : mapping, optional
+            Spectra that stand instead of the table's own, by their key.
+        """
+        instead = instead or {}
+        spectra = {key: instead[key] if key in instead else one.build() for key, one in self.parts.items()}
+        if "along" in spectra:
+            found = _stretched(spectra["along"], spectra["across"])
+            return found.spectrum, found.peklenik
+        return reduce(lambda total, one: total + one, spectra.values()), self.peklenik
 
     def remarks(self) -> Iterator[str]:
         """What the scans themselves say against their use."""
@@ -298,6 +346,21 @@ class Roughness(Table):
             if isinstance(one, Measured):
                 for warning in one.measured().warnings:
                     yield f"roughness.{key}: {warning}"
+        if self.along is not None and self.across is not None:
+            found = _stretched(self.along.build(), self.across.build())
+            if found.misfit > _LARGEST_MISFIT:
+                yield (
+                    f"roughness.along and roughness.across differ by more than a stretch: after the best one, by "
+                    f"{found.peklenik:.3g}, their ratio is still off by a factor {math.exp(found.misfit):.2g} (rms); "
+                    "the isolines of the spectrum are not similar ellipses"
+                )
+
+
+@cache
+def _stretched(along: PowerSpectrum, across: PowerSpectrum) -> StretchedRoughness:
+    from leak import stretched_roughness
+
+    return stretched_roughness(along, across)
 
 
 def scan_case(files: Sequence[str], entries: Mapping[str, Any]) -> Measured:
@@ -323,7 +386,7 @@ def scan_case(files: Sequence[str], entries: Mapping[str, Any]) -> Measured:
 
 def place_files(roughness: object, folder: Path) -> None:
     """Make the files named in the table, as it stands in a case file, relative to that file's folder."""
-    for key in ("spectrum", "seat", "closure"):
+    for key in ("spectrum", "seat", "closure", "along", "across"):
         spectrum = roughness.get(key) if isinstance(roughness, dict) else None
         if not isinstance(spectrum, dict):
             continue

@@ -1,84 +1,22 @@
 """The tables of the case file that describe the interface, the fluid and the loads.
 
-One frozen model per table, in SI after reading. A new kind of spectrum comes in as one more model in the
-union of `Roughness.spectrum`.
+One frozen model per table, in SI after reading.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import ConfigDict, Field, field_validator, model_validator
+from pydantic import Field
 
 from fem_seal.case_bodies import Table
-from fem_seal.case_fields import Number, Pressures, Quantity, shown
-from fem_seal.spectrum_file import read_spectrum
+from fem_seal.case_fields import NominalSize, Number, Pressures, Quantity
 
 if TYPE_CHECKING:
-    from leak import PowerSpectrum
+    pass
 
 SEPARATION = Quantity("length", "1e-3 nm", "1 mm")
-WAVENUMBER = Quantity("wavenumber", "1 1/m", "1e12 1/m")
 FLUID_PRESSURE = Quantity("pressure", "0 Pa", "10 GPa", exclusive=True)
-
-
-class SelfAffine(Table):
-    """kind = "self-affine": isotropic, constant up to q_rolloff, then falling as q^(-2 (1 + hurst))."""
-
-    kind: Literal["self-affine"] = Field(description="kind of spectrum", examples=["self-affine"])
-    rms_height: Annotated[float, Quantity("length", "0.01 nm", "1 mm")] = Field(
-        description="root-mean-square height of the combined roughness of both surfaces", examples=["1.9 um"]
-    )
-    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] = Field(
-        description="Hurst exponent", examples=[0.6]
-    )
-    q_low: Annotated[float, WAVENUMBER] = Field(
-        description="smallest wavenumber, 2 pi over the longest wavelength", examples=["1e3 1/m"]
-    )
-    q_rolloff: Annotated[float, WAVENUMBER] = Field(
-        description="wavenumber above which the spectrum falls", examples=["3.727e4 1/m"]
-    )
-    q_high: Annotated[float, WAVENUMBER] = Field(
-        description="largest wavenumber, 2 pi over the shortest wavelength", examples=["3.1416e6 1/m"]
-    )
-
-    def build(self) -> PowerSpectrum:
-        """The spectrum as `leak` takes it."""
-        from leak import PowerSpectrum
-
-        return PowerSpectrum.self_affine(**self.model_dump(exclude={"kind"}))
-
-
-class Tabulated(Table):
-    """kind = "table": a two-dimensional isotropic spectrum from a file."""
-
-    kind: Literal["table"] = Field(description="kind of spectrum", examples=["table"])
-    file: str = Field(
-        description="text file with two columns, wavenumber q [1/m] and density C [m^4], relative to the "
-        "case file",
-        examples=["C.csv"],
-    )
-
-    @field_validator("file")
-    @classmethod
-    def _readable(cls, file: str) -> str:
-        read_spectrum(file)
-        return str(Path(file).absolute())
-
-    def build(self) -> PowerSpectrum:
-        """The spectrum as `leak` takes it."""
-        from leak import PowerSpectrum
-
-        return PowerSpectrum.from_table(*read_spectrum(self.file))
-
-
-class Roughness(Table):
-    """[roughness]: combined roughness of both surfaces."""
-
-    spectrum: Annotated[SelfAffine | Tabulated, Field(discriminator="kind")] = Field(
-        description="power spectrum; the spectra of the two surfaces add"
-    )
 
 
 class Interface(Table):
@@ -110,36 +48,6 @@ class Interface(Table):
         "It shifts the gap, not the pressure profile",
         examples=["10 GPa"],
     )
-
-
-class Fluid(Table):
-    """[fluid]: the liquid that leaks, from the library by name, or by its viscosity."""
-
-    model_config = ConfigDict(
-        json_schema_extra=lambda schema: schema.update(
-            anyOf=[{"required": ["name"]}, {"required": ["viscosity"]}], required=[]
-        )
-    )
-    name: str = Field(
-        "user-defined", description="library entry, or any name beside viscosity", max_length=80
-    )
-    viscosity: Annotated[float, Quantity("viscosity", "1e-4 mPa s", "1e6 Pa s")] = Field(
-        description="dynamic viscosity; taken from the library unless given", examples=["1 mPa s"]
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _from_library(cls, table: Any) -> Any:
-        if not isinstance(table, dict) or "viscosity" in table or not isinstance(table.get("name"), str):
-            return table
-        from leak import FLUIDS, liquid
-
-        if table["name"] not in FLUIDS:
-            known = ", ".join(f'"{name}"' for name in FLUIDS)
-            raise ValueError(
-                f"{shown(table['name'])} is not in the library; known are {known}, or give its viscosity"
-            )
-        return {**table, "viscosity": f"{liquid(table['name']).viscosity!r} Pa s"}
 
 
 class Load(Table):
@@ -178,6 +86,23 @@ class Leak(Table):
     )
     conductivity: Literal["bruggeman", "critical-junction"] = Field(
         "bruggeman", description="effective medium of all channels, or the narrowest junction alone"
+    )
+    fluid_in_gap: Literal["uncoupled", "local"] = Field(
+        "uncoupled",
+        description='"uncoupled": the fluid pressure is small against the contact pressure; "local": it is taken off '
+        "the load of the asperities, place by place, and may lift the surfaces off each other (liquids); "
+        "see docs/theory_fluid_in_gap.md",
+    )
+    nominal_size: Annotated[float, NominalSize("length", "1 mm", "5 m")] | None = Field(
+        None,
+        description='nominal size of the valve for the leakage classes, "DN 25", "NPS 1" or a length; the size nearest '
+        "to the bore of the seat (to the circle of first touch if no bore is given) unless given",
+        examples=["DN 25"],
+    )
+    variants: bool = Field(
+        False,
+        description="also calculate the leak rate with the other readings of the theory, into variants.csv and the "
+        "report; `fem-seal run --variants` does the same",
     )
 
 

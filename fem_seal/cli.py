@@ -12,6 +12,7 @@ import typer
 
 from fem_seal import __version__
 from fem_seal.errors import ConvergenceError, InputError, Problem, SealError
+from fem_seal.studies.command import app as study_app
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -25,6 +26,8 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
+
+app.add_typer(study_app, name="study")
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
@@ -49,6 +52,9 @@ def _version(
 def run(
     case_file: CaseFile,
     output: Annotated[Path | None, _folder_option("[output] folder of the case, CASE.out")] = None,
+    variants: Annotated[
+        bool, typer.Option("--variants", help="Also the leak rate with every reading of the theory.")
+    ] = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -58,6 +64,8 @@ def run(
     from fem_seal.case import load_case
 
     case = load_case(case_file)
+    if variants:
+        case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
     from fem_seal import pipeline
     from fem_seal.tables import leak_rows
@@ -72,6 +80,7 @@ def run(
         typer.echo(console.as_json({"folder": str(folder), "loads": rows, "warnings": result.warnings}))
     elif not quiet:
         console.show_leak_table(rows, case.title)
+        console.show_leakage(case, rows)
         _list_files(folder)
 
 
@@ -84,6 +93,10 @@ def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: 
 
     case = load_case(case_file)
     numbers = console.derived_numbers(case, derive(case))
+    from fem_seal import pipeline
+
+    law = pipeline.interface_law(case, pipeline.rough_contact(case))
+    numbers["contact_size_m"] = pipeline.sizing(case, law).contact_size
     _warn(_remarks(case))
     if json:
         typer.echo(console.as_json(numbers))
@@ -151,6 +164,65 @@ def leak(
         typer.echo(console.as_json({"folder": str(folder), "loads": rows}))
     elif not quiet:
         console.show_leak_table(rows, f"{profile_file.name}: {case.title}")
+        console.show_leakage(case, rows)
+        _list_files(folder)
+
+
+@app.command()
+def surface(
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE...", show_default=False, help="Scans or maps of one surface."),
+    ],
+    output: Annotated[Path | None, _folder_option("FILE.surface")] = None,
+    unit: Annotated[
+        str | None,
+        typer.Option(metavar="UNIT", help='Where the file states none: "um", or "mm,um" for x and height.'),
+    ] = None,
+    detrend: Annotated[
+        str, typer.Option(metavar="FORM", help='What is taken off: "tilt", "mean" or "curvature".')
+    ] = "tilt",
+    window: Annotated[str, typer.Option(metavar="WINDOW", help='"hann" or "none".')] = "hann",
+    tip_radius: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help='Radius of the stylus tip, "2 um".')
+    ] = None,
+    shortest_wavelength: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help='What the instrument resolves, "2.5 um".')
+    ] = None,
+    hurst: Annotated[
+        float | None, typer.Option(metavar="H", help="Continue the spectrum to --q-low and --q-high.")
+    ] = None,
+    q_low: Annotated[str | None, typer.Option(metavar="WAVENUMBER", help='"1e2 1/m".')] = None,
+    q_high: Annotated[str | None, typer.Option(metavar="WAVENUMBER", help='"1e8 1/m".')] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """What measured scans say about a surface: key figures, power spectrum, picture."""
+    from fem_seal import console
+    from fem_seal.case_roughness import scan_case
+    from fem_seal.surface_files import surface_lines, surface_numbers, write_surface
+
+    entries = {
+        "unit": unit.split(",") if unit and "," in unit else unit,
+        "detrend": detrend,
+        "window": window,
+        "tip_radius": tip_radius,
+        "shortest_wavelength": shortest_wavelength,
+        "extrapolation": "cut" if hurst is None and q_low is None and q_high is None else "self-affine",
+        "hurst": hurst,
+        "q_low": q_low,
+        "q_high": q_high,
+    }
+    measured = scan_case([str(file) for file in files], entries).measured()
+    folder = _made(output or files[0].with_suffix(".surface"))
+    write_surface(measured, folder)
+    _warn(measured.warnings)
+    if json:
+        typer.echo(console.as_json({"folder": str(folder), **surface_numbers(measured)}))
+    elif not quiet:
+        for name, text in surface_lines(measured):
+            typer.echo(f"  {name:24}{text}")
         _list_files(folder)
 
 
@@ -186,6 +258,8 @@ def _remarks(case: Case) -> list[str]:
         remarks.append("no [roughness]: no leak rate is calculated")
     if case.fluid is None:
         remarks.append("no [fluid]: no leak rate is calculated")
+    if case.roughness is not None:
+        remarks.extend(case.roughness.remarks())
     return remarks
 
 

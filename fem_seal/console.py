@@ -35,6 +35,9 @@ LEAK_COLUMNS = (
     Column("std_m", "std dev", "mm", 1e3),
     Column("critical_separation_m", "u_c", "um", 1e6),
     Column("leak_rate_m3_per_s", "leak rate", "mm³/s", 1e9),
+    Column("leak_rate_Pa_m3_per_s", "leak rate", "mbar l/s", 10.0),
+    Column("leak_rate_low_m3_per_s", "low", "mm³/s", 1e9),
+    Column("leak_rate_high_m3_per_s", "high", "mm³/s", 1e9),
     Column("leak_rate_elastic_m3_per_s", "elastic", "mm³/s", 1e9),
     Column("max_von_mises_Pa", "von Mises", "MPa", 1e-6),
 )
@@ -45,6 +48,20 @@ def show_leak_table(rows: Sequence[Mapping[str, float]], title: str) -> None:
     columns = [column for column in LEAK_COLUMNS if any(_filled(row.get(column.key)) for row in rows)]
     cells = [[_cell(row.get(column.key), column.factor) for column in columns] for row in rows]
     show_table(title, [f"{column.heading}\n{column.unit}" for column in columns], cells)
+
+
+def show_leakage(case: Case, rows: Sequence[Mapping[str, float]]) -> None:
+    """Print the leak rate of the highest fluid pressure in the units of leak testing, and its classes."""
+    from rich.console import Console
+
+    from fem_seal.leakage import leakage_lines
+
+    row = max(rows, key=lambda row: row["fluid_pressure_Pa"])
+    if not _filled(row.get("leak_rate_m3_per_s")):
+        return
+    console = Console(width=None if sys.stdout.isatty() else _WIDTH, highlight=False)
+    for line in leakage_lines(case, row["fluid_pressure_Pa"], row["leak_rate_m3_per_s"]):
+        console.print(line, markup=False, soft_wrap=True)
 
 
 def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
@@ -144,6 +161,7 @@ _CHECK_LINES = (
     Column("decay_length_m", "decay length u0", "um", 1e6),
     Column("law_pressure_Pa", "p_c", "GPa", 1e-9),
     Column("viscosity_Pa_s", "viscosity", "mPa s", 1e3),
+    Column("contact_size_m", "element size in the contact", "um", 1e6),
 )
 
 
@@ -152,7 +170,7 @@ def show_derived(numbers: Mapping[str, Any]) -> None:
     for column in _CHECK_LINES:
         value = numbers[column.key]
         if value is not None:
-            print(f"  {column.heading:26}{_cell(value, column.factor)} {column.unit}".rstrip())  # noqa: T201
+            print(f"  {column.heading:30}{_cell(value, column.factor)} {column.unit}".rstrip())  # noqa: T201
     rows = numbers["loads"]
     columns = [column for column in _CHECK_COLUMNS if any(row[column.key] is not None for row in rows)]
     show_table(

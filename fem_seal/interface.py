@@ -23,11 +23,13 @@ def rough_contact(case: Case) -> RoughContact | None:
 
     if case.roughness is None:
         return None
+    spectrum, peklenik = case.roughness.combined()
     return RoughContact(
-        case.roughness.spectrum.build(),
+        spectrum,
         effective_modulus=case.effective_modulus,
         hardness=case.hardness if case.leak.plasticity else None,
         percolation_threshold=case.leak.percolation_threshold,
+        peklenik=peklenik,
     )
 
 

@@ -211,7 +211,7 @@ def gap_picture(result: SealResult) -> Picture:
     """
     loads = sorted(result.loads, key=lambda load: load.line_load)
     chosen = [loads[n] for n in few(len(loads), 4)]
-    flowing = [load for load in chosen if load.leak is not None and load.leak.leak_rate > 0]
+    flowing = [load for load in chosen if load.leak is not None and 0 < load.leak.leak_rate < np.inf]
     figure, axes = panels(2 if flowing else 1, height=3.3, width=10.4 if flowing else 5.6)
     colour = load_colours(len(chosen))
     length = unit_for("length", _reach(loads))

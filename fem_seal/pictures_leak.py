@@ -19,7 +19,7 @@ from fem_seal.pictures import (
     spans_decades,
     svg,
 )
-from fem_seal.readable import Unit, given, number, quantity, unit_for
+from fem_seal.readable import Unit, given, number, percent, quantity, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +37,9 @@ def leak_picture(result: SealResult) -> Picture | None:
     ----------
     result : SealResult
     """
-    loads = sorted((load for load in result.loads if load.leak), key=lambda load: load.fluid_pressure)
+    # where the fluid has blown the seal open there is no finite rate to draw
+    flowing = [load for load in result.loads if load.leak and np.isfinite(load.leak.leak_rate)]
+    loads = sorted(flowing, key=lambda load: load.fluid_pressure)
     if not loads:
         return None
     pressure = np.array([load.fluid_pressure for load in loads])
@@ -59,6 +61,12 @@ def leak_picture(result: SealResult) -> Picture | None:
     for name, values, colour, width in series:
         positive = np.where(values > 0, values, np.nan) / unit.size
         axes.plot(pressure / fluid.size, positive, "o-", color=colour, linewidth=width, ms=3.8, label=name)
+    if result.uncertainty is not None:
+        order = [result.loads.index(load) for load in loads]
+        low, high = result.uncertainty.low[order], result.uncertainty.high[order]
+        name = f"{percent(result.uncertainty.confidence)} interval of the result"
+        band = (low / unit.size, high / unit.size)
+        axes.fill_between(pressure / fluid.size, *band, color=BLUE, alpha=0.15, linewidth=0, label=name)
     _mark_sealed(axes, pressure[rates == 0] / fluid.size)
     scales = [n for n, values in (("x", pressure), ("y", shown)) if spans_decades(values)]
     if "y" not in scales:

@@ -99,7 +99,7 @@ def surface_picture(result: SealResult, load: LoadResult) -> Picture | None:
     _area_curves(areas, surface, peak)
     _spectrum_curves(spectrum, surface, peak)
     for view in (areas, spectrum):
-        _wavelength_axis(view, 1.0 if view is spectrum else surface.spectrum.q_low)
+        wavelength_axis(view, 1.0 if view is spectrum else surface.spectrum.q_low)
     plastic = surface.hardness is not None
     share = float(surface.plastic_area(peak)) / float(surface.contact_area(peak)) if plastic else 0.0
     return Picture(
@@ -185,7 +185,7 @@ def _spectrum_points(surface: RoughContact) -> FloatArray:
     return np.unique(np.clip(np.concatenate([q, nodes]), spectrum.q_low, spectrum.q_high))
 
 
-def _wavelength_axis(axes: Axes, q_low: float) -> None:
+def wavelength_axis(axes: Axes, q_low: float) -> None:
     """Wavelengths over the top, for those who do not think in wavenumbers."""
     low, high = (x * q_low for x in axes.get_xlim())
     decades = 10.0 ** np.arange(np.ceil(np.log10(2 * np.pi / high)), np.floor(np.log10(2 * np.pi / low)) + 1)

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +15,8 @@ from fem_seal.condensation import ContactModel, condense
 from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
 from fem_seal.contact_solution import ContactSolution
+from fem_seal.errors import InputError
+from fem_seal.fluid_flow import flow_table, leak_of_profile
 from fem_seal.interface import exponential_law, rough_contact
 from fem_seal.laws import HardContact, Law
 from fem_seal.loads import closing_force, line_load
@@ -24,7 +26,7 @@ from meshes import Ball, BallOnCone, ConicalSeat, SealMesh, Sizing, build
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from leak import ConductivityTable, LeakResult, RoughContact
+    from leak import ConductivityTable, GasConductivityTable, LeakResult, RoughContact
 
 Progress = Callable[[str], None]
 
@@ -76,7 +78,7 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         error = _discretisation_error(case, law, seal_mesh, loads, surface)
     with clock.step("variants", "comparing elastic and plastic interface law"):
         variants = _interface_variants(case, surface, loads)
-    return SealResult(
+    result = SealResult(
         case,
         seal_mesh,
         model,
@@ -84,9 +86,28 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         loads,
         error,
         variants,
-        contact_warnings(case, model, loads, error),
+        contact_warnings(case, model, loads, error, surface),
         clock.timings,
     )
+    return _with_uncertainty(_with_theory_variants(result, clock), clock)
+
+
+def _with_theory_variants(result: SealResult, clock: _Clock) -> SealResult:
+    if not result.case.leak.variants:
+        return result
+    from fem_seal.theory_variants import theory_variants
+
+    with clock.step("theory", "leak rates with every reading of the theory"):
+        return replace(result, theory_variants=theory_variants(result))
+
+
+def _with_uncertainty(result: SealResult, clock: _Clock) -> SealResult:
+    if result.case.uncertainty is None:
+        return result
+    from fem_seal.uncertainty import leak_interval
+
+    with clock.step("uncertainty", "leak rates of uncertain inputs"):
+        return replace(result, uncertainty=leak_interval(result, progress=clock.progress))
 
 
 def build_mesh(case: Case) -> SealMesh:
@@ -159,12 +180,31 @@ class _Clock:
         self.timings[name] = time.perf_counter() - start
 
 
-def _build_mesh(case: Case, law: Law) -> SealMesh:
+def sizing(case: Case, law: Law) -> Sizing:
+    """Element sizes and contact zone for all loads of a case.
+
+    Parameters
+    ----------
+    case : Case
+    law : Law
+        See `interface_law`.
+
+    Raises
+    ------
+    InputError
+        If [mesh] contact_size is out of range for this contact.
+    """
     closure, seat = geometry(case)
     contact = BallOnCone(closure, seat.angle)
     line_loads = [line_load(force, contact.touch_radius, seat.angle) for force in axial_forces(case)]
-    sizing = element_sizes(law, line_loads, contact, seat, case.effective_modulus, case.mesh.contact_size)
-    return build(closure, seat, sizing)
+    try:
+        return element_sizes(law, line_loads, contact, seat, case.effective_modulus, case.mesh.contact_size)
+    except InputError as error:
+        raise error.in_file(case.file) from None
+
+
+def _build_mesh(case: Case, law: Law) -> SealMesh:
+    return build(*geometry(case), sizing(case, law))
 
 
 def _condensed(case: Case, seal_mesh: SealMesh) -> ContactModel:
@@ -181,39 +221,49 @@ def _leak_rates(
     plastic = conductivity_table(case, surface, contacts)
     elastic = plastic if surface.hardness is None else conductivity_table(case, surface.elastic, contacts)
     return (
-        [_leak(case, plastic, c, p) for c, p in zip(contacts, case.load.fluid_pressure, strict=True)],
-        [_leak(case, elastic, c, p) for c, p in zip(contacts, case.load.fluid_pressure, strict=True)],
+        [
+            leak_of_contact(case, plastic, c, p)
+            for c, p in zip(contacts, case.load.fluid_pressure, strict=True)
+        ],
+        [
+            leak_of_contact(case, elastic, c, p)
+            for c, p in zip(contacts, case.load.fluid_pressure, strict=True)
+        ],
     )
 
 
 def conductivity_table(
-    case: Case, surface: RoughContact, contacts: Sequence[ContactSolution]
-) -> ConductivityTable:
+    case: Case, surface: RoughContact, contacts: Sequence[ContactSolution], num: int = 80
+) -> ConductivityTable | GasConductivityTable:
     """Flow conductivity of a surface over all pressures that occur in the contacts.
 
-    Pressures more than nine decades below the peak resist the flow by less than one part in a million. The range
-    is rounded out to whole decades, so that neighbouring contacts share one table.
+    The range reaches six decades below the smallest peak, where the table goes on by the low-pressure law. It is
+    rounded out to whole decades, so that neighbouring contacts share one table.
     """
     peaks = [math.log10(contact.pressure.max()) for contact in contacts]
-    low, high = math.floor(min(peaks) - 9), math.ceil(max(peaks) + 0.3)
-    return surface.conductivity_table(10.0**low, 10.0**high, method=case.leak.conductivity)
+    low, high = math.floor(min(peaks) - 6), math.ceil(max(peaks) + 0.3)
+    return flow_table(case, surface, 10.0**low, 10.0**high, num)
 
 
-def _leak(
-    case: Case, table: ConductivityTable, contact: ContactSolution, fluid_pressure: float
+def leak_of_contact(
+    case: Case,
+    table: ConductivityTable | GasConductivityTable,
+    contact: ContactSolution,
+    fluid_pressure: float,
 ) -> LeakResult:
-    from leak import leak_flow
+    """Leak of one contact with the case's fluid.
 
-    assert case.fluid is not None
+    Parameters
+    ----------
+    case : Case
+    table : ConductivityTable or GasConductivityTable
+        From `conductivity_table`, for all pressures of the contact.
+    contact : ContactSolution
+    fluid_pressure : float
+        Pressure difference [Pa].
+    """
     profile = contact.profile
-    return leak_flow(
-        profile.x,
-        profile.pressure,
-        table.at(case.fluid.viscosity),
-        fluid_pressure,
-        profile.radius,
-        pressure_side=case.load.pressure_side,
-    )
+    return leak_of_profile(case, table, profile.x, profile.pressure, fluid_pressure, profile.radius)
 
 
 def _critical_separations(
@@ -281,7 +331,7 @@ def _discretisation_error(
     if load.leak is not None and surface is not None and load.leak.leak_rate > 0:
         table = conductivity_table(case, surface, [load.contact, coarse])
         leak_change = _estimated(
-            load.leak.leak_rate, _leak(case, table, coarse, load.fluid_pressure).leak_rate
+            load.leak.leak_rate, leak_of_contact(case, table, coarse, load.fluid_pressure).leak_rate
         )
     return DiscretisationError(change("peak_pressure"), change("fwhm"), change("std"), leak_change)
 
@@ -311,7 +361,7 @@ def _interface_variants(
         leak = None
         if case.fluid is not None:
             table = conductivity_table(case, surface, [contact])
-            leak = _leak(case, table, contact, load.fluid_pressure).leak_rate
+            leak = leak_of_contact(case, table, contact, load.fluid_pressure).leak_rate
         profile = contact.profile
         variants.append(InterfaceVariant(name, profile.peak_pressure, profile.fwhm, profile.std, leak))
     return tuple(variants)

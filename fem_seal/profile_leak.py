@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 
 from fem_seal.atomic_files import write_text
 from fem_seal.errors import InputError, Problem
+from fem_seal.fluid_flow import flow_table, leak_of_profile
 from fem_seal.interface import rough_contact
+from fem_seal.leakage import leakage
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from fem_seal.case_tables import Fluid
     from fem_seal.profile_file import ImportedProfile
-    from leak import Conductivity, RoughContact
+    from leak import ConductivityTable, GasConductivityTable, RoughContact
 
 COLUMNS = (
     "fluid_pressure_Pa",
@@ -24,6 +25,8 @@ COLUMNS = (
     "leak_rate_elastic_m3_per_s",
     "critical_separation_m",
     "critical_separation_elastic_m",
+    "leak_rate_kg_per_s",
+    "leak_rate_Pa_m3_per_s",
 )
 
 
@@ -58,40 +61,57 @@ def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[di
             file=case.file,
         )
     peaks = [float(profile.pressure.max()) for profile in profiles]
-    plastic, elastic = (_conductivity(case, case.fluid, one, peaks) for one in (surface, surface.elastic))
+    plastic, elastic = (_conductivity(case, one, peaks) for one in (surface, surface.elastic))
     return [
-        {
-            "fluid_pressure_Pa": fluid_pressure,
-            "peak_pressure_Pa": peak,
-            "leak_rate_m3_per_s": _leak_rate(case, profile, plastic, fluid_pressure),
-            "leak_rate_elastic_m3_per_s": _leak_rate(case, profile, elastic, fluid_pressure),
-            "critical_separation_m": float(surface.critical_separation(peak)),
-            "critical_separation_elastic_m": float(surface.elastic.critical_separation(peak)),
-        }
-        for profile, peak in zip(profiles, peaks, strict=True)
+        _row(case, surface, profile, (plastic, elastic), fluid_pressure)
+        for profile in profiles
         for fluid_pressure in (
             [profile.fluid_pressure] if profile.fluid_pressure else case.load.fluid_pressure
         )
     ]
 
 
-def _conductivity(case: Case, fluid: Fluid, surface: RoughContact, peaks: Sequence[float]) -> Conductivity:
+def _row(
+    case: Case,
+    surface: RoughContact,
+    profile: ImportedProfile,
+    tables: Sequence[ConductivityTable | GasConductivityTable],
+    fluid_pressure: float,
+) -> dict[str, float]:
+    peak = float(profile.pressure.max())
+    leak_rate, elastic = (_leak_rate(case, profile, table, fluid_pressure) for table in tables)
+    found = leakage(case, fluid_pressure, leak_rate)
+    values = (
+        fluid_pressure,
+        peak,
+        leak_rate,
+        elastic,
+        float(surface.critical_separation(peak)),
+        float(surface.elastic.critical_separation(peak)),
+        *(math.nan if value is None else value for value in (found.mass_flow, found.throughput)),
+    )
+    return dict(zip(COLUMNS, values, strict=True))
+
+
+def _conductivity(
+    case: Case, surface: RoughContact, peaks: Sequence[float]
+) -> ConductivityTable | GasConductivityTable:
     """Flow conductivity over all pressures of the profiles."""
     # nine decades below the peak the resistance is less than one part in a million of the whole
-    table = surface.conductivity_table(1e-9 * min(peaks), 1.01 * max(peaks), method=case.leak.conductivity)
-    return table.at(fluid.viscosity)
+    return flow_table(case, surface, 1e-9 * min(peaks), 1.01 * max(peaks))
 
 
 def _leak_rate(
-    case: Case, profile: ImportedProfile, conductivity: Conductivity, fluid_pressure: float
+    case: Case,
+    profile: ImportedProfile,
+    table: ConductivityTable | GasConductivityTable,
+    fluid_pressure: float,
 ) -> float:
-    from leak import leak_rate
-
     x, radius = profile.x, profile.radius
     if radius is None:
         # the contact line of a cone is straight: r grows along it with the cosine of its inclination
         radius = case.touch_radius + x * math.cos(case.seat.angle)
-    return float(leak_rate(x, profile.pressure, conductivity, fluid_pressure, radius))
+    return float(leak_of_profile(case, table, x, profile.pressure, fluid_pressure, radius).leak_rate)
 
 
 def write_rows(rows: Sequence[dict[str, float]], path: Path) -> None:

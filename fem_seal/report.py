@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal import __version__, report_case, report_tables, report_text
+from fem_seal import __version__, report_case, report_tables, report_text, report_uncertainty
 from fem_seal.atomic_files import write_text
 from fem_seal.closed_forms import Sizes, profile_sizes
 from fem_seal.derived import Derived, derive
@@ -101,6 +101,10 @@ def _words(result: SealResult, derived: Derived, sizes: Mapping[str, Sizes]) -> 
         "comparison_note": report_tables.comparison_note(result),
         "comparison": report_tables.comparison_table(result, sizes),
         "variants": report_tables.variant_table(result),
+        "interval": report_uncertainty.interval_table(result),
+        "interval_note": report_uncertainty.interval_note(result),
+        "theory": report_uncertainty.theory_table(result),
+        "theory_note": report_uncertainty.theory_note(result),
         "accuracy": report_case.accuracy(result),
         "timings": report_case.times(result),
         "definitions": report_text.DEFINITIONS,

@@ -11,6 +11,7 @@ from fem_seal.readable import given, number, percent, quantity, trimmed
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
+    from fem_seal.case_fluid import Fluid
     from fem_seal.materials import Material
     from fem_seal.results import SealResult
 
@@ -37,9 +38,20 @@ def seal_groups(result: SealResult) -> list[Group]:
     case = result.case
     groups = [Group("Geometry", _geometry(result)), Group("Load", _load(case))]
     if case.fluid is not None:
-        viscosity = given("viscosity", case.fluid.viscosity)
-        groups.append(Group("Fluid", [("name", case.fluid.name), ("viscosity", viscosity)]))
+        groups.append(Group("Fluid", list(_fluid(case.fluid))))
     return groups
+
+
+def _fluid(fluid: Fluid) -> Iterator[tuple[str, str]]:
+    yield "name", fluid.name
+    yield "temperature", f"{trimmed(fluid.temperature - 273.15)} °C"
+    yield "viscosity", quantity("viscosity", fluid.viscosity, 4)
+    if fluid.gas is not None and fluid.outlet_pressure is not None:
+        yield "molar mass", f"{trimmed(1e3 * fluid.gas.molar_mass)} g/mol"
+        outlet = given("fluid pressure", fluid.outlet_pressure) if fluid.outlet_pressure else "vacuum"
+        yield "pressure at the outlet, absolute", outlet
+    if fluid.library_entry is not None:
+        yield "source", fluid.library_entry.source
 
 
 def surface_groups(result: SealResult) -> list[Group]:
@@ -92,6 +104,8 @@ def _roughness(result: SealResult) -> list[tuple[str, str]]:
         ("longest wavelength", quantity("length", 2 * math.pi / spectrum.q_low)),
         ("shortest wavelength", quantity("length", 2 * math.pi / spectrum.q_high)),
     ]
+    if result.surface.peklenik != 1.0:
+        rows.append(("stretched along the flow (Tripp number)", number(result.surface.peklenik, 3)))
     given_as = result.case.roughness.spectrum if result.case.roughness else None
     hurst = getattr(given_as, "hurst", None)
     if hurst is not None:
@@ -141,6 +155,11 @@ def _leak(case: Case) -> list[tuple[str, str]]:
         ("asperities", "yield at the hardness" if case.leak.plasticity else "stay elastic"),
         ("no open path above", f"{percent(case.leak.percolation_threshold)} contact"),
         ("flow conductivity", conductivity[case.leak.conductivity]),
+        *(
+            [("fluid pressure in the gap", "opens it, place by place")]
+            if case.leak.fluid_in_gap == "local"
+            else []
+        ),
     ]
 
 
@@ -178,6 +197,8 @@ _STEPS = {
     "stress": "stresses",
     "error": "estimate of the error",
     "variants": "other interface law",
+    "theory": "other readings of the theory",
+    "uncertainty": "uncertain inputs",
 }
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.leakage import classes_in_words, in_words, leakage, nominal_size
 from fem_seal.readable import flow, given, number, percent, quantity, unit_for
+from fem_seal.validity import FLUID_OPENS
 
 if TYPE_CHECKING:
     from fem_seal.derived import Derived
@@ -16,8 +19,6 @@ if TYPE_CHECKING:
 
 # Share of the pressure drop whose place is called the seal proper: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
-# From here on the fluid pressure opens the gap noticeably.
-_FLUID_OPENS = 0.2
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,29 @@ def facts(result: SealResult) -> list[Fact]:
     )
     if load.leak is not None:
         found.insert(0, Fact("Leak rate", flow(load.leak.leak_rate), per_day(load.leak.leak_rate)))
+        read = leakage(result.case, load.fluid_pressure, load.leak.leak_rate)
+        if load.leak.leak_rate > 0:
+            found.insert(1, Fact("In other units", *in_words(read).split(" = ", 1)))
+        size = nominal_size(result.case)
+        best = next((one for one in read.classes if one.name), read.classes[0])
+        found.append(
+            Fact(f"Leakage class, DN {1e3 * size.size:.4g}", str(best), f"{classes_in_words(read)}; {size}")
+        )
+    if result.uncertainty is not None:
+        found.insert(1, _interval_fact(result, load))
     return found
+
+
+def _interval_fact(result: SealResult, load: LoadResult) -> Fact:
+    assert result.uncertainty is not None
+    n = result.loads.index(load)
+    low, high = float(result.uncertainty.low[n]), float(result.uncertainty.high[n])
+    unit = unit_for("flow", high)
+    return Fact(
+        f"{percent(result.uncertainty.confidence)} interval of the leak rate",
+        f"{number(unit.of(low), 2)} to {number(unit.of(high), 2)} {unit.name}",
+        "from the uncertain inputs",
+    )
 
 
 def per_day(leak_rate: float) -> str:
@@ -139,7 +162,12 @@ def _what_sets_the_width(result: SealResult, derived: Derived, load: LoadResult)
 
 
 def _what_throttles(load: LoadResult) -> Iterator[str]:
+    from leak import CoupledLeakResult
+
     if load.leak is None or load.leak.leak_rate == 0:
+        return
+    if not math.isfinite(load.leak.leak_rate):
+        yield "The fluid pressure is not below the peak contact pressure: it lifts the seal open everywhere."
         return
     x, share = load.contact.profile.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
@@ -149,7 +177,12 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
         f"{quantity('length', float(ends[1] - ends[0]))} of the contact: this strip is the seal proper."
     )
     ratio = load.fluid_pressure / load.contact.profile.peak_pressure
-    if ratio > _FLUID_OPENS:
+    if isinstance(load.leak, CoupledLeakResult):
+        yield (
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. That it carries part of the load "
+            "and opens the gap is taken into account, place by place."
+        )
+    elif ratio > FLUID_OPENS:
         yield (
             f"The fluid pressure is {percent(ratio)} of the peak contact pressure. It helps to open the gap, which "
             "this calculation does not take into account: expect a larger leak rate."

@@ -9,6 +9,7 @@ from fem_seal.errors import OutputError
 from fem_seal.report import write_report
 from fem_seal.summary import write_summary
 from fem_seal.tables import write_leak_csv, write_profile_csv
+from fem_seal.theory_variants import write_variants_csv
 from fem_seal.vtk import write_contact, write_contact_line
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 def write(result: SealResult, folder: Path) -> Path:
     """Write tables, summary, VTK files, mesh and report into a folder.
 
-    Each file is replaced in one step. VTK files that an earlier run with more loads left in the folder are removed;
+    Each file is replaced in one step. VTK files and variants.csv that an earlier run left in the folder are removed;
     everything else in it is left alone.
 
     Parameters
@@ -48,6 +49,10 @@ def write(result: SealResult, folder: Path) -> Path:
     write_profile_csv(result, folder / "profile.csv")
     write_contact(result, folder)
     write_contact_line(result, folder)
+    if result.theory_variants:
+        write_variants_csv(result, folder / "variants.csv")
+    else:
+        (folder / "variants.csv").unlink(missing_ok=True)
     write_report(result, folder / "report.html")
     write_summary(result, folder / "summary.json")
     return folder

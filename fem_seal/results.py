@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from fem_seal.condensation import ContactModel
     from fem_seal.contact_solution import ContactSolution
     from fem_seal.profile import PressureProfile
+    from fem_seal.theory_variants import TheoryVariant
+    from fem_seal.uncertainty import LeakInterval
     from leak import LeakResult, RoughContact
     from meshes import SealMesh
 
@@ -114,6 +116,10 @@ class SealResult:
     warnings : tuple of str
     timings : dict
         Wall time of each step [s].
+    uncertainty : LeakInterval or None
+        Leak rates with an interval, if the case has a table [uncertainty].
+    theory_variants : tuple of TheoryVariant
+        Leak rates with every reading of the theory, if asked for.
     """
 
     case: Case
@@ -125,6 +131,8 @@ class SealResult:
     interface_variants: tuple[InterfaceVariant, ...] = ()
     warnings: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
+    uncertainty: LeakInterval | None = None
+    theory_variants: tuple[TheoryVariant, ...] = ()
 
     @cached_property
     def table(self) -> pd.DataFrame:

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem_seal.leakage import standards_used
+
 if TYPE_CHECKING:
     from fem_seal.results import SealResult
 
@@ -64,6 +66,15 @@ def _sources(result: SealResult) -> Iterator[Source]:
     )
     if surface is None:
         return
+    if case.roughness is not None and case.roughness.is_measured:
+        yield Source(
+            "Jacobs et al. 2017",
+            "T. D. B. Jacobs, T. Junge, L. Pastewka, Quantitative characterization of surface topography using "
+            "spectral analysis, Surf. Topogr.: Metrol. Prop. 5, 013001 (2017); P. Whittle, J. Royal Stat. Soc. B 15, "
+            "125 (1953)",
+            "power spectrum of the measured scans",
+            ("C_1D(q) = 2 ∫_q^∞ C(k) k dk / √(k² − q²), ⟨h²⟩ = ∫ C_1D dq = 2π ∫ q C dq",),
+        )
     yield Source(
         "Persson 2001",
         "B. N. J. Persson, Theory of rubber friction and contact mechanics, J. Chem. Phys. 115, 3840 (2001)",
@@ -96,6 +107,22 @@ def _sources(result: SealResult) -> Iterator[Source]:
         "distribution of the separations, critical junction",
         ("Q = u_c³ Δp / (12 η) for a square, u_c the separation where the open area begins to percolate",),
     )
+    if case.fluid is not None and case.fluid.gas is not None:
+        yield Source(
+            "Fukui & Kaneko 1990",
+            "S. Fukui, R. Kaneko, A database for interpolation of Poiseuille flow rates for high Knudsen number "
+            "lubrication problems, J. Tribol. 112, 78 (1990)",
+            "flow of the gas through a gap, with slip and free molecules",
+            (
+                "dm/dt per width = −(u²/v₀) Q_P(D) dp/dx, D = p u/(η v₀), v₀ = (2 R T/M)^½, Q_P → D/6 for large D",
+            ),
+        )
+    if case.fluid is not None and case.fluid.library_entry is not None:
+        yield Source(case.fluid.name, case.fluid.library_entry.source, "properties of the fluid")
+    for standard in standards_used(result):
+        yield Source(
+            standard.name, f"{standard.revision}; {standard.source}", f"leakage class of {standard.name}"
+        )
     if case.leak.conductivity == "bruggeman":
         yield Source(
             "Dapp et al. 2012",
@@ -103,4 +130,30 @@ def _sources(result: SealResult) -> Iterator[Source]:
             "leakage, Phys. Rev. Lett. 108, 244301 (2012)",
             "effective medium of all channels, with the percolation threshold built in",
             ("∫ dσ P(σ) (σ − σ_eff) / (σ + (n−1) σ_eff) = 0, σ(u) = u³/(12 η), n = 1/(1 − threshold)",),
+        )
+    if surface.peklenik != 1.0:
+        yield Source(
+            "Persson 2020",
+            "B. N. J. Persson, Interfacial fluid flow for systems with anisotropic roughness, Eur. Phys. J. E 43, 25 "
+            "(2020); A. Wang, M. H. Müser, Percolation and Reynolds flow in elastic contacts of isotropic and "
+            "anisotropic, randomly rough surfaces, Tribol. Lett. 69, 1 (2021)",
+            "effective medium of a stretched roughness; its percolation threshold other than 0.5 is a heuristic",
+            (
+                "∫ dσ P(σ) (σ − s_x) / (s_x + n_x (σ − s_x)) = 0, n_x = 1/(1 + k γ_T √(s_y/s_x)), "
+                "k = threshold/(1 − threshold), and the same for y with 1/γ_T",
+            ),
+        )
+    if case.leak.fluid_in_gap == "local" and case.fluid is not None:
+        yield Source(
+            "local closure",
+            "Fischer et al. 2020, eq. 13, with the contact pressure p − p_f; heuristic, docs/theory_fluid_in_gap.md",
+            "fluid pressure in the gap that carries part of the load",
+            ("dp_f/dx = Q / (2π r σ_eff(p − p_f)), from p_f = 0 to the lift-off point, where p_f = p = Δp",),
+        )
+    if result.uncertainty is not None:
+        yield Source(
+            "Owen 1997",
+            "A. B. Owen, Monte Carlo variance of scrambled net quadrature, SIAM J. Numer. Anal. 34, 1884 (1997); "
+            "B. Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008)",
+            "interval of the leak rate from scrambled Sobol samples, shares of variance",
         )

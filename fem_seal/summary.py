@@ -11,12 +11,17 @@ from fem_seal import __version__
 from fem_seal.atomic_files import write_text
 from fem_seal.console import as_json, derived_numbers
 from fem_seal.derived import derive
+from fem_seal.interface import exponential_law
+from fem_seal.leakage import leakage_table
+from fem_seal.pipeline import geometry
 from fem_seal.sources import sources
 from fem_seal.tables import leak_rows
+from fem_seal.theory_variants import variant_rows
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.results import LoadResult, SealResult
+    from fem_seal.uncertainty import LeakInterval
 
 # Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
 FORMAT_VERSION = 1
@@ -33,8 +38,10 @@ def summary(result: SealResult) -> dict[str, Any]:
     -------
     dict
         ``format_version``, ``program``, ``created``, ``title``, ``case_file``, ``input``, ``derived``, ``mesh``,
-        ``loads`` (rows of leak.csv), ``convergence`` (one entry per load), ``discretisation_error``,
-        ``interface_variants``, ``warnings``, ``wall_times_s``, ``sources``.
+        ``loads`` (rows of leak.csv), ``leakage`` (other units and classes, one entry per load), ``convergence`` (one
+        entry per load), ``discretisation_error``,
+        ``interface_variants``, ``uncertainty`` (null unless asked for), ``theory_variants`` (rows of variants.csv),
+        ``warnings``, ``wall_times_s``, ``sources``.
     """
     case = result.case
     return {
@@ -43,13 +50,16 @@ def summary(result: SealResult) -> dict[str, Any]:
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "title": case.title,
         "case_file": None if case.file is None else str(case.file),
-        "input": input_tables(case),
+        "input": resolved_input(result),
         "derived": derived_numbers(case, derive(case)),
         "mesh": mesh_numbers(result),
         "loads": leak_rows(result),
+        "leakage": leakage_table(result),
         "convergence": [_convergence(load) for load in result.loads],
         "discretisation_error": asdict(result.discretisation_error),
         "interface_variants": [asdict(variant) for variant in result.interface_variants],
+        "uncertainty": None if result.uncertainty is None else interval_numbers(result.uncertainty),
+        "theory_variants": variant_rows(result),
         "warnings": list(result.warnings),
         "wall_times_s": dict(result.timings),
         "sources": [asdict(source) for source in sources(result)],
@@ -58,12 +68,28 @@ def summary(result: SealResult) -> dict[str, Any]:
 
 def write_summary(result: SealResult, path: Path) -> Path:
     """Write summary.json, atomically; numbers that JSON does not know (NaN, infinity) are null."""
-    return write_text(path, as_json(summary(result)) + "\n")
+    content = summary(result)
+    content["input"]["output"]["folder"] = str(path.parent.absolute())
+    return write_text(path, as_json(content) + "\n")
 
 
 def input_tables(case: Case) -> dict[str, Any]:
     """The case as nested tables in SI with all defaults filled in."""
     return {name: _plain(value) for name, value in case if name != "title"}
+
+
+def resolved_input(result: SealResult) -> dict[str, Any]:
+    """The case as nested tables in SI, with what was sized from the problem in place of what it leaves open."""
+    case = result.case
+    tables = input_tables(case)
+    _, seat = geometry(case)
+    tables["seat"] |= {
+        name: getattr(seat, name) for name in ("bore_radius", "face_radius", "outer_radius", "height")
+    }
+    tables["mesh"]["contact_size"] = result.seal_mesh.sizing.contact_size
+    if case.interface.law == "exponential":
+        tables["interface"]["u0"], tables["interface"]["p_c"] = exponential_law(case, result.surface)
+    return tables
 
 
 def _plain(value: Any) -> Any:
@@ -89,6 +115,24 @@ def mesh_numbers(result: SealResult) -> dict[str, Any]:
         "smallest_shape": quality.smallest,
         "mean_shape": quality.mean,
         "area_error": quality.area_error,
+    }
+
+
+def interval_numbers(interval: LeakInterval) -> dict[str, Any]:
+    """Leak rates with their interval, and what is said about them; one entry per load in each list."""
+    return {
+        "samples": interval.samples,
+        "seed": interval.seed,
+        "confidence": interval.confidence,
+        "calculated_samples": interval.runs,
+        "error_of_the_others": interval.error,
+        "leak_rate_low_m3_per_s": interval.low.tolist(),
+        "leak_rate_median_m3_per_s": interval.median.tolist(),
+        "leak_rate_high_m3_per_s": interval.high.tolist(),
+        "sealed_share": interval.sealed.tolist(),
+        "shares_of_variance": {
+            name: interval.shares[:, n].tolist() for n, name in enumerate(interval.inputs)
+        },
     }
 
 

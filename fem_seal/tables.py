@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.atomic_files import write_bytes
+from fem_seal.leakage import knudsen_number, leakage
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,6 +31,14 @@ LEAK_COLUMNS = (
     "critical_separation_m",
     "critical_separation_elastic_m",
     "max_von_mises_Pa",
+    "leak_rate_low_m3_per_s",
+    "leak_rate_high_m3_per_s",
+    "leak_rate_kg_per_s",
+    "leak_rate_Pa_m3_per_s",
+    "leak_rate_standard_m3_per_s",
+    "knudsen_number",
+    "lift_off_x_m",
+    "blow_off_pressure_Pa",
 )
 PROFILE_COLUMNS = (
     "fluid_pressure_Pa",
@@ -48,7 +57,24 @@ def leak_rows(result: SealResult) -> list[dict[str, float]]:
     ----------
     result : SealResult
     """
-    return [dict(zip(LEAK_COLUMNS, _leak_row(load), strict=True)) for load in result.loads]
+    return [
+        dict(
+            zip(
+                LEAK_COLUMNS,
+                (*_leak_row(load), *interval, *_fluid_row(result, load), *_lift_off_row(load)),
+                strict=True,
+            )
+        )
+        for load, interval in zip(result.loads, _intervals(result), strict=True)
+    ]
+
+
+def _intervals(result: SealResult) -> list[tuple[float, float]]:
+    """Lower and upper end of the leak rate's interval at each load."""
+    if result.uncertainty is None:
+        return [(math.nan, math.nan)] * len(result.loads)
+    ends = zip(result.uncertainty.low, result.uncertainty.high, strict=True)
+    return [(float(low), float(high)) for low, high in ends]
 
 
 def _leak_row(load: LoadResult) -> Iterator[float]:
@@ -67,11 +93,38 @@ def _leak_row(load: LoadResult) -> Iterator[float]:
     yield load.max_von_mises
 
 
+def _fluid_row(result: SealResult, load: LoadResult) -> Iterator[float]:
+    """The leak rate as mass and, of a gas, as throughput and at the standard state; the gas's Knudsen number."""
+    fluid = result.case.fluid
+    if load.leak is None or fluid is None:
+        yield from [math.nan] * 4
+        return
+    found = leakage(result.case, load.fluid_pressure, load.leak.leak_rate)
+    yield _or_nan(found.mass_flow)
+    yield _or_nan(found.throughput)
+    yield _or_nan(found.standard_leak_rate)
+    yield math.nan if fluid.gas is None else knudsen_number(result, load)
+
+
+def _lift_off_row(load: LoadResult) -> Iterator[float]:
+    """Where the fluid lifts the surfaces off each other, and the pressure at which it does so everywhere."""
+    from leak import CoupledLeakResult
+
+    coupled = load.leak if isinstance(load.leak, CoupledLeakResult) else None
+    yield math.nan if coupled is None else _or_nan(coupled.lift_off_x)
+    yield math.nan if coupled is None else coupled.blow_off_pressure
+
+
 def leak_table(result: SealResult) -> pd.DataFrame:
     """One row per load with `LEAK_COLUMNS`, SI.
 
     ``contact_radius_m`` is the distance of the pressure's centre from the axis; the other columns are those of
-    `fem_seal.profile.PressureProfile` and `fem_seal.results.LoadResult`. NaN where nothing was calculated.
+    `fem_seal.profile.PressureProfile`, `fem_seal.results.LoadResult` and `fem_seal.uncertainty.LeakInterval`. NaN
+    where nothing was calculated. ``leak_rate_m3_per_s`` of a gas is the volume at 101325 Pa and the temperature of the
+    gas; ``leak_rate_kg_per_s``, ``leak_rate_Pa_m3_per_s`` (pV throughput of a gas), ``leak_rate_standard_m3_per_s``
+    (0 degC, 101325 Pa) say the same in other units. ``knudsen_number`` is the mean free path over u_eff at the peak.
+    ``lift_off_x_m`` and ``blow_off_pressure_Pa`` belong to leak.fluid_in_gap = "local": where the fluid has lifted the
+    surfaces off each other, and the fluid pressure at which it does so everywhere at the closing force of the row.
 
     Parameters
     ----------

@@ -79,6 +79,7 @@ DIMENSIONS = {
         Dimension("viscosity", "Pa s", ("1 mPa s", "46 cP")),
         Dimension("wavenumber", "1/m", ("1e3 1/m", "3.1 1/um")),
         Dimension("angle", "rad", ("45 deg", "0.785 rad")),
+        Dimension("temperature", "K", ("20 degC", "293.15 K")),
         Dimension("spectral density", "m^4", ("1e-18 m^4", "1e6 nm^4")),
     )
 }
@@ -173,11 +174,40 @@ def parse_quantity(text: object, dimension: str) -> float:
     if not isinstance(text, str):
         raise QuantityError(f"is not a quantity; write {wanted}")
     stripped = " ".join(text.split())
+    if dimension == "temperature":
+        return _temperature(stripped)
     match = _QUANTITY.fullmatch(stripped) if len(stripped) <= _LONGEST else None
     if match is None:
         raise QuantityError(f"{_what_is_wrong(stripped)}; write {wanted}")
     try:
         return float(Fraction(match[1]) * _factor(match[2], dimension))
+    except OverflowError:
+        raise QuantityError(f"is not a finite number; write {wanted}") from None
+
+
+# Zero of each scale and size of its degree in kelvin.
+_SCALES = {
+    "K": ("0", "1"),
+    "degC": ("273.15", "1"),
+    "°C": ("273.15", "1"),
+    "degF": ("459.67", "5/9"),
+    "°F": ("459.67", "5/9"),
+}
+
+
+def _temperature(text: str) -> float:
+    """Temperature [K]; scales have a zero of their own, so it is no product of number and unit."""
+    wanted = DIMENSIONS["temperature"].wanted
+    match = re.fullmatch(rf"({NUMBER})\s*(\S+)", text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise QuantityError(f"{_what_is_wrong(text)}; write {wanted}")
+    if match[2] not in _SCALES:
+        raise QuantityError(f'unit "{match[2]}" is no temperature; write {wanted}')
+    zero, degree = (Fraction(part) for part in _SCALES[match[2]])
+    # degF counts its zero in its own degrees
+    kelvin = (Fraction(match[1]) + zero) * degree
+    try:
+        return float(kelvin)
     except OverflowError:
         raise QuantityError(f"is not a finite number; write {wanted}") from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -11,16 +12,29 @@ if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.condensation import ContactModel
     from fem_seal.results import DiscretisationError, LoadResult
+    from leak import RoughContact
 
 # Pressure at the ends of the contact zone over the peak pressure above which contact is cut off.
 _CUT_OFF = 1e-6
 _LARGEST_ERROR = 2e-3
+# The theory's own A/A0 beyond which its flow conductivity differs from direct numerical results by more than 30 %,
+# and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification.md).
+_FEW_CHANNELS = 0.15
+_FACTORS = ((0.2, 1.7), (1.0, 3.3))
+# Share of the height variance in waves too long to be roughness of this contact.
+_LONG_WAVES = 0.1
+# Fluid pressure over peak contact pressure from which on it opens the gap noticeably: a fifth more leaks at 0.1.
+FLUID_OPENS = 0.1
 # Beyond this share of the ball's radius the contact is no narrow line any more.
 _NARROW = 0.2
 
 
 def contact_warnings(
-    case: Case, model: ContactModel, loads: Sequence[LoadResult], error: DiscretisationError
+    case: Case,
+    model: ContactModel,
+    loads: Sequence[LoadResult],
+    error: DiscretisationError,
+    surface: RoughContact | None = None,
 ) -> tuple[str, ...]:
     """Everything that a user should know before believing the result.
 
@@ -30,10 +44,18 @@ def contact_warnings(
     model : ContactModel
     loads : sequence of LoadResult
     error : DiscretisationError
+    surface : RoughContact, optional
+        The case's rough contact.
     """
-    return tuple(
-        text for check in (_yielding, _cut_off, _wide, _above_hardness) for text in check(case, model, loads)
-    ) + tuple(_coarse(model, error))
+    bodies = (_yielding, _cut_off, _wide, _above_hardness)
+    interface = () if surface is None else (_sealed, _nearly_sealed, _range, _long_waves)
+    flow = () if surface is None or case.fluid is None else (_molecules, _fluid_opens, _dense_gas)
+    return (
+        *(case.roughness.remarks() if case.roughness else ()),
+        *(text for check in bodies for text in check(case, model, loads)),
+        *(text for check in (*interface, *flow) for text in check(case, surface, loads)),
+        *_coarse(model, error),
+    )
 
 
 def _yielding(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
@@ -86,6 +108,119 @@ def _above_hardness(case: Case, model: ContactModel, loads: Sequence[LoadResult]
         yield (
             f"peak pressure {peak / 1e6:.4g} MPa at {load.fluid_pressure / 1e5:.4g} bar is {peak / hardness:.2g} of "
             "the hardness; the theory of yielding asperities holds far below it"
+        )
+
+
+def _sealed(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+    tight = [load for load in loads if load.contact.profile.peak_pressure >= surface.sealing_pressure]
+    if tight:
+        load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
+        peak = load.contact.profile.peak_pressure
+        first = min(load.fluid_pressure for load in tight)
+        yield (
+            f"sealed: at {load.fluid_pressure / 1e5:.4g} bar the peak pressure {peak / 1e6:.4g} MPa is above "
+            f"{surface.sealing_pressure / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
+            f"touches and no path is open (from {first / 1e5:.4g} bar on, of the loads calculated); a leak rate of "
+            "zero is no better known than this percolation threshold"
+        )
+
+
+def _nearly_sealed(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+    leaky = [load for load in loads if load.contact.profile.peak_pressure < surface.sealing_pressure]
+    if not leaky:
+        return
+    load = max(leaky, key=lambda load: load.contact.profile.peak_pressure)
+    area = float(surface.contact_area(load.contact.profile.peak_pressure))
+    if area > _FEW_CHANNELS:
+        factor = next(factor for limit, factor in _FACTORS if area <= limit)
+        yield (
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load.fluid_pressure / 1e5:.4g} bar; "
+            f"above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
+            f"numerical results by up to a factor {factor:g} up or down"
+        )
+
+
+def _range(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+    load = max(loads, key=lambda load: load.contact.profile.std)
+    std, q_low = load.contact.profile.std, surface.spectrum.q_low
+    if q_low * std > 1:
+        yield (
+            f"the roughness is known too short: its longest wave, 2 pi/q_low = {2 * np.pi / q_low * 1e6:.4g} um, is "
+            f"shorter than 2 pi times the standard deviation of the contact, {std * 1e6:.4g} um at "
+            f"{load.fluid_pressure / 1e5:.4g} bar; longer waves fit into the contact, and if the surface has them it "
+            "leaks more. Let the spectrum begin below "
+            f"q = {1 / std:.3g} 1/m"
+        )
+
+
+def _long_waves(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+    load = min(loads, key=lambda load: load.contact.profile.std)
+    std, spectrum = load.contact.profile.std, surface.spectrum
+    above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
+    if 1 - above > _LONG_WAVES:
+        yield (
+            f"{100 * (1 - above):.2g} % of the height variance is in waves longer than 2 pi times the standard "
+            f"deviation of the contact, {std * 1e6:.4g} um at {load.fluid_pressure / 1e5:.4g} bar; they are waviness "
+            "along the contact rather than roughness inside it, and the contact pressure follows them"
+        )
+
+
+def _molecules(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+    from leak.molecular_size import molecular_size
+
+    assert case.fluid is not None
+    size = molecular_size(case.fluid.name)
+    narrow = [load for load in loads if load.critical_separation and load.critical_separation < size]
+    if narrow:
+        load = min(narrow, key=lambda load: load.critical_separation or 0.0)
+        yield (
+            f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
+            f"{load.fluid_pressure / 1e5:.4g} bar is below the size of a molecule of the fluid, {size * 1e9:.2g} nm; "
+            "the theory takes the fluid as continuous, in truth the seal is tight there"
+        )
+
+
+def _fluid_opens(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+    if case.leak.fluid_in_gap == "local":
+        yield from _blown_open(loads)
+        return
+    load = max(loads, key=lambda load: load.fluid_pressure / load.contact.profile.peak_pressure)
+    share = load.fluid_pressure / load.contact.profile.peak_pressure
+    if share > FLUID_OPENS:
+        yield (
+            f"at {load.fluid_pressure / 1e5:.4g} bar the fluid pressure is {share:.2g} of the peak contact pressure; "
+            "it carries part of the load and opens the gap, which the leak rate does not take into account: expect "
+            + (f"about {1 + 1.7 * share:.2g} times as much" if share < 0.5 else "several times as much")
+            + (
+                '; [leak] fluid_in_gap = "local" calculates it'
+                if case.fluid and case.fluid.gas is None
+                else ""
+            )
+        )
+
+
+def _blown_open(loads: Sequence[LoadResult]) -> Iterator[str]:
+    blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
+    if blown:
+        load = min(blown, key=lambda load: load.fluid_pressure)
+        yield (
+            f"at {load.fluid_pressure / 1e5:.4g} bar the fluid pressure is not below the peak contact pressure, "
+            f"{load.contact.profile.peak_pressure / 1e6:.4g} MPa: the fluid lifts the seal open, no finite leak rate "
+            "exists"
+        )
+
+
+def _dense_gas(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+    assert case.fluid is not None
+    gas = case.fluid.gas
+    if gas is None:
+        return
+    highest = max(load.fluid_pressure for load in loads) + (case.fluid.outlet_pressure or 0.0)
+    if highest > gas.dilute_pressure:
+        yield (
+            f"{gas.name} at {highest / 1e5:.4g} bar is no dilute ideal gas: above "
+            f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
+            "which the leak rate does not take into account"
         )
 
 

@@ -18,19 +18,34 @@ Examples
 393 mm^3/s
 """
 
+from leak.abel import profile_density
+from leak.anisotropy import DirectionalGap, anisotropic_medium
 from leak.conductivity import Conductivity, ConductivityTable, dimension_number, effective_medium
+from leak.directional_spectra import StretchedRoughness, stretched_roughness, stretched_spectrum
 from leak.errors import (
     ConductivityError,
     FluidError,
     LawError,
     LeakError,
     ProfileError,
+    ScanError,
     SpectrumError,
     SurfaceError,
 )
-from leak.fluids import FLUIDS, Liquid, liquid
+from leak.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
+from leak.fluids import FLUIDS, Liquid, is_liquid, liquid
+from leak.gas_conductivity import GasConductivity, GasConductivityTable, gas_conductivity_table
+from leak.gas_flow import GasLeakResult, gas_leak_flow
+from leak.gases import GASES, Gas, gas, is_gas
 from leak.interface_law import ExponentialLaw, RoughSurfaceLaw, TabulatedLaw
 from leak.leak_rate import LeakResult, leak_flow, leak_rate
+from leak.leak_units import (
+    bubbles_per_minute,
+    drops_per_minute,
+    millibar_litres_per_second,
+    millilitres_per_minute,
+)
+from leak.leakage_class import LeakageClass, LeakageLimit, leakage_class, leakage_limits, nominal_size_of_bore
 from leak.line_contact import (
     CrossoverLine,
     GaussianLine,
@@ -40,43 +55,88 @@ from leak.line_contact import (
     gaussian_line,
     hertz_line,
 )
+from leak.measured_surface import MeasuredSurface, measure
 from leak.persson import relative_contact_area
 from leak.plasticity import AreaFractions, area_fractions, remaining_fraction
+from leak.random_surface import random_line_scan, random_map
 from leak.rough_contact import RoughContact
+from leak.scan_settings import ScanSettings, SelfAffineContinuation
 from leak.spectrum import PowerSpectrum
+from leak.topography import HeightMap, LineScan, height_map, line_scan
+from leak.topography_files import read_topographies, read_topography
 
 __all__ = [
     "FLUIDS",
+    "GASES",
     "AreaFractions",
     "Conductivity",
     "ConductivityError",
     "ConductivityTable",
+    "CoupledLeakResult",
     "CrossoverLine",
+    "DirectionalGap",
     "ExponentialLaw",
     "FluidError",
+    "Gas",
+    "GasConductivity",
+    "GasConductivityTable",
+    "GasLeakResult",
     "GaussianLine",
+    "HeightMap",
     "HertzLine",
     "LawError",
     "LeakError",
     "LeakResult",
+    "LeakageClass",
+    "LeakageLimit",
     "LineProfile",
+    "LineScan",
     "Liquid",
+    "MeasuredSurface",
     "PowerSpectrum",
     "ProfileError",
     "RoughContact",
     "RoughSurfaceLaw",
+    "ScanError",
+    "ScanSettings",
+    "SelfAffineContinuation",
     "SpectrumError",
+    "StretchedRoughness",
     "SurfaceError",
     "TabulatedLaw",
+    "anisotropic_medium",
     "area_fractions",
+    "bubbles_per_minute",
+    "coupled_leak_flow",
     "crossover_line",
     "dimension_number",
+    "drops_per_minute",
     "effective_medium",
+    "gas",
+    "gas_conductivity_table",
+    "gas_leak_flow",
     "gaussian_line",
+    "height_map",
     "hertz_line",
+    "is_gas",
+    "is_liquid",
     "leak_flow",
     "leak_rate",
+    "leakage_class",
+    "leakage_limits",
+    "line_scan",
     "liquid",
+    "measure",
+    "millibar_litres_per_second",
+    "millilitres_per_minute",
+    "nominal_size_of_bore",
+    "profile_density",
+    "random_line_scan",
+    "random_map",
+    "read_topographies",
+    "read_topography",
     "relative_contact_area",
     "remaining_fraction",
+    "stretched_roughness",
+    "stretched_spectrum",
 ]

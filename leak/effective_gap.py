@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from leak.conductivity import effective_medium
+from leak.anisotropy import anisotropic_medium
 from leak.persson import ElasticRoughness, RoughnessSeen, separations
+from leak.rarefied_flow import flow_factor
 from leak.separation import LostArea, SeparationGrid, density
 from leak.spectrum import PowerSpectrum
 
@@ -16,21 +19,63 @@ _GRID_POINTS = 256
 
 
 def effective_gap(
-    lost: LostArea, mean_separation: FloatArray, rms_height: float, n: float, *, refinement: int = 1
+    lost: LostArea,
+    mean_separation: FloatArray,
+    rms_height: float,
+    n: float,
+    peklenik: float = 1.0,
+    *,
+    refinement: int = 1,
 ) -> FloatArray:
-    """u_eff of Bruggeman's effective medium over P(u), shape (P,) [m]; see `leak.conductivity.effective_medium`.
+    """u_eff of Bruggeman's effective medium over P(u), shape (P,) [m].
+
+    See `leak.conductivity.effective_medium` and, for peklenik != 1, `leak.anisotropy.anisotropic_medium`.
 
     References
     ----------
     B. Lorenz, B. N. J. Persson, Eur. Phys. J. E 31, 159 (2010); W. B. Dapp et al., Phys. Rev. Lett. 108, 244301
     (2012).
     """
+    return anisotropic_medium(*_gaps(lost, mean_separation, rms_height, refinement), n, peklenik).along
+
+
+def effective_gas_gap(
+    lost: LostArea,
+    mean_separation: FloatArray,
+    rms_height: float,
+    n: float,
+    peklenik: float,
+    flight: FloatArray,
+) -> FloatArray:
+    """u of the uniform gap without rarefaction that lets as much of a rarefied gas through as P(u), shape (P, m) [m].
+
+    The effective medium over the local conductivity u^3 f(u/l), f of `leak.rarefied_flow.flow_factor`, at m lengths
+    l = eta v0/p_f for each pressure, shape (P, m) [m].
+    """
+    gaps = _gaps(lost, mean_separation, rms_height, 1)
+    out = np.empty(flight.shape)
+    for j in range(flight.shape[1]):
+        wider = gaps.separation * np.cbrt(flow_factor(gaps.separation / flight[:, j, None]))
+        out[:, j] = anisotropic_medium(*gaps._replace(separation=wider), n, peklenik).along
+    return out
+
+
+class _Gaps(NamedTuple):
+    """P(u) on a grid: arrays (pressures, separations), and the shares without a separation (pressures,)."""
+
+    separation: FloatArray
+    weight: FloatArray
+    contact: FloatArray
+    wide_open: FloatArray
+
+
+def _gaps(lost: LostArea, mean_separation: FloatArray, rms_height: float, refinement: int) -> _Gaps:
     grid = SeparationGrid.around(mean_separation, rms_height, count=_GRID_POINTS * refinement)
     weight = density(lost, grid.separation) * grid.weight
     # What the grid misses is wide open above it; below it is too narrow to matter and counts as contact.
     beyond = _folded_above(lost, grid.separation[:, -1])
     contact = np.maximum(1.0 - weight.sum(axis=1) - beyond, 0.0)
-    return effective_medium(grid.separation, weight, contact, beyond, n)
+    return _Gaps(grid.separation, weight, contact, beyond)
 
 
 def critical_gap(

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.contact_profile import SMALLEST_LOG_PRESSURE, ContactProfile, Panels, checked_profile
 from leak.errors import ProfileError, positive
+from leak.monotone_curve import MonotoneCurve, spline_slopes
 
 FloatArray = NDArray[np.float64]
 
@@ -41,7 +42,7 @@ class LeakResult:
 def leak_rate(
     x: ArrayLike,
     p: ArrayLike,
-    conductivity: SigmaOfPressure | LogConductivity,
+    conductivity: SigmaOfPressure | LogConductivity | ArrayLike,
     pressure_drop: float,
     radius: ArrayLike,
 ) -> float:
@@ -56,8 +57,9 @@ def leak_rate(
         Arc length across the contact, strictly increasing, shape (n,), n >= 3 [m].
     p : array_like
         Nominal contact pressure there, not negative, shape (n,) [Pa].
-    conductivity : callable
-        sigma_eff(p) of an array of pressures [m^3/(Pa s)], for example `ConductivityTable.at(viscosity)`.
+    conductivity : callable or array_like
+        sigma_eff(p) of an array of pressures [m^3/(Pa s)], for example `ConductivityTable.at(viscosity)`; or its
+        values at the points, shape (n,).
     pressure_drop : float
         Fluid pressure difference Delta P [Pa].
     radius : float or array_like
@@ -91,7 +93,7 @@ def leak_rate(
 def leak_flow(
     x: ArrayLike,
     p: ArrayLike,
-    conductivity: SigmaOfPressure | LogConductivity,
+    conductivity: SigmaOfPressure | LogConductivity | ArrayLike,
     pressure_drop: float,
     radius: ArrayLike,
     *,
@@ -120,7 +122,11 @@ def leak_flow(
     if pressure_side not in ("outer", "inner"):
         raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
     profile = ContactProfile.through(x_all, p_all, r_all)
-    sigma = by_log_pressure(conductivity)
+    sigma = by_log_pressure(
+        conductivity
+        if callable(conductivity) or isinstance(conductivity, LogConductivity)
+        else _through_values(p_all, conductivity)
+    )
     inner_tail, cells, outer_tail = _resistances(profile, sigma)
     total = inner_tail + float(cells.sum()) + outer_tail
     below = np.concatenate([[0.0], np.cumsum(cells)])
@@ -157,6 +163,32 @@ def _sealed_fraction(inner_tail: float, cells: FloatArray, outer_tail: float) ->
     """Fraction of the pressure drop at the cell edges when part of the contact is sealed: it drops there alone."""
     parts = np.isinf(np.concatenate([[inner_tail], cells, [outer_tail]])).astype(float)
     return (np.cumsum(parts) / parts.sum())[:-1]
+
+
+def _through_values(p: FloatArray, conductivity: ArrayLike) -> SigmaOfPressure:
+    """sigma_eff(p) through its values at the points: sigma^(1/3), nearly straight over ln p, is interpolated."""
+    try:
+        values = np.asarray(conductivity, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ProfileError(f"conductivity must be a function of p or numbers: {error}") from None
+    if values.shape != p.shape:
+        raise ProfileError(
+            f"conductivity has shape {values.shape}: must be a function of p, or {p.shape} like p [m^3/(Pa s)]"
+        )
+    if np.any(np.isnan(values) | (values < 0.0)):
+        raise ProfileError(
+            f"conductivity = {values[np.isnan(values) | (values < 0.0)][0]}: must not be negative"
+        )
+    there = (p > np.exp(SMALLEST_LOG_PRESSURE)) & np.isfinite(values)
+    # Both flanks pass the same pressures, up to round-off.
+    log_p, order = np.unique(np.round(np.log(p[there]), 9), return_index=True)
+    width = np.cbrt(values[there][order])
+    if log_p.size < 3:
+        raise ProfileError(
+            "conductivity: at least 3 different pressures are needed; give a function of p instead"
+        )
+    curve = MonotoneCurve(log_p, width, spline_slopes(log_p, width))
+    return lambda pressure: np.maximum(curve.value(np.log(pressure)), 0.0) ** 3
 
 
 def by_log_pressure(conductivity: SigmaOfPressure | LogConductivity) -> Callable[[FloatArray], FloatArray]:

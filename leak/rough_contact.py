@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak import conductivity as flow
 from leak.conductivity import ConductivityTable
-from leak.effective_gap import area_argument_at, critical_gap, effective_gap
+from leak.effective_gap import area_argument_at, critical_gap, effective_gap, effective_gas_gap
 from leak.errors import ConductivityError, SurfaceError, positive
 from leak.interface_law import RoughSurfaceLaw
 from leak.monotone_curve import spline_slopes
@@ -36,6 +36,8 @@ _WIDTHS = ("effective", "plain")
 _CHUNK = 8
 # P(u) itself is asked for far into its tails, where a flow conductivity does not look.
 _DISTRIBUTION_REFINEMENT = 8
+# Grooves longer than this, over their width, are as good as endless; above 1e6 rounding would show.
+_MOST_STRETCHED = 1000.0
 # Below this p/E* slope moments leave the range of floating-point numbers; separations are long linear in ln p.
 _LEAST_RELATIVE_PRESSURE = 1e-100
 
@@ -62,6 +64,11 @@ class RoughContact:
         Yang and Persson's factor in the mean separation [-].
     separation_width : {"effective", "plain"}
         Width of the Gaussians in P(u), see `leak.separation.lost_area`.
+    peklenik : float
+        Tripp (Peklenik) number gamma_T, 0.001 to 1000: correlation length along the flow over that across it, below
+        one for a lay across the flow, as on a turned seat. `spectrum` is then the angular average, which alone
+        enters the contact mechanics; gamma_T enters the flow, see `leak.anisotropy`. Flow in the other direction
+        is that of 1/gamma_T [-].
 
     Raises
     ------
@@ -89,6 +96,7 @@ class RoughContact:
     percolation_threshold: float = field(default=0.42, kw_only=True)
     gamma: float = field(default=0.45, kw_only=True)
     separation_width: str = field(default="effective", kw_only=True)
+    peklenik: float = field(default=1.0, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.spectrum, PowerSpectrum):
@@ -101,6 +109,12 @@ class RoughContact:
             raise SurfaceError(f"gamma = {self.gamma}: must lie in (0, 1] [-]")
         if self.separation_width not in _WIDTHS:
             raise SurfaceError(f"separation_width = {self.separation_width!r}: must be one of {_WIDTHS}")
+        if (
+            not 1.0 / _MOST_STRETCHED
+            <= positive(SurfaceError, "peklenik", self.peklenik, "-")
+            <= _MOST_STRETCHED
+        ):
+            raise SurfaceError(f"peklenik = {self.peklenik}: must lie between 0.001 and 1000 [-]")
 
     # ---------------------------------------------------------------- variants
 
@@ -256,17 +270,17 @@ class RoughContact:
         return self._over_pressure(pressure, self._critical_separation)
 
     def effective_separation(self, pressure: ArrayLike, method: str = "bruggeman") -> FloatArray | float:
-        """u_eff = (12 eta sigma_eff)^(1/3) [m]; independent of the fluid, zero where sealed.
+        """u_eff = (12 eta sigma_eff)^(1/3) along the flow [m]; independent of the fluid, zero where sealed.
 
         Parameters
         ----------
         pressure : array_like
             Nominal pressure [Pa].
         method : {"bruggeman", "critical-junction"}
-            Effective medium over all channels, or the critical junction alone (u_eff = u_c).
+            Effective medium over all channels, or the critical junction alone (u_eff = u_c), which knows no direction
+            and is refused unless peklenik = 1.
         """
-        if method not in flow.METHODS:
-            raise ConductivityError(f"method = {method!r}: must be one of {flow.METHODS}")
+        self._check_method(method)
         if method == "critical-junction":
             return self.critical_separation(pressure)
         return self._over_pressure(pressure, self._effective_separation)
@@ -277,6 +291,30 @@ class RoughContact:
         """sigma_eff = u_eff^3/(12 eta) [m^3/(Pa s)]."""
         eta = positive(ConductivityError, "viscosity", viscosity, "Pa s")
         return _scalar(np.asarray(self.effective_separation(pressure, method)) ** 3 / (12.0 * eta))
+
+    def effective_gas_separation(self, pressure: ArrayLike, flight: ArrayLike) -> FloatArray:
+        """u of the uniform gap that, without rarefaction, would let as much of a rarefied gas through [m].
+
+        The gas conductivity is u^3/(12 eta). The effective medium is taken over the local conductivity
+        u^3 f(u/l), f the factor of slip and free molecules of `leak.rarefied_flow.flow_factor`.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal contact pressures between zero and the hardness, shape (n,) [Pa].
+        flight : array_like
+            l = eta v0/p_f, v0 = sqrt(2 R_s T), the mean free path times 2/sqrt(pi), shape (n, m) [m].
+        """
+        p, lengths = np.atleast_1d(_checked(pressure)), np.asarray(flight, dtype=float)
+        n = flow.dimension_number(self.percolation_threshold)
+        out = np.empty(lengths.shape)
+        for start in range(0, p.size, _CHUNK):
+            part = slice(start, start + _CHUNK)
+            lost, mean = self._lost_area(p[part])
+            out[part] = effective_gas_gap(
+                lost, mean, self.spectrum.rms_height, n, self.peklenik, lengths[part]
+            )
+        return out
 
     @cached_property
     def sealing_pressure(self) -> float:
@@ -314,8 +352,7 @@ class RoughContact:
             raise ConductivityError(f"p_min = {p_min} and p_max = {p_max}: p_min must be below p_max [Pa]")
         if int(num) != num or num < 8:
             raise ConductivityError(f"num = {num}: must be a whole number, at least 8")
-        if method not in flow.METHODS:
-            raise ConductivityError(f"method = {method!r}: must be one of {flow.METHODS}")
+        self._check_method(method)
         return _conductivity_table(self, low, high, int(num), method)
 
     # ---------------------------------------------------------------- inside
@@ -362,10 +399,19 @@ class RoughContact:
         )
         return lost, self._mean(p, seen).mean[:, 0]
 
+    def _check_method(self, method: str) -> None:
+        if method not in flow.METHODS:
+            raise ConductivityError(f"method = {method!r}: must be one of {flow.METHODS}")
+        if method == "critical-junction" and self.peklenik != 1.0:
+            raise ConductivityError(
+                f"method = 'critical-junction' with peklenik = {self.peklenik}: one junction knows no direction; use "
+                "'bruggeman'"
+            )
+
     def _effective_separation(self, p: FloatArray, refinement: int = 1) -> FloatArray:
         lost, mean = self._lost_area(p, refinement)
         n = flow.dimension_number(self.percolation_threshold)
-        return effective_gap(lost, mean, self.spectrum.rms_height, n, refinement=refinement)
+        return effective_gap(lost, mean, self.spectrum.rms_height, n, self.peklenik, refinement=refinement)
 
     def _critical_separation(self, p: FloatArray) -> FloatArray:
         relative = p / self.effective_modulus

@@ -27,6 +27,16 @@ def reference_folder() -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def topography_folder() -> Path:
+    """Folder with files of real instruments, next to the repository unless FEM_SEAL_TOPOGRAPHY says where."""
+    default = Path(__file__).resolve().parents[2] / "shared" / "topography"
+    folder = Path(os.environ.get("FEM_SEAL_TOPOGRAPHY", default))
+    if not folder.is_dir():
+        pytest.skip(f"instrument files are not at {folder}; set FEM_SEAL_TOPOGRAPHY to their folder")
+    return folder
+
+
 def ball_on_cone(
     law: object,
     fluid_pressures: list[float],

@@ -311,7 +311,7 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
         ("roughness.spectrum.q_low", "3.1416e6 1/m", "must be below q_high"),
         ("roughness.spectrum.q_rolloff", "1 1/m", "must lie between q_low"),
         ("roughness.spectrum.q_rolloff", "1e8 1/m", "must lie between q_low"),
-        ("roughness.spectrum.kind", "profile", "not available yet"),
+        ("roughness.spectrum.kind", "profile", 'needs file = "seat.csv"'),
         ("roughness.spectrum.kind", "tabel", '"self-affine" or "table"'),
         ("roughness.spectrum.kind", None, "write kind ="),
         ("roughness.spectrum", 5, "must be a table"),

@@ -22,7 +22,9 @@ from fem_seal.tables import leak_table, profile_table, write_leak_csv, write_pro
 LEAK_HEADER = (
     "fluid_pressure_Pa,axial_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
     "leak_rate_m3_per_s,leak_rate_elastic_m3_per_s,critical_separation_m,critical_separation_elastic_m,"
-    "max_von_mises_Pa"
+    "max_von_mises_Pa,leak_rate_low_m3_per_s,leak_rate_high_m3_per_s,"
+    "leak_rate_kg_per_s,leak_rate_Pa_m3_per_s,leak_rate_standard_m3_per_s,knudsen_number,"
+    "lift_off_x_m,blow_off_pressure_Pa"
 )
 PROFILE_HEADER = "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa"
 
@@ -65,10 +67,18 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "leak_rate_elastic_m3_per_s",
         "critical_separation_m",
         "critical_separation_elastic_m",
+        "leak_rate_low_m3_per_s",
+        "leak_rate_high_m3_per_s",
+        "leak_rate_kg_per_s",
+        "leak_rate_Pa_m3_per_s",
+        "leak_rate_standard_m3_per_s",
+        "knudsen_number",
+        "lift_off_x_m",
+        "blow_off_pressure_Pa",
     ]
     assert table[missing].isna().all().all()
     assert table.drop(columns=missing).notna().all().all()
-    assert np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1).shape == (2, 12)
+    assert np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1).shape == (2, 20)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):
@@ -101,9 +111,12 @@ def test_summary_is_valid_json_and_complete(tmp_path):
         "derived",
         "mesh",
         "loads",
+        "leakage",
         "convergence",
         "discretisation_error",
         "interface_variants",
+        "uncertainty",
+        "theory_variants",
         "warnings",
         "wall_times_s",
         "sources",

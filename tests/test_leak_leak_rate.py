@@ -272,3 +272,17 @@ def test_one_bad_point_changes_little_and_invents_no_pressure(node: int, value: 
     # a point is at most 5 % of the resistance of this profile, and its neighbours' cells go with it
     assert leak.leak_rate(x, p, conductivity, 1e6, 0.014) == pytest.approx(good, rel=0.11)
     assert max(largest) < 1.11 * 3e7
+
+
+def test_conductivity_may_be_given_at_the_points() -> None:
+    x, p = gauss(61, reach=5.0)
+    table = surface().conductivity_table(1.0, 2e8).at(1e-3)
+    as_function = leak.leak_rate(x, p, table, 2e6, 0.014)
+    assert leak.leak_rate(x, p, table(p), 2e6, 0.014) == pytest.approx(as_function, rel=1e-3)
+
+
+@pytest.mark.parametrize("values", [np.ones(3), "many", -np.ones(61), np.full(61, np.nan)])
+def test_wrong_conductivity_values_are_refused(values) -> None:
+    x, p = gauss(61)
+    with pytest.raises(leak.ProfileError, match="conductivity"):
+        leak.leak_rate(x, p, values, 2e6, 0.014)

@@ -1,0 +1,279 @@
+"""Leak rate where the fluid in the gap carries part of the load: local closure, lift-off and blow-off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from leak.contact_profile import ContactProfile, Tail, checked_profile
+from leak.errors import ProfileError, positive
+from leak.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure, leak_flow
+from leak.resistance_curve import ResistanceCurve
+
+FloatArray = NDArray[np.float64]
+
+# The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
+_CUT = 1e-10
+# Steps of the first solution, which only places the steps of the second.
+_FIRST_STEPS, _STEPS = 120, 400
+_FINE_TAIL = 64
+# Nodes per cell between which the largest pressure and the lift-off point are looked for.
+_FINE = 8
+# Alexander's second-order, L-stable rule: both of its stages are the same implicit equation.
+_STAGE = 1.0 - np.sqrt(0.5)
+_ROUGH, _CLOSE, _SECANT_STEPS = 1e-3, 1e-7, 200
+
+
+@dataclass(frozen=True, eq=False)
+class CoupledLeakResult(LeakResult):
+    """Flow through a ring-shaped contact whose fluid carries part of the load."""
+
+    contact_pressure: FloatArray
+    """Pressure p - p_f on the asperities, zero where the fluid has lifted them off, shape (n,) [Pa]."""
+    lift_off_x: float | None
+    """Where p falls to the high fluid pressure on its side: beyond, the fluid has lifted the surfaces off each other;
+    None if the profile ends before, or if the contact is blown open [m]."""
+    blow_off_pressure: float
+    """Largest fluid pressure that this profile holds, its peak pressure; from there on Q is infinite [Pa]."""
+
+
+def coupled_leak_flow(
+    x: ArrayLike,
+    p: ArrayLike,
+    conductivity: SigmaOfPressure | LogConductivity,
+    pressure_drop: float,
+    radius: ArrayLike,
+    *,
+    pressure_side: str = "outer",
+) -> CoupledLeakResult:
+    """Leak rate with the fluid pressure taken off the load of the asperities, place by place.
+
+    Solves dp_f/dx = (Q/(2 pi r))/sigma_eff(p(x) - p_f(x)) from the low side, p_f = 0, to p_f = Delta P, for Q. Where
+    p_f >= p the asperities carry nothing and the gap does not resist. Unlike `leak_flow` the fluid pressure need not be
+    small against p, and Q is more than proportional to Delta P.
+
+    Parameters
+    ----------
+    x, p, conductivity, pressure_drop, radius, pressure_side
+        See `leak.leak_flow`; p is the total nominal pressure, asperities and fluid together.
+
+    Returns
+    -------
+    CoupledLeakResult
+        With leak_rate = inf and fluid_pressure = nan if `pressure_drop` is not below the blow-off pressure, and
+        leak_rate = 0 if the contact stays sealed: if p - Delta P somewhere exceeds the sealing pressure.
+
+    Raises
+    ------
+    ProfileError
+        As `leak.leak_flow`.
+
+    Notes
+    -----
+    The equation is that of the theory of leakage with p replaced by p - p_f. That the sum p stays what it was without
+    fluid is a heuristic, good while p_f is small against p or where it varies slowly; the sound form solves the
+    elastic bodies under both pressures.
+
+    Integrated from the low side, the right-hand side falls with p_f: solutions approach each other, and there is
+    exactly one for each Q. In the low-pressure flank, where p falls to zero, p_f stays below p by itself, because the
+    gap opens as p_f comes close. In the high-pressure flank p_f meets p at the lift-off point, where p = Delta P;
+    beyond it p_f = Delta P. Nothing is clipped. p_f at the lift-off point rises with Q up to the peak of p, so that Q
+    exists, uniquely, for every Delta P below the peak: the blow-off pressure.
+
+    Examples
+    --------
+    A uniform contact, 4 MPa over 1 mm, sigma = B/p; in closed form Q = (2 pi r B/W) ln(p/(p - Delta P)):
+
+    >>> flat = [4e6, 4e6, 4e6]
+    >>> result = coupled_leak_flow([0, 5e-4, 1e-3], flat, lambda p: 1e-9 / p, 2e6, 0.014)
+    >>> print(f"{result.leak_rate:.4e} {2 * np.pi * 0.014 * 1e-9 / 1e-3 * np.log(2):.4e}")
+    6.0971e-08 6.0971e-08
+    """
+    xs, ps, rs = checked_profile(x, p, radius)
+    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
+    if pressure_side == "inner":
+        # Everything below has its low side at small x.
+        seen = coupled_leak_flow(-xs[::-1], ps[::-1], conductivity, drop, rs[::-1])
+        lift = None if seen.lift_off_x is None else -seen.lift_off_x
+        arrays = seen.fluid_pressure[::-1], seen.contact_pressure[::-1]
+        return CoupledLeakResult(seen.leak_rate, seen.resistance, *arrays, lift, seen.blow_off_pressure)
+    uncoupled = leak_flow(xs, ps, conductivity, drop, rs, pressure_side=pressure_side)
+    profile = ContactProfile.through(xs, ps, rs)
+    fine, log_p = _fine_profile(profile)
+    blow_off = float(np.exp(log_p.max()))
+    if drop >= blow_off:
+        unknown = np.full(xs.shape, np.nan)
+        return CoupledLeakResult(float("inf"), 0.0, unknown, np.zeros(xs.shape), None, blow_off)
+    end, lift = _lift_off(profile, fine, log_p, np.log(drop))
+    curve = ResistanceCurve.of(by_log_pressure(conductivity), float(log_p.max()))
+    if blow_off - drop >= curve.sealing_pressure:
+        contact = np.maximum(ps - uncoupled.fluid_pressure, 0.0)
+        return CoupledLeakResult(0.0, float("inf"), uncoupled.fluid_pressure, contact, lift, blow_off)
+    x_steps = _first_steps(profile, fine, log_p, np.log(_CUT * drop), end)
+    path = _Path.over(profile, x_steps)
+    log_Q = _flow_for(drop, path, curve, curve.guess(drop, path.pressures, path.log_lengths), _ROUGH)
+    path = _Path.over(profile, _second_steps(path, log_Q, curve))
+    log_Q = _flow_for(drop, path, curve, log_Q, _CLOSE)
+    fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
+    Q = float(np.exp(log_Q))
+    return CoupledLeakResult(Q, drop / Q, fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
+
+
+# -------------------------------------------------------------------- the way of the fluid
+
+
+@dataclass(frozen=True, eq=False)
+class _Path:
+    """Steps from the low side to the lift-off point."""
+
+    x: FloatArray
+    """Ends of the steps, shape (N + 1,) [m]."""
+    pressures: list[tuple[float, float]]
+    """p at both stages of each step [Pa]."""
+    log_lengths: list[tuple[float, float]]
+    """ln(_STAGE h/(2 pi r)) at both stages."""
+
+    @classmethod
+    def over(cls, profile: ContactProfile, x: FloatArray) -> _Path:
+        """Steps between the points x."""
+        h = np.diff(x)
+        stages = np.stack([x[:-1] + _STAGE * h, x[1:]], axis=1)
+        p = np.exp(_log_pressure(profile, stages))
+        length = _STAGE * h[:, None] / (2.0 * np.pi * profile.radius(stages))
+        return cls(x, list(map(tuple, p.tolist())), list(map(tuple, np.log(length).tolist())))
+
+    def fluid_pressure(self, log_Q: float, curve: ResistanceCurve) -> tuple[FloatArray, FloatArray]:
+        """p_f and ln(p - p_f) at the ends of the steps for one flow, shape (N + 1,) [Pa]."""
+        y = 0.0
+        guess = curve.lowest
+        out, left = [y], [guess]
+        weight = (1.0 - _STAGE) / _STAGE
+        for (p1, p2), (length1, length2) in zip(self.pressures, self.log_lengths, strict=True):
+            rise, guess = curve.rise(p1 - y, log_Q + length1, guess)
+            y += weight * rise
+            rise, guess = curve.rise(p2 - y, log_Q + length2, guess)
+            y += rise
+            out.append(y)
+            left.append(guess)
+        return np.array(out), np.array(left)
+
+
+def _first_steps(
+    profile: ContactProfile, fine: FloatArray, log_p: FloatArray, log_cut: float, end: float
+) -> FloatArray:
+    """Ends of the steps from where p rises above exp(log_cut) to x = end, even in x and in ln p."""
+    x, tail = fine[fine < end], profile.tails[0]
+    excess = float(log_p[0]) - log_cut
+    if tail is not None and excess > 0.0:
+        start = x[0] - _reach(tail, excess)
+        x = np.concatenate([np.linspace(start, x[0], _FINE_TAIL, endpoint=False), x])
+    x = np.append(x, end)
+    log_p = np.maximum(_log_pressure(profile, x), log_cut)
+    x, log_p = (values[max(int(np.argmax(log_p > log_cut)) - 1, 0) :] for values in (x, log_p))
+    way = np.diff(x) / (x[-1] - x[0]) + np.abs(np.diff(log_p)) / np.abs(np.diff(log_p)).sum().clip(1e-9)
+    return _even(x, way, _FIRST_STEPS)
+
+
+def _second_steps(path: _Path, log_Q: float, curve: ResistanceCurve) -> FloatArray:
+    """Steps over which place, fluid pressure and 1/u change evenly, closer together toward the lift-off point.
+
+    There 1/sigma falls to zero like 1/ln^3(p - p_f), which no evenly spaced rule follows.
+    """
+    fluid, left = path.fluid_pressure(log_Q, curve)
+    resistance = np.array([curve.at(v)[0] for v in left])
+    resistance[0] = resistance[1]
+    inverse_gap = np.exp((resistance - resistance.max()) / 3.0)
+    to_end = np.cbrt(path.x[-1] - path.x)
+    changes = [np.abs(np.diff(values)) for values in (path.x, fluid, inverse_gap, to_end)]
+    return _even(path.x, np.sum([change / max(change.sum(), 1e-300) for change in changes], axis=0), _STEPS)
+
+
+def _even(x: FloatArray, way: FloatArray, count: int) -> FloatArray:
+    """Points between the first and the last x with equal parts of the way between them."""
+    total = np.append(0.0, np.cumsum(way))
+    return np.interp(np.linspace(0.0, total[-1], count + 1), total, x)
+
+
+def _flow_for(drop: float, path: _Path, curve: ResistanceCurve, guess: float, tolerance: float) -> float:
+    """ln Q at which p_f reaches `drop` at the end of the path: secant steps, bisected where they leave the bracket."""
+
+    def miss(log_Q: float) -> float:
+        return float(path.fluid_pressure(log_Q, curve)[0][-1]) / drop - 1.0
+
+    low, high = -np.inf, np.inf
+    old, at = guess, miss(guess)
+    log_Q, widening = old - float(np.clip(at, -0.5, 0.5)), 1.0
+    for _ in range(_SECANT_STEPS):
+        before, at = at, miss(log_Q)
+        low, high = (low, min(high, log_Q)) if at >= 0.0 else (max(low, log_Q), high)
+        slope = (at - before) / (log_Q - old) if log_Q != old else 0.0
+        old = log_Q
+        # p_f rises no faster than Q; where it hardly rises at all a secant step leads astray.
+        step = -at / slope if slope > 1e-3 else -np.sign(at)
+        log_Q = old + float(np.clip(step, -widening, widening))
+        if abs(log_Q - old) < tolerance:
+            break
+        widening *= 2.0
+        if not low < log_Q < high:
+            log_Q = 0.5 * (low + high)
+    return log_Q
+
+
+# -------------------------------------------------------------------- the profile
+
+
+def _log_pressure(profile: ContactProfile, x: FloatArray) -> FloatArray:
+    """ln p inside and in the tails; -inf beyond an edge."""
+    log_p = profile.log_pressure(x)
+    for end, outward in ((0, -1.0), (-1, 1.0)):
+        tail, d = profile.tails[end], outward * (x - profile.x[end])
+        if tail is not None:
+            log_p = np.where(d > 0.0, profile.log_p[end] - d * (tail.slope + tail.curvature * d), log_p)
+    return log_p
+
+
+def _reach(tail: Tail, fall: float) -> float:
+    """Distance over which ln p falls by `fall` in a tail: slope d + curvature d^2 = fall."""
+    return 2.0 * fall / (tail.slope + float(np.sqrt(tail.slope**2 + 4.0 * tail.curvature * fall)))
+
+
+def _fine_profile(profile: ContactProfile) -> tuple[FloatArray, FloatArray]:
+    """Points in all cells and ln p there, with the largest value of the spline among them."""
+    share = np.arange(_FINE) / _FINE
+    x = np.append((profile.x[:-1, None] + np.diff(profile.x)[:, None] * share).ravel(), profile.x[-1])
+    log_p = profile.log_pressure(x)
+    k = int(np.clip(np.argmax(log_p), 1, x.size - 2))
+    if np.all(np.isfinite(log_p[k - 1 : k + 2])):
+        from scipy.optimize import minimize_scalar
+
+        found = minimize_scalar(
+            lambda at: -float(profile.log_pressure(np.array([at]))[0]),
+            bounds=(x[k - 1], x[k + 1]),
+            method="bounded",
+        )
+        place = int(np.searchsorted(x, found.x))
+        x, log_p = np.insert(x, place, found.x), np.insert(log_p, place, -found.fun)
+    return x, log_p
+
+
+def _lift_off(
+    profile: ContactProfile, x: FloatArray, log_p: FloatArray, log_drop: float
+) -> tuple[float, float | None]:
+    """End of the resisting part on the high side, and the lift-off point: None where the profile ends before."""
+    last = int(np.flatnonzero(log_p > log_drop)[-1])
+    tail = profile.tails[-1]
+    if last == x.size - 1:
+        if tail is None:
+            return float(x[-1]), None
+        fall = float(log_p[-1]) - log_drop
+        place = float(x[-1]) + _reach(tail, fall)
+        return place, place
+    from scipy.optimize import brentq
+
+    def above(at: float) -> float:
+        return max(float(profile.log_pressure(np.array([at]))[0]), log_drop - 1.0) - log_drop
+
+    place = float(brentq(above, x[last], x[last + 1], xtol=1e-15 * abs(x[-1] - x[0]) + 1e-300))
+    return place, place

@@ -1,0 +1,147 @@
+"""Fluids in a case: temperatures, gases, nominal sizes, and what the results say of them."""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from sample_results import case, rough_result
+
+import fem_seal
+import leak
+from fem_seal.errors import InputError
+from fem_seal.leakage import in_words, leakage, leakage_lines, leakage_table, nominal_size
+from fem_seal.report import report
+from fem_seal.summary import summary
+from fem_seal.tables import leak_table
+from fem_seal.units import parse_quantity
+
+
+@cache
+def helium_result() -> fem_seal.SealResult:
+    """Two loads of helium against vacuum."""
+    return fem_seal.run(
+        case(
+            fluid={"name": "helium", "outlet_pressure": "0 Pa"},
+            load={"fluid_pressure": ["1 bar", "200 bar"]},
+            leak={"nominal_size": "DN 25"},
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "kelvin"),
+    [("20 degC", 293.15), ("-40 °C", 233.15), ("293.15 K", 293.15), ("68 degF", 293.15), ("-40degF", 233.15)],
+)
+def test_temperatures(text, kelvin):
+    assert parse_quantity(text, "temperature") == pytest.approx(kelvin, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["20", "20 C", "20 bar", "warm", "1e999 K", 20, "20,5 degC"])
+def test_no_temperatures(text):
+    with pytest.raises(ValueError, match="temperature"):
+        parse_quantity(text, "temperature")
+
+
+def test_viscosity_follows_the_temperature():
+    hot = case(fluid={"name": "water", "temperature": "80 degC"}).fluid
+    assert hot.viscosity == pytest.approx(leak.liquid("water", 353.15).viscosity)
+    assert hot.density == pytest.approx(971.8, rel=1e-4)
+    assert hot.gas is None
+    own = case(fluid={"name": "our oil", "viscosity": "30 mPa s"}).fluid
+    assert own.library_entry is own.gas is own.density is None
+    changed = case(fluid={"name": "helium", "viscosity": "25 uPa s"}).fluid
+    assert changed.gas.viscosity == pytest.approx(25e-6)
+    assert changed.outlet_pressure == 101325.0
+
+
+def test_coolprop_in_a_case():
+    pytest.importorskip("CoolProp.CoolProp", reason="CoolProp is optional")
+    assert case(fluid={"name": "CoolProp:Water"}).fluid.viscosity == pytest.approx(1.0016e-3, rel=1e-3)
+    assert case(fluid={"name": "CoolProp:R134a"}).fluid.gas is not None
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"fluid": {"name": "heluim"}}, "helium"),
+        ({"fluid": {"name": "water", "temperature": "200 degC"}}, "temperature = 473.15 K"),
+        ({"fluid": {"name": "water", "temperature": "hot"}}, "fluid.temperature"),
+        ({"fluid": {"name": "helium", "outlet_pressure": "-1 bar"}}, "fluid.outlet_pressure"),
+        ({"fluid": {"name": "water", "outlet_pressure": "1 bar"}}, "only for a gas"),
+        ({"leak": {"nominal_size": "DN"}}, "leak.nominal_size"),
+        ({"leak": {"nominal_size": 25}}, "leak.nominal_size"),
+    ],
+)
+def test_wrong_input(change, message):
+    with pytest.raises(InputError) as caught:
+        case(**change)
+    assert message in str(caught.value)
+
+
+def test_gas_in_a_case_is_the_gas_flow_of_its_profile():
+    result = helium_result()
+    load = result.loads[0]
+    profile = load.contact.profile
+    direct = leak.gas_leak_flow(
+        profile.x, profile.pressure, result.surface, leak.gas("helium"), 1e5, 0.0, profile.radius
+    )
+    # the two tables cover different ranges
+    assert load.leak.leak_rate == pytest.approx(direct.leak_rate, rel=1e-3)
+    np.testing.assert_allclose(load.leak.fluid_pressure, direct.fluid_pressure, rtol=2e-3, atol=100.0)
+    assert load.leak_elastic.leak_rate > load.leak.leak_rate
+    row = leak_table(result).iloc[0]
+    assert row.leak_rate_kg_per_s == pytest.approx(direct.mass_flow, rel=1e-3)
+    assert row.leak_rate_Pa_m3_per_s == pytest.approx(direct.throughput, rel=1e-3)
+    assert row.leak_rate_standard_m3_per_s == pytest.approx(direct.standard_leak_rate, rel=1e-3)
+    assert row.knudsen_number == pytest.approx(direct.knudsen_number, rel=1e-3)
+
+
+def test_liquid_has_no_throughput():
+    row = leak_table(rough_result()).iloc[-1]
+    assert row.leak_rate_kg_per_s == pytest.approx(row.leak_rate_m3_per_s * 998.2, rel=1e-4)
+    assert all(
+        math.isnan(row[name])
+        for name in ("leak_rate_Pa_m3_per_s", "leak_rate_standard_m3_per_s", "knudsen_number")
+    )
+
+
+def test_dense_gas_is_warned_of():
+    assert any("helium at 200 bar is no dilute ideal gas" in text for text in helium_result().warnings)
+
+
+def test_readable_leak_and_class():
+    result = rough_result()
+    load = result.loads[-1]
+    found = leakage(result.case, load.fluid_pressure, load.leak.leak_rate)
+    assert "ml/min" in in_words(found) and "drops/min" in in_words(found)
+    assert [one.standard for one in found.classes] == ["ISO 5208", "API 598", "FCI 70-2"]
+    size = nominal_size(result.case)
+    assert size.estimated and size.size == 0.025
+    assert (
+        "estimated from the bore of"
+        in leakage_lines(result.case, load.fluid_pressure, load.leak.leak_rate)[1]
+    )
+    gas = helium_result()
+    assert str(nominal_size(gas.case)) == "DN 25"
+    line = leakage_lines(gas.case, 1e5, gas.loads[0].leak.leak_rate)[0]
+    assert all(unit in line for unit in ("mbar l/s", "Pa m³/s", "standard ml/min", "kg/s"))
+
+
+def test_summary_and_report_hold_units_and_class():
+    result = helium_result()
+    entries = leakage_table(result)
+    assert [entry["fluid_pressure"] for entry in entries] == [1e5, 2e7]
+    assert set(entries[0]["classes"]) == {"ISO 5208", "API 598", "FCI 70-2"}
+    assert json.dumps(summary(result)["leakage"])
+    page = report(result)
+    for text in ("mbar l/s", "Leakage class, DN 25", "ISO 5208", "Fukui", "Hurly"):
+        assert text in page
+
+
+def test_the_viscosity_of_a_gas_is_no_factor_of_its_leak():
+    with pytest.raises(InputError, match="only for a liquid"):
+        case(fluid={"name": "helium"}, uncertainty={"viscosity": {"relative": 0.1}})

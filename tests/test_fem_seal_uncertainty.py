@@ -1,0 +1,472 @@
+"""Intervals from uncertain inputs, and the readings of the theory."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from sample_results import STEEL, case, rough_result, single_result, smooth_result
+from scipy.stats import norm
+
+import fem_seal
+import leak
+from fem_seal import uncertainty as module
+from fem_seal.case_uncertainty import Spread, Uncertainty
+from fem_seal.errors import InputError
+from fem_seal.report import report
+from fem_seal.response_surface import fit
+from fem_seal.summary import summary
+from fem_seal.theory_variants import theory_variants, variant_rows
+from fem_seal.uncertain_inputs import UncertainInput, UncertainScans, uncertain_inputs, weighted_mean
+from fem_seal.uncertainty import LeakInterval, leak_interval
+
+TEN_PER_CENT = Spread(relative=0.1)
+
+
+def rates(result):
+    return np.array([load.leak.leak_rate for load in result.loads])
+
+
+# -------------------------------------------------------------------- against closed forms and whole runs
+
+
+def test_viscosity_alone_is_exact_and_needs_no_run():
+    interval = leak_interval(rough_result(), Uncertainty(samples=4096, viscosity=TEN_PER_CENT))
+    assert interval.runs == 0
+    assert interval.error is None
+    # Q ~ 1/eta: the interval of a log-normal; 4096 Sobol samples know its quantiles to 2e-3
+    for end, quantile in ((interval.low, 0.05), (interval.median, 0.5), (interval.high, 0.95)):
+        expected = rates(rough_result()) * math.exp(0.1 * norm.ppf(quantile))
+        np.testing.assert_allclose(end, expected, rtol=2e-3)
+    np.testing.assert_allclose(interval.shares, 1.0)
+
+
+CHANGES = {
+    "hardness": 0.9,
+    "youngs_modulus": 1.1,
+    "rms_height": 1.2,
+    "hurst": 1.1,
+    "q_rolloff": 0.8,
+    "q_high": 0.7,
+}
+
+
+def test_a_sample_is_what_a_whole_run_with_its_inputs_gives():
+    steel = {**STEEL, "youngs_modulus": "231 GPa", "hardness": f"{3.5 * 0.9} GPa"}
+    spectrum = {
+        "kind": "self-affine",
+        "rms_height": f"{1.9 * 1.2} um",
+        "hurst": 0.6 * 1.1,
+        "q_low": "1e3 1/m",
+        "q_rolloff": f"{3.7268e4 * 0.8} 1/m",
+        "q_high": f"{3.14159e6 * 0.7} 1/m",
+    }
+    closure = {
+        "shape": "ball",
+        "radius": "20 mm",
+        "material": {**steel, "hardness": "9 GPa"},
+    }
+    expected = fem_seal.run(
+        case(
+            closure=closure,
+            seat={"shape": "cone", "angle": "45 deg", "material": steel},
+            roughness={"spectrum": spectrum},
+        )
+    )
+    inputs = tuple(UncertainInput(name, "uniform", 0.5) for name in CHANGES)
+    uniform = np.array(
+        [[factor for factor in CHANGES.values()]]
+    )  # 1 + 0.5 (2 u - 1) = factor for u = factor - 0.5
+    study = module._Study(rough_result(), inputs, uniform - 0.5)
+    # another mesh, and a conductivity table of 24 pressures instead of 64
+    np.testing.assert_allclose(study.leak_rates([0])[0], rates(expected), rtol=2e-3)
+
+
+def test_hardness_alone_gives_the_leak_rates_of_its_own_quantiles():
+    """Q rises with the hardness, so the ends of the interval are the leak rates at the ends of the hardness."""
+    result = rough_result()
+    interval = leak_interval(result, Uncertainty(samples=2048, hardness=TEN_PER_CENT))
+    assert interval.error < 1e-3
+    assert interval.runs < 100
+    for end, quantile in ((interval.low, 0.05), (interval.high, 0.95)):
+        factor = math.exp(0.1 * norm.ppf(quantile))
+        uniform = np.array([[0.5 * (1 + (factor - 1) / 0.9)]])
+        study = module._Study(result, (UncertainInput("hardness", "uniform", 0.9),), uniform)
+        # 2048 Sobol samples know the quantile to 1e-3 of its probability
+        np.testing.assert_allclose(end, study.leak_rates([0])[0], rtol=3e-3)
+
+
+def test_polynomial_gives_the_samples_that_it_has_not_seen():
+    settings = Uncertainty(
+        samples=128, seed=3, rms_height=Spread(relative=0.1), youngs_modulus=Spread(relative=0.05)
+    )
+    result = single_result()
+    interval = leak_interval(result, settings)
+    assert interval.runs < interval.samples
+    case_of_samples = result.case.model_copy(update={"uncertainty": settings})
+    study = module._Study.of(replace(result, case=case_of_samples), settings)
+    unseen = list(range(70, 128, 4))
+    np.testing.assert_allclose(interval.leak_rate[:, unseen].T, study.leak_rates(unseen), rtol=2e-3)
+    assert interval.shares.sum() == pytest.approx(1.0, abs=0.01)
+    assert interval.error < 2e-3
+
+
+def test_seed_decides_the_samples():
+    settings = Uncertainty(samples=64, viscosity=TEN_PER_CENT)
+    first, again, other = (
+        leak_interval(rough_result(), settings.model_copy(update={"seed": seed})) for seed in (1, 1, 2)
+    )
+    np.testing.assert_array_equal(first.leak_rate, again.leak_rate)
+    assert not np.array_equal(first.leak_rate, other.leak_rate)
+    # two sequences of 64 agree within the error of the quantiles of so few samples
+    np.testing.assert_allclose(first.high, other.high, rtol=0.03)
+
+
+def test_a_wider_input_gives_a_wider_interval_and_more_confidence_too():
+    def width(relative, confidence=0.9):
+        interval = leak_interval(
+            rough_result(),
+            Uncertainty(samples=512, confidence=confidence, viscosity=Spread(relative=relative)),
+        )
+        return float((interval.high / interval.low)[0])
+
+    assert 1 < width(0.05) < width(0.1) < width(0.1, 0.99)
+
+
+def test_sealed_samples_are_counted_and_not_smoothed_over(monkeypatch):
+    result = rough_result()
+
+    def half_sealed(study, samples):
+        factor = study.values["hardness"][list(samples), 0]
+        return np.where(factor > 1, 1e-9, 0.0)[:, None] * np.ones(len(result.loads))
+
+    monkeypatch.setattr(module._Study, "leak_rates", half_sealed)
+    settings = Uncertainty(samples=256, hardness=TEN_PER_CENT, viscosity=TEN_PER_CENT)
+    interval = leak_interval(result, settings)
+    assert interval.runs == 256
+    np.testing.assert_allclose(interval.sealed, 0.5, atol=0.01)
+    assert (interval.low == 0).all()
+    assert (interval.high > 0).all()
+    assert np.isnan(interval.shares).all()
+
+
+def scans(folder, heights):
+    """Three scans of the same surface, with all heights times a factor, as text files."""
+    from leak.random_surface import random_line_scan
+
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=1e-6, hurst=0.8, q_low=2e3, q_rolloff=2e4, q_high=6e5
+    )
+    x, heights_of_one = random_line_scan(spectrum, length=4e-3, points=4000, seed=4)
+    files = []
+    for n, height in enumerate(heights):
+        h = height * heights_of_one
+        files.append(str(folder / f"scan{n}.csv"))
+        np.savetxt(files[-1], np.column_stack([x * 1e6, h * 1e6]), delimiter=",", header="x [um], h [um]")
+    return files
+
+
+def test_spectrum_between_scans(tmp_path):
+    """Scans that differ by a factor of all heights: every mean of them is a surface between the extreme ones."""
+    files = scans(tmp_path, (0.9, 1.0, 1.1))
+
+    def result(*chosen, **tables):
+        spectrum = {"kind": "profile", "files": list(chosen)}
+        return fem_seal.run(
+            case(roughness={"spectrum": spectrum}, load={"fluid_pressure": "20 bar"}, **tables)
+        )
+
+    interval = result(*files, uncertainty={"samples": 64, "spectrum": {"distribution": "scans"}}).uncertainty
+    low, high = (rates(result(file))[0] for file in (files[0], files[2]))
+    assert low < interval.low[0] < interval.median[0] < interval.high[0] < high
+    assert interval.shares[0] == pytest.approx([1.0])
+    assert interval.inputs == ("spectrum",)
+
+
+def test_each_surface_has_its_own_scans(tmp_path):
+    files = scans(tmp_path, (0.9, 1.0, 1.1))
+    rough = {"kind": "profile", "files": files}
+    one = case(
+        roughness={"seat": rough, "closure": {"kind": "profile", "file": files[1]}},
+        uncertainty={"spectrum": {"distribution": "scans"}, "rms_height": {"relative": 0.1}},
+    )
+    assert [found.name for found in uncertain_inputs(one)] == ["rms_height", "seat"]
+    with pytest.raises(InputError, match="two or more files"):
+        one.replace({"roughness.seat.files": files[:1]})
+
+
+def test_blown_open_samples_make_the_upper_end_infinite(monkeypatch):
+    result = rough_result()
+
+    def some_open(study, samples):
+        factor = study.values["hardness"][list(samples), 0]
+        return np.where(factor > 1.05, np.inf, 1e-9 * factor)[:, None] * np.ones(len(result.loads))
+
+    monkeypatch.setattr(module._Study, "leak_rates", some_open)
+    interval = leak_interval(result, Uncertainty(samples=64, hardness=TEN_PER_CENT))
+    assert np.isinf(interval.high).all()
+    assert np.isfinite(interval.median).all()
+    assert np.isnan(interval.shares).all()
+
+
+# -------------------------------------------------------------------- inputs
+
+
+@pytest.mark.parametrize("distribution", ["lognormal", "normal", "uniform"])
+def test_factors_have_the_distribution_that_they_say(distribution):
+    u = (np.arange(20000) + 0.5)[:, None] / 20000
+    factor = UncertainInput("hardness", distribution, 0.2).values(u)[:, 0]
+    assert np.median(factor) == pytest.approx(1.0, abs=1e-4)
+    assert (np.diff(factor) > 0).all()
+    if distribution == "lognormal":
+        assert np.log(factor).std() == pytest.approx(0.2, rel=1e-3)
+    elif distribution == "normal":
+        # cut off at three standard deviations, which takes 1.3 % of the standard deviation
+        assert factor.std() == pytest.approx(0.2 * 0.98658, rel=1e-3)
+        assert factor.min() > 0.4
+    else:
+        assert (factor.min(), factor.max()) == pytest.approx((0.8, 1.2), abs=1e-4)
+
+
+def test_a_wide_normal_distribution_stays_positive():
+    u = np.array([[1e-12], [0.5], [1 - 1e-12]])
+    assert (UncertainInput("viscosity", "normal", 0.9).values(u) > 0).all()
+
+
+def test_weights_of_scans_are_uniform_over_all_sets_with_sum_one():
+    from scipy.stats.qmc import Sobol
+
+    spectrum = rough_result().surface.spectrum
+    weights = UncertainScans("spectrum", (spectrum,) * 4).values(Sobol(3, seed=1).random(4096))
+    np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-12)
+    assert weights.min() >= 0
+    # Dirichlet(1, 1, 1, 1): mean 1/4, variance 3/80
+    np.testing.assert_allclose(weights.mean(axis=0), 0.25, atol=1e-3)
+    np.testing.assert_allclose(weights.var(axis=0), 3 / 80, rtol=1e-2)
+
+
+def test_mean_spectrum_keeps_the_mean_height_variance():
+    a = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e3, q_rolloff=2e4, q_high=1e6)
+    b = leak.PowerSpectrum.self_affine(rms_height=2e-6, hurst=0.5, q_low=2e3, q_rolloff=1e4, q_high=3e6)
+    mean = weighted_mean([a, b], np.array([0.25, 0.75]))
+    # the log-log interpolant of a sum of power laws is good to 1e-4
+    assert mean.rms_height**2 == pytest.approx(0.25e-12 + 0.75 * 4e-12, rel=1e-3)
+
+
+# -------------------------------------------------------------------- polynomial
+
+
+def test_response_surface_is_exact_for_a_polynomial_and_knows_its_variances():
+    rng = np.random.default_rng(5)
+    z = rng.normal(size=(4000, 3))
+
+    def model(z):
+        return np.column_stack([2 + 3 * z[:, 0] + z[:, 1] ** 2 + 0.5 * z[:, 0] * z[:, 2], z[:, 2] ** 3])
+
+    surface = fit(z[:120], model(z[:120]), z)
+    np.testing.assert_allclose(surface(z), model(z), atol=1e-9)
+    assert surface.error.max() < 1e-9
+    # variances 9, 2 and 0.25, and 15, of standard normal inputs; 4000 random numbers know them to some per cent
+    own = np.array([surface.variance_of([n]) for n in range(3)])
+    np.testing.assert_allclose(own[:, 0], [9, 2, 0], rtol=0.15, atol=0.05)
+    assert surface.variance_of([0, 2])[0] == pytest.approx(9.25, rel=0.15)
+    assert own[2, 1] == pytest.approx(15, rel=0.25)
+    assert surface.variance[0] == pytest.approx(11.25, rel=0.15)
+
+
+def test_response_surface_says_how_wrong_it_is():
+    z = np.random.default_rng(6).uniform(-1, 1, size=(500, 1))
+    surface = fit(z[:20], np.abs(z[:20]), z)
+    true_error = np.sqrt(np.mean((surface(z) - np.abs(z)) ** 2))
+    assert 0.3 < surface.error[0] / true_error < 10
+
+
+# -------------------------------------------------------------------- case file and result files
+
+
+def uncertain(**table):
+    return case(uncertainty=table)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"samples": 64}, "names no uncertain input"),
+        ({"hardness": {"relative": 0}}, "uncertainty.hardness.relative"),
+        ({"hardness": {"relative": 0.1, "distribution": "gauss"}}, "uncertainty.hardness.distribution"),
+        ({"hardnes": {"relative": 0.1}}, "do you mean hardness"),
+        ({"samples": 256.5, "viscosity": {"relative": 0.1}}, "whole number"),
+        ({"samples": True, "viscosity": {"relative": 0.1}}, "whole number"),
+        ({"samples": 3, "viscosity": {"relative": 0.1}}, "16 to 100000"),
+        ({"confidence": 1.0, "viscosity": {"relative": 0.1}}, "uncertainty.confidence"),
+        ({"spectrum": {"distribution": "scans"}}, "two or more files"),
+        ({"spectrum": {}}, "uncertainty.spectrum.distribution"),
+    ],
+)
+def test_what_is_wrong_is_named(table, words):
+    with pytest.raises(InputError, match=words):
+        uncertain(**table)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"fluid": None}, r"table \[fluid\]"),
+        ({"leak": {"plasticity": False}, "uncertainty": {"hardness": {"relative": 0.1}}}, "has no effect"),
+    ],
+)
+def test_what_does_not_fit_the_other_tables_is_named(changes, words):
+    with pytest.raises(InputError, match=words):
+        case(**{"uncertainty": {"viscosity": {"relative": 0.1}}, **changes})
+
+
+def test_shape_of_a_tabulated_spectrum_is_not_uncertain(tmp_path):
+    file = tmp_path / "C.csv"
+    file.write_text("1e3 1e-22\n1e5 1e-24\n")
+    with pytest.raises(InputError, match="self-affine"):
+        case(
+            roughness={"spectrum": {"kind": "table", "file": str(file)}},
+            uncertainty={"hurst": {"relative": 0.1}},
+        )
+
+
+def test_interval_needs_a_leak_rate():
+    with pytest.raises(InputError, match="needs a table"):
+        leak_interval(smooth_result(), Uncertainty(viscosity=TEN_PER_CENT))
+    with pytest.raises(InputError, match="no uncertain input"):
+        leak_interval(rough_result(), Uncertainty())
+
+
+def test_result_files_hold_the_interval_and_the_variants(tmp_path):
+    result = fem_seal.run(
+        case(
+            leak={"plasticity": False, "variants": True},
+            uncertainty={"samples": 64, "viscosity": {"relative": 0.1}},
+        )
+    )
+    assert isinstance(result.uncertainty, LeakInterval)
+    folder = result.write(tmp_path / "out")
+    table = pd.read_csv(folder / "leak.csv")
+    assert (table["leak_rate_low_m3_per_s"] < table["leak_rate_m3_per_s"]).all()
+    assert (table["leak_rate_high_m3_per_s"] > table["leak_rate_m3_per_s"]).all()
+    np.testing.assert_allclose(table["leak_rate_low_m3_per_s"], result.uncertainty.low, rtol=1e-9)
+    words = json.loads((folder / "summary.json").read_text())
+    assert words["uncertainty"]["seed"] == 1
+    assert words["uncertainty"]["shares_of_variance"] == {"viscosity": [1.0] * 3}
+    assert words["input"]["uncertainty"]["viscosity"] == {"distribution": "lognormal", "relative": 0.1}
+    variants = pd.read_csv(folder / "variants.csv")
+    # 2 P(u) x 2 thresholds, 2 critical junctions, 3 loads
+    assert len(variants) == len(words["theory_variants"]) == 18
+    page = (folder / "report.html").read_text()
+    assert "How sure is the leak rate?" in page
+    assert "90 %" in page
+    assert "Owen" in page
+    # a later run without them leaves no stale file
+    rough_result().write(folder)
+    assert not (folder / "variants.csv").exists()
+    assert summary(rough_result())["uncertainty"] is None
+    assert "How sure is the leak rate?" not in report(rough_result())
+
+
+# -------------------------------------------------------------------- readings of the theory
+
+
+def test_readings_of_the_theory_are_those_of_cases_that_ask_for_them():
+    result = rough_result()
+    variants = theory_variants(result)
+    assert len(variants) == 12
+    used = [variant for variant in variants if variant.used]
+    assert len(used) == 1
+    np.testing.assert_allclose(used[0].leak_rate, rates(result), rtol=1e-12)
+    other = fem_seal.run(
+        case(
+            interface={"law": "persson", "plastic": True},
+            leak={"conductivity": "critical-junction", "percolation_threshold": 0.5},
+        )
+    )
+    same = [
+        variant
+        for variant in variants
+        if variant.plastic
+        and variant.conductivity == "critical-junction"
+        and variant.percolation_threshold == 0.5
+    ]
+    # the plastic p(u) makes another mesh: both are within 1e-3 of the same limit
+    np.testing.assert_allclose(same[0].leak_rate, rates(other), rtol=2e-3)
+
+
+def test_plain_and_effective_separations_agree_far_from_the_threshold():
+    rows = {
+        (v.interface_law, v.conductivity, v.separation_width, v.percolation_threshold): v.leak_rate[0]
+        for v in theory_variants(rough_result())
+    }
+    effective, plain = (rows["elastic", "bruggeman", width, 0.42] for width in ("effective", "plain"))
+    # 1 to 2 % at A/A0 far below 0.1
+    assert effective == pytest.approx(plain, rel=0.03)
+    assert rows["elastic", "bruggeman", "effective", 0.5] > effective
+
+
+def test_a_threshold_of_ones_own_is_among_the_readings():
+    result = fem_seal.run(case(leak={"percolation_threshold": 0.45, "variants": True, "plasticity": False}))
+    assert {variant.percolation_threshold for variant in result.theory_variants} == {0.42, 0.45, 0.5}
+    assert sum(variant.used for variant in result.theory_variants) == 1
+    rows = variant_rows(result)
+    assert all(
+        row["ratio_to_case"] == 1.0
+        for row in rows
+        if (row["percolation_threshold"], row["conductivity"], row["separation_width"])
+        == (0.45, "bruggeman", "effective")
+    )
+
+
+def test_nothing_to_read_without_a_leak():
+    assert theory_variants(smooth_result()) == ()
+
+
+def test_variants_on_the_command_line(tmp_path, capsys):
+    from fem_seal.cli import main
+
+    file = tmp_path / "seal.toml"
+    file.write_text(
+        """
+        closure = { shape = "ball", radius = "20 mm", material = "steel" }
+        seat = { shape = "cone", angle = "45 deg", material = "steel" }
+        interface = { law = "exponential", u0 = "1 um" }
+        fluid = { name = "water" }
+        load = { fluid_pressure = "20 bar" }
+        leak = { plasticity = false }
+        [roughness.spectrum]
+        kind = "self-affine"
+        rms_height = "1.9 um"
+        hurst = 0.6
+        q_low = "1e3 1/m"
+        q_rolloff = "3.7268e4 1/m"
+        q_high = "3.14159e6 1/m"
+        """
+    )
+    assert main(["run", str(file), "--variants", "--quiet"]) == 0
+    variants = pd.read_csv(tmp_path / "seal.out" / "variants.csv")
+    # the law is given: 2 P(u) x 2 thresholds and 2 critical junctions
+    assert list(variants["interface_law"]) == ["given"] * 6
+    assert variants["ratio_to_case"].iloc[0] == 1.0
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"fluid": {"name": "helium"}},
+        {"leak": {"plasticity": False, "fluid_in_gap": "local"}},
+    ],
+    ids=["gas", "fluid in the gap"],
+)
+def test_samples_flow_as_the_case_does(tables):
+    """A sample with all factors one has the leak rate of the case, whatever flows and however."""
+    result = fem_seal.run(case(load={"fluid_pressure": "5 bar"}, **tables))
+    study = module._Study(result, (UncertainInput("rms_height", "uniform", 0.5),), np.array([[0.5]]))
+    # tables of 24 and 64 pressures
+    np.testing.assert_allclose(study.leak_rates([0])[0], rates(result), rtol=1e-3)

@@ -1,0 +1,173 @@
+"""Every warning about the interface fires when it should, with its number, and is silent when it should be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sample_results import case, rough_result, single_result, smooth_result
+
+import leak
+from fem_seal import validity
+from leak.molecular_size import molecular_size
+
+PAPER = leak.PowerSpectrum.self_affine(
+    rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.14159e6
+)
+SURFACE = leak.RoughContact(PAPER, effective_modulus=115e9)
+
+
+def load(peak=50e6, std=0.15e-3, fluid_pressure=20e5, critical_separation=3e-6, leak_rate=1e-7):
+    """What the checks look at in a load."""
+    profile = SimpleNamespace(peak_pressure=peak, std=std)
+    return SimpleNamespace(
+        fluid_pressure=fluid_pressure,
+        critical_separation=critical_separation,
+        leak=SimpleNamespace(leak_rate=leak_rate),
+        contact=SimpleNamespace(profile=profile),
+    )
+
+
+def said(check, loads, surface=SURFACE, of=None):
+    return " ".join(check(of or case(), surface, loads))
+
+
+def pressure_at(area: float) -> float:
+    """Pressure under which this share of the area touches."""
+    from scipy.special import erfinv
+
+    return float(erfinv(area)) * float(np.sqrt(np.pi * PAPER.moment(3))) * 115e9
+
+
+def test_sealed():
+    tight, leaky = load(peak=1.01 * SURFACE.sealing_pressure), load()
+    words = said(validity._sealed, [leaky, tight])
+    assert "A/A0 = 0.42" in words
+    assert f"{SURFACE.sealing_pressure / 1e6:.4g} MPa" in words
+    assert said(validity._sealed, [leaky, load(peak=0.99 * SURFACE.sealing_pressure)]) == ""
+    assert said(validity._nearly_sealed, [tight]) == ""
+
+
+@pytest.mark.parametrize(
+    ("area", "words"), [(0.14, ""), (0.17, "factor 1.7"), (0.3, "factor 3.3"), (0.41, "3.3")]
+)
+def test_few_channels_left(area, words):
+    found = said(validity._nearly_sealed, [load(), load(peak=pressure_at(area))])
+    assert words in found
+    assert (f"A/A0 = {area:.2g}" in found) == bool(words)
+
+
+def test_factors_are_those_of_the_direct_numerical_results(reference_folder):
+    """The limits in the warning are those that the comparison with direct numerical results shows."""
+    import sys
+    from pathlib import Path
+
+    sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
+    from direct_numerical import compare, read_direct, worst_factor
+
+    for comparison in map(compare, read_direct(reference_folder)):
+        # the theory's own area, which is what a user has
+        area = np.asarray(
+            leak.RoughContact(comparison.direct.spectrum, effective_modulus=1.0).contact_area(
+                comparison.direct.pressure
+            )
+        )
+        low = 0.0
+        # beyond 0.32 there is no direct result
+        for limit, factor in ((validity._FEW_CHANNELS, 1.3), *validity._FACTORS):
+            inside = (area > low) & (area <= limit)
+            assert worst_factor(comparison.default[inside]) < factor
+            low = limit
+
+
+def test_roughness_known_too_short():
+    assert said(validity._range, [load(std=0.9 / PAPER.q_low)]) == ""
+    words = said(validity._range, [load(), load(std=1.1 / PAPER.q_low)])
+    assert "6283 um" in words
+    assert "1100 um" in words
+    assert "909 1/m" in words
+
+
+def test_waves_longer_than_the_contact():
+    # half of the height variance of this surface is in waves above 2 pi/q
+    q = np.geomspace(PAPER.q_low, PAPER.q_high, 4000)
+    above = PAPER.height_variance_above(q) / PAPER.rms_height**2
+    half = float(np.interp(-0.5, -above, q))
+    assert "50 % of the height variance" in said(validity._long_waves, [load(), load(std=1 / half)])
+    assert said(validity._long_waves, [load(std=1 / q[above > 0.91][-1])]) == ""
+
+
+@pytest.mark.parametrize(("fluid", "size"), [("water", 0.265e-9), ("hydraulic oil ISO VG 32", 0.43e-9)])
+def test_channels_narrower_than_a_molecule(fluid, size):
+    assert molecular_size(fluid) == size
+    of = case(fluid={"name": fluid})
+    words = said(validity._molecules, [load(), load(critical_separation=0.9 * size)], of=of)
+    assert f"{0.9 * size * 1e9:.2g} nm" in words
+    assert said(validity._molecules, [load(), load(critical_separation=1.1 * size)], of=of) == ""
+    # sealed: another warning's business
+    assert said(validity._molecules, [load(critical_separation=0.0)], of=of) == ""
+
+
+def test_every_fluid_of_the_library_has_a_molecular_size():
+    for name in [*leak.FLUIDS, *leak.GASES]:
+        assert 0.25e-9 < molecular_size(name) < 0.5e-9
+    assert molecular_size("something else") == molecular_size("helium")
+
+
+def test_fluid_pressure_opens_the_gap():
+    assert said(validity._fluid_opens, [load(fluid_pressure=0.09 * 50e6)]) == ""
+    words = said(validity._fluid_opens, [load(), load(fluid_pressure=0.2 * 50e6)])
+    assert "0.2 of the peak" in words
+    assert "1.3 times" in words
+    local = case(leak={"fluid_in_gap": "local"})
+    assert said(validity._fluid_opens, [load(fluid_pressure=0.2 * 50e6)], of=local) == ""
+    open_seal = load(fluid_pressure=55e6, leak_rate=np.inf)
+    assert "lifts the seal open" in said(validity._fluid_opens, [load(), open_seal], of=local)
+    assert "several times" in said(validity._fluid_opens, [load(fluid_pressure=0.8 * 50e6)])
+
+
+def test_the_expected_increase_is_about_that_of_the_local_closure():
+    """What the warning foretells, 1 + 1.7 p_f/p0, against the calculation with fluid pressure taken off the load."""
+    from leak.fluid_in_gap import coupled_leak_flow
+
+    x = np.linspace(-6, 6, 241) * 0.139e-3
+    p = 50e6 * np.exp(-0.5 * (x / 0.139e-3) ** 2)
+    sigma = SURFACE.conductivity_table(1e3, 1e9).at(1e-3)
+    for share in (0.1, 0.2, 0.4):
+        ratio = (
+            coupled_leak_flow(x, p, sigma, share * 50e6, 0.014).leak_rate
+            / leak.leak_flow(x, p, sigma, share * 50e6, 0.014).leak_rate
+        )
+        # a rule of thumb, good to a tenth
+        assert ratio == pytest.approx(1 + 1.7 * share, rel=0.1)
+
+
+def test_peak_pressure_near_the_hardness():
+    words = " ".join(validity._above_hardness(case(), rough_result().model, [load(peak=0.4 * 3.5e9)]))
+    assert "0.4 of the hardness" in words
+    assert not list(validity._above_hardness(case(), rough_result().model, [load(peak=0.2 * 3.5e9)]))
+
+
+def test_the_paper_s_case_is_free_of_warnings():
+    assert rough_result().warnings == ()
+    assert smooth_result().warnings == () or all("roughness" not in text for text in smooth_result().warnings)
+
+
+def test_checks_of_the_interface_are_part_of_a_run():
+    """A surface that is known over too short a range says so in the result's own warnings."""
+    result = single_result()
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=0.1e-6, hurst=0.8, q_low=1e6, q_rolloff=1e6, q_high=1e8
+    )
+    surface = replace(result.surface, spectrum=spectrum)
+    found = validity.contact_warnings(
+        result.case, result.model, result.loads, result.discretisation_error, surface
+    )
+    assert any("known too short" in text for text in found)
+    assert set(result.warnings) <= set(
+        validity.contact_warnings(
+            result.case, result.model, result.loads, result.discretisation_error, result.surface
+        )
+    )

@@ -1,0 +1,140 @@
+"""Leakage classes: the tables of the standards, read independently of the code."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import leak
+from leak.leak_units import BUBBLE_VOLUME, DROP_VOLUME
+from leak.leakage_class import STANDARDS, read_nominal_size
+
+
+def limits(nominal_size: float, **options) -> dict[tuple[str, str], float]:
+    return {(one.standard, one.name): one.leak_rate for one in leak.leakage_limits(nominal_size, **options)}
+
+
+@pytest.mark.parametrize(
+    ("name", "drops", "bubbles"),
+    # ISO 5208 for DN 50 in drops/min and bubbles/min, from a table of a trade site (piping-world.com), two digits
+    [
+        ("AA", 0.3, 8.7),
+        ("B", 0.48, 14.4),
+        ("C", 1.44, 144.0),
+        ("CC", 3.84, 1070.0),
+        ("D", 4.8, 1440.0),
+        ("E", 14.4, 14400.0),
+        ("EE", 18.7, 22560.0),
+        ("F", 48.0, 144000.0),
+        ("G", 96.0, 288000.0),
+    ],
+)
+def test_iso_5208(name, drops, bubbles):
+    liquid, gas = limits(0.05, gas=False), limits(0.05, gas=True)
+    assert leak.drops_per_minute(liquid["ISO 5208", name]) == pytest.approx(drops, rel=0.05)
+    # the table's bubble is 1/16 ml like its drop
+    assert gas["ISO 5208", name] * 60 / DROP_VOLUME == pytest.approx(bubbles, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("dn", "drops", "bubbles"), [(50, 0, 4), (65, 5, 10), (80, 6, 12), (100, 8, 16), (300, 24, 48)]
+)
+def test_api_598(dn, drops, bubbles):
+    name = ("API 598", "metal-seated")
+    assert leak.drops_per_minute(limits(dn * 1e-3, gas=False)[name]) == pytest.approx(drops)
+    # 100 bubbles are 1 ml in this standard
+    assert limits(dn * 1e-3, gas=True)[name] * 60e6 * 100 == pytest.approx(bubbles)
+
+
+def test_fci_70_2_class_five():
+    """0.0005 ml/min per inch of orifice and psi of water; 4.7 ml/min per inch of air."""
+    inch, psi = 0.0254, 6894.757
+    liquid = limits(0.05, gas=False, pressure_drop=100 * psi, seat_diameter=2 * inch)["FCI 70-2", "V"]
+    # the metric figure of the standard, 5e-12 m3/s per mm and bar, is a rounding of the inch one (5.0e-4 -> 4.76e-12)
+    assert liquid * 60e6 == pytest.approx(0.0005 * 2 * 100, rel=0.06)
+    gas = limits(0.05, gas=True, seat_diameter=2 * inch)["FCI 70-2", "V"]
+    assert gas * 60e6 == pytest.approx(9.4)
+    assert gas * 3600 == pytest.approx(11.1e-6 * 50.8, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("mm", "rate"), [(10, 0.15), (25, 0.15), (51, 0.45), (76, 0.9), (177.5, 5.375), (400, 28.4)]
+)
+def test_fci_70_2_class_six(mm, rate):
+    found = limits(0.05, gas=True, seat_diameter=mm * 1e-3)["FCI 70-2", "VI"]
+    assert leak.millilitres_per_minute(found) == pytest.approx(rate)
+    assert leak.bubbles_per_minute(0.45e-6 / 60) == pytest.approx(3.0)
+
+
+def test_fci_70_2_needs_its_data():
+    assert ("FCI 70-2", "VI") not in limits(0.5, gas=True)
+    assert not [key for key in limits(0.05, gas=False) if key[0] == "FCI 70-2"]
+    shares = limits(0.05, gas=False, rated_capacity=1.0)
+    assert [shares["FCI 70-2", name] for name in ("IV", "III", "II")] == [1e-4, 1e-3, 5e-3]
+
+
+@given(rate=st.floats(0.0, 1e-3), dn=st.floats(0.006, 1.0), gas=st.booleans())
+def test_the_class_found_is_the_tightest_met(rate, dn, gas):
+    found = {one.standard: one for one in leak.leakage_class(rate, dn, gas=gas, pressure_drop=1e6)}
+    for standard, one in found.items():
+        rates = [
+            other.leak_rate
+            for other in leak.leakage_limits(dn, gas=gas, pressure_drop=1e6)
+            if other.standard == standard
+        ]
+        met = [limit for limit in rates if rate <= limit]
+        assert one.limit == (min(met) if met else None)
+        assert (one.name is None) == (not met)
+
+
+def test_a_leak_is_never_called_invisible():
+    assert leak.leakage_class(0.0, 0.025, gas=False)[0].name == "A"
+    assert leak.leakage_class(1e-15, 0.025, gas=False)[0].name == "AA"
+    assert str(leak.leakage_class(1.0, 0.025, gas=False)[0]) == "ISO 5208: no class met"
+
+
+def test_units():
+    assert leak.drops_per_minute(1e-6 / 60, 0.05e-6) == pytest.approx(20.0)
+    assert pytest.approx(0.0625e-6) == DROP_VOLUME
+    assert pytest.approx(0.15e-6) == BUBBLE_VOLUME
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [
+        ("DN25", 0.025),
+        ("dn 100", 0.1),
+        ("NPS 1", 0.025),
+        ("NPS 1 1/2", 0.04),
+        ("NPS 2-1/2", 0.065),
+        ("nps 3/4", 0.02),
+        ("NPS 12", 0.3),
+        ("25 mm", None),
+        ("DN", None),
+        ("DN 0", None),
+        ("NPS", None),
+        ("NPS 1/0", None),
+    ],
+)
+def test_nominal_sizes(text, size):
+    assert read_nominal_size(text) == (size if size is None else pytest.approx(size))
+
+
+def test_nominal_size_of_a_bore():
+    assert [leak.nominal_size_of_bore(d) for d in (0.0265, 0.049, 0.09)] == pytest.approx([0.025, 0.05, 0.1])
+
+
+def test_every_standard_names_its_source():
+    names = {one.standard for one in leak.leakage_limits(0.1, gas=True)}
+    assert names == set(STANDARDS)
+    assert all("secondary" in one.source and one.revision for one in STANDARDS.values())
+
+
+@pytest.mark.parametrize("change", [{"nominal_size": 0.0}, {"pressure_drop": -1.0}, {"rated_capacity": 0.0}])
+def test_wrong_input(change):
+    given = {"nominal_size": 0.025, "gas": False} | change
+    with pytest.raises(leak.FluidError, match=next(iter(change))):
+        leak.leakage_limits(**given)
+    with pytest.raises(leak.FluidError, match="leak_rate"):
+        leak.leakage_class(-1.0, 0.025, gas=False)
