@@ -218,7 +218,7 @@ def _cell_slopes(x: FloatArray, log_p: FloatArray) -> FloatArray:
     slope = cubic_spline_slopes(x, log_p)
     slopes = np.stack([slope[:-1], slope[1:]])
     t = np.linspace(0.125, 0.875, 7)[:, None]
-    value = _hermite(t, *(h * slopes), rise)
+    value = _hermite(t, h * slopes[0], h * slopes[1], rise)
     wild = (value.max(axis=0) > np.maximum(rise, 0) + _OVERSHOOT) | (
         value.min(axis=0) < np.minimum(rise, 0) - _OVERSHOOT
     )

@@ -32,7 +32,8 @@ def cubic_spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
     if x.size == 3:  # a parabola
         bend = (secant[1] - secant[0]) / (h[0] + h[1])
         return np.array([secant[0] - bend * h[0], secant[0] + bend * h[0], secant[1] + bend * h[1]])
-    upper, main, lower = np.empty(x.size), np.empty(x.size), np.empty(x.size)
+    # The unused corners of the band must be finite: solve_banded looks at them.
+    upper, main, lower = np.zeros((3, x.size))
     main[1:-1], upper[2:], lower[:-2] = 2.0 * (h[:-1] + h[1:]), h[:-1], h[1:]
     right = np.empty(x.size)
     right[1:-1] = 3.0 * (h[1:] * secant[:-1] + h[:-1] * secant[1:])

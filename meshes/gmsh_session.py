@@ -35,7 +35,12 @@ _OPTIONS = {
     "Mesh.Renumber": 1,
 }
 
-SYSTEM_LIBRARIES = "libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 libfontconfig1 libxrender1 libxext6 libxfixes3 libx11-6 libgomp1"
+SYSTEM_LIBRARIES = " ".join(
+    (
+        "libgl1 libglu1-mesa libxcursor1 libxfixes3 libxft2 libxinerama1",
+        "libxrender1 libxext6 libx11-6 libfontconfig1 libgomp1",
+    )
+)
 
 
 def load_gmsh() -> ModuleType:
