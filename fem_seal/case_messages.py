@@ -145,7 +145,9 @@ def _unknown_key(name: str, table: type[BaseModel] | None) -> str:
 def _without_tag(key: str, value: object) -> Problem:
     if not isinstance(value, Mapping):
         return Problem(key, 'must be a table, such as { kind = "table", file = "C.csv" }', shown(value))
-    return Problem(f"{key}.kind", 'is missing; write kind = "self-affine", kind = "table" or kind = "profile"')
+    return Problem(
+        f"{key}.kind", 'is missing; write kind = "self-affine", kind = "table" or kind = "profile"'
+    )
 
 
 def _choice(key: str, value: object, words: list[str]) -> str:

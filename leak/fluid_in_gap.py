@@ -23,7 +23,8 @@ _FINE_TAIL = 64
 _FINE = 8
 # Alexander's second-order, L-stable rule: both of its stages are the same implicit equation.
 _STAGE = 1.0 - np.sqrt(0.5)
-_ROUGH, _CLOSE, _SECANT_STEPS = 1e-3, 1e-7, 200
+_ROUGH, _CLOSE = 1e-3, 1e-7
+_SECANT_STEPS, _ROOT_STEPS = 12, 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,17 +90,20 @@ def coupled_leak_flow(
     >>> flat = [4e6, 4e6, 4e6]
     >>> result = coupled_leak_flow([0, 5e-4, 1e-3], flat, lambda p: 1e-9 / p, 2e6, 0.014)
     >>> print(f"{result.leak_rate:.4e} {2 * np.pi * 0.014 * 1e-9 / 1e-3 * np.log(2):.4e}")
-    6.0971e-08 6.0971e-08
+    6.0972e-08 6.0972e-08
     """
     xs, ps, rs = checked_profile(x, p, radius)
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
+    if pressure_side not in ("outer", "inner"):
+        raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
+    if not callable(conductivity) and not isinstance(conductivity, LogConductivity):
+        raise ProfileError(f"conductivity = {conductivity!r}: must be a function of p [m^3/(Pa s)]")
     if pressure_side == "inner":
         # Everything below has its low side at small x.
         seen = coupled_leak_flow(-xs[::-1], ps[::-1], conductivity, drop, rs[::-1])
         lift = None if seen.lift_off_x is None else -seen.lift_off_x
         arrays = seen.fluid_pressure[::-1], seen.contact_pressure[::-1]
         return CoupledLeakResult(seen.leak_rate, seen.resistance, *arrays, lift, seen.blow_off_pressure)
-    uncoupled = leak_flow(xs, ps, conductivity, drop, rs, pressure_side=pressure_side)
     profile = ContactProfile.through(xs, ps, rs)
     fine, log_p = _fine_profile(profile)
     blow_off = float(np.exp(log_p.max()))
@@ -109,16 +113,19 @@ def coupled_leak_flow(
     end, lift = _lift_off(profile, fine, log_p, np.log(drop))
     curve = ResistanceCurve.of(by_log_pressure(conductivity), float(log_p.max()))
     if blow_off - drop >= curve.sealing_pressure:
-        contact = np.maximum(ps - uncoupled.fluid_pressure, 0.0)
-        return CoupledLeakResult(0.0, float("inf"), uncoupled.fluid_pressure, contact, lift, blow_off)
-    x_steps = _first_steps(profile, fine, log_p, np.log(_CUT * drop), end)
-    path = _Path.over(profile, x_steps)
+        # It drops over the sealed part, wherever in it: as without coupling.
+        fluid = leak_flow(xs, ps, conductivity, drop, rs).fluid_pressure
+        return CoupledLeakResult(0.0, float("inf"), fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
+    # A step must end at the peak, or p_f could not rise to it.
+    peak = float(fine[np.argmax(log_p)])
+    path = _Path.over(profile, np.union1d(_first_steps(profile, fine, log_p, np.log(_CUT * drop), end), peak))
     log_Q = _flow_for(drop, path, curve, curve.guess(drop, path.pressures, path.log_lengths), _ROUGH)
-    path = _Path.over(profile, _second_steps(path, log_Q, curve))
+    path = _Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak))
     log_Q = _flow_for(drop, path, curve, log_Q, _CLOSE)
     fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
-    Q = float(np.exp(log_Q))
-    return CoupledLeakResult(Q, drop / Q, fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
+    with np.errstate(over="ignore"):
+        Q, resistance = float(np.exp(log_Q)), float(np.exp(np.log(drop) - log_Q))
+    return CoupledLeakResult(Q, resistance, fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
 
 
 # -------------------------------------------------------------------- the way of the fluid
@@ -205,18 +212,19 @@ def _flow_for(drop: float, path: _Path, curve: ResistanceCurve, guess: float, to
     low, high = -np.inf, np.inf
     old, at = guess, miss(guess)
     log_Q, widening = old - float(np.clip(at, -0.5, 0.5)), 1.0
-    for _ in range(_SECANT_STEPS):
+    for count in range(_ROOT_STEPS):
         before, at = at, miss(log_Q)
         low, high = (low, min(high, log_Q)) if at >= 0.0 else (max(low, log_Q), high)
         slope = (at - before) / (log_Q - old) if log_Q != old else 0.0
         old = log_Q
         # p_f rises no faster than Q; where it hardly rises at all a secant step leads astray.
-        step = -at / slope if slope > 1e-3 else -np.sign(at)
+        step = -at / slope if slope > 1e-3 else -widening * np.sign(at)
         log_Q = old + float(np.clip(step, -widening, widening))
         if abs(log_Q - old) < tolerance:
             break
         widening *= 2.0
-        if not low < log_Q < high:
+        if not low < log_Q < high or (count > _SECANT_STEPS and np.isfinite(high - low)):
+            # Near blow-off p_f hardly depends on Q, and secant steps crawl.
             log_Q = 0.5 * (low + high)
     return log_Q
 

@@ -17,6 +17,8 @@ FloatArray = NDArray[np.float64]
 # Table of ln(1/sigma) over ln p: spacing, how far below the largest pressure, and equal ratios of p_seal - p above.
 _SPACING, _RANGE = 0.05, 60.0
 _NEAR_SEALING = 14.0
+# A conductivity below this is none: toward the sealing pressure sigma underflows before it vanishes [m^3/(Pa s)].
+_NONE = 1e-200
 _NEWTON_STEPS = 60
 # Newton's error squares with each step.
 _CLOSE = 1e-8
@@ -33,26 +35,26 @@ class ResistanceCurve:
     slopes: list[float]
     """Its derivative there."""
     sealing_pressure: float
-    """From here on sigma is zero; infinite if not in the table's range [Pa]."""
+    """From here on sigma is as good as zero; infinite if not in the table's range [Pa]."""
 
     @classmethod
     def of(cls, sigma: Callable[[FloatArray], FloatArray], log_p_max: float) -> ResistanceCurve:
         """Table of a conductivity given as a function of ln p, up to `log_p_max` or the sealing pressure."""
         v = np.linspace(log_p_max - _RANGE, log_p_max, int(_RANGE / _SPACING) + 1)
-        flows = sigma(v) > 0.0
+        flows = sigma(v) > _NONE
         sealing = float("inf")
         if not flows.all():
             first = int(np.argmin(flows))
             low, high = float(v[first - 1]), float(v[first])
             for _ in range(60):
                 middle = 0.5 * (low + high)
-                low, high = (middle, high) if float(sigma(np.array([middle]))[0]) > 0.0 else (low, middle)
+                low, high = (middle, high) if float(sigma(np.array([middle]))[0]) > _NONE else (low, middle)
             near = high + np.log1p(-np.exp(-np.arange(1.0, _NEAR_SEALING, 0.1)))
             v = np.concatenate([v[v < near[0] - 0.5 * _SPACING], near])
             sealing = exp(high)
         with np.errstate(divide="ignore"):
             G = -np.log(sigma(v))
-        usable = np.isfinite(G)
+        usable = np.isfinite(G) & (G < -np.log(_NONE))
         v, G = v[usable], G[usable]
         return cls(v.tolist(), G.tolist(), np.maximum(spline_slopes(v, G), 1e-12).tolist(), sealing)
 
@@ -109,6 +111,9 @@ class ResistanceCurve:
                 break
         w = exp(v) if v > -700.0 else 0.0
         G = self.at(v)[0] + log_flow
+        if v == self.nodes[-1] < target:
+            # So little flows that w stays at the last node, next to the sealing pressure.
+            return room - w, v
         # Of two numbers that add up to `room` the smaller one is the accurate one.
         return (exp(G) if v > G else room - w), v
 

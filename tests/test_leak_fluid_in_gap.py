@@ -272,6 +272,7 @@ def test_against_an_adaptive_integrator(drop):
         ({"pressure_drop": 0.0}, "pressure_drop"),
         ({"pressure_side": "top"}, "pressure_side"),
         ({"conductivity": lambda p: -p}, "conductivity"),
+        ({"conductivity": [1e-15, 1e-15, 1e-15]}, "function of p"),
     ],
 )
 def test_wrong_input(change, says):

@@ -1,0 +1,132 @@
+"""Speed, sharing and memory of design studies: python benchmarks/bench_studies.py [--quick]."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+import time
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+CASE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"
+
+
+def run(name, workers, **tables):
+    """Wall time without the start of the workers, and the time that the designs took."""
+    from fem_seal import Study
+    from fem_seal.studies.pools import local_client
+
+    study = Study(CASE, **tables)
+    with tempfile.TemporaryDirectory() as folder, local_client(workers, retries=3) as client:
+        client.run(ready)
+        before = sum(client.run(time.process_time).values())
+        start = time.perf_counter()
+        result = study.run(client, folder=folder)
+        wall = time.perf_counter() - start
+        spent = sum(client.run(time.process_time).values()) - before
+        count, solve, failed = len(study.points), result.solve_seconds, result.counts["failed"]
+    overhead = (wall * workers - solve) / solve
+    print(
+        f"{name:40s} {workers} workers {count:7d} designs {wall:7.1f} s {count / wall:6.0f}/s  processor {spent:6.1f} s  "
+        f"overhead {100 * overhead:5.1f} %  failed {failed}  load {os.getloadavg()[0]:.1f}",
+        flush=True,
+    )
+
+
+def ready():
+    """Load in a worker what the designs need."""
+    import gmsh  # noqa: F401
+
+    import fem_seal.studies.evaluate  # noqa: F401
+
+
+def memory(points):
+    """Resident memory of the coordinating process while rows stream through it, with workers that solve nothing."""
+    from fem_seal import Study
+    from fem_seal.studies import session
+    from fem_seal.studies.work import Row
+
+    class Instant:
+        """A pool whose designs take no time."""
+
+        def results(self, recipe, chunks):
+            for n, chunk in enumerate(chunks):
+                if n % 50 == 0:
+                    seen.append(resident())
+                yield [Row(recipe.key(p), recipe.inputs(p), (1.0, 2.0, 3.0), None, 0.0) for p in chunk.points]
+
+    seen = []
+    study = Study(CASE, **latin(points))
+    recipe = session.Recipe.of(study)
+    with tempfile.TemporaryDirectory() as folder:
+        store = session.create(
+            Path(folder) / "study.sqlite", session._column_types(study), study.output_names
+        )
+        store.set_design(recipe.key(point) for point in study.points)
+        start = time.perf_counter()
+        session._fill(recipe, store, Instant(), study, session.Silent())
+        wall = time.perf_counter() - start
+        store.close()
+    rest = seen[len(seen) // 10 :]
+    print(
+        f"coordinator, {points} designs: resident {rest[0]:.0f} MB after a tenth, {rest[-1]:.0f} MB at the end; "
+        f"{1e6 * wall / points:.0f} us per design for hashing, ordering and storing"
+    )
+
+
+def resident():
+    """Resident memory of this process [MB]."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+
+def latin(num):
+    """Roughness and pressure, every design another surface."""
+    return {
+        "parameters": {
+            "roughness.spectrum.rms_height": {"distribution": "log-uniform", "low": "0.5 um", "high": "5 um"},
+            "load.fluid_pressure": {"distribution": "log-uniform", "low": "1 bar", "high": "50 bar"},
+        },
+        "design": {"kind": "latin-hypercube", "num": num},
+    }
+
+
+def grid(side):
+    """Roughness and pressure, every combination."""
+    return {
+        "parameters": {
+            "roughness.spectrum.rms_height": {"start": "0.5 um", "stop": "5 um", "num": side},
+            "load.fluid_pressure": {"start": "1 bar", "stop": "50 bar", "num": side},
+        }
+    }
+
+
+def geometries(num):
+    """Every design another pair of bodies."""
+    return {
+        "changes": {"load.fluid_pressure": "10 bar"},
+        "parameters": {
+            "seat.angle": {"distribution": "uniform", "low": "30 deg", "high": "60 deg"},
+            "closure.radius": {"distribution": "uniform", "low": "10 mm", "high": "30 mm"},
+        },
+        "design": {"kind": "latin-hypercube", "num": num},
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--quick", action="store_true", help="a tenth of the designs")
+    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
+    given = parser.parse_args()
+    part = 10 if given.quick else 1
+    for workers in given.workers:
+        run("roughness and pressure, grid", workers, **grid(int((10000 // part) ** 0.5)))
+        run("roughness and pressure, latin hypercube", workers, **latin(10000 // part))
+        run("geometries", workers, **geometries(1000 // part))
+    memory(100_000)
+
+
+if __name__ == "__main__":
+    main()

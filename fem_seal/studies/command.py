@@ -1,0 +1,138 @@
+"""The commands `fem-seal study ...`: read, call, show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+if TYPE_CHECKING:
+    from fem_seal.studies.results import StudyResult
+
+
+class _RunUnlessNamed(TyperGroup):
+    """Takes `fem-seal study STUDY.toml` as `fem-seal study run STUDY.toml`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the command in front of the file."""
+        own = ("--help", "-h")
+        if args and args[0] not in self.commands and args[0] not in own:
+            args = ["run", *args]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(
+    cls=_RunUnlessNamed,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Many designs of one case: fem-seal study STUDY.toml, fem-seal study report DIR.",
+)
+
+StudyFolder = Annotated[Path, typer.Argument(metavar="DIR", show_default=False, help="Folder of a study.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show where in the program an error comes from.")]
+
+
+@app.command()
+def run(
+    study_file: Annotated[Path, typer.Argument(metavar="STUDY.toml", show_default=False, help="Study file.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="DIR", show_default="STUDY.study", help="Folder for the study."
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", min=0, show_default="one per core", help="Processes; 0 calculates in this one."
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Running dask scheduler, tcp://host:8786."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the designs that are missing.")
+    ] = False,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Calculate the designs of a study into study.sqlite of its folder, and write its page."""
+    from fem_seal.studies.progress import shown_progress
+    from fem_seal.studies.session import run_study
+    from fem_seal.studies.study import load_study
+
+    study = load_study(study_file)
+    result = run_study(
+        study,
+        folder=output or study_file.with_suffix(".study"),
+        workers=workers,
+        scheduler=scheduler,
+        resume=resume,
+        progress=shown_progress(quiet),
+    )
+    result.report()
+    _show(result, quiet, json)
+
+
+@app.command()
+def report(folder: StudyFolder, quiet: Quiet = False, debug: Debug = False) -> None:
+    """Write report.html anew, also while the study is running."""
+    from fem_seal.studies.results import StudyResult
+
+    path = StudyResult(folder).report()
+    if not quiet:
+        typer.echo(f"Page in {path}")
+
+
+@app.command()
+def export(
+    folder: StudyFolder,
+    path: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", show_default=False, help="Ends in .csv, .parquet or .nc (netCDF)."),
+    ],
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Write the table of a study as CSV, Parquet or netCDF."""
+    from fem_seal.studies.results import StudyResult
+
+    written = StudyResult(folder).export(path)
+    if not quiet:
+        typer.echo(f"Table in {written}")
+
+
+def _show(result: StudyResult, quiet: bool, json: bool) -> None:
+    from fem_seal import console
+
+    best = result.best()
+    if json:
+        rows = best.reset_index().to_dict("records")
+        typer.echo(console.as_json({"folder": str(result.folder), **result.counts, "best": rows}))
+        return
+    for reason, times in result.reasons:
+        typer.secho(f"warning: {times} failed: {reason}", err=True, fg=typer.colors.YELLOW)
+    if quiet:
+        return
+    if len(best):
+        from fem_seal.studies.analysis import records
+
+        shown = best.drop(columns=["status", "reason"])
+        rows = [
+            [str(number), *(_cell(value) for value in row.values())]
+            for number, row in zip(best.index, records(shown), strict=True)
+        ]
+        console.show_table("Best designs", ["design", *map(str, shown.columns)], rows)
+    counts = result.counts
+    typer.echo(f"{counts['done']} designs done, {counts['failed']} failed, {counts['open']} open")
+    typer.echo(f"Results in {result.folder}: study.sqlite, report.html")
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.5g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,162 @@
+"""Which designs: from the parameters of a study to an array of numbers, one row per design. Nothing runs here."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.case_fields import Quantity, shown
+from fem_seal.errors import InputError, Problem
+from fem_seal.studies.entries import Value, entry_at
+from fem_seal.studies.parameters import Parameter
+from fem_seal.studies.study_tables import MOST_POINTS, Design
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+
+FloatArray = NDArray[np.float64]
+
+SAMPLED = ("latin-hypercube", "sobol", "sobol-sensitivity", "morris")
+# Levels of Morris's method, the usual choice.
+MORRIS_LEVELS = 4
+
+
+def points(design: Design, parameters: Sequence[Parameter]) -> FloatArray:
+    """All designs, shape (designs, parameters), as the numbers of `Parameter.value`.
+
+    Parameters
+    ----------
+    design : Design
+        Any kind but "list", whose points come with its parameters.
+    parameters : sequence of Parameter
+
+    Raises
+    ------
+    InputError
+        If a grid has too many points.
+    """
+    if design.kind == "grid":
+        return _grid(parameters)
+    unit = unit_points(design, len(parameters))
+    return np.column_stack([one.values(unit[:, n]) for n, one in enumerate(parameters)])
+
+
+def _grid(parameters: Sequence[Parameter]) -> FloatArray:
+    count = int(np.prod([len(one.numbers) for one in parameters], dtype=object))
+    if count > MOST_POINTS:
+        raise InputError(Problem("design", f"has {count} designs; allowed are {MOST_POINTS}"))
+    axes = np.meshgrid(*(one.numbers for one in parameters), indexing="ij")
+    return np.column_stack([axis.ravel() for axis in axes])
+
+
+def unit_points(design: Design, dimensions: int) -> FloatArray:
+    """Points of a sampled design in the unit cube, shape (designs, dimensions)."""
+    from scipy.stats import qmc
+
+    num = design.num or 0
+    if design.kind == "latin-hypercube":
+        return qmc.LatinHypercube(dimensions, rng=np.random.default_rng(design.seed)).random(num)
+    if design.kind == "sobol":
+        sampler = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(design.seed))
+        # drawn as a whole power of two, of which the first are used: balance is lost only beyond the last one
+        return sampler.random_base2(max(num - 1, 0).bit_length())[:num]
+    # The ends of a distribution are no designs: a normal one is cut off there.
+    return np.clip(_sensitivity_points(design, dimensions), 1e-6, 1 - 1e-6)
+
+
+def _sensitivity_points(design: Design, dimensions: int) -> FloatArray:
+    cube = {"num_vars": dimensions, "names": [f"x{n}" for n in range(dimensions)]}
+    problem = {**cube, "bounds": [[0.0, 1.0]] * dimensions}
+    if design.kind == "morris":
+        from SALib.sample import morris
+
+        return np.asarray(morris.sample(problem, design.num, num_levels=MORRIS_LEVELS, seed=design.seed))
+    from SALib.sample import sobol
+
+    return np.asarray(
+        sobol.sample(problem, design.num, calc_second_order=False, scramble=True, seed=design.seed)
+    )
+
+
+def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray]:
+    """Parameters and designs of a CSV file.
+
+    Parameters
+    ----------
+    path : Path
+        The first row holds paths, with the unit of the numbers below in brackets: ``seat.angle [deg]``. Without one
+        every cell has its own unit.
+    case : Case
+        Base of the study.
+
+    Raises
+    ------
+    InputError
+        It names row and column of what is wrong.
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or "no CSV file"
+        raise InputError(
+            Problem("design.file", f"cannot be read ({reason.lower()})", shown(str(path)))
+        ) from None
+    if len(rows) < 2:
+        raise InputError(
+            Problem("design.file", "has no designs; a heading and one row each", shown(path.name))
+        )
+    heading = [_heading(cell, path) for cell in rows[0]]
+    paths = [name for name, _ in heading]
+    twice = [name for n, name in enumerate(paths) if name in paths[:n]]
+    if twice:
+        raise InputError(Problem("design.file", f"has two columns {twice[0]}; remove one", shown(path.name)))
+    entries = [entry_at(case, name) for name in paths]
+    columns: list[list[Value]] = [[] for _ in entries]
+    for number, row in enumerate(rows[1:], start=2):
+        if len(row) != len(entries):
+            raise InputError(
+                Problem(
+                    "design.file", f"row {number} has {len(row)} cells, the heading {len(entries)}", path.name
+                )
+            )
+        for column, entry, (_, unit), cell in zip(columns, entries, heading, row, strict=True):
+            try:
+                column.append(entry.read(_cell(cell.strip(), unit, entry.marker)))
+            except ValueError as error:
+                place = f"row {number} of {path.name}, column {entry.path}"
+                raise InputError(Problem("design.file", f"{place}: {error}", shown(cell.strip()))) from None
+    parameters = tuple(
+        Parameter(entry, tuple(dict.fromkeys(column))) for entry, column in zip(entries, columns, strict=True)
+    )
+    numbers = [
+        column if one.numeric else [one.levels.index(value) for value in column]
+        for one, column in zip(parameters, columns, strict=True)
+    ]
+    return parameters, np.array(numbers, dtype=float).T
+
+
+def _heading(cell: str, path: Path) -> tuple[str, str]:
+    match = re.fullmatch(r"\s*([\w.]+)\s*(?:\[([^\]]*)\])?\s*", cell)
+    if match is None:
+        raise InputError(
+            Problem("design.file", "has a heading that is no path, such as seat.angle [deg]", shown(cell))
+        )
+    return match[1], (match[2] or "").strip()
+
+
+def _cell(text: str, unit: str, marker: object) -> object:
+    if isinstance(marker, Quantity):
+        return f"{text} {unit}" if unit else text
+    if text in ("true", "false"):
+        return text == "true"
+    try:
+        return float(text) if marker is not None else text
+    except ValueError:
+        return text

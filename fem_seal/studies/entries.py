@@ -1,0 +1,164 @@
+"""Entries of a case by their path, such as ``seat.angle``: what may stand there and how it is written."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, get_args
+
+from fem_seal.case_bodies import MaterialTable
+from fem_seal.case_fields import Number, Pressures, Quantity, shown
+from fem_seal.errors import InputError, Problem
+from fem_seal.materials import Material
+from fem_seal.units import DIMENSIONS
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from fem_seal.case import Case
+
+Value = float | str | bool
+
+# Tables of a case that say nothing about the seal.
+_NOT_VARIED = ("title", "output", "uncertainty")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One place in a case file.
+
+    Parameters
+    ----------
+    path : str
+        Dotted key.
+    marker : Quantity, Number or None
+        What reads and bounds it; None for words, names and files.
+    """
+
+    path: str
+    marker: Quantity | Number | None
+
+    @property
+    def unit(self) -> str:
+        """SI unit, empty for numbers and words."""
+        return DIMENSIONS[self.marker.dimension].si_unit if isinstance(self.marker, Quantity) else ""
+
+    @property
+    def numeric(self) -> bool:
+        """Whether its values can be ordered and drawn from a distribution."""
+        return self.marker is not None
+
+    def read(self, value: object) -> Value:
+        """Value in SI of what a user wrote; ValueError if it may not stand here."""
+        if self.marker is not None:
+            return self.marker.read(value)
+        if isinstance(value, (str, bool)):
+            return value
+        raise ValueError("must be a text in quotes, true or false")
+
+    def check(self, value: float) -> None:
+        """ValueError if an SI value is outside the range of the entry."""
+        self.read(self.written(value))
+
+    def written(self, value: Value) -> object:
+        """The value as it is written in a case file; `read` gives exactly the same value back."""
+        if isinstance(self.marker, Quantity):
+            return f"{value!r} {self.unit}"
+        return value
+
+
+def entry_at(case: Case, path: str) -> Entry:
+    """The entry of a case at a path.
+
+    Parameters
+    ----------
+    case : Case
+        Decides which tables stand where: the kind of spectrum, the shape of the seat.
+    path : str
+
+    Raises
+    ------
+    InputError
+        If there is no such entry; it names the nearest ones.
+    """
+    *parents, last = path.split(".")
+    table: object = case
+    for parent in parents:
+        table = getattr(table, parent, None) if parent in _fields(table) else None
+    fields = _fields(table)
+    known = list(entry_paths(case))
+    if last not in fields or path.split(".")[0] in _NOT_VARIED or path not in known:
+        near = difflib.get_close_matches(path, known, n=2, cutoff=0.5)
+        ends_alike = [one for one in known if one.split(".")[-1] == last]
+        hints = list(dict.fromkeys([*ends_alike[:2], *near]))[:3]
+        listed = f"do you mean {' or '.join(hints)}? " if hints else ""
+        raise InputError(Problem(path, f"is no entry of the case; {listed}known are {', '.join(known)}"))
+    return Entry(path, _marker(fields[last]))
+
+
+def entry_paths(case: Case) -> Iterator[str]:
+    """Paths of all entries of a case that a study can vary."""
+    for name in _fields(case):
+        if name not in _NOT_VARIED:
+            yield from _paths_below(name, getattr(case, name), _fields(case)[name])
+
+
+def with_open_materials(case: Case, paths: list[str]) -> Case:
+    """The case with library materials written as tables, where a path changes a part of one."""
+    changes = {}
+    for body in ("closure", "seat"):
+        if any(path.startswith(f"{body}.material.") for path in paths):
+            changes[f"{body}.material"] = _as_table(getattr(case, body).material)
+    return case.replace(changes) if changes else case
+
+
+def _as_table(material: Material) -> dict[str, Any]:
+    numbers = asdict(material)
+    entries = {name: Entry(name, _marker(field)) for name, field in MaterialTable.model_fields.items()}
+    return {
+        name: entry.written(numbers[name]) for name, entry in entries.items() if numbers[name] is not None
+    }
+
+
+def _paths_below(path: str, value: object, field: Any) -> Iterator[str]:
+    fields = _fields(value)
+    if not fields:
+        if not _holds_table(field):
+            yield path
+        return
+    if isinstance(value, Material):
+        # a name from the library may be varied as a whole
+        yield path
+    for name, below in fields.items():
+        if name not in ("shape", "kind"):
+            yield from _paths_below(f"{path}.{name}", getattr(value, name), below)
+
+
+def _fields(table: object) -> dict[str, Any]:
+    if isinstance(table, Material):
+        return dict(MaterialTable.model_fields)
+    model: type[BaseModel] = type(table)  # type: ignore[assignment]
+    return dict(getattr(model, "model_fields", {}))
+
+
+def _holds_table(field: Any) -> bool:
+    """Whether a table would stand here if there were one: it has to be in the base case to be varied."""
+    from fem_seal.case_messages import tables_of
+
+    return bool(tables_of(field))
+
+
+def _marker(field: Any) -> Quantity | Number | None:
+    nested = [one for member in get_args(field.annotation) for one in getattr(member, "__metadata__", ())]
+    for marker in (*field.metadata, *nested):
+        if isinstance(marker, Pressures):
+            return marker.pressure
+        if isinstance(marker, (Quantity, Number)):
+            return marker
+    return None
+
+
+def problem_at(path: str, value: object, error: ValueError) -> Problem:
+    """The problem of a value that does not fit its entry."""
+    return Problem(path, str(error), shown(value))

@@ -1,0 +1,151 @@
+"""From one design to its responses, as fast as the physics allows: nothing is written and nothing drawn.
+
+Every number of a row depends on that design alone - never on the designs calculated before it in the same process -,
+so that a study gives the same table in whatever order and on however many workers it runs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal import pipeline
+from fem_seal.contact import solve
+from fem_seal.contact_solution import ContactSolution
+from fem_seal.interface import rough_contact
+from fem_seal.laws import Law
+from fem_seal.profile import PressureProfile
+from fem_seal.studies.shared_models import shared_model
+from fem_seal.studies.surface_family import family_law, family_table
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+    from leak import RoughContact
+
+
+def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
+    """Columns of leak.csv for a case with one load.
+
+    Parameters
+    ----------
+    case : Case
+        With one fluid pressure.
+    columns : sequence of str
+        Names of `fem_seal.tables.LEAK_COLUMNS`. Those in `FAST` cost milliseconds once geometry and surface are known;
+        any other takes a complete run of the case.
+    interpolate : bool
+        Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
+        see `fem_seal.studies.surface_family`.
+
+    Raises
+    ------
+    ConvergenceError, GeometryError, MeshingError
+    """
+    if not (set(columns) <= set(FAST) and _plain(case)):
+        return _complete_run(case, columns)
+    design = _Design(case, "max_von_mises_Pa" in columns, interpolate)
+    return {column: FAST[column](design) for column in columns}
+
+
+def _plain(case: Case) -> bool:
+    """Whether contact and leak are those of the short way below."""
+    return (
+        case.load.closing == "sealed-area" and getattr(case.leak, "fluid_in_gap", "uncoupled") == "uncoupled"
+    )
+
+
+def _complete_run(case: Case, columns: Sequence[str]) -> dict[str, float]:
+    from fem_seal.tables import leak_rows
+
+    row = leak_rows(pipeline.run(case))[0]
+    return {column: row[column] for column in columns}
+
+
+@dataclass(frozen=True)
+class _Design:
+    """One case with one load; everything is calculated when it is asked for."""
+
+    case: Case
+    stress: bool
+    interpolate: bool
+
+    @cached_property
+    def surface(self) -> RoughContact | None:
+        return rough_contact(self.case)
+
+    @cached_property
+    def law(self) -> Law:
+        interface = self.case.interface
+        if interface.law == "persson" and not interface.plastic and self.surface is not None:
+            return family_law(self.surface)
+        return pipeline.interface_law(self.case, self.surface)
+
+    @cached_property
+    def contact(self) -> ContactSolution:
+        model = shared_model(self.case, self.law, stress=self.stress)
+        return solve(model, self.law, axial_force=pipeline.axial_forces(self.case)[0])
+
+    @cached_property
+    def profile(self) -> PressureProfile:
+        return self.contact.profile
+
+    @property
+    def pressure(self) -> float:
+        return self.case.load.fluid_pressure[0]
+
+    @cached_property
+    def leak_rate(self) -> float:
+        return self._leak_rate(self.surface)
+
+    @cached_property
+    def leak_rate_elastic(self) -> float:
+        if self.surface is None or self.surface.hardness is None:
+            return self.leak_rate
+        return self._leak_rate(self.surface.elastic)
+
+    def _leak_rate(self, surface: RoughContact | None) -> float:
+        if surface is None or self.case.fluid is None:
+            return math.nan
+        shared = family_table(self.case, surface, self.contact) if self.interpolate else None
+        table = shared or pipeline.conductivity_table(self.case, surface, [self.contact])
+        return pipeline.leak_of_contact(self.case, table, self.contact, self.pressure).leak_rate
+
+    def critical_separation(self, surface: RoughContact | None) -> float:
+        if surface is None:
+            return math.nan
+        return float(surface.critical_separation(self.profile.peak_pressure))
+
+    @property
+    def elastic_surface(self) -> RoughContact | None:
+        return None if self.surface is None else self.surface.elastic
+
+    @property
+    def contact_radius(self) -> float:
+        profile = self.profile
+        return float(np.interp(profile.centroid, profile.x, profile.radius))
+
+    @property
+    def max_von_mises(self) -> float:
+        return max(float(field.von_mises.max()) for field in self.contact.fields.values())
+
+
+# Columns of leak.csv that need no complete run.
+FAST: dict[str, Callable[[_Design], float]] = {
+    "fluid_pressure_Pa": lambda design: design.pressure,
+    "axial_force_N": lambda design: design.contact.axial_force,
+    "line_load_N_per_m": lambda design: design.contact.line_load,
+    "peak_pressure_Pa": lambda design: design.profile.peak_pressure,
+    "contact_radius_m": lambda design: design.contact_radius,
+    "fwhm_m": lambda design: design.profile.fwhm,
+    "std_m": lambda design: design.profile.std,
+    "leak_rate_m3_per_s": lambda design: design.leak_rate,
+    "leak_rate_elastic_m3_per_s": lambda design: design.leak_rate_elastic,
+    "critical_separation_m": lambda design: design.critical_separation(design.surface),
+    "critical_separation_elastic_m": lambda design: design.critical_separation(design.elastic_surface),
+    "max_von_mises_Pa": lambda design: design.max_von_mises,
+}

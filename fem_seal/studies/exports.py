@@ -1,0 +1,119 @@
+"""The table of a study in other formats: CSV, Parquet, netCDF."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fem_seal.atomic_files import write_bytes
+from fem_seal.errors import InputError, Problem
+from fem_seal.studies.analysis import Designs
+from fem_seal.studies.store import FILE, open_to_read
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def export(folder: Path, path: Path) -> Path:
+    """Write the table of a study; the ending of `path` says how: .csv, .parquet, .nc.
+
+    Parameters
+    ----------
+    folder, path : Path
+
+    Raises
+    ------
+    InputError
+        If the ending is another one, or what writes the format is not installed.
+    """
+    write = _WRITERS.get(path.suffix.lower())
+    if write is None:
+        known = ", ".join(_WRITERS)
+        raise InputError(Problem("export", f"has an unknown ending; known are {known}", path.name))
+    store = open_to_read(folder / FILE)
+    try:
+        designs = Designs.read(store)
+    finally:
+        store.close()
+    try:
+        return write(designs, path)
+    except ImportError as error:
+        raise InputError(
+            Problem(
+                "export",
+                f'{path.suffix} needs {error.name}; install it with: pip install "fem-seal[studies]"',
+            )
+        ) from None
+
+
+def _csv(designs: Designs, path: Path) -> Path:
+    return write_bytes(path, designs.table.to_csv(lineterminator="\n").encode())
+
+
+def _parquet(designs: Designs, path: Path) -> Path:
+    import io
+
+    buffer = io.BytesIO()
+    designs.table.to_parquet(buffer, engine="pyarrow")
+    return write_bytes(path, buffer.getvalue())
+
+
+def _netcdf(designs: Designs, path: Path) -> Path:
+    # the netCDF library writes to files only
+    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        dataset(designs).to_netcdf(draft, engine="netcdf4")
+        os.replace(draft, path)
+    finally:
+        draft.unlink(missing_ok=True)
+    return path
+
+
+_WRITERS: dict[str, Callable[[Designs, Path], Path]] = {".csv": _csv, ".parquet": _parquet, ".nc": _netcdf}
+
+
+def dataset(designs: Designs) -> xr.Dataset:
+    """The table as an xarray dataset: over the parameters for a complete grid, over the number of the design otherwise.
+
+    Parameters
+    ----------
+    designs : Designs
+    """
+    import xarray as xr
+
+    parameters = [one["name"] for one in designs.about["parameters"]]
+    table = designs.table.copy()
+    table["reason"] = table["reason"].fillna("").astype(str)
+    grid = designs.about["design"]["kind"] == "grid" and not designs.about["design"]["optimise"]
+    if grid and not table.duplicated(parameters).any() and len(table):
+        # the number of a design stays with it
+        data = xr.Dataset.from_dataframe(table.reset_index().set_index(parameters))
+        for name in ("status", "reason"):
+            data[name] = data[name].fillna("").astype(str)
+    else:
+        data = xr.Dataset.from_dataframe(table)
+        data = data.set_coords(parameters)
+    for one in designs.about["parameters"]:
+        if one["unit"] and one["name"] in data:
+            data[one["name"]].attrs["units"] = one["unit"]
+    for name in designs.about["responses"]:
+        data[name].attrs["units"] = _unit(name)
+    for name, text in designs.about["derived"].items():
+        data[name].attrs["formula"] = text
+    return data.assign_attrs(title=designs.about["title"], source=f"fem-seal {designs.about['version']}")
+
+
+def _unit(column: str) -> str:
+    """Unit in the name of a column of leak.csv, ``leak_rate_m3_per_s`` or ``fwhm_m``."""
+    units = {
+        "_m3_per_s": "m3 s-1",
+        "_kg_per_s": "kg s-1",
+        "_N_per_m": "N m-1",
+        "_Pa": "Pa",
+        "_N": "N",
+        "_m": "m",
+    }
+    return next((unit for ending, unit in units.items() if column.endswith(ending)), "1")

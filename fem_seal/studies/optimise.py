@@ -1,0 +1,208 @@
+"""Look for the best design (optuna): proposals in batches, calculated like any other design and kept in the same file.
+
+Every trial is proposed by a sampler that is made anew from the seed and the number of the trial, out of the batches
+before it. What an interrupted search proposes next is therefore what it would have proposed anyway.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_seal.errors import InputError, Problem
+from fem_seal.studies.distributions import LogUniform, Uniform
+from fem_seal.studies.work import Chunk, Recipe
+
+if TYPE_CHECKING:
+    from optuna import Study as OptunaStudy
+    from optuna.distributions import BaseDistribution
+    from optuna.samplers import TPESampler
+    from optuna.trial import FrozenTrial, Trial
+
+    from fem_seal.studies.pools import Pool
+    from fem_seal.studies.progress import Progress
+    from fem_seal.studies.store import Row, Store
+    from fem_seal.studies.study import Study
+
+_NAME = "fem-seal"
+
+
+def search_space(study: Study) -> dict[str, BaseDistribution]:
+    """Where optuna looks: numbers between bounds, or one of the levels.
+
+    Parameters
+    ----------
+    study : Study
+
+    Raises
+    ------
+    InputError
+        If a parameter is spread by chance, which is nothing to choose.
+    """
+    from optuna.distributions import CategoricalDistribution, FloatDistribution
+
+    space: dict[str, BaseDistribution] = {}
+    for one in study.parameters:
+        if isinstance(one.distribution, (Uniform, LogUniform)):
+            space[one.name] = FloatDistribution(*one.bounds, log=isinstance(one.distribution, LogUniform))
+        elif one.distribution is not None:
+            raise InputError(
+                Problem(
+                    f"parameters.{one.name}",
+                    'is spread by chance; an optimisation chooses from a list, or from distribution = "uniform" or '
+                    '"log-uniform"',
+                )
+            )
+        else:
+            space[one.name] = CategoricalDistribution(one.numbers.tolist())
+    return space
+
+
+def optimise(study: Study, recipe: Recipe, store: Store, pool: Pool, progress: Progress) -> None:
+    """Try designs until there are as many as asked for.
+
+    Parameters
+    ----------
+    study : Study
+        With [optimise].
+    recipe : Recipe
+    store : Store
+        Gets the rows; optuna keeps its own tables in the same file.
+    pool : Pool
+    progress : Progress
+    """
+    settings = study.optimise
+    assert settings is not None
+    space = search_space(study)
+    search = _search(study, store)
+    progress.begin(settings.trials, sum(trial.state.is_finished() for trial in _trials(search)))
+    try:
+        while batch := _batch(search, study, space):
+            points = np.array([[trial.params[name] for name in space] for trial in batch])
+            rows = _rows(recipe, store, pool, points)
+            store.append_design(batch[0].number, [recipe.key(point) for point in points])
+            for trial, row in zip(batch, rows, strict=True):
+                _tell(search, study, trial, row)
+            progress.advance(len(rows), sum(row.reason is not None for row in rows))
+    finally:
+        progress.end()
+
+
+def _batch(search: OptunaStudy, study: Study, space: dict[str, BaseDistribution]) -> list[Trial]:
+    """Trials to be calculated next: what is left of the batch that was interrupted, or a new one; empty at the end."""
+    from optuna.trial import Trial
+
+    settings = study.optimise
+    assert settings is not None
+    there = _trials(search)
+    left = [trial.number for trial in there if not trial.state.is_finished()]
+    start = (min(left) if left else len(there)) // settings.batch * settings.batch
+    batch = []
+    for number in range(start, min(start + settings.batch, settings.trials)):
+        if number < len(there) and number not in left:
+            continue
+        search.sampler = _sampler(settings.seed, number)
+        if number < len(there):
+            batch.append(_suggested(Trial(search, there[number]._trial_id), space))
+        else:
+            batch.append(search.ask(space))
+    return batch
+
+
+def _suggested(trial: Trial, space: dict[str, BaseDistribution]) -> Trial:
+    """A trial that was cut short while it was proposed, with the proposals that are missing."""
+    from optuna.distributions import CategoricalDistribution, FloatDistribution
+
+    for name, one in space.items():
+        if isinstance(one, FloatDistribution):
+            trial.suggest_float(name, one.low, one.high, log=one.log)
+        elif isinstance(one, CategoricalDistribution):
+            trial.suggest_categorical(name, one.choices)
+    return trial
+
+
+def _trials(search: OptunaStudy) -> list[FrozenTrial]:
+    return search.get_trials(deepcopy=False)
+
+
+def _search(study: Study, store: Store) -> OptunaStudy:
+    import optuna
+    from optuna.storages import RDBStorage
+
+    settings = study.optimise
+    assert settings is not None
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    storage = RDBStorage(
+        f"sqlite:///{store.path.absolute()}", engine_kwargs={"connect_args": {"timeout": 60}}
+    )
+    search = optuna.create_study(
+        storage=storage,
+        study_name=_NAME,
+        directions=["minimize"] * len(study.goals),
+        load_if_exists=True,
+    )
+    asked = json.dumps(
+        [
+            study.names,
+            [str(one) for one in search_space(study).values()],
+            [one.text for one in study.goals.values()],
+            [one.text for one in study.constraints.values()],
+            [settings.seed, settings.batch],
+        ]
+    )
+    if search.user_attrs.get("asked", asked) != asked:
+        raise InputError(
+            Problem("optimise", "the folder holds a search for something else; choose another folder")
+        )
+    search.set_user_attr("asked", asked)
+    return search
+
+
+def _sampler(seed: int, number: int) -> TPESampler:
+    """Sampler for one trial."""
+    import warnings
+
+    from optuna.exceptions import ExperimentalWarning
+    from optuna.samplers import TPESampler
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", category=ExperimentalWarning)
+        return TPESampler(seed=(seed * 1_000_003 + number) % 2**32, multivariate=True, constant_liar=True)
+
+
+def _rows(recipe: Recipe, store: Store, pool: Pool, points: Any) -> list[Row]:
+    """Rows of some designs, calculated where they are not known."""
+    keys = [recipe.key(point) for point in points]
+    known = store.known(keys)
+    fresh = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
+    for rows in pool.results(recipe, [Chunk(point[None]) for point in fresh.values()]):
+        store.write(rows)
+    found = store.rows(keys)
+    return [found[key] for key in keys]
+
+
+def _tell(search: OptunaStudy, study: Study, trial: Trial, row: Row) -> None:
+    from optuna.trial import TrialState
+
+    if row.reason is not None:
+        search.tell(trial, state=TrialState.FAIL)
+        return
+    outputs = {
+        name: math.nan if value is None else value
+        for name, value in zip(study.output_names, row.outputs, strict=True)
+    }
+    inputs = {
+        one.name: float(value) for one, value in zip(study.parameters, row.inputs, strict=True) if one.numeric
+    }
+    values = {**inputs, **outputs}
+    goals = [formula(values) for formula in study.goals.values()]
+    if not all(math.isfinite(goal) for goal in goals):
+        search.tell(trial, state=TrialState.FAIL)
+        return
+    for name, one in study.constraints.items():
+        # infinite where a value is missing; optuna's storage takes finite numbers only
+        trial.set_constraint(name, min(one.violation(values), 1e12))
+    search.tell(trial, goals)

@@ -1,0 +1,148 @@
+"""How far a study is: a bar on a terminal, a line now and then elsewhere, or nothing."""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+# Seconds between two lines where there is no terminal.
+_PAUSE = 10.0
+
+
+class Progress(Protocol):
+    """What a running study tells."""
+
+    def begin(self, total: int, known: int) -> None:
+        """So many designs, of which so many are calculated already."""
+        ...
+
+    def advance(self, done: int, failed: int) -> None:
+        """So many more are done, so many of them failed."""
+        ...
+
+    def end(self) -> None:
+        """Nothing more will come."""
+        ...
+
+
+class Silent:
+    """Says nothing."""
+
+    def begin(self, total: int, known: int) -> None:
+        """See `Progress`."""
+
+    def advance(self, done: int, failed: int) -> None:
+        """See `Progress`."""
+
+    def end(self) -> None:
+        """See `Progress`."""
+
+
+@dataclass
+class Lines:
+    """A line on standard error now and then, with rate and remaining time."""
+
+    total: int = 0
+    done: int = 0
+    failed: int = 0
+    known: int = 0
+    _started: float = field(default=0.0, repr=False)
+    _said: float = field(default=0.0, repr=False)
+    _told: int = field(default=0, repr=False)
+
+    def begin(self, total: int, known: int) -> None:
+        """See `Progress`."""
+        self.total, self.known, self.done, self.failed = total, known, known, 0
+        self._started = self._said = time.monotonic()
+        if known:
+            self._say(f"{known} of {total} designs are calculated already")
+
+    def advance(self, done: int, failed: int) -> None:
+        """See `Progress`."""
+        self.done += done
+        self.failed += failed
+        if time.monotonic() - self._said > _PAUSE:
+            self._said, self._told = time.monotonic(), self.done
+            self._say(self._state())
+
+    def end(self) -> None:
+        """See `Progress`."""
+        if self._told < self.done or not self.done:
+            self._say(self._state())
+
+    def _state(self) -> str:
+        seconds = max(time.monotonic() - self._started, 1e-9)
+        rate = (self.done - self.known) / seconds
+        left = duration((self.total - self.done) / rate) if rate > 0 else "unknown time"
+        failed = f", {self.failed} failed" if self.failed else ""
+        return f"{self.done} of {self.total} designs{failed}, {rate:.3g}/s, {left} left"
+
+    def _say(self, text: str) -> None:
+        sys.stderr.write(text + "\n")
+        sys.stderr.flush()
+
+
+class Bar:
+    """A bar on the terminal."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
+        from rich.progress import Progress as RichProgress
+
+        self._bar = RichProgress(
+            TextColumn("designs"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(elapsed_when_finished=False),
+            TextColumn("{task.fields[failed]}"),
+            console=Console(stderr=True),
+        )
+        self._task: Any = None
+        self._failed = self._new = 0
+        self._started = 0.0
+
+    def begin(self, total: int, known: int) -> None:
+        """See `Progress`."""
+        self._started = time.monotonic()
+        self._bar.start()
+        self._task = self._bar.add_task("designs", total=total, completed=known, rate="", failed="")
+
+    def advance(self, done: int, failed: int) -> None:
+        """See `Progress`."""
+        self._failed += failed
+        self._new += done
+        rate = self._new / max(time.monotonic() - self._started, 1e-9)
+        told = f"{self._failed} failed" if self._failed else ""
+        self._bar.update(self._task, advance=done, rate=f"{rate:.3g}/s", failed=told)
+
+    def end(self) -> None:
+        """See `Progress`."""
+        self._bar.stop()
+
+
+def shown_progress(quiet: bool) -> Progress:
+    """What fits standard error."""
+    if quiet:
+        return Silent()
+    return Bar() if sys.stderr.isatty() else Lines()
+
+
+def duration(seconds: float) -> str:
+    """A time as people say it."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    if seconds < 5400:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"

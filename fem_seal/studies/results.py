@@ -1,0 +1,91 @@
+"""A study that was calculated: its table, its exports, its page."""
+
+from __future__ import annotations
+
+import shutil
+import weakref
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fem_seal.studies.store import FILE, open_to_read
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class StudyResult:
+    """The designs of a study and what came out of them.
+
+    Parameters
+    ----------
+    folder : path
+        Folder of the study.
+    temporary : bool
+        Whether the folder is deleted with this object.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no study.
+    """
+
+    def __init__(self, folder: str | Path, *, temporary: bool = False) -> None:
+        self.folder = Path(folder)
+        open_to_read(self.folder / FILE).close()
+        if temporary:
+            weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """One row per design, SI: status, reason of failure, parameters, responses, derived columns, constraints.
+
+        A constraint's column says whether it is met.
+        """
+        from fem_seal.studies.analysis import Designs
+
+        return self._read(Designs.read).table
+
+    @cached_property
+    def counts(self) -> dict[str, int]:
+        """Designs that are "done", "failed" and "open"."""
+        return self._read(lambda store: store.counts())
+
+    @cached_property
+    def reasons(self) -> list[tuple[str, int]]:
+        """Commonest reasons of failure, with how often they occur."""
+        return self._read(lambda store: store.reasons())
+
+    @cached_property
+    def solve_seconds(self) -> float:
+        """Time that the designs took, summed over all workers [s]."""
+        return self._read(lambda store: store.solve_seconds())
+
+    def best(self, count: int = 10) -> pd.DataFrame:
+        """The best designs that meet all constraints, by the only goal, or the Pareto front of two by the first."""
+        from fem_seal.studies.analysis import Designs
+
+        designs = self._read(Designs.read)
+        return designs.table.loc[designs.best(count)]
+
+    def report(self, path: str | Path | None = None) -> Path:
+        """Write the page with plots, ``report.html`` in the study's folder unless a path is given."""
+        from fem_seal.studies.page import write_page
+
+        return write_page(self.folder, self.folder / "report.html" if path is None else Path(path))
+
+    def export(self, path: str | Path) -> Path:
+        """Write the table as CSV, Parquet or netCDF, by the ending of the path: .csv, .parquet or .nc.
+
+        A grid becomes an array over its parameters in netCDF.
+        """
+        from fem_seal.studies.exports import export
+
+        return export(self.folder, Path(path))
+
+    def _read(self, what: Any) -> Any:
+        store = open_to_read(self.folder / FILE)
+        try:
+            return what(store)
+        finally:
+            store.close()

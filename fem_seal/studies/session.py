@@ -1,0 +1,190 @@
+"""One run of a study: what is missing is calculated and kept, batch by batch."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fem_seal import __version__
+from fem_seal.errors import InputError, Problem
+from fem_seal.studies.pools import Pool, pool
+from fem_seal.studies.progress import Progress, Silent
+from fem_seal.studies.results import StudyResult
+from fem_seal.studies.store import FILE, FORMAT_VERSION, Row, Store, alone, create
+from fem_seal.studies.work import Chunk, Recipe, chunks
+
+if TYPE_CHECKING:
+    from dask.distributed import Client
+
+    from fem_seal.studies.study import Study
+
+
+def run_study(
+    study: Study,
+    client: Client | None = None,
+    *,
+    folder: str | Path | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> StudyResult:
+    """Calculate the designs of a study that are not in its file yet.
+
+    Parameters
+    ----------
+    study : Study
+    client, folder, workers, resume, progress
+        See `fem_seal.studies.study.Study.run`; with ``workers=0`` this process calculates.
+    scheduler : str, optional
+        Address of a running dask scheduler.
+
+    Returns
+    -------
+    StudyResult
+
+    Raises
+    ------
+    InputError
+        If the folder holds a study already and `resume` was not asked for, or another one.
+    """
+    temporary = folder is None
+    place = Path(tempfile.mkdtemp(prefix="fem-seal-study-")) if folder is None else Path(folder)
+    if not resume and (place / FILE).exists():
+        raise InputError(
+            Problem(
+                str(place),
+                "holds a study already; continue it with --resume (resume=True), or choose another folder",
+            )
+        )
+    try:
+        with alone(place):
+            store = create(place / FILE, _column_types(study), study.output_names)
+            try:
+                _calculate(study, store, client, workers, scheduler, progress or Silent())
+                _keep_fields(study, store, place)
+            finally:
+                store.close()
+    except BaseException:
+        if temporary:
+            shutil.rmtree(place, ignore_errors=True)
+        raise
+    return StudyResult(place, temporary=temporary)
+
+
+def _calculate(
+    study: Study,
+    store: Store,
+    client: Client | None,
+    workers: int | None,
+    scheduler: str | None,
+    progress: Progress,
+) -> None:
+    recipe = Recipe.of(study)
+    store.describe(**description(study))
+    started = time.perf_counter()
+    with pool(client, workers, scheduler, study.run_settings.retries) as ready:
+        if study.optimise is not None:
+            from fem_seal.studies.optimise import optimise
+
+            optimise(study, recipe, store, ready, progress)
+        else:
+            store.set_design(recipe.key(point) for point in study.points)
+            _fill(recipe, store, ready, study, progress)
+    store.describe(last_run_seconds=time.perf_counter() - started)
+
+
+def _fill(recipe: Recipe, store: Store, ready: Pool, study: Study, progress: Progress) -> None:
+    counts = store.counts()
+    progress.begin(len(study.points), len(study.points) - counts["open"])
+    try:
+        for rows in ready.results(recipe, _missing(recipe, store, chunks(recipe, study.points))):
+            keep(store, rows, progress)
+    finally:
+        progress.end()
+
+
+def keep(store: Store, rows: list[Row], progress: Progress) -> None:
+    """Write rows and tell of them."""
+    store.write(rows)
+    progress.advance(len(rows), sum(row.reason is not None for row in rows))
+
+
+def _missing(recipe: Recipe, store: Store, all_chunks: Iterable[Chunk]) -> Iterator[Chunk]:
+    """Chunks without the designs that have a row already."""
+    for chunk in all_chunks:
+        keys = [recipe.key(point) for point in chunk.points]
+        known = store.known(keys)
+        left = [n for n, key in enumerate(keys) if key not in known]
+        if left:
+            yield Chunk(chunk.points[left])
+
+
+def _column_types(study: Study) -> dict[str, str]:
+    return {one.name: "REAL" if one.numeric else "TEXT" for one in study.parameters}
+
+
+def description(study: Study) -> dict[str, Any]:
+    """What a reader of the file has to know about the columns; in JSON's types."""
+    from fem_seal.leakage import nominal_size
+
+    case = study.case
+    return {
+        "format_version": FORMAT_VERSION,
+        "version": __version__,
+        "title": study.title,
+        "inputs": study.names,
+        "parameters": [
+            {
+                "name": one.name,
+                "unit": one.entry.unit,
+                "numeric": one.numeric,
+                "levels": list(one.levels)[:1000],
+                "bounds": list(one.bounds),
+                "distribution": None if one.distribution is None else type(one.distribution).__name__,
+            }
+            for one in study.parameters
+        ],
+        "responses": list(study.responses),
+        "derived": {name: formula.text for name, formula in study.derived.items()},
+        "constraints": {name: one.text for name, one in study.constraints.items()},
+        "goals": {name: formula.text for name, formula in study.goals.items()},
+        "design": {**study.design.model_dump(), "optimise": study.optimise is not None},
+        "standard": study.report.standard,
+        "seal": {
+            "nominal_size": nominal_size(case).size,
+            "gas": getattr(case.fluid, "gas", None) is not None,
+            "fluid": case.fluid.name if case.fluid else None,
+        },
+    }
+
+
+def _keep_fields(study: Study, store: Store, folder: Path) -> None:
+    """Complete results of chosen designs, unless they are there already."""
+    wanted = study.run_settings.keep_fields
+    if wanted == "none":
+        return
+    from fem_seal.pipeline import run
+    from fem_seal.studies.analysis import Designs
+
+    numbers = Designs.read(store).best(1) if wanted == "best" else list(wanted)
+    table = store.table()
+    for number in numbers:
+        place = folder / "designs" / f"{number:06d}"
+        if (
+            number not in table.index
+            or table["status"][number] != "done"
+            or (place / "summary.json").exists()
+        ):
+            continue
+        changes = {
+            one.name: one.entry.written(
+                table[one.name][number].item() if one.numeric else table[one.name][number]
+            )
+            for one in study.parameters
+        }
+        run(study.case.replace(changes)).write(place)

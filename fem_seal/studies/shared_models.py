@@ -1,0 +1,125 @@
+"""One condensation for all designs of equal geometry.
+
+The default mesh follows from roughness and load, so that hardly two designs would have the same. Here the element sizes
+are rounded to powers of the square root of two, to the finer and to the wider side. A design's mesh still depends
+on that design alone and not on its neighbours or their order, but equal geometries now share a few meshes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.condensation import CondensedBody, ContactModel, condense
+from fem_seal.contact_size import element_sizes
+from fem_seal.laws import Law
+from fem_seal.loads import line_load
+from fem_seal.materials import Material
+from meshes import Ball, BallOnCone, ConicalSeat, Sizing, build
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+
+# Steps of the sizes and of the reach in the logarithm to base 2. A longer reach costs few elements: they grow along it.
+_STEP, _REACH_STEP = 0.5, 1.0
+# A model with the displacements of its bodies holds some 20 MB, the condensed one a few hundred kB.
+_FULL_MODELS, _LIGHT_MODELS = 12, 64
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """What a condensation depends on."""
+
+    closure: Ball
+    seat: ConicalSeat
+    sizing: Sizing
+    closure_material: Material
+    seat_material: Material
+
+
+def shared_model(case: Case, law: Law, *, stress: bool) -> ContactModel:
+    """The condensed bodies of a case with one load, from this process's memory if they are known.
+
+    Parameters
+    ----------
+    case : Case
+    law : InterfaceLaw or HardContact
+    stress : bool
+        Whether stresses will be asked for; without them the model takes far less memory.
+    """
+    return _full_model(_bodies(case, law)) if stress else _light_model(_bodies(case, law))
+
+
+def rounded(sizing: Sizing, seat: ConicalSeat, contact: BallOnCone, *, exact_size: bool = False) -> Sizing:
+    """Sizing with rounded numbers: never coarser, never narrower.
+
+    Parameters
+    ----------
+    sizing : Sizing
+    seat : ConicalSeat
+    contact : BallOnCone
+        The zone still ends where the face or the ball ends.
+    exact_size : bool
+        Whether the contact size is the user's own and stays.
+    """
+    lower, upper = seat.face_reach(contact.touch_radius)
+    start, end = (_up(abs(x), _REACH_STEP) for x in sizing.zone)
+    size = sizing.contact_size if exact_size else min(_down(sizing.contact_size, _STEP), sizing.far_size)
+    return replace(
+        sizing,
+        contact_size=size,
+        # a rounded number of elements, so that it brings no meshes of its own beside those of the sizes
+        core=size * _up(sizing.core / size, _STEP),
+        zone=(max(-start, 0.98 * lower), min(end, 0.98 * upper, 0.98 * contact.reach[1])),
+        growth_along=_down(sizing.growth_along, _STEP),
+    )
+
+
+def _bodies(case: Case, law: Law) -> Bodies:
+    from fem_seal.pipeline import axial_forces, geometry
+
+    closure, seat = geometry(case)
+    contact = BallOnCone(closure, seat.angle)
+    loads = [line_load(force, contact.touch_radius, seat.angle) for force in axial_forces(case)]
+    given = case.mesh.contact_size
+    sizing = element_sizes(law, loads, contact, seat, case.effective_modulus, given)
+    return Bodies(
+        closure,
+        seat,
+        rounded(sizing, seat, contact, exact_size=given is not None),
+        _elastic(case.closure.material),
+        _elastic(case.seat.material),
+    )
+
+
+def _elastic(material: Material) -> Material:
+    """What stiffness depends on: materials that differ in hardness or name only are the same body."""
+    return replace(material, name="", source="", hardness=None, yield_stress=None)
+
+
+@lru_cache(maxsize=_FULL_MODELS)
+def _full_model(bodies: Bodies) -> ContactModel:
+    seal_mesh = build(bodies.closure, bodies.seat, bodies.sizing)
+    return condense(seal_mesh, {"closure": bodies.closure_material, "seat": bodies.seat_material})
+
+
+@lru_cache(maxsize=_LIGHT_MODELS)
+def _light_model(bodies: Bodies) -> ContactModel:
+    full = _full_model.__wrapped__(bodies)
+    return replace(full, closure=_without_response(full.closure), seat=_without_response(full.seat))
+
+
+def _without_response(body: CondensedBody) -> CondensedBody:
+    return replace(body, response=np.empty((0, 0)))
+
+
+def _down(size: float, step: float) -> float:
+    return float(2.0 ** (step * math.floor(math.log2(size) / step + 1e-9)))
+
+
+def _up(size: float, step: float) -> float:
+    return float(2.0 ** (step * math.ceil(math.log2(size) / step - 1e-9)))

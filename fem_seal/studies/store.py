@@ -1,0 +1,282 @@
+"""The one file of a study: SQLite, written by the coordinating process alone.
+
+Table `design` says which designs the study has, `point` what came out of each, keyed by a hash of everything that it
+depends on, `about` how the columns are to be read. Every batch of rows is one transaction in the write-ahead log: a
+process that is killed leaves whole rows or none.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fem_seal.errors import InputError, OutputError, Problem
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+FILE = "study.sqlite"
+# Raised when a table changes its meaning.
+FORMAT_VERSION = 1
+_AT_ONCE = 500
+DONE, FAILED = "done", "failed"
+
+
+@dataclass(frozen=True)
+class Row:
+    """What came out of one design.
+
+    Parameters
+    ----------
+    key : str
+        Hash of its full input.
+    inputs : tuple
+        Values of the parameters, SI.
+    outputs : tuple of float or None
+        Responses and derived columns; None where there is none.
+    reason : str or None
+        Why it failed; None if it did not.
+    seconds : float
+        What it took.
+    """
+
+    key: str
+    inputs: tuple[float | str | bool, ...]
+    outputs: tuple[float | None, ...]
+    reason: str | None
+    seconds: float
+
+
+class Store:
+    """An open study file.
+
+    Parameters
+    ----------
+    connection : sqlite3.Connection
+    path : Path
+    inputs, outputs : tuple of str
+        Columns.
+    """
+
+    def __init__(
+        self, connection: sqlite3.Connection, path: Path, inputs: tuple[str, ...], outputs: tuple[str, ...]
+    ) -> None:
+        self._connection = connection
+        self.path = path
+        self.inputs = inputs
+        self.outputs = outputs
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """What was written with `describe`."""
+        return {
+            name: json.loads(text) for name, text in self._connection.execute("SELECT name, text FROM about")
+        }
+
+    def describe(self, **entries: Any) -> None:
+        """Keep facts about the study, replacing those of the same names."""
+        with self._connection:
+            self._connection.executemany(
+                "INSERT OR REPLACE INTO about VALUES (?, ?)",
+                [(name, json.dumps(entry)) for name, entry in entries.items()],
+            )
+
+    def set_design(self, keys: Iterable[str]) -> None:
+        """Make these the designs of the study, in this order; rows that were calculated for others stay in the file."""
+        with self._connection:
+            self._connection.execute("DELETE FROM design")
+            self._connection.executemany("INSERT INTO design VALUES (?, ?)", enumerate(keys))
+
+    def append_design(self, first: int, keys: Sequence[str]) -> None:
+        """Add designs from a number on, replacing those that have the number already."""
+        with self._connection:
+            self._connection.executemany(
+                "INSERT OR REPLACE INTO design VALUES (?, ?)", enumerate(keys, start=first)
+            )
+
+    def known(self, keys: Sequence[str]) -> set[str]:
+        """Those of the keys that have a row."""
+        found: set[str] = set()
+        for start in range(0, len(keys), _AT_ONCE):
+            part = keys[start : start + _AT_ONCE]
+            marks = ",".join("?" * len(part))
+            query = f"SELECT key FROM point WHERE key IN ({marks})"
+            found.update(key for (key,) in self._connection.execute(query, part))
+        return found
+
+    def rows(self, keys: Sequence[str]) -> dict[str, Row]:
+        """Rows of some keys."""
+        columns = ", ".join(
+            ["key", "reason", "seconds", *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
+        )
+        found = {}
+        for start in range(0, len(keys), _AT_ONCE):
+            part = keys[start : start + _AT_ONCE]
+            query = f"SELECT {columns} FROM point WHERE key IN ({','.join('?' * len(part))})"
+            for key, reason, seconds, *values in self._connection.execute(query, part):
+                split = len(self.inputs)
+                found[key] = Row(key, tuple(values[:split]), tuple(values[split:]), reason, seconds)
+        return found
+
+    def write(self, rows: Sequence[Row]) -> None:
+        """Keep rows, all of them or - if the process dies - none."""
+        marks = ",".join("?" * (4 + len(self.inputs) + len(self.outputs)))
+        values = [
+            (row.key, FAILED if row.reason else DONE, row.reason, row.seconds, *row.inputs, *row.outputs)
+            for row in rows
+        ]
+        with self._connection:
+            self._connection.executemany(f"INSERT OR IGNORE INTO point VALUES ({marks})", values)
+
+    def counts(self) -> dict[str, int]:
+        """Designs of the study that are done, failed and open."""
+        query = "SELECT COALESCE(point.status, 'open'), COUNT(*) FROM design LEFT JOIN point USING (key) GROUP BY 1"
+        return {DONE: 0, FAILED: 0, "open": 0, **dict(self._connection.execute(query).fetchall())}
+
+    def reasons(self, most: int = 5) -> list[tuple[str, int]]:
+        """Commonest reasons of failure and how often they occur."""
+        query = (
+            "SELECT reason, COUNT(*) FROM design JOIN point USING (key) WHERE status = 'failed' GROUP BY reason "
+            "ORDER BY 2 DESC LIMIT ?"
+        )
+        return self._connection.execute(query, (most,)).fetchall()
+
+    def solve_seconds(self) -> float:
+        """Time spent on the designs, summed over all workers."""
+        return float(self._connection.execute("SELECT TOTAL(seconds) FROM point").fetchone()[0])
+
+    def table(self) -> pd.DataFrame:
+        """Designs that have a row, in the order of the study: number, status, reason, parameters, outputs."""
+        import pandas as pd
+
+        columns = ", ".join(
+            ["number", "status", "reason", *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
+        )
+        query = f"SELECT {columns} FROM design JOIN point USING (key) ORDER BY number"
+        table = pd.read_sql_query(query, self._connection)
+        outputs = list(self.outputs)
+        table[outputs] = table[outputs].astype(float)
+        return table.set_index("number")
+
+    def close(self) -> None:
+        """Fold the write-ahead log into the file and close it."""
+        self._connection.close()
+
+
+def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Store:
+    """Make or open a study file for writing.
+
+    Parameters
+    ----------
+    path : Path
+    inputs : mapping
+        Column of each parameter and its type in SQL, REAL or TEXT.
+    outputs : sequence of str
+
+    Raises
+    ------
+    InputError
+        If the file holds a study with other columns.
+    OutputError
+        If it cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        connection = _connect(path, "rwc")
+        connection.execute("PRAGMA journal_mode = WAL")
+        # In the write-ahead log this is safe against any death of the process; only a power cut costs the last rows.
+        connection.execute("PRAGMA synchronous = NORMAL")
+        with connection:
+            connection.execute("CREATE TABLE IF NOT EXISTS about (name TEXT PRIMARY KEY, text TEXT NOT NULL)")
+            connection.execute(
+                "CREATE TABLE IF NOT EXISTS design (number INTEGER PRIMARY KEY, key TEXT NOT NULL)"
+            )
+            listed = [f"{_quoted(name)} {kind}" for name, kind in inputs.items()]
+            listed += [f"{_quoted(name)} REAL" for name in outputs]
+            connection.execute(
+                "CREATE TABLE IF NOT EXISTS point (key TEXT PRIMARY KEY, status TEXT NOT NULL, reason TEXT, "
+                f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
+            )
+    except sqlite3.Error as error:
+        raise OutputError(f"{path}: cannot be written ({error})") from error
+    wanted, there = [*inputs, *outputs], _columns(connection)
+    if wanted != there:
+        connection.close()
+        raise InputError(
+            Problem(
+                str(path),
+                f"holds a study with other columns ({', '.join(there)}); choose another folder, or put the study back",
+            )
+        )
+    return Store(connection, path, tuple(inputs), tuple(outputs))
+
+
+def open_to_read(path: Path) -> Store:
+    """Open a study file to read, also while another process writes it.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    try:
+        connection = _connect(path, "rw" if os.access(path.parent, os.W_OK) else "ro")
+        connection.execute("PRAGMA query_only = ON")
+        about = dict(connection.execute("SELECT name, text FROM about"))
+        inputs = tuple(json.loads(about["inputs"]))
+    except (sqlite3.Error, KeyError):
+        raise InputError(
+            Problem(str(path.parent), f"holds no study ({path.name} is missing or no study file)")
+        ) from None
+    return Store(connection, path, inputs, tuple(_columns(connection)[len(inputs) :]))
+
+
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Keep other processes from writing the same study.
+
+    Raises
+    ------
+    InputError
+        If another process writes it.
+    """
+    try:
+        import fcntl
+    except ImportError:  # not on this system: SQLite's own locks still keep the file whole
+        yield
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    # the lock goes with the process, however it ends
+    handle = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(handle)
+        raise InputError(
+            Problem(
+                str(folder),
+                "is being written by another fem-seal process; wait for it or choose another folder",
+            )
+        ) from None
+    try:
+        yield
+    finally:
+        os.close(handle)
+
+
+def _connect(path: Path, mode: str) -> sqlite3.Connection:
+    return sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, timeout=60.0)
+
+
+def _columns(connection: sqlite3.Connection) -> list[str]:
+    return [row[1] for row in connection.execute("PRAGMA table_info(point)")][4:]
+
+
+def _quoted(name: str) -> str:
+    return '"' + name.replace('"', '""') + '"'

@@ -1,0 +1,386 @@
+"""A study: one case turned into many, checked before any of it runs."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from fem_seal.case import Case, load_case
+from fem_seal.case_fields import shown
+from fem_seal.case_messages import problems
+from fem_seal.errors import InputError, Problem
+from fem_seal.studies import designs
+from fem_seal.studies.entries import Value, entry_at, with_open_materials
+from fem_seal.studies.expressions import Constraint, Expression
+from fem_seal.studies.formulas import needed_columns, read_constraints, read_formulas, read_goals
+from fem_seal.studies.parameters import Parameter, read_parameter
+from fem_seal.studies.study_tables import Design, Optimise, Report, Run, StudyTables
+
+if TYPE_CHECKING:
+    from dask.distributed import Client
+
+    from fem_seal.studies.progress import Progress
+    from fem_seal.studies.results import StudyResult
+
+FloatArray = NDArray[np.float64]
+
+# So many designs are built as cases before the study starts; of larger studies the extreme ones and a sample.
+_CHECKED = 300
+
+
+class Study:
+    """One case, the entries that vary, the designs, and what is wanted of each.
+
+    Parameters
+    ----------
+    base : Case, str or path
+        The case that the designs are variants of.
+    **tables
+        The tables of a study file as they stand there: ``changes``, ``parameters``, ``design``, ``responses``,
+        ``derived``, ``constraints``, ``run``, ``report``, ``optimise``, and ``title``.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong with the study or with one of its designs.
+
+    Examples
+    --------
+    >>> study = Study(                                                          # doctest: +SKIP
+    ...     "ball_cone.toml",
+    ...     changes={"load.fluid_pressure": "10 bar"},
+    ...     parameters={"seat.angle": {"start": "30 deg", "stop": "60 deg", "num": 7}},
+    ...     responses=["leak_rate_m3_per_s"],
+    ... )
+    >>> study.run().table                                                       # doctest: +SKIP
+    """
+
+    def __init__(self, base: Case | str | Path, /, **tables: Any) -> None:
+        self._set_up(base, tables, Path.cwd(), None)
+
+    def _set_up(
+        self, base: Case | str | Path, tables: Mapping[str, Any], folder: Path, file: Path | None
+    ) -> None:
+        name = (
+            base if isinstance(base, str) else str(base.file or "") if isinstance(base, Case) else str(base)
+        )
+        read = _read_tables({**tables, "base": name})
+        self.file = file
+        """Study file, None if made in code."""
+        case = base if isinstance(base, Case) else load_case(folder / base)
+        case = _changed(case, read.changes)
+        self._given = dict(tables)
+        self.title: str = read.title or (file.stem if file else case.title)
+        self.design: Design = read.design
+        self.run_settings: Run = read.run
+        self.report: Report = read.report
+        self.optimise: Optimise | None = read.optimise
+        self.parameters: tuple[Parameter, ...]
+        self.points: FloatArray
+        """Designs, shape (designs, parameters), as the numbers of `Parameter.value`; none of an optimisation."""
+        self._read_points(with_open_materials(case, list(read.parameters)), read, folder)
+        self.derived: dict[str, Expression] = read_formulas(self, read.derived, read.responses)
+        self.constraints: dict[str, Constraint] = read_constraints(self, read.constraints, read.responses)
+        self.goals: dict[str, Expression]
+        """What is minimised: the goals of the optimisation, or of the report; large ones with a minus sign."""
+        self.goals = read_goals(self, read)
+        self.responses: tuple[str, ...] = needed_columns(self, read.responses)
+        """Columns of leak.csv that are calculated."""
+        self._check_designs()
+
+    def _read_points(self, case: Case, read: StudyTables, folder: Path) -> None:
+        self.case = case
+        """The base case with the study's changes."""
+        design = read.design
+        if design.kind == "list":
+            if read.parameters or read.optimise:
+                key = "parameters" if read.parameters else "optimise"
+                raise InputError(
+                    Problem(key, 'not with design.kind = "list", whose CSV file names the designs; remove it')
+                )
+            if design.file is None:
+                raise InputError(
+                    Problem("design.file", 'is missing; kind = "list" takes its designs from a CSV file')
+                )
+            heading = _first_row(folder / design.file)
+            self.case = with_open_materials(case, heading)
+            self.parameters, self.points = designs.read_list(folder / design.file, self.case)
+            self.parameters = tuple(_placed(one, folder) for one in self.parameters)
+        else:
+            self.parameters = _read_parameters(case, read.parameters, folder)
+            _check_design(design, self.parameters, read.optimise is not None)
+            nothing = np.empty((0, len(self.parameters)))
+            self.points = nothing if read.optimise else designs.points(design, self.parameters)
+        self._check_loads()
+
+    def _check_loads(self) -> None:
+        pressures = self.case.load.fluid_pressure
+        if len(pressures) > 1 and "load.fluid_pressure" not in self.names:
+            raise InputError(
+                Problem(
+                    "base",
+                    f"has {len(pressures)} fluid pressures, a design has one: write [changes] "
+                    '"load.fluid_pressure" = "10 bar", or make it a parameter',
+                )
+            )
+
+    @property
+    def names(self) -> list[str]:
+        """Paths of the parameters."""
+        return [one.name for one in self.parameters]
+
+    @property
+    def output_names(self) -> list[str]:
+        """Names of all columns that follow from a design."""
+        return [*self.responses, *self.derived]
+
+    def values(self, point: Sequence[float] | FloatArray) -> dict[str, Value]:
+        """Value of each parameter in a design, SI, texts as they are."""
+        return {one.name: one.value(number) for one, number in zip(self.parameters, point, strict=True)}
+
+    def changes(self, point: Sequence[float] | FloatArray) -> dict[str, Any]:
+        """Entries of the case in a design, as they would be written in a case file."""
+        return {
+            one.name: one.entry.written(one.value(number))
+            for one, number in zip(self.parameters, point, strict=True)
+        }
+
+    def case_of(self, point: Sequence[float] | FloatArray) -> Case:
+        """The case of a design.
+
+        Raises
+        ------
+        InputError
+            If the design contradicts itself.
+        """
+        return self.case.replace(self.changes(point))
+
+    @cached_property
+    def written(self) -> dict[str, Any]:
+        """The tables of the study as they were given."""
+        return dict(self._given)
+
+    def run(
+        self,
+        client: Client | None = None,
+        *,
+        folder: str | Path | None = None,
+        workers: int | None = None,
+        resume: bool = False,
+        progress: Progress | None = None,
+    ) -> StudyResult:
+        """Calculate all designs that are not calculated yet.
+
+        Parameters
+        ----------
+        client : dask.distributed.Client, optional
+            Cluster that calculates; a local one is made and closed unless given.
+        folder : path, optional
+            Where the designs are kept; a temporary folder that goes with the result unless given.
+        workers : int, optional
+            Processes of the local cluster; one per core unless given.
+        resume : bool
+            Whether `folder` may hold designs of this study already, which are then not calculated again.
+        progress : Progress, optional
+            Told how far it is.
+
+        Returns
+        -------
+        StudyResult
+            With the designs in `.table`.
+        """
+        from fem_seal.studies.session import run_study
+
+        return run_study(self, client, folder=folder, workers=workers, resume=resume, progress=progress)
+
+    def _check_designs(self) -> None:
+        if self.design.invalid == "skip":
+            return
+        for number in self._telling_designs():
+            point = self.points[number]
+            try:
+                self.case_of(point)
+            except InputError as error:
+                found = error.problems[0]
+                listed = ", ".join(f"{name} = {shown(value)}" for name, value in self.changes(point).items())
+                raise InputError(
+                    Problem(
+                        "design",
+                        f"design {number} ({listed}) is no valid case: {found}. Change the values, or set "
+                        'design.invalid = "skip" to leave such designs out',
+                    )
+                ) from None
+
+    def _telling_designs(self) -> Iterator[int]:
+        """Designs that are built before the study starts: all of a small one, else extremes, corners and a sample."""
+        count = len(self.points)
+        if count <= _CHECKED:
+            yield from range(count)
+            return
+        span = np.ptp(self.points, axis=0)
+        place = (self.points - self.points.min(axis=0)) / np.where(span > 0, span, 1.0)
+        chosen = {*place.argmin(axis=0).tolist(), *place.argmax(axis=0).tolist()}
+        dimensions = min(place.shape[1], 6)
+        for corner in np.ndindex(*([2] * dimensions)):
+            signs = 2.0 * np.array(corner) - 1.0
+            chosen.add(int(np.argmax(place[:, :dimensions] @ signs)))
+        chosen.update(np.linspace(0, count - 1, _CHECKED // 2).astype(int).tolist())
+        yield from sorted(chosen)
+
+
+def load_study(path: str | Path) -> Study:
+    """Read and check a study file.
+
+    Parameters
+    ----------
+    path : path
+        TOML file. The base case and other files named in it are looked for beside it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or anything in it, or in one of the designs, is wrong.
+    """
+    path = Path(path)
+    tables = _read_file(path)
+    base = tables.pop("base", None)
+    try:
+        if not isinstance(base, str):
+            what = "is missing" if base is None else "must be a text"
+            raise InputError(Problem("base", f'{what}; write base = "ball_cone.toml", the case to vary'))
+        study = Study.__new__(Study)
+        study._set_up(base, tables, path.absolute().parent, path)
+    except InputError as error:
+        raise error.in_file(error.file or path) from None
+    return study
+
+
+def _read_file(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except UnicodeDecodeError:
+        message = "is not a text file; a study file in TOML is needed"
+    except tomllib.TOMLDecodeError as error:
+        message = f"is not valid TOML: {error}"
+    except RecursionError:
+        message = "is not a study file: nested too deeply"
+    except (OSError, ValueError) as error:
+        message = f"cannot be read ({(getattr(error, 'strerror', None) or 'not a file name').lower()})"
+    raise InputError(Problem("", message), file=path)
+
+
+def _read_tables(tables: dict[str, Any]) -> StudyTables:
+    given = {
+        name: _dotted(value) if name in ("changes", "parameters") else value for name, value in tables.items()
+    }
+    try:
+        return StudyTables(**{name: _as_tuple(value) for name, value in given.items()})
+    except ValidationError as error:
+        raise InputError(*problems(error, StudyTables)) from None
+
+
+def _as_tuple(value: Any) -> Any:
+    """Lists become tuples where tables are read strictly."""
+    if isinstance(value, dict):
+        return {key: tuple(entry) if isinstance(entry, list) else entry for key, entry in value.items()}
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _dotted(table: Any) -> Any:
+    """Paths as one key each: ``seat.angle = ...`` without quotes is a nested table in TOML."""
+    if not isinstance(table, dict):
+        return table
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        if isinstance(value, dict) and not set(value) & {"start", "stop", "num", "distribution"}:
+            nested = _dotted(value)
+            flat.update(
+                {f"{key}.{name}": entry for name, entry in nested.items()} if nested else {key: value}
+            )
+        else:
+            flat[key] = value
+    return flat
+
+
+def _changed(case: Case, changes: Mapping[str, Any]) -> Case:
+    if not changes:
+        return case
+    plain = {key: list(value) if isinstance(value, tuple) else value for key, value in changes.items()}
+    try:
+        return with_open_materials(case, list(plain)).replace(plain)
+    except InputError as error:
+        found = error.problems[0]
+        raise InputError(Problem(f"changes.{found.key}", found.message, found.value)) from None
+
+
+def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tuple[Parameter, ...]:
+    read = []
+    for path, value in given.items():
+        try:
+            entry = entry_at(case, path)
+        except InputError as error:
+            found = error.problems[0]
+            raise InputError(Problem(f"parameters.{path}", found.message)) from None
+        read.append(_placed(read_parameter(entry, value), folder))
+    return tuple(read)
+
+
+def _placed(parameter: Parameter, folder: Path) -> Parameter:
+    """Files that a parameter names are looked for beside the study file."""
+    if not parameter.name.endswith(".file"):
+        return parameter
+    return Parameter(parameter.entry, tuple(str(folder / str(level)) for level in parameter.levels))
+
+
+def _check_design(design: Design, parameters: tuple[Parameter, ...], optimise: bool) -> None:
+    if not parameters:
+        raise InputError(
+            Problem("parameters", 'is empty; name what varies, such as "seat.angle" = ["30 deg", "45 deg"]')
+        )
+    if design.file is not None:
+        raise InputError(Problem("design.file", 'only with kind = "list"; remove it', shown(design.file)))
+    if optimise:
+        return
+    if design.kind == "grid":
+        spread = [one.name for one in parameters if one.distribution is not None]
+        if spread:
+            raise InputError(
+                Problem(
+                    f"parameters.{spread[0]}",
+                    'is a distribution, which has no levels; write a list or a range, or design.kind = "sobol"',
+                )
+            )
+        if design.num is not None:
+            raise InputError(
+                Problem("design.num", "a grid has as many designs as its levels make; remove it")
+            )
+        return
+    if design.num is None:
+        raise InputError(
+            Problem("design.num", f'is missing; kind = "{design.kind}" needs a number of designs')
+        )
+    for one in parameters:
+        if one.distribution is None and one.numeric:
+            low, high = (one.entry.written(bound) for bound in one.bounds)
+            raise InputError(
+                Problem(
+                    f"parameters.{one.name}",
+                    f'has levels, but kind = "{design.kind}" draws from distributions; write {{ distribution = '
+                    f'"uniform", low = {shown(low)}, high = {shown(high)} }}, or design.kind = "grid"',
+                )
+            )
+
+
+def _first_row(path: Path) -> list[str]:
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            return [cell.split("[")[0].strip() for cell in file.readline().split(",")]
+    except (OSError, UnicodeDecodeError):
+        return []

@@ -1,0 +1,564 @@
+"""Design studies: which designs, what comes out, that nothing is lost, that mistakes are named before work starts."""
+
+import json
+import math
+import re
+import sqlite3
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import fem_seal
+from fem_seal import InputError, Study, load_study, pipeline
+from fem_seal.studies import designs, store, work
+from fem_seal.studies.analysis import pareto_front
+from fem_seal.studies.distributions import LogNormal, Normal
+from fem_seal.studies.evaluate import FAST, responses
+from fem_seal.studies.expressions import Constraint, Expression, ExpressionError
+from fem_seal.studies.session import run_study
+from fem_seal.studies.study_tables import Design
+from fem_seal.tables import leak_rows
+
+CASE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"
+
+# Coarse elements and an exponential law: the tests are about studies, not about contact.
+COARSE = {"mesh.contact_size": "60 um", "load.fluid_pressure": "10 bar"}
+
+
+LIST = f"""
+base = "{CASE}"
+changes = {{ load.fluid_pressure = "10 bar" }}
+design = {{ kind = "list", file = "designs.csv" }}
+"""
+
+
+def small(**tables):
+    """A study of six designs that takes a second."""
+    given = {
+        "changes": COARSE,
+        "parameters": {
+            "roughness.spectrum.rms_height": ["1 um", "2 um", "3 um"],
+            "load.axial_force": ["0 N", "100 N"],
+        },
+        "responses": ["peak_pressure_Pa", "leak_rate_m3_per_s"],
+    }
+    return Study(CASE, **{**given, **tables})
+
+
+@pytest.fixture(scope="module")
+def calculated(tmp_path_factory):
+    study = small(
+        derived={"slimness": "peak_pressure_Pa / leak_rate_m3_per_s"},
+        constraints={
+            "tight": 'leak_rate_m3_per_s < "0.5 ml/s"',
+            "half": "roughness.spectrum.rms_height < 2.5e-6",
+        },
+        report={"goals": {"leak_rate_m3_per_s": "min", "peak_pressure_Pa": "min"}},
+    )
+    return study, run_study(study, folder=tmp_path_factory.mktemp("study"), workers=0)
+
+
+# ---------------------------------------------------------------- expressions
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("2 * a - b ** 2 / 4", 2 * 3.0 - 4.0),
+        ("max(a, b, 7) + sqrt(b * b)", 11.0),
+        ("seat.angle * 180 / pi", 45.0),
+        ('a / "1 mm"', 3000.0),
+        ('"6 ml/min" * 1e6', 0.1),
+        ("-log10(1000) + abs(-1)", -2.0),
+    ],
+)
+def test_expressions_calculate(text, value):
+    names = {"a": 3.0, "b": 4.0, "seat.angle": math.pi / 4}
+    assert Expression(text)(names) == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "__import__('os').system('true')",
+        "(lambda: 1)()",
+        "[a for a in (1, 2)]",
+        "a.__class__()",
+        "a[0]",
+        "a if a else 1",
+        "a and b",
+        "f'{a}'",
+        "max(a)",
+        "sqrt(a, a)",
+        "sqrt(x=1)",
+        "a < 1",
+        "'20 parsec'",
+        "1 +",
+        "a := 2",
+        "True + 1",
+        "1j",
+        "(" * 240 + "1" + ")" * 240,
+        "-" * 100 + "1",
+        "a" * 600,
+        "1e400 ** 'x'",
+    ],
+)
+def test_expressions_refuse_everything_else(text):
+    with pytest.raises(ExpressionError):
+        Expression(text)
+
+
+def test_undefined_is_nan_and_meets_nothing():
+    assert math.isnan(Expression("1 / a")({"a": 0.0}))
+    assert math.isnan(Expression("log(a)")({"a": -1.0}))
+    assert math.isnan(Expression("a ** 1000 ** 1000")({"a": 10.0}))
+    assert not Constraint("1 / a < 5").met({"a": 0.0})
+    assert Constraint("1 / a < 5").violation({"a": 0.0}) == math.inf
+
+
+def test_violation_is_relative_and_changes_sign():
+    limit = Constraint('stress < "1 GPa"')
+    assert limit.violation({"stress": 2e9}) == pytest.approx(0.5)
+    assert limit.violation({"stress": 0.5e9}) == pytest.approx(-0.5)
+
+
+# ---------------------------------------------------------------- which designs
+
+
+def test_grid_has_every_combination_the_last_parameter_fastest():
+    study = small()
+    heights, forces = study.points.T
+    assert heights.tolist() == [1e-6, 1e-6, 2e-6, 2e-6, 3e-6, 3e-6]
+    assert forces.tolist() == [0, 100] * 3
+
+
+def test_ranges_are_linear_or_logarithmic():
+    study = small(
+        parameters={
+            "roughness.spectrum.rms_height": {"start": "1 um", "stop": "4 um", "num": 3, "spacing": "log"},
+            "seat.angle": {"start": "30 deg", "stop": "60 deg", "num": 4},
+        }
+    )
+    assert study.parameters[0].levels == pytest.approx((1e-6, 2e-6, 4e-6), rel=1e-14)
+    assert np.degrees(study.parameters[1].levels) == pytest.approx([30, 40, 50, 60], rel=1e-14)
+
+
+@pytest.mark.parametrize("kind", ["latin-hypercube", "sobol"])
+def test_samples_follow_their_distributions(kind):
+    study = small(
+        parameters={
+            "seat.material.hardness": {"distribution": "lognormal", "median": "3 GPa", "relative": 0.1},
+            "fluid.viscosity": {"distribution": "normal", "mean": "1 mPa s", "std": "0.05 mPa s"},
+            "load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "100 N"},
+        },
+        design={"kind": kind, "num": 1024, "seed": 3},
+    )
+    hardness, viscosity, force = study.points.T
+    # stratified samples: means are far better than 1/sqrt(1024); 4 sigma cut off changes them by less than 1e-4
+    assert np.log(hardness).mean() == pytest.approx(math.log(3e9), abs=1e-3)
+    assert np.log(hardness).std() == pytest.approx(0.1, rel=0.02)
+    assert viscosity.mean() == pytest.approx(1e-3, rel=1e-3)
+    assert viscosity.std() == pytest.approx(5e-5, rel=0.02)
+    assert (force.min() >= 0, force.max() <= 100, force.mean()) == (True, True, pytest.approx(50, rel=5e-3))
+    again = small(parameters=study.written["parameters"], design={"kind": kind, "num": 1024, "seed": 3})
+    assert np.array_equal(again.points, study.points)
+
+
+def test_distributions_end_where_they_say():
+    for one in (Normal(5.0, 1.0), LogNormal(5.0, 0.2)):
+        low, high = one.quantile(np.array([0.0, 1.0]))
+        assert (low, high) == pytest.approx(one.bounds)
+        assert one.quantile(np.array([0.5]))[0] == pytest.approx(5.0)
+
+
+def test_sensitivity_designs_have_the_size_of_their_method():
+    for kind, count in (("sobol-sensitivity", 8 * (2 + 2)), ("morris", 8 * (2 + 1))):
+        assert designs.unit_points(Design(kind=kind, num=8), 2).shape == (count, 2)
+
+
+def test_list_of_designs_from_csv(tmp_path):
+    (tmp_path / "designs.csv").write_text(
+        "seat.angle [deg],roughness.spectrum.rms_height,leak.conductivity\n"
+        "30,1.5 um,bruggeman\n45,2 um,critical-junction\n30,2 um,bruggeman\n"
+    )
+    (tmp_path / "study.toml").write_text(LIST)
+    study = load_study(tmp_path / "study.toml")
+    values = [study.values(point) for point in study.points]
+    assert [value["leak.conductivity"] for value in values] == ["bruggeman", "critical-junction", "bruggeman"]
+    assert study.case_of(study.points[1]).seat.angle == pytest.approx(math.pi / 4, rel=1e-15)
+    assert study.case_of(study.points[0]).roughness.spectrum.rms_height == 1.5e-6
+
+
+def test_a_part_of_a_library_material_can_be_varied():
+    study = small(parameters={"closure.material.youngs_modulus": ["200 GPa", "220 GPa"]})
+    assert study.case_of(study.points[1]).closure.material.youngs_modulus == 220e9
+    assert study.case_of(study.points[1]).closure.material.poissons_ratio == 0.3
+
+
+# ---------------------------------------------------------------- mistakes
+
+
+@pytest.mark.parametrize(
+    ("tables", "named"),
+    [
+        ({"parameters": {"seat.angel": ["30 deg"]}}, ["seat.angel", "seat.angle"]),
+        ({"parameters": {"seat.angle": ["30 mm"]}}, ["seat.angle", '"30 mm"', "angle with its unit"]),
+        ({"parameters": {"seat.angle": [30]}}, ["seat.angle", "30", "no unit"]),
+        ({"parameters": {"seat.angle": ["95 deg"]}}, ["seat.angle", "95 deg", "below 90 deg"]),
+        ({"parameters": {"seat.angle": ["30 deg", "30 deg"]}}, ["seat.angle", "twice"]),
+        ({"parameters": {"seat.angle": []}}, ["seat.angle", "0 values"]),
+        ({"parameters": {}}, ["parameters", "empty"]),
+        ({"parameters": {"seat.angle": "30 deg"}}, ["seat.angle", "[changes]"]),
+        ({"parameters": {"output.folder": ["a"]}}, ["output.folder", "no entry"]),
+        ({"parameters": {"interface.p_c": ["1 GPa"]}}, ["interface.p_c", "exponential"]),
+        ({"parameters": {"seat.bore_radius": ["18 mm"]}}, ["design 0", "seat.bore_radius", "does not touch"]),
+        ({"parameters": {"seat.angle": {"start": "30 deg", "num": 3}}}, ["seat.angle", "lacks stop"]),
+        (
+            {"parameters": {"seat.angle": {"start": "60 deg", "stop": "30 deg", "num": 3}}},
+            ["seat.angle.start", "below stop"],
+        ),
+        ({"design": {"kind": "sobl"}}, ["design.kind", "sobl", '"sobol"']),
+        ({"design": {"kind": "sobol"}}, ["design.num", "missing"]),
+        ({"design": {"kind": "sobol", "num": 0}}, ["design.num", "out of range"]),
+        ({"design": {"kind": "sobol", "num": 4}}, ["levels", "distribution"]),
+        ({"design": {"kind": "list"}}, ["not with design.kind"]),
+        ({"design": {"knd": "grid"}}, ["design.knd", "kind"]),
+        ({"responses": ["leak_rate"]}, ["responses", "leak_rate_m3_per_s"]),
+        ({"responses": ["fwhm_m", "fwhm_m"]}, ["responses", "twice"]),
+        ({"responses": ["leak_rate_low_m3_per_s"]}, ["responses", "[uncertainty]"]),
+        ({"derived": {"fwhm_m": "1"}}, ["derived.fwhm_m", "another column"]),
+        ({"derived": {"a": "1", "A": "2"}}, ["derived.A", "another column"]),
+        ({"derived": {"a b": "1"}}, ["derived.a b", "word"]),
+        ({"derived": {"a": "leak_rat_m3_per_s"}}, ["derived.a", "leak_rate_m3_per_s"]),
+        ({"derived": {"a": "open('x')"}}, ["derived.a", "unknown function"]),
+        ({"constraints": {"a": "fwhm_m"}}, ["constraints.a", "no constraint"]),
+        ({"report": {"goals": {"nothing": "min"}}}, ["report.goals.nothing"]),
+        ({"changes": {}}, ["20 fluid pressures", "[changes]"]),
+        ({"changes": {"load.fluid_presure": "1 bar"}}, ["changes.load.fluid_presure", "fluid_pressure"]),
+        ({"optimise": {}}, ["optimise.minimise", "missing"]),
+        ({"bogus": 1}, ["bogus", "known keys"]),
+    ],
+)
+def test_mistakes_are_named_before_any_work(tables, named):
+    with pytest.raises(InputError) as error:
+        small(**tables)
+    for words in named:
+        assert words in str(error.value)
+
+
+def test_a_distribution_that_leaves_the_range_of_its_entry():
+    wide = {"seat.angle": {"distribution": "normal", "mean": "80 deg", "std": "5 deg"}}
+    with pytest.raises(InputError, match=r"seat\.angle.*reaches.*below 90 deg"):
+        small(parameters=wide, design={"kind": "sobol", "num": 4})
+
+
+def test_mistakes_in_files_name_the_file(tmp_path):
+    (tmp_path / "study.toml").write_text('base = "no.toml"')
+    with pytest.raises(InputError, match=r"no\.toml.*cannot be read"):
+        load_study(tmp_path / "study.toml")
+    (tmp_path / "study.toml").write_text("title = 'x'")
+    with pytest.raises(InputError, match=r"study\.toml: base: is missing"):
+        load_study(tmp_path / "study.toml")
+    header = "seat.angle [deg],seat.angle [rad]\n1,1\n"
+    for content, words in (
+        (header, "two columns seat.angle"),
+        ("seat.angle [deg]\n", "no designs"),
+        ("seat.angle [mm]\n3\n", "row 2"),
+        ("seat.angle [deg]\n3,4\n", "row 2 has 2 cells"),
+    ):
+        (tmp_path / "designs.csv").write_text(content)
+        (tmp_path / "study.toml").write_text(LIST)
+        with pytest.raises(InputError, match=words):
+            load_study(tmp_path / "study.toml")
+
+
+# ---------------------------------------------------------------- what comes out
+
+
+def test_fast_way_gives_the_numbers_of_a_complete_run():
+    case = fem_seal.load_case(CASE).replace({"load.fluid_pressure": "10 bar"})
+    fast = responses(case, tuple(FAST))
+    complete = leak_rows(pipeline.run(case))[0]
+    for name, value in fast.items():
+        # another mesh, both within 2e-4 of the limit of small elements; the stress is a maximum over nodes
+        tolerance = 1e-2 if name == "max_von_mises_Pa" else 2e-4
+        assert value == pytest.approx(complete[name], rel=tolerance), name
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"roughness.spectrum.rms_height": "0.5 um"},
+        {"roughness.spectrum.rms_height": "4.5 um", "load.fluid_pressure": "2 bar"},
+        {"seat.material.hardness": "1.7 GPa", "load.fluid_pressure": "45 bar"},
+        {"leak.conductivity": "critical-junction"},
+    ],
+)
+def test_interpolated_surfaces_are_good_to_some_parts_in_ten_thousand(changes):
+    case = fem_seal.load_case(CASE).replace({**COARSE, **changes})
+    columns = ("leak_rate_m3_per_s", "leak_rate_elastic_m3_per_s")
+    shared, alone = (responses(case, columns, interpolate=way) for way in (True, False))
+    assert shared["leak_rate_m3_per_s"] == pytest.approx(alone["leak_rate_m3_per_s"], rel=5e-4)
+    # elastic asperities scale exactly; what is left are the points of the tables
+    assert shared["leak_rate_elastic_m3_per_s"] == pytest.approx(
+        alone["leak_rate_elastic_m3_per_s"], rel=3e-5
+    )
+
+
+def test_rows_do_not_depend_on_order_or_neighbours(calculated):
+    study, result = calculated
+    recipe = work.Recipe.of(study)
+    for number in (4, 0, 3):
+        (row,) = work.calculate(recipe, work.Chunk(study.points[number : number + 1]))
+        assert row.outputs == tuple(result.table.loc[number, study.output_names])
+
+
+def test_derived_columns_and_constraints(calculated):
+    _, result = calculated
+    table = result.table
+    assert (table["slimness"] == table["peak_pressure_Pa"] / table["leak_rate_m3_per_s"]).all()
+    assert table["half"].tolist() == [True] * 4 + [False] * 2
+    assert (table["tight"] == (table["leak_rate_m3_per_s"] < 0.5e-6)).all()
+    best = result.best()
+    assert best["half"].all()
+    assert best["leak_rate_m3_per_s"].is_monotonic_increasing
+    assert best["peak_pressure_Pa"].is_monotonic_decreasing
+
+
+def test_pareto_front_by_its_definition():
+    goals = np.random.default_rng(5).integers(0, 9, (60, 2)).astype(float)
+    beaten = [any(np.all(b <= a) and np.any(b < a) for b in goals) for a in goals]
+    assert pareto_front(goals).tolist() == [not one for one in beaten]
+
+
+def test_a_failed_design_is_a_row_with_its_reason(tmp_path):
+    study = small(
+        parameters={"seat.bore_radius": ["10 mm", "18 mm"]}, design={"invalid": "skip"}, responses=["fwhm_m"]
+    )
+    result = run_study(study, folder=tmp_path, workers=0)
+    assert result.counts == {"done": 1, "failed": 1, "open": 0}
+    assert "does not touch" in result.table.loc[1, "reason"]
+    assert math.isnan(result.table.loc[1, "fwhm_m"])
+    assert "1 failed" in result.report().read_text()
+
+
+def test_designs_are_grouped_by_bodies_then_surfaces():
+    study = small(
+        parameters={
+            "load.axial_force": {"start": "0 N", "stop": "90 N", "num": 10},
+            "roughness.spectrum.rms_height": ["1 um", "2 um"],
+            "seat.angle": ["40 deg", "50 deg"],
+        }
+    )
+    every = np.vstack([chunk.points for chunk in work.chunks(work.Recipe.of(study), study.points)])
+    assert sorted(map(tuple, every)) == sorted(map(tuple, study.points))
+    assert np.count_nonzero(np.diff(every[:, 2])) == 1
+    assert np.count_nonzero(np.diff(every[:, 1])) == 3
+
+
+def test_keys_depend_on_everything_and_on_nothing_else(tmp_path):
+    study = small()
+    key = work.Recipe.of(study).key(study.points[1])
+    assert work.Recipe.of(small()).key(study.points[1]) == key
+    turned = small(parameters=dict(reversed(list(study.written["parameters"].items()))))
+    assert work.Recipe.of(turned).key(study.points[1][::-1]) == key
+    others = [
+        small(changes={**COARSE, "fluid.viscosity": "2 mPa s"}),
+        small(responses=["fwhm_m"]),
+        small(run={"interpolate_surfaces": False}),
+    ]
+    assert all(work.Recipe.of(one).key(study.points[1]) != key for one in others)
+    assert work.Recipe.of(study).key(study.points[2]) != key
+
+
+# ---------------------------------------------------------------- storage
+
+
+def test_resuming_calculates_only_what_is_missing(tmp_path, monkeypatch):
+    study = small()
+    whole = run_study(study, folder=tmp_path / "whole", workers=0).table
+
+    class Interrupted(Exception):
+        pass
+
+    def dying(recipe, chunk, done=[]):  # noqa: B006
+        done.append(1)
+        if len(done) > 3:
+            raise Interrupted
+        return work.calculate(recipe, chunk)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("fem_seal.studies.pools.calculate", dying)
+        with pytest.raises(Interrupted):
+            run_study(study, folder=tmp_path / "part", workers=0)
+    kept = fem_seal.StudyResult(tmp_path / "part")
+    assert kept.counts == {"done": 3, "failed": 0, "open": 3}
+    with pytest.raises(InputError, match="--resume"):
+        run_study(study, folder=tmp_path / "part", workers=0)
+    calls = []
+    monkeypatch.setattr(
+        "fem_seal.studies.pools.calculate", lambda r, c: calls.append(len(c.points)) or work.calculate(r, c)
+    )
+    resumed = run_study(study, folder=tmp_path / "part", workers=0, resume=True)
+    assert sum(calls) == 3
+    pd.testing.assert_frame_equal(resumed.table, whole, check_exact=True)
+
+
+def test_a_larger_study_uses_the_rows_that_are_there(tmp_path):
+    run_study(small(), folder=tmp_path, workers=0)
+    larger = small(
+        parameters={
+            "roughness.spectrum.rms_height": ["1 um", "2 um", "3 um"],
+            "load.axial_force": ["100 N", "200 N"],
+        }
+    )
+    result = run_study(larger, folder=tmp_path, workers=0, resume=True)
+    assert len(result.table) == 6
+    with sqlite3.connect(tmp_path / store.FILE) as file:
+        assert file.execute("SELECT COUNT(*) FROM point").fetchone() == (9,)
+
+
+def test_another_study_is_not_mixed_in(tmp_path):
+    run_study(small(), folder=tmp_path, workers=0)
+    with pytest.raises(InputError, match="other columns"):
+        run_study(small(responses=["fwhm_m"]), folder=tmp_path, workers=0, resume=True)
+    with store.alone(tmp_path), pytest.raises(InputError, match="another fem-seal process"):
+        run_study(small(), folder=tmp_path, workers=0, resume=True)
+
+
+def test_exports_hold_the_table(calculated, tmp_path):
+    xr = pytest.importorskip("xarray")
+    _, result = calculated
+    csv = pd.read_csv(result.export(tmp_path / "t.csv"), index_col="number")
+    parquet = pd.read_parquet(result.export(tmp_path / "t.parquet"))
+    assert csv["leak_rate_m3_per_s"].tolist() == result.table["leak_rate_m3_per_s"].tolist()
+    pd.testing.assert_frame_equal(parquet, result.table, check_dtype=False)
+    with xr.open_dataset(result.export(tmp_path / "t.nc")) as data:
+        assert dict(data.sizes) == {"roughness.spectrum.rms_height": 3, "load.axial_force": 2}
+        cell = data["leak_rate_m3_per_s"].sel(
+            {"roughness.spectrum.rms_height": 2e-6, "load.axial_force": 100.0}
+        )
+        assert float(cell) == result.table.loc[3, "leak_rate_m3_per_s"]
+        assert data["load.axial_force"].attrs["units"] == "N"
+    with pytest.raises(InputError, match=r"\.csv, \.parquet, \.nc"):
+        result.export(tmp_path / "t.xls")
+
+
+# ---------------------------------------------------------------- page, search, command line
+
+
+def test_the_page_needs_nothing_but_itself(calculated):
+    _, result = calculated
+    text = result.report().read_text()
+    # the plotting library itself holds addresses of maps, which nothing on the page asks for
+    page = re.sub(r"<script>/\*\*.*?</script>", "", text, count=1, flags=re.DOTALL)
+    assert len(text) - len(page) > 1e6
+    assert not re.search(r"(?:src|href)\s*=", page)
+    for heading in (
+        "Best designs",
+        "Pareto front",
+        "Map",
+        "Responses over parameters",
+        "All designs",
+        "Leakage classes",
+    ):
+        assert f"<h2>{heading}</h2>" in page
+
+
+def test_sensitivity_finds_the_parameter_that_matters(tmp_path):
+    study = small(
+        parameters={
+            "fluid.viscosity": {"distribution": "lognormal", "median": "1 mPa s", "relative": 0.3},
+            "load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "1 N"},
+        },
+        design={"kind": "sobol-sensitivity", "num": 64},
+        responses=["leak_rate_m3_per_s"],
+    )
+    result = run_study(study, folder=tmp_path, workers=0)
+    from fem_seal.studies.analysis import Designs
+    from fem_seal.studies.sensitivity import sensitivities
+
+    file = store.open_to_read(tmp_path / store.FILE)
+    (found,) = sensitivities(Designs.read(file))
+    file.close()
+    # Q goes like 1/viscosity, and one newton in six hundred does nothing
+    assert found.total[0] == pytest.approx(1, abs=0.1)
+    assert abs(found.total[1]) < 0.01
+    assert "Sensitivity of leak_rate" in result.report().read_text()
+
+
+def search(**optimise):
+    return small(
+        parameters={
+            "load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "400 N"},
+            "interface.law": ["persson"],
+        },
+        constraints={"soft": 'peak_pressure_Pa < "35 MPa"'},
+        optimise={"minimise": "leak_rate_m3_per_s", "trials": 10, "batch": 3, **optimise},
+    )
+
+
+def test_a_search_stays_within_its_constraint_and_resumes(tmp_path, monkeypatch):
+    whole = run_study(search(), folder=tmp_path / "whole", workers=0)
+    best = whole.best(1).iloc[0]
+    assert best["peak_pressure_Pa"] < 35e6
+    feasible = whole.table[whole.table["soft"]]
+    assert best["leak_rate_m3_per_s"] == feasible["leak_rate_m3_per_s"].min()
+
+    class Interrupted(Exception):
+        pass
+
+    def dying(recipe, chunk, done=[]):  # noqa: B006
+        done.append(1)
+        if len(done) > 4:
+            raise Interrupted
+        return work.calculate(recipe, chunk)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("fem_seal.studies.pools.calculate", dying)
+        with pytest.raises(Interrupted):
+            run_study(search(), folder=tmp_path / "part", workers=0)
+    resumed = run_study(search(), folder=tmp_path / "part", workers=0, resume=True)
+    pd.testing.assert_frame_equal(resumed.table, whole.table, check_exact=True)
+    with pytest.raises(InputError, match="search for something else"):
+        run_study(search(seed=2), folder=tmp_path / "part", workers=0, resume=True)
+
+
+def test_command_line(tmp_path, capsys):
+    from fem_seal.cli import main
+
+    (tmp_path / "study.toml").write_text(
+        f'base = "{CASE}"\nresponses = ["peak_pressure_Pa"]\n'
+        '[changes]\nload.fluid_pressure = "10 bar"\nmesh.contact_size = "60 um"\n'
+        '[parameters]\nload.axial_force = ["0 N", "100 N"]\n[report]\ngoals = { peak_pressure_Pa = "min" }\n'
+    )
+    folder = tmp_path / "out"
+    arguments = ["study", str(tmp_path / "study.toml"), "-o", str(folder), "--workers", "0", "--json"]
+    assert main(arguments) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["done"], told["failed"], told["best"][0]["load.axial_force"]) == (2, 0, 0.0)
+    assert main(arguments) == 2
+    assert "--resume" in capsys.readouterr().err
+    assert main([*arguments, "--resume"]) == 0
+    (folder / "report.html").unlink()
+    assert main(["study", "report", str(folder)]) == 0
+    assert (folder / "report.html").exists()
+    assert main(["study", "export", str(folder), str(tmp_path / "t.csv")]) == 0
+    assert main(["study", "report", str(tmp_path)]) == 2
+    assert "holds no study" in capsys.readouterr().err
+
+
+def test_a_study_in_a_few_lines():
+    result = Study(
+        CASE,
+        changes=COARSE,
+        parameters={"load.axial_force": ["0 N", "50 N"]},
+        responses=["line_load_N_per_m"],
+    ).run(workers=0)
+    assert result.table["line_load_N_per_m"].is_monotonic_increasing
+    folder = result.folder
+    assert folder.exists()
+    del result
+    assert not folder.exists()

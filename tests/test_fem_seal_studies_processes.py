@@ -1,0 +1,202 @@
+"""A study survives the death of its processes: real workers and a real coordinator, killed by signal."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from fem_seal import StudyResult, load_study
+from fem_seal.studies.session import run_study
+
+pytest.importorskip("distributed")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="finds the workers in /proc"),
+]
+
+CASE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"
+STUDY = f"""
+base = "{CASE}"
+responses = ["peak_pressure_Pa", "leak_rate_m3_per_s"]
+
+[changes]
+mesh.contact_size = "60 um"
+
+[parameters]
+seat.angle = {{ start = "40 deg", stop = "50 deg", num = 8 }}
+roughness.spectrum.rms_height = {{ start = "1 um", stop = "2 um", num = 6 }}
+load.fluid_pressure = {{ start = "5 bar", stop = "20 bar", num = 20 }}
+"""
+DESIGNS = 8 * 6 * 20
+# Longest wait for anything; on an idle machine it is seconds.
+PATIENCE = 120.0
+
+
+@pytest.fixture
+def study_file(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY)
+    return path
+
+
+def start(study_file, folder, *options):
+    command = [
+        sys.executable,
+        "-m",
+        "fem_seal",
+        "study",
+        str(study_file),
+        "-o",
+        str(folder),
+        "--workers",
+        "2",
+        "-q",
+    ]
+    return subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
+
+
+def rows(folder):
+    try:
+        with sqlite3.connect(f"file:{folder / 'study.sqlite'}?mode=ro", uri=True) as file:
+            return dict(file.execute("SELECT key, seconds FROM point").fetchall())
+    except sqlite3.Error:
+        return {}
+
+
+def wait_for(condition, process=None):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "took too long"
+        assert process is None or process.poll() is None, process.stderr.read()
+        time.sleep(0.05)
+
+
+def workers_of(pid):
+    """Processes below `pid` that calculate, by their parents in /proc."""
+    parents, names = {}, {}
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                status = (entry / "status").read_text()
+                names[int(entry.name)] = (entry / "cmdline").read_text().replace("\0", " ")
+            except OSError:
+                continue
+            parents[int(entry.name)] = int(status.split("PPid:")[1].split()[0])
+    found = [child for child, parent in parents.items() if parent == pid]
+    for child in found:
+        found += [grandchild for grandchild, parent in parents.items() if parent == child]
+    return [one for one in found if "spawn_main" in names.get(one, "")]
+
+
+def alive(pid):
+    try:
+        return Path(f"/proc/{pid}/status").read_text().split("State:")[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_killed_worker_and_killed_coordinator_change_nothing(study_file, tmp_path):
+    folder = tmp_path / "disturbed"
+    coordinator = start(study_file, folder)
+    try:
+        wait_for(lambda: len(rows(folder)) > 50, coordinator)
+        workers = workers_of(coordinator.pid)
+        assert len(workers) == 2
+        os.kill(workers[0], signal.SIGKILL)
+        before = len(rows(folder))
+        wait_for(lambda: len(rows(folder)) > before + 100, coordinator)
+        # the dead worker has a successor
+        wait_for(lambda: len(set(workers_of(coordinator.pid)) - {workers[0]}) == 2, coordinator)
+        workers = workers_of(coordinator.pid)
+    finally:
+        coordinator.send_signal(signal.SIGKILL)
+        coordinator.wait()
+    kept = rows(folder)
+    assert 0 < len(kept) < DESIGNS, "the study ended before it was killed"
+    wait_for(lambda: not any(map(alive, workers)))
+
+    again = start(study_file, folder, "--resume")
+    assert again.wait(PATIENCE) == 0, again.stderr.read()
+    after = rows(folder)
+    # nothing lost, nothing calculated twice: a row that was there is the same row, down to the time it took
+    assert len(after) == DESIGNS
+    assert {key: after[key] for key in kept} == kept
+
+    whole = run_study(load_study(study_file), folder=tmp_path / "whole", workers=0)
+    assert whole.counts == {"done": DESIGNS, "failed": 0, "open": 0}
+    pd.testing.assert_frame_equal(StudyResult(folder).table, whole.table, check_exact=True)
+
+
+def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
+    """Whoever calculates the third design dies at once."""
+    from dask.distributed import Client, LocalCluster
+
+    from fem_seal.studies.pools import Cluster
+    from fem_seal.studies.work import Chunk, Recipe
+
+    study = load_study(_small(tmp_path))
+    recipe = Recipe.of(study)
+    deadly = float(study.points[2, 0])
+    import dask
+
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster,
+        Client(cluster) as client,
+    ):
+        client.register_plugin(_Arming(deadly))
+        found = [row for rows in Cluster(client, 1).results(recipe, [Chunk(study.points)]) for row in rows]
+    reasons = {row.inputs[0]: row.reason for row in found}
+    assert len(found) == 4
+    assert "every worker that calculated it died" in reasons.pop(deadly)
+    assert set(reasons.values()) == {None}
+
+
+def _small(folder):
+    path = folder / "small.toml"
+    path.write_text(
+        f'base = "{CASE}"\nresponses = ["line_load_N_per_m"]\n'
+        '[changes]\nload.fluid_pressure = "10 bar"\nmesh.contact_size = "60 um"\n'
+        '[parameters]\nload.axial_force = ["0 N", "1 N", "2 N", "3 N"]\n'
+    )
+    return path
+
+
+def _arm(deadly):
+    """Make this process die when it calculates a certain design."""
+    from fem_seal.studies import evaluate
+
+    harmless = evaluate.responses
+
+    def responses(case, columns, *, interpolate=True):
+        if case.load.axial_force == deadly:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return harmless(case, columns, interpolate=interpolate)
+
+    evaluate.responses = responses
+
+
+def _plugin():
+    from distributed import WorkerPlugin
+
+    class Arming(WorkerPlugin):
+        """Arms workers that come later as well."""
+
+        def __init__(self, deadly):
+            self.deadly = deadly
+
+        def setup(self, worker):
+            _arm(self.deadly)
+
+    return Arming
+
+
+_Arming = _plugin()
