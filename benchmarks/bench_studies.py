@@ -29,8 +29,8 @@ def run(name, workers, **tables):
         count, solve, failed = len(study.points), result.solve_seconds, result.counts["failed"]
     overhead = (wall * workers - solve) / solve
     print(
-        f"{name:40s} {workers} workers {count:7d} designs {wall:7.1f} s {count / wall:6.0f}/s  processor {spent:6.1f} s  "
-        f"overhead {100 * overhead:5.1f} %  failed {failed}  load {os.getloadavg()[0]:.1f}",
+        f"{name:40s} {workers} workers {count:7d} designs {wall:7.1f} s {count / wall:6.0f}/s  "
+        f"processor {spent:6.1f} s  overhead {100 * overhead:5.1f} %  failed {failed}  load {os.getloadavg()[0]:.1f}",
         flush=True,
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import exp, log
+from math import exp, inf, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class ResistanceCurve:
         """Table of a conductivity given as a function of ln p, up to `log_p_max` or the sealing pressure."""
         v = np.linspace(log_p_max - _RANGE, log_p_max, int(_RANGE / _SPACING) + 1)
         flows = sigma(v) > _NONE
-        sealing = float("inf")
+        sealing = inf
         if not flows.all():
             first = int(np.argmin(flows))
             low, high = float(v[first - 1]), float(v[first])
@@ -52,16 +52,20 @@ class ResistanceCurve:
             near = high + np.log1p(-np.exp(-np.arange(1.0, _NEAR_SEALING, 0.1)))
             v = np.concatenate([v[v < near[0] - 0.5 * _SPACING], near])
             sealing = exp(high)
-        with np.errstate(divide="ignore"):
-            G = -np.log(sigma(v))
-        usable = np.isfinite(G) & (G < -np.log(_NONE))
-        v, G = v[usable], G[usable]
+        values = sigma(v)
+        usable = np.isfinite(values) & (values > _NONE)
+        v, G = v[usable], -np.log(values[usable])
         return cls(v.tolist(), G.tolist(), np.maximum(spline_slopes(v, G), 1e-12).tolist(), sealing)
 
     @property
     def lowest(self) -> float:
         """First node."""
         return self.nodes[0]
+
+    @property
+    def highest(self) -> float:
+        """Last node below the sealing pressure; without one, the curve goes on."""
+        return self.nodes[-1] if self.sealing_pressure < inf else inf
 
     def at(self, v: float) -> tuple[float, float]:
         """ln(1/sigma) and its derivative at v = ln p."""
@@ -96,7 +100,7 @@ class ResistanceCurve:
         if not room > 0.0:
             return 0.0, guess
         target = log(room)
-        top = min(target, self.nodes[-1])
+        top = min(target, self.highest)
         v = min(guess, top)
         for _ in range(_NEWTON_STEPS):
             G, dG = self.at(v)
@@ -111,7 +115,7 @@ class ResistanceCurve:
                 break
         w = exp(v) if v > -700.0 else 0.0
         G = self.at(v)[0] + log_flow
-        if v == self.nodes[-1] < target:
+        if v == self.highest < target:
             # So little flows that w stays at the last node, next to the sealing pressure.
             return room - w, v
         # Of two numbers that add up to `room` the smaller one is the accurate one.
@@ -127,5 +131,5 @@ class ResistanceCurve:
         total = 0.0
         for (_, p), (_, length) in zip(pressures, log_lengths, strict=True):
             if p > 0.0:
-                total += exp(min(self.at(min(log(p), self.nodes[-1]))[0] + length, 600.0))
+                total += exp(min(self.at(min(log(p), self.highest))[0] + length, 600.0))
         return log(drop) - log(total)

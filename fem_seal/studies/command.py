@@ -113,8 +113,8 @@ def _show(result: StudyResult, quiet: bool, json: bool) -> None:
 
     best = result.best()
     if json:
-        rows = best.reset_index().to_dict("records")
-        typer.echo(console.as_json({"folder": str(result.folder), **result.counts, "best": rows}))
+        designs = best.reset_index().to_dict("records")
+        typer.echo(console.as_json({"folder": str(result.folder), **result.counts, "best": designs}))
         return
     for reason, times in result.reasons:
         typer.secho(f"warning: {times} failed: {reason}", err=True, fg=typer.colors.YELLOW)

@@ -140,7 +140,7 @@ def _best(designs: Designs) -> Iterator[Section]:
         if designs.about["goals"]:
             yield Section("Best designs", "No design meets all constraints.")
         return
-    columns = [name for name in designs.table if name not in ("status", "reason")]
+    columns = [str(name) for name in designs.table if name not in ("status", "reason")]
     rows = designs.table.loc[numbers, columns]
     note = "Goal: " + " and ".join(_goal(designs, name) for name in designs.about["goals"])
     constraints = " and ".join(designs.about["constraints"].values())

@@ -159,7 +159,7 @@ def chunks(recipe: Recipe, points: FloatArray) -> Iterator[Chunk]:
     new_bodies, new_surface = (changed[:, ranks <= rank].any(axis=1) for rank in (0, 1))
     costs = _DESIGN + _SURFACE * new_surface + _BODIES * new_bodies
     start, cost = 0, 0.0
-    for place, step in enumerate(map(float, costs)):
+    for place, step in enumerate(np.asarray(costs).tolist()):
         if place > start and cost + step > _CHUNK:
             yield Chunk(ordered[start:place])
             start, cost = place, 0.0
