@@ -29,7 +29,7 @@ def run(name, workers, **tables):
         count, solve, failed = len(study.points), result.solve_seconds, result.counts["failed"]
     overhead = (wall * workers - solve) / solve
     print(
-        f"{name:40s} {workers} workers {count:7d} designs {wall:7.1f} s {count / wall:6.0f}/s  "
+        f"{name:38s} {workers} workers {count:7d} designs {wall:6.1f} s {count / wall:5.0f}/s  "
         f"processor {spent:6.1f} s  overhead {100 * overhead:5.1f} %  failed {failed}  load {os.getloadavg()[0]:.1f}",
         flush=True,
     )

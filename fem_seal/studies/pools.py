@@ -56,47 +56,62 @@ class Cluster:
     def results(self, recipe: Recipe, chunks: Iterable[Chunk]) -> Iterator[list[Row]]:
         """See `Pool`.
 
-        Only a few chunks per worker are on the way at a time. When workers die, dask gives their chunks to others. If
-        it gives up on a chunk, its designs are tried one by one, so that one design that kills every worker costs
-        nothing but itself.
+        Only a few chunks per worker are on the way at a time. When workers die, dask gives their chunks to others. The
+        designs of a chunk that dask gives up are tried at the end, one by one with nothing else on the way: one design
+        that kills every worker then costs nothing but itself.
         """
-        from dask.distributed import as_completed
-        from distributed.scheduler import KilledWorker
-
         parts = _parts(list(chunks), max(len(self._client.nthreads()), 1))
-        on_the_way: dict[Any, tuple[Chunk, int, int]] = {}
-        finished = as_completed()
-
-        def send(chunk: Chunk, part: int, attempt: int = 0) -> None:
-            addresses = sorted(self._client.nthreads())
-            near = [addresses[part % len(addresses)]] if addresses else None
-            future = self._client.submit(
-                calculate, recipe, chunk, pure=False, workers=near, allow_other_workers=True
-            )
-            on_the_way[future] = (chunk, part, attempt)
-            finished.add(future)
-
-        def send_next(part: int) -> None:
-            chunk = _next(parts, part)
-            if chunk is not None:
-                send(chunk, part)
-
+        suspects = deque[tuple[Chunk, int]]()
+        on_the_way = _OnTheWay(self._client, recipe)
         for part in range(len(parts)):
             for _ in range(_AHEAD):
-                send_next(part)
-        while on_the_way:
-            future = next(finished)
-            chunk, part, attempt = on_the_way.pop(future)
+                on_the_way.send(_next(parts, part), part)
+        while on_the_way or suspects:
+            if not on_the_way:
+                chunk, attempt = suspects.popleft()
+                on_the_way.send(chunk, 0, attempt)
+            future, chunk, part, attempt = on_the_way.next()
             if future.status == "finished":
                 yield future.result()
-            elif attempt >= self._retries or not _lost(future, KilledWorker):
+            elif _lost(future) and attempt < max(self._retries, 1):
+                suspects.extend((Chunk(point[None]), attempt + 1) for point in chunk.points)
+            else:
                 reason = _why(future)
                 yield [failed_row(recipe, point, reason) for point in chunk.points]
-            else:
-                for point in chunk.points:
-                    send(Chunk(point[None]), part, attempt + 1 if len(chunk.points) == 1 else attempt)
             future.release()
-            send_next(part)
+            on_the_way.send(_next(parts, part), part)
+
+
+class _OnTheWay:
+    """Chunks that workers have been given and have not given back."""
+
+    def __init__(self, client: Client, recipe: Recipe) -> None:
+        from dask.distributed import as_completed
+
+        self._client = client
+        self._recipe = recipe
+        self._finished = as_completed()
+        self._chunks: dict[Any, tuple[Chunk, int, int]] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._chunks)
+
+    def send(self, chunk: Chunk | None, part: int, attempt: int = 0) -> None:
+        """Give a chunk to the worker that has its neighbours, or to another one if that is busy."""
+        if chunk is None:
+            return
+        addresses = sorted(self._client.nthreads())
+        near = [addresses[part % len(addresses)]] if addresses else None
+        future = self._client.submit(
+            calculate, self._recipe, chunk, pure=False, workers=near, allow_other_workers=near is not None
+        )
+        self._chunks[future] = (chunk, part, attempt)
+        self._finished.add(future)
+
+    def next(self) -> tuple[Any, Chunk, int, int]:
+        """Wait for one: its future, the chunk, its part, and how often it was tried before."""
+        future = next(self._finished)
+        return (future, *self._chunks.pop(future))
 
 
 def _parts(chunks: list[Chunk], workers: int) -> list[deque[Chunk]]:
@@ -113,20 +128,18 @@ def _next(parts: list[deque[Chunk]], part: int) -> Chunk | None:
     return longest.pop() if longest else None
 
 
-def _lost(future: Any, killed: type[Exception]) -> bool:
+def _lost(future: Any) -> bool:
     """Whether the worker and not the calculation failed."""
-    return future.status in ("lost", "cancelled") or isinstance(future.exception(), killed)
+    from distributed.scheduler import KilledWorker
+
+    return future.status in ("lost", "cancelled") or isinstance(future.exception(), KilledWorker)
 
 
 def _why(future: Any) -> str:
-    if future.status == "error":
-        from distributed.scheduler import KilledWorker
-
-        error = future.exception()
-        if isinstance(error, KilledWorker):
-            return "every worker that calculated it died; it may need more memory than a worker has"
-        return f"{type(error).__name__}: {error}"
-    return f"its calculation was {future.status}"
+    if _lost(future):
+        return "every worker that calculated it died; it may need more memory than a worker has"
+    error = future.exception()
+    return f"{type(error).__name__}: {error}"
 
 
 @contextmanager
