@@ -77,7 +77,10 @@ class MaterialEntry:
             and table.yield_stress is not None
             and table.hardness < table.yield_stress
         ):
-            raise ValueError("hardness must not be below yield_stress (Tabor: about three times as large)")
+            raise ValueError(
+                f"hardness = {table.hardness / 1e6:g} MPa must not be below yield_stress = "
+                f"{table.yield_stress / 1e6:g} MPa (Tabor: about three times as large)"
+            )
         return Material(**table.model_dump(), source="case file")
 
 

@@ -164,7 +164,9 @@ class Pressures:
         if spacing not in ("linear", "log"):
             raise ValueError(f'spacing, {shown(spacing)}, must be "linear" or "log"')
         if start >= stop:
-            raise ValueError("start must be below stop")
+            raise ValueError(
+                f"start must be below stop, but start = {shown(table['start'])}, stop = {shown(table['stop'])}"
+            )
         if spacing == "linear":
             return (*(start + (stop - start) * n / (num - 1) for n in range(num - 1)), stop)
         return (start, *(start * (stop / start) ** (n / (num - 1)) for n in range(1, num - 1)), stop)
@@ -207,6 +209,8 @@ def shown(value: object) -> str:
         return "a number of more than 18 digits"
     elif isinstance(value, dict):
         return "{ ... }"
+    elif isinstance(value, (list, tuple)) and len(value) <= 3:
+        text = "[" + ", ".join(map(shown, value)) + "]"
     else:
         text = repr(value)
     return text if len(text) <= 60 else text[:56] + " ..."

@@ -59,7 +59,7 @@ class Fluid(Table):
         if entry is None:
             if "viscosity" not in table and name and temperature is not None:
                 raise ValueError(
-                    f"{shown(name)} is not in the library; {_known(name)}, or give its viscosity"
+                    f"name = {shown(name)} is not in the library; {_known(name)}, or give its viscosity"
                 )
             return table
         filled = {"viscosity": f"{entry.viscosity!r} Pa s", **table, "name": entry.name}
