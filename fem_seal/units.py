@@ -10,7 +10,7 @@ import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import QuantityError
@@ -173,7 +173,13 @@ def parse_quantity(text: object, dimension: str) -> float:
         raise QuantityError(f"has no unit; write {wanted}")
     if not isinstance(text, str):
         raise QuantityError(f"is not a quantity; write {wanted}")
-    stripped = " ".join(text.split())
+    return _parsed(" ".join(text.split()), dimension)
+
+
+# a study reads the same texts again for each of its designs
+@lru_cache(maxsize=4096)
+def _parsed(stripped: str, dimension: str) -> float:
+    wanted = DIMENSIONS[dimension].wanted
     if dimension == "temperature":
         return _temperature(stripped)
     match = _QUANTITY.fullmatch(stripped) if len(stripped) <= _LONGEST else None

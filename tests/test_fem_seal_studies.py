@@ -277,14 +277,23 @@ def test_mistakes_in_files_name_the_file(tmp_path):
 # ---------------------------------------------------------------- what comes out
 
 
-def test_fast_way_gives_the_numbers_of_a_complete_run():
-    case = fem_seal.load_case(CASE).replace({"load.fluid_pressure": "10 bar"})
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"load.fluid_pressure": "10 bar"},
+        {"load.fluid_pressure": "10 bar", "leak.fluid_in_gap": "local", "interface.law": "exponential"},
+        {"load.fluid_pressure": "3 bar", "fluid": {"name": "helium", "viscosity": None}},
+    ],
+    ids=["water", "coupled", "helium"],
+)
+def test_fast_way_gives_the_numbers_of_a_complete_run(changes):
+    case = fem_seal.load_case(CASE).replace(changes)
     fast = responses(case, tuple(FAST))
     complete = leak_rows(pipeline.run(case))[0]
     for name, value in fast.items():
         # another mesh, both within 2e-4 of the limit of small elements; the stress is a maximum over nodes
-        tolerance = 1e-2 if name == "max_von_mises_Pa" else 2e-4
-        assert value == pytest.approx(complete[name], rel=tolerance), name
+        tolerance = 1e-2 if name == "max_von_mises_Pa" else 3e-4
+        assert value == pytest.approx(complete[name], rel=tolerance, nan_ok=True), name
 
 
 @pytest.mark.parametrize(
@@ -428,6 +437,19 @@ def test_another_study_is_not_mixed_in(tmp_path):
         run_study(small(), folder=tmp_path, workers=0, resume=True)
 
 
+def test_complete_results_of_chosen_designs_are_kept(tmp_path):
+    study = small(run={"keep_fields": "best"}, report={"goals": {"leak_rate_m3_per_s": "max"}})
+    result = run_study(study, folder=tmp_path, workers=0)
+    (kept,) = (tmp_path / "designs").iterdir()
+    number = int(kept.name)
+    assert number == result.table["leak_rate_m3_per_s"].idxmax()
+    assert (kept / "contact.pvd").exists()
+    row = pd.read_csv(kept / "leak.csv").iloc[0]
+    assert row["leak_rate_m3_per_s"] == pytest.approx(
+        result.table.loc[number, "leak_rate_m3_per_s"], rel=5e-4
+    )
+
+
 def test_exports_hold_the_table(calculated, tmp_path):
     xr = pytest.importorskip("xarray")
     _, result = calculated
@@ -562,3 +584,42 @@ def test_a_study_in_a_few_lines():
     assert folder.exists()
     del result
     assert not folder.exists()
+
+
+EXAMPLES = {
+    # more roughness leaks more at every angle
+    "angle_and_roughness.toml": lambda table: all(
+        part["leak_rate_m3_per_s"].is_monotonic_increasing for _, part in table.groupby("seat.angle")
+    ),
+    # a surface that is known leaves an uncertainty of some ten per cent, not of orders of magnitude
+    "measured_surface.toml": lambda table: 0.03 < np.log(table["leak_rate_m3_per_s"]).std() < 0.5,
+    # a steep seat wedges: it leaks less and is stressed more, so the best design is the steepest one that is allowed
+    "conical_land.toml": lambda table: (
+        table[table["strength"]]["leak_rate_m3_per_s"].idxmin()
+        == table[table["strength"]]["seat.angle"].idxmax()
+    ),
+}
+
+
+def test_every_example_is_checked():
+    assert {path.name for path in (CASE.parent / "studies").glob("*.toml")} == set(EXAMPLES)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_example(name, tmp_path):
+    result = run_study(load_study(CASE.parent / "studies" / name), folder=tmp_path, workers=0)
+    assert result.counts["failed"] == result.counts["open"] == 0
+    assert EXAMPLES[name](result.table)
+    assert result.report().stat().st_size > 1e6
+
+
+def test_every_key_of_a_study_file_is_documented():
+    text = (CASE.parent.parent / "docs" / "studies.md").read_text()
+    from fem_seal.case_messages import tables_of
+    from fem_seal.studies.study_tables import StudyTables
+
+    for key, field in StudyTables.model_fields.items():
+        assert f"`{key}`" in text or f"`[{key}]`" in text
+        for table in tables_of(field):
+            for inner in table.model_fields:
+                assert f"`{inner}`" in text, f"{key}.{inner}"

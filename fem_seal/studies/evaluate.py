@@ -16,16 +16,20 @@ import numpy as np
 
 from fem_seal import pipeline
 from fem_seal.contact import solve
-from fem_seal.contact_solution import ContactSolution
+from fem_seal.contact_solution import ContactSettings, ContactSolution
 from fem_seal.interface import rough_contact
 from fem_seal.laws import Law
+from fem_seal.leakage import Leakage, leakage
 from fem_seal.profile import PressureProfile
 from fem_seal.studies.shared_models import shared_model
 from fem_seal.studies.surface_family import family_law, family_table
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from leak import RoughContact
+    from leak import LeakResult, RoughContact
+
+# Residuals are those of the state before the last step; Newton's error behind it is their square.
+_SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -88,7 +92,7 @@ class _Design:
     @cached_property
     def contact(self) -> ContactSolution:
         model = shared_model(self.case, self.law, stress=self.stress)
-        return solve(model, self.law, axial_force=pipeline.axial_forces(self.case)[0])
+        return solve(model, self.law, axial_force=pipeline.axial_forces(self.case)[0], settings=_SETTINGS)
 
     @cached_property
     def profile(self) -> PressureProfile:
@@ -99,21 +103,30 @@ class _Design:
         return self.case.load.fluid_pressure[0]
 
     @cached_property
-    def leak_rate(self) -> float:
-        return self._leak_rate(self.surface)
+    def leak(self) -> LeakResult | None:
+        return self._leak(self.surface)
 
-    @cached_property
+    @property
+    def leak_rate(self) -> float:
+        return math.nan if self.leak is None else self.leak.leak_rate
+
+    @property
     def leak_rate_elastic(self) -> float:
         if self.surface is None or self.surface.hardness is None:
             return self.leak_rate
-        return self._leak_rate(self.surface.elastic)
+        elastic = self._leak(self.surface.elastic)
+        return math.nan if elastic is None else elastic.leak_rate
 
-    def _leak_rate(self, surface: RoughContact | None) -> float:
+    def _leak(self, surface: RoughContact | None) -> LeakResult | None:
         if surface is None or self.case.fluid is None:
-            return math.nan
+            return None
         shared = family_table(self.case, surface, self.contact) if self.interpolate else None
         table = shared or pipeline.conductivity_table(self.case, surface, [self.contact])
-        return pipeline.leak_of_contact(self.case, table, self.contact, self.pressure).leak_rate
+        return pipeline.leak_of_contact(self.case, table, self.contact, self.pressure)
+
+    @cached_property
+    def leakage(self) -> Leakage | None:
+        return None if self.leak is None else leakage(self.case, self.pressure, self.leak.leak_rate)
 
     def critical_separation(self, surface: RoughContact | None) -> float:
         if surface is None:
@@ -148,4 +161,15 @@ FAST: dict[str, Callable[[_Design], float]] = {
     "critical_separation_m": lambda design: design.critical_separation(design.surface),
     "critical_separation_elastic_m": lambda design: design.critical_separation(design.elastic_surface),
     "max_von_mises_Pa": lambda design: design.max_von_mises,
+    "leak_rate_kg_per_s": lambda design: _found(design.leakage, "mass_flow"),
+    "leak_rate_Pa_m3_per_s": lambda design: _found(design.leakage, "throughput"),
+    "leak_rate_standard_m3_per_s": lambda design: _found(design.leakage, "standard_leak_rate"),
+    "lift_off_x_m": lambda design: _found(design.leak, "lift_off_x"),
+    "blow_off_pressure_Pa": lambda design: _found(design.leak, "blow_off_pressure"),
 }
+
+
+def _found(result: object, name: str) -> float:
+    """A number of a result that may not exist, NaN if it does not."""
+    value = getattr(result, name, None)
+    return math.nan if value is None else float(value)

@@ -147,7 +147,7 @@ def _best(designs: Designs) -> Iterator[Section]:
     yield Section(
         "Best designs",
         f"{note}{', with ' + constraints if constraints else ''}.",
-        columns=("design", *columns),
+        columns=("design", *(plots.with_unit(designs, name) for name in columns)),
         rows=tuple(
             (str(number), *(_cell(value) for value in row.values()))
             for number, row in zip(numbers, records(rows), strict=True)

@@ -54,7 +54,7 @@ def response_plot(designs: Designs) -> Figure | None:
         _choice(
             name,
             {"x": [table[name].tolist()]},
-            {"xaxis.title.text": _title(designs, name), "xaxis.type": "-"},
+            {"xaxis.title.text": with_unit(designs, name), "xaxis.type": "-"},
         )
         for name in parameters
     ]
@@ -66,7 +66,7 @@ def response_plot(designs: Designs) -> Figure | None:
     ]
     figure.update_layout(
         **{**_LAYOUT, "margin": {**_LAYOUT["margin"], "t": 80}},
-        xaxis={"title": {"text": _title(designs, parameters[0])}},
+        xaxis={"title": {"text": with_unit(designs, parameters[0])}},
         yaxis={"title": {"text": first}, "type": _axis(table[first])},
         updatemenus=[
             {"buttons": up, "x": 0.0, "xanchor": "left", "y": 1.16, "active": outputs.index(first)},
@@ -101,8 +101,8 @@ def map_plot(designs: Designs) -> Figure | None:
     )
     figure.update_layout(
         **_LAYOUT,
-        xaxis={"title": {"text": _title(designs, names[0])}, "type": _axis(designs.done[names[0]])},
-        yaxis={"title": {"text": _title(designs, names[1])}, "type": _axis(designs.done[names[1]])},
+        xaxis={"title": {"text": with_unit(designs, names[0])}, "type": _axis(designs.done[names[0]])},
+        yaxis={"title": {"text": with_unit(designs, names[1])}, "type": _axis(designs.done[names[1]])},
     )
     return figure
 
@@ -288,7 +288,8 @@ def _preferred(outputs: list[str]) -> str:
     return LEAK_RATE if LEAK_RATE in outputs else outputs[0]
 
 
-def _title(designs: Designs, name: str) -> str:
+def with_unit(designs: Designs, name: str) -> str:
+    """Column with the unit of a parameter; responses have theirs in their names."""
     unit = next((one["unit"] for one in designs.about["parameters"] if one["name"] == name), "")
     return f"{name} [{unit}]" if unit else name
 

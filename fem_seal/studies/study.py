@@ -75,7 +75,7 @@ class Study:
         self.file = file
         """Study file, None if made in code."""
         case = base if isinstance(base, Case) else load_case(folder / base)
-        case = _changed(case, read.changes)
+        case = _changed(case, _placed_files(read.changes, folder))
         self._given = dict(tables)
         self.title: str = read.title or (file.stem if file else case.title)
         self.design: Design = read.design
@@ -318,6 +318,20 @@ def _changed(case: Case, changes: Mapping[str, Any]) -> Case:
     except InputError as error:
         found = error.problems[0]
         raise InputError(Problem(f"changes.{found.key}", found.message, found.value)) from None
+
+
+def _placed_files(changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Changes with the files that they name looked for beside the study file."""
+    placed: dict[str, Any] = {}
+    for key, value in changes.items():
+        if isinstance(value, Mapping):
+            placed[key] = _placed_files(value, folder)
+        elif key.split(".")[-1] in ("file", "files"):
+            several = isinstance(value, (list, tuple))
+            placed[key] = [str(folder / one) for one in value] if several else str(folder / str(value))
+        else:
+            placed[key] = value
+    return placed
 
 
 def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tuple[Parameter, ...]:
