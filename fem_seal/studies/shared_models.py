@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fem_seal.case import Case
 
 # Steps of the sizes and of the reach in the logarithm to base 2. A longer reach costs few elements: they grow along it.
-_STEP, _REACH_STEP = 0.5, 1.0
+_STEP, _REACH_STEP = 0.25, 1.0
 # A model with the displacements of its bodies holds some 20 MB, the condensed one a few hundred kB.
 _FULL_MODELS, _LIGHT_MODELS = 12, 64
 
