@@ -1,7 +1,7 @@
 """One condensation for all designs of equal geometry.
 
 The default mesh follows from roughness and load, so that hardly two designs would have the same. Here the element sizes
-are rounded to powers of the square root of two, to the finer and to the wider side. A design's mesh still depends
+are rounded to powers of the fourth root of two, to the finer and to the wider side. A design's mesh still depends
 on that design alone and not on its neighbours or their order, but equal geometries now share a few meshes.
 """
 
