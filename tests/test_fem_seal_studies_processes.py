@@ -44,6 +44,20 @@ DESIGNS = 6 * 3 * 16
 PATIENCE = 120.0
 
 
+@pytest.fixture(autouse=True)
+def never_forever():
+    """A test that waits for a cluster that is gone fails instead of standing still."""
+
+    def too_long(number, frame):
+        raise TimeoutError("the test stood still")
+
+    before = signal.signal(signal.SIGALRM, too_long)
+    signal.alarm(int(2 * PATIENCE))
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
 @pytest.fixture
 def study_file(tmp_path):
     path = tmp_path / "study.toml"
