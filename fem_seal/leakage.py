@@ -69,7 +69,7 @@ class NominalSize:
         """The size in words."""
         text = f"DN {1e3 * self.size:.4g}"
         return (
-            f"{text}, estimated from the bore of {quantity('length', self.diameter)}"
+            f"{text}, estimated from the seat's diameter of {quantity('length', self.diameter)}"
             if self.estimated
             else text
         )

@@ -122,7 +122,7 @@ def test_readable_leak_and_class():
     size = nominal_size(result.case)
     assert size.estimated and size.size == 0.025
     assert (
-        "estimated from the bore of"
+        "estimated from the seat's diameter of"
         in leakage_lines(result.case, load.fluid_pressure, load.leak.leak_rate)[1]
     )
     gas = helium_result()
