@@ -16,7 +16,7 @@ from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
 from fem_seal.materials import Material, effective_modulus
 from leak import ExponentialLaw
-from meshes import Ball, BallOnCone, ConicalSeat, SealMesh, build
+from meshes import Ball, ConicalSeat, ContactGeometry, SealMesh, build
 
 STEEL = Material("steel", 210e9, 0.3)
 MATERIALS = {"closure": STEEL, "seat": STEEL}
@@ -32,8 +32,10 @@ def line_loads() -> list[float]:
 
 
 def make_mesh() -> SealMesh:
-    ball, seat = Ball(RADIUS), ConicalSeat.around(ANGLE, RADIUS)
-    sizing = element_sizes(LAW, line_loads(), BallOnCone(ball, ANGLE), seat, effective_modulus(STEEL, STEEL))
+    ball = Ball(RADIUS)
+    seat = ConicalSeat.around(ANGLE, ball)
+    contact = ContactGeometry.of(ball.outline, seat.outline)
+    sizing = element_sizes(LAW, line_loads(), contact, effective_modulus(STEEL, STEEL))
     return build(ball, seat, sizing)
 
 

@@ -25,7 +25,7 @@ from fem_seal.contact_solution import ContactSolution
 from fem_seal.laws import HardContact, Law
 from fem_seal.loads import closing_force, line_load
 from fem_seal.materials import Material, effective_modulus
-from meshes import Ball, BallOnCone, ConicalSeat, build
+from meshes import Ball, ConicalSeat, ContactGeometry, build
 
 FILE = Path(__file__).with_name("verification.md")
 STEEL = Material("steel", 210e9, 0.3)
@@ -74,10 +74,11 @@ def contact_model(
 ) -> tuple[ContactModel, list[float]]:
     """Ball on cone, steel on steel, default mesh; and the axial force of each fluid pressure."""
     ball, angle = Ball(RADIUS), math.radians(degrees)
-    seat, contact = ConicalSeat.around(angle, RADIUS), BallOnCone(ball, angle)
+    seat = ConicalSeat.around(angle, ball)
+    contact = ContactGeometry.of(ball.outline, seat.outline)
     forces = [closing_force(contact.touch_radius, p) for p in pressures]
     loads = [line_load(force, contact.touch_radius, angle) for force in forces]
-    sizing = element_sizes(law, loads, contact, seat, effective_modulus(STEEL, STEEL)).refined(refine)
+    sizing = element_sizes(law, loads, contact, effective_modulus(STEEL, STEEL)).refined(refine)
     return condense(build(ball, seat, sizing), {"closure": STEEL, "seat": STEEL}), forces
 
 

@@ -18,8 +18,8 @@ from fem_seal.case_roughness import Roughness, place_files
 from fem_seal.case_tables import Interface, Leak, Load, Mesh, Output
 from fem_seal.case_uncertainty import Uncertainty
 from fem_seal.errors import InputError, Problem
-from fem_seal.loads import touch_radius
 from fem_seal.materials import effective_modulus
+from meshes import ContactGeometry
 
 
 class Case(Table):
@@ -56,6 +56,7 @@ class Case(Table):
     mesh: Mesh = Mesh()
     output: Output = Output()
 
+    _contact: ContactGeometry | None = PrivateAttr(default=None)
     _input: dict[str, Any] = PrivateAttr(default_factory=dict)
     _file: Path | None = PrivateAttr(default=None)
 
@@ -73,7 +74,15 @@ class Case(Table):
     @property
     def touch_radius(self) -> float:
         """Radius r0 of the circle of first touch [m]."""
-        return touch_radius(self.closure.radius, self.seat.angle)
+        return self.contact.touch_radius
+
+    @property
+    def contact(self) -> ContactGeometry:
+        """Closure and seat in first touch."""
+        if self._contact is None:
+            closure = self.closure.body()
+            self._contact = ContactGeometry.of(closure.outline, self.seat.body(closure).outline)
+        return self._contact
 
     @property
     def effective_modulus(self) -> float:

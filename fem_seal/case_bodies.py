@@ -10,9 +10,11 @@ from typing import Annotated, Any, Literal, cast
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+import meshes
 from fem_seal.case_fields import Number, Quantity
 from fem_seal.errors import InputError
 from fem_seal.materials import LIBRARY, Material, material
+from meshes import Shape
 
 LENGTH = Quantity("length", "10 um", "10 m")
 MODULUS = Quantity("pressure", "1 MPa", "2 TPa")
@@ -92,7 +94,14 @@ class Ball(Table):
 
     shape: Literal["ball"] = Field(description="shape of the closure", examples=["ball"])
     radius: Annotated[float, LENGTH] = Field(description="radius R of the ball", examples=["20 mm"])
+    cavity_radius: Annotated[float, LENGTH] | None = Field(
+        None, description="radius of the cavity of a hollow ball; solid", examples=["15 mm"]
+    )
     material: MaterialField = Field(description="name from the library, or a table", examples=["steel"])
+
+    def body(self) -> Shape:
+        """The closure that is meshed."""
+        return meshes.Ball(self.radius, self.cavity_radius or 0.0)
 
 
 class Cone(Table):
@@ -123,3 +132,14 @@ class Cone(Table):
         description="from the lower edge of the face to the bottom of the housing; sized from the problem",
         examples=["40 mm"],
     )
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return meshes.ConicalSeat.around(
+            self.angle,
+            closure,
+            bore_radius=self.bore_radius,
+            face_radius=self.face_radius,
+            outer_radius=self.outer_radius,
+            height=self.height,
+        )

@@ -11,6 +11,7 @@ from fem_seal.case_roughness import SelfAffine
 from fem_seal.case_uncertainty import uncertainty_problems
 from fem_seal.errors import Problem
 from fem_seal.loads import closing_force, line_load
+from meshes import GeometryError
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
 def contradictions(case: Case) -> list[Problem]:
     """Everything in a case that does not fit together."""
     return [
-        *_seat(case),
+        *(geometry := list(_bodies(case))),
         *_spectrum(case),
         *_interface(case),
         *_hardness(case),
-        *_closing(case),
+        *([] if geometry else _closing(case)),
         *_fluid(case),
         *_flow(case),
         *uncertainty_problems(case),
@@ -49,33 +50,12 @@ def _flow(case: Case) -> Iterator[Problem]:
         )
 
 
-def _seat(case: Case) -> Iterator[Problem]:
-    seat, r0 = case.seat, case.touch_radius
-    touches = f"the ball touches the cone at r = R sin(angle) = {_mm(r0)}"
-    misses = f"the ball does not touch the conical face: {touches}"
-    if seat.bore_radius is not None and seat.bore_radius >= r0:
-        yield Problem(
-            "seat.bore_radius",
-            f"{misses}, inside the bore; allowed is less than {_mm(r0)}",
-            _mm(seat.bore_radius),
-        )
-    if seat.face_radius is not None and seat.face_radius <= r0:
-        yield Problem(
-            "seat.face_radius",
-            f"{misses}, outside it; allowed is more than {_mm(r0)}",
-            _mm(seat.face_radius),
-        )
-    inner = max(r0, seat.face_radius or 0)
-    if seat.outer_radius is not None and not seat.outer_radius > r0:
-        yield Problem(
-            "seat.outer_radius",
-            f"{touches}, outside the seat; allowed is more than {_mm(r0)}",
-            _mm(seat.outer_radius),
-        )
-    elif seat.outer_radius is not None and seat.outer_radius < inner:
-        yield Problem(
-            "seat.outer_radius", f"must not be below seat.face_radius = {_mm(inner)}", _mm(seat.outer_radius)
-        )
+def _bodies(case: Case) -> Iterator[Problem]:
+    try:
+        r0 = case.touch_radius
+    except GeometryError as error:
+        yield Problem("seat", str(error))
+        return
     size = case.mesh.contact_size
     if size is not None and size > r0 / 4:
         yield Problem(
@@ -202,16 +182,20 @@ def _fluid(case: Case) -> Iterator[Problem]:
 
 def _small_strains(case: Case, force: float) -> Iterator[Problem]:
     """Smooth bodies of the highest load must not be pressed flat over more than a tenth of the contact radius."""
-    r0, R, E = case.touch_radius, case.closure.radius, case.effective_modulus
-    f = line_load(force, r0, case.seat.angle)
+    contact, E = case.contact, case.effective_modulus
+    r0, R = contact.touch_radius, contact.relative_radius
+    f = line_load(force, r0, contact.angle)
     half_width = math.sqrt(4 * f * R / (math.pi * E))
-    if half_width <= r0 / 10:
+    # Faces that fit each other carry a load over a wide contact without large strain.
+    allowed_width = min(r0, R) / 10
+    if math.isinf(R) or half_width <= allowed_width or 10 * r0 < R:
         return
-    allowed = force * (r0 / 10 / half_width) ** 2
+    allowed = force * (allowed_width / half_width) ** 2
     yield Problem(
         "load",
         f"a closing force of {force:.4g} N presses smooth bodies flat over {_mm(half_width)} to each side of first "
-        f"touch (Hertz), more than a tenth of its radius {_mm(r0)}; the theory is for small strains and allows "
+        f"touch (Hertz), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius "
+        "and the radius of relative curvature; the theory is for small strains and allows "
         f"{allowed:.4g} N. Lower fluid_pressure or axial_force, or take stiffer materials",
     )
 

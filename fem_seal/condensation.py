@@ -3,17 +3,20 @@
 The pressure acts at quadrature points of the contact line along the seat's normal n; the same point forces,
 with opposite sign, act on both bodies. A body answers with the normal displacement of its quadratic trace, so
 the compliance between quadrature points is T S T^T with T the trace and S the compliance of the trace's
-nodes. The closure floats: its axial rigid motion is an unknown of the contact problem, and its closing force
-is a pressure on its wetted surface that balances whatever the contact line carries.
+nodes. On a curved line the normal is that of the trace's nodes, interpolated by T like the displacement. The closure
+floats: its axial rigid motion is an unknown of the contact problem, and its closing force is a pressure on its top
+that balances whatever acts elsewhere. Fluid on the wetted surfaces and a housing pressed into a bore are further
+columns of the same factorisation.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +25,7 @@ from scipy.sparse import csr_matrix
 from fem_seal.elasticity import displacement_basis, pressure_load, stiffness_matrix
 from fem_seal.materials import Material, effective_modulus
 from fem_seal.stress import node_dofs, quadratic_nodes, stress_operator
-from meshes import SealMesh
+from meshes import ContactGeometry, SealMesh
 
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
@@ -69,6 +72,38 @@ class ContactLine:
 
 
 @dataclass(frozen=True)
+class Supports:
+    """How the seat is held; its bottom always is, along the axis.
+
+    Parameters
+    ----------
+    wall : {"free", "fixed"}
+        Whether the outer wall of the housing is held radially.
+    """
+
+    wall: Literal["free", "fixed"] = "free"
+
+
+@dataclass(frozen=True)
+class BoundaryLoad:
+    """Answer of a body to a unit load away from the contact line, balanced on the closure by its closing load.
+
+    Parameters
+    ----------
+    axial_force : float
+        Axial force that the load exerts on the body [N per unit], positive upwards.
+    opening : ndarray, shape (m,)
+        How far the body's surface moves away from the other body at the points of the contact line [m per unit].
+    response : ndarray, shape (dofs,)
+        Displacement of the whole body [m per unit].
+    """
+
+    axial_force: float
+    opening: FloatArray
+    response: FloatArray
+
+
+@dataclass(frozen=True)
 class CondensedBody:
     """One body seen from its contact line.
 
@@ -88,6 +123,9 @@ class CondensedBody:
         The trace nodes among the body's quadratic nodes, along increasing x.
     contact_x : ndarray, shape (n,)
         Their arc length from first touch [m].
+    loads : mapping of BoundaryLoad
+        "inner" and "outer": a fluid pressure of 1 Pa on the wetted surface inside and outside the contact line, the
+        top of the closure being outside; of a seat with fixed wall also "wall": the wall moved inwards by 1 m.
     """
 
     basis: Basis
@@ -97,6 +135,7 @@ class CondensedBody:
     compliance: FloatArray
     contact_nodes: NDArray[np.int64]
     contact_x: FloatArray
+    loads: Mapping[str, BoundaryLoad]
 
     @cached_property
     def stress_operator(self) -> csr_matrix:
@@ -144,7 +183,9 @@ class ContactModel:
         return axial_force / (2 * np.pi * self.touch_radius * self.touch_normal_z)
 
 
-def condense(seal_mesh: SealMesh, materials: Mapping[str, Material]) -> ContactModel:
+def condense(
+    seal_mesh: SealMesh, materials: Mapping[str, Material], supports: Supports | None = None
+) -> ContactModel:
     """Factorise both bodies and condense them on the contact line.
 
     Parameters
@@ -152,6 +193,7 @@ def condense(seal_mesh: SealMesh, materials: Mapping[str, Material]) -> ContactM
     seal_mesh : SealMesh
     materials : mapping
         Material of the body "closure" and of the body "seat".
+    supports : Supports, optional
 
     Returns
     -------
@@ -165,39 +207,36 @@ def condense(seal_mesh: SealMesh, materials: Mapping[str, Material]) -> ContactM
     if set(materials) != {"closure", "seat"}:
         raise ValueError(f'materials of {sorted(materials)}: needed are those of "closure" and "seat"')
     contact = seal_mesh.contact
-    line = _contact_line(seal_mesh)
+    x, weight, vertices = _gauss_points(seal_mesh)
     # SuperLU works without Python's lock, so the two bodies can be condensed side by side.
     with ThreadPoolExecutor(2) as pool:
-        jobs = [
-            pool.submit(_condense_body, mesh, name, materials[name], line, coordinate)
-            for name, mesh, coordinate in (
-                ("closure", seal_mesh.closure, contact.closure_coordinate),
-                ("seat", seal_mesh.seat, contact.seat_coordinate),
-            )
-        ]
-        bodies = [job.result() for job in jobs]
-    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in bodies)
+        closure, seat = pool.map(
+            lambda name: _condense_body(
+                getattr(seal_mesh, name), name, materials[name], contact, x, supports or Supports()
+            ),
+            ("closure", "seat"),
+        )
+    # The normal that the bodies feel, so that the forces on them balance to the last digit.
+    normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
+    line = ContactLine(x, contact.radius(x), weight, normal, contact.gap(x), vertices)
+    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,
-        bodies[0],
-        bodies[1],
+        closure,
+        seat,
         0.5 * (compliance + compliance.T),
         contact.touch_radius,
-        float(contact.normal(np.zeros(1))[1, 0]),
+        math.cos(contact.angle),
         contact.relative_radius,
     )
 
 
-def _contact_line(seal_mesh: SealMesh) -> ContactLine:
-    """Three Gauss points on each contact facet of the seat."""
-    contact = seal_mesh.contact
-    vertices = np.unique(contact.seat_coordinate(*_boundary_vertices(seal_mesh.seat, "seat_contact")))
+def _gauss_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Three Gauss points on each contact facet of the seat, their weights over x, and the ends of the facets."""
+    vertices = np.unique(seal_mesh.contact.coordinate(*_boundary_vertices(seal_mesh.seat, "seat_contact")))
     middle, half = 0.5 * (vertices[1:] + vertices[:-1]), 0.5 * np.diff(vertices)
     points, weights = _GAUSS
-    x = (middle[:, None] + half[:, None] * points).ravel()
-    return ContactLine(
-        x, contact.radius(x), (half[:, None] * weights).ravel(), contact.normal(x), contact.gap(x), vertices
-    )
+    return (middle[:, None] + half[:, None] * points).ravel(), (half[:, None] * weights).ravel(), vertices
 
 
 def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
@@ -208,38 +247,72 @@ def _condense_body(
     mesh: MeshTri,
     name: str,
     material: Material,
-    line: ContactLine,
-    coordinate: Callable[[FloatArray, FloatArray], FloatArray],
+    contact: ContactGeometry,
+    x: FloatArray,
+    supports: Supports,
 ) -> CondensedBody:
     from scipy.sparse.linalg import splu
 
     basis = displacement_basis(mesh)
-    nodes, trace = trace_matrix(basis, f"{name}_contact", coordinate, line.x)
+    nodes, trace = trace_matrix(basis, f"{name}_contact", contact.coordinate, x)
+    contact_x = contact.coordinate(*quadratic_nodes(mesh)[0][nodes].T)
     # Towards the body's inside: up into the closure, down into the seat.
-    direction = line.normal[:, 0] * (1.0 if name == "closure" else -1.0)
+    direction = contact.normal(contact_x) * (1.0 if name == "closure" else -1.0)
     forces = np.zeros((basis.N, len(nodes)))
-    forces[node_dofs(basis)[:, nodes], np.arange(len(nodes))] = direction[:, None]
+    forces[node_dofs(basis)[:, nodes], np.arange(len(nodes))] = direction
+    stiffness = stiffness_matrix(basis, material)
+    names, columns, held = _further_loads(basis, name, stiffness, supports)
+    right = np.column_stack([forces, *columns])
+    axial = _axial(basis, right[:, len(nodes) :])
     if name == "closure":
         closing = pressure_load(basis, "closure_top")
-        forces -= np.outer(closing / _axial(basis, closing), _axial(basis, forces))
-        held = np.concatenate([_radial_dofs(basis, "closure_axis"), _axial_dofs(basis, "closure_top")[:1]])
-    else:
-        held = _axial_dofs(basis, "seat_bottom")
+        right -= np.outer(closing / _axial(basis, closing), _axial(basis, right))
     free = np.setdiff1d(np.arange(basis.N), held)
-    stiffness = stiffness_matrix(basis, material)[free][:, free].tocsc()
     factor = splu(
-        stiffness, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        stiffness[free][:, free].tocsc(),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
     )
-    response = np.zeros_like(forces)
-    response[free] = _solve_by_blocks(factor, forces[free])
+    response = np.zeros_like(right)
+    response[free] = _solve_by_blocks(factor, right[free])
     if name == "closure":
         # Motion is counted from the loaded surface: its mean displacement, weighted with the load, is zero.
         response[node_dofs(basis)[1]] -= closing @ response / _axial(basis, closing)
-    contact_x = coordinate(*quadratic_nodes(mesh)[0][nodes].T)
-    order = np.argsort(contact_x)
+    elif "wall" in names:
+        response[_radial_dofs(basis, "seat_wall"), len(nodes) + names.index("wall")] = -1.0
+    opening = trace @ (forces.T @ response[:, len(nodes) :])
     return CondensedBody(
-        basis, material, trace, response, forces.T @ response, nodes[order], contact_x[order]
+        basis,
+        material,
+        trace,
+        response[:, : len(nodes)],
+        right[:, : len(nodes)].T @ response[:, : len(nodes)],
+        nodes,
+        contact_x,
+        {
+            load: BoundaryLoad(float(axial[n]), opening[:, n], response[:, len(nodes) + n])
+            for n, load in enumerate(names)
+        },
     )
+
+
+def _further_loads(
+    basis: Basis, name: str, stiffness: csr_matrix, supports: Supports
+) -> tuple[list[str], list[FloatArray], NDArray[np.int64]]:
+    """Names and forces of the loads away from the contact line, and the dofs that are held."""
+    held: NDArray[np.int64]
+    if name == "closure":
+        outer = pressure_load(basis, "closure_outer") + pressure_load(basis, "closure_top")
+        held = np.concatenate([_radial_dofs(basis, "closure_axis"), _axial_dofs(basis, "closure_top")[:1]])
+        return ["inner", "outer"], [pressure_load(basis, "closure_inner"), outer], held
+    loads = {"inner": pressure_load(basis, "seat_inner"), "outer": pressure_load(basis, "seat_outer")}
+    held = _axial_dofs(basis, "seat_bottom")
+    if supports.wall == "fixed":
+        wall = _radial_dofs(basis, "seat_wall")
+        held = np.concatenate([held, wall])
+        loads["wall"] = np.asarray(stiffness[:, wall].sum(axis=1), dtype=float).ravel()
+    return list(loads), list(loads.values()), held
 
 
 def _solve_by_blocks(factor: SuperLU, right: FloatArray) -> FloatArray:
@@ -259,7 +332,7 @@ def trace_matrix(
     Returns
     -------
     nodes : ndarray of int, shape (n,)
-        The trace nodes among the body's quadratic nodes.
+        The trace nodes among the body's quadratic nodes, along increasing x.
     trace : csr_matrix, shape (len(x), n)
     """
     mesh = basis.mesh
@@ -276,7 +349,9 @@ def trace_matrix(
     columns = np.stack([vertex_index[0, facet], vertex_index[1, facet], len(vertex) + facet])
     rows = np.tile(np.arange(len(x)), 3)
     trace = csr_matrix((shape.ravel(), (rows, columns.ravel())), shape=(len(x), len(vertex) + len(facets)))
-    return np.concatenate([vertex, mesh.nvertices + facets]), trace
+    nodes = np.concatenate([vertex, mesh.nvertices + facets])
+    along = np.argsort(coordinate(*quadratic_nodes(mesh)[0][nodes].T))
+    return nodes[along], trace[:, along]
 
 
 def _axial(basis: Basis, forces: FloatArray) -> FloatArray:

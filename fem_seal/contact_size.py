@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_seal.errors import InputError, Problem
 from fem_seal.laws import HardContact, InterfaceLaw, Law
-from meshes import BallOnCone, ConicalSeat, Sizing
+from meshes import ContactGeometry, Sizing
 
 # Chosen so that peak, width and standard deviation change by less than 2e-4 on further refinement
 # (tests/test_verification_contact.py). A soft interface spreads the pressure smoothly; the stiffer it is against the
@@ -87,8 +87,7 @@ def _gap(law: InterfaceLaw, log_pressure: float) -> float:
 def element_sizes(
     law: Law,
     line_loads: Sequence[float],
-    contact: BallOnCone,
-    seat: ConicalSeat,
+    contact: ContactGeometry,
     effective_modulus: float,
     contact_size: float | None = None,
 ) -> Sizing:
@@ -99,8 +98,7 @@ def element_sizes(
     law : InterfaceLaw or HardContact
     line_loads : sequence of float
         f_N of every load [N/m].
-    contact : BallOnCone
-    seat : ConicalSeat
+    contact : ContactGeometry
     effective_modulus : float
         E* [Pa].
     contact_size : float, optional
@@ -113,13 +111,13 @@ def element_sizes(
     """
     widths = [contact_width(law, f, contact.relative_radius, effective_modulus) for f in line_loads]
     std, reach = min(w.std for w in widths), max(w.reach for w in widths)
-    lower, upper = seat.face_reach(contact.touch_radius)
-    far_size = contact.ball.radius / 8
+    lower, upper = contact.reach
+    far_size = contact.closure.largest_radius / 8
     sizing = Sizing(
         contact_size=min(min(w.std / w.per_std for w in widths), far_size),
         core=3 * std,
-        # Contact ends where the face or the ball ends, whatever the law says.
-        zone=(max(-reach, 0.98 * lower), min(reach, 0.98 * upper, 0.98 * contact.reach[1])),
+        # Contact ends where one of the faces ends, whatever the law says.
+        zone=(max(-reach, 0.98 * lower), min(reach, 0.98 * upper)),
         growth_along=_GROWTH_SOFT * _PER_STD_SOFT / max(w.per_std for w in widths),
         growth_deep=_GROWTH_DEEP,
         far_size=far_size,

@@ -94,7 +94,7 @@ def derive(case: Case) -> Derived:
     return Derived(
         touch_radius=case.touch_radius,
         effective_modulus=case.effective_modulus,
-        relative_radius=case.closure.radius,
+        relative_radius=case.contact.relative_radius,
         hardness=surface.hardness if surface else None,
         rms_height=surface.spectrum.rms_height if surface else None,
         rms_slope=surface.spectrum.rms_slope if surface else None,
@@ -107,9 +107,9 @@ def derive(case: Case) -> Derived:
 def _derive_load(case: Case, fluid_pressure: float, decay_length: float | None) -> DerivedLoad:
     from leak import crossover_line, gaussian_line, hertz_line
 
-    r0, R, E = case.touch_radius, case.closure.radius, case.effective_modulus
+    r0, R, E = case.touch_radius, case.contact.relative_radius, case.effective_modulus
     force = closing_force(r0, fluid_pressure, case.load.axial_force, case.load.pressure_side)
-    f = line_load(force, r0, case.seat.angle)
+    f = line_load(force, r0, case.contact.angle)
     return DerivedLoad(
         fluid_pressure=fluid_pressure,
         closing_force=force,

@@ -97,3 +97,7 @@ class ConvergenceError(SealError, RuntimeError):
 
 class OutputError(SealError, OSError):
     """A result file cannot be written."""
+
+
+class ClusterError(SealError, RuntimeError):
+    """The processes that calculate a study are gone or cannot calculate; designs that are done are kept."""

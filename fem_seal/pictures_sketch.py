@@ -10,6 +10,7 @@ from fem_seal.readable import number, quantity
 
 if TYPE_CHECKING:
     from fem_seal.results import SealResult
+    from meshes import ContactGeometry
     from meshes.outline import Outline, Point
 
 _WIDTH, _MARGIN = 480.0, 14.0
@@ -27,8 +28,12 @@ def sketch(result: SealResult) -> Picture:
     case, contact = result.case, result.seal_mesh.contact
     closure, seat = result.seal_mesh.outlines
     view = _View.around(result.seal_mesh.outlines)
-    r0, theta, R = contact.touch_radius, contact.angle, contact.ball.radius
-    centre, touch = (0.0, contact.centre_height), (r0, 0.0)
+    r0, theta = contact.touch_radius, contact.angle
+    touch = (r0, 0.0)
+    radius = _closure_radius(contact)
+    # The normal is drawn to the centre of the closure's curvature where that lies in the picture.
+    arm = radius if radius < 1.01 * closure.largest_radius else 0.5 * closure.largest_radius
+    centre = (r0 - arm * math.sin(theta), arm * math.cos(theta))
     outside = case.load.pressure_side == "outer"
     parts = [
         view.fluids(r0, outside),
@@ -40,21 +45,21 @@ def sketch(result: SealResult) -> Picture:
         view.line((-r0, 0.0), touch, ORANGE, "3 3", 1.1),
         view.dot(touch),
         view.dot((-r0, 0.0)),
-        view.text((0.5 * touch[0], 0.5 * (centre[1] + touch[1])), 8, -6, "R", BLUE),
+        *([view.text((0.5 * (centre[0] + r0), 0.5 * centre[1]), 8, -6, "R", BLUE)] if arm == radius else []),
         view.text(_between(centre, touch, theta), 0, 5, "θ", INK, "middle"),
         view.text((-0.55 * r0, 0.0), 0, -6, "r₀", ORANGE, "middle"),
-        view.text((-0.45 * R, centre[1] + 0.45 * R), 0, 0, "closure", INK, "middle"),
+        view.text(_inside_closure(closure), 0, 0, "closure", INK, "middle"),
         view.text(_inside_seat(seat), 0, 0, "seat", INK, "middle"),
         *_fluid(view, seat, outside),
     ]
     alt = (
-        f"Section: {case.closure.shape} of radius {quantity('length', case.closure.radius)} in a {case.seat.shape} "
-        f"whose contact normal stands {number(math.degrees(theta))} degrees from the axis, touching at radius "
+        f"Section: closure of shape {case.closure.shape} on a seat of shape {case.seat.shape}; their common normal "
+        f"stands {number(math.degrees(theta))} degrees from the axis, touching at radius "
         f"{quantity('length', r0)}; high pressure on the {'outer' if outside else 'inner'} side"
     )
     caption = (
         "Section through the seal, to scale. The angle θ lies between the axis and the common normal of both "
-        "surfaces; the cone's half-angle measured from the axis is 90° − θ. Leakage crosses the circle of contact "
+        "surfaces; a cone's half-angle measured from the axis is 90° − θ. Leakage crosses the circle of contact "
         "(dots)."
     )
     return Picture("sketch", view.svg(parts).encode(), alt, caption)
@@ -141,6 +146,19 @@ def _between(centre: Point, touch: Point, angle: float) -> Point:
     """A place between the axis and the contact normal for the name of the angle."""
     reach = 0.48 * math.dist(centre, touch)
     return centre[0] + reach * math.sin(angle / 2), centre[1] - reach * math.cos(angle / 2)
+
+
+def _closure_radius(contact: ContactGeometry) -> float:
+    """Radius of curvature of the closure at first touch [m], inf if it is straight there."""
+    face = contact.closure_face
+    curvature = face.curvature(face.project_radius(contact.touch_radius))
+    return 1 / curvature if curvature > 0 else math.inf
+
+
+def _inside_closure(closure: Outline) -> Point:
+    """A place in the closure's solid for its name, on the left of the picture."""
+    heights = [s.start[1] for s in closure.segments]
+    return -0.45 * closure.largest_radius, min(heights) + 0.72 * (max(heights) - min(heights))
 
 
 def _inside_seat(seat: Outline) -> Point:

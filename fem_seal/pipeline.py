@@ -22,7 +22,7 @@ from fem_seal.laws import HardContact, Law
 from fem_seal.loads import closing_force, line_load
 from fem_seal.results import DiscretisationError, InterfaceVariant, LoadResult, SealResult
 from fem_seal.validity import contact_warnings
-from meshes import Ball, BallOnCone, ConicalSeat, SealMesh, Sizing, build
+from meshes import SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -154,19 +154,6 @@ def axial_forces(case: Case) -> list[float]:
     ]
 
 
-def geometry(case: Case) -> tuple[Ball, ConicalSeat]:
-    """Closure and seat, with the dimensions that the case leaves open."""
-    seat = case.seat
-    return Ball(case.closure.radius), ConicalSeat.around(
-        seat.angle,
-        case.closure.radius,
-        bore_radius=seat.bore_radius,
-        face_radius=seat.face_radius,
-        outer_radius=seat.outer_radius,
-        height=seat.height,
-    )
-
-
 @dataclass(frozen=True)
 class _Clock:
     progress: Progress
@@ -194,17 +181,16 @@ def sizing(case: Case, law: Law) -> Sizing:
     InputError
         If [mesh] contact_size is out of range for this contact.
     """
-    closure, seat = geometry(case)
-    contact = BallOnCone(closure, seat.angle)
-    line_loads = [line_load(force, contact.touch_radius, seat.angle) for force in axial_forces(case)]
+    contact = case.contact
+    line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in axial_forces(case)]
     try:
-        return element_sizes(law, line_loads, contact, seat, case.effective_modulus, case.mesh.contact_size)
+        return element_sizes(law, line_loads, contact, case.effective_modulus, case.mesh.contact_size)
     except InputError as error:
         raise error.in_file(case.file) from None
 
 
 def _build_mesh(case: Case, law: Law) -> SealMesh:
-    return build(*geometry(case), sizing(case, law))
+    return build_contact(case.contact, sizing(case, law))
 
 
 def _condensed(case: Case, seal_mesh: SealMesh) -> ContactModel:
@@ -319,8 +305,7 @@ def _discretisation_error(
 ) -> DiscretisationError:
     """Solve the highest load once more on larger elements."""
     load = max(loads, key=lambda load: load.axial_force)
-    closure, seat = geometry(case)
-    coarse_mesh = build(closure, seat, _coarser(seal_mesh.sizing))
+    coarse_mesh = build_contact(seal_mesh.contact, _coarser(seal_mesh.sizing))
     coarse = solve(_condensed(case, coarse_mesh), law, axial_force=load.axial_force)
     fine_profile, profile = load.contact.profile, coarse.profile
 

@@ -109,8 +109,7 @@ def _leak_rate(
 ) -> float:
     x, radius = profile.x, profile.radius
     if radius is None:
-        # the contact line of a cone is straight: r grows along it with the cosine of its inclination
-        radius = case.touch_radius + x * math.cos(case.seat.angle)
+        radius = case.contact.radius(x)
     return float(leak_of_profile(case, table, x, profile.pressure, fluid_pressure, radius).leak_rate)
 
 

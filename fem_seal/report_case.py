@@ -11,6 +11,7 @@ from fem_seal.readable import given, number, percent, quantity, trimmed
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
+    from fem_seal.case_bodies import Table
     from fem_seal.case_fluid import Fluid
     from fem_seal.materials import Material
     from fem_seal.results import SealResult
@@ -68,11 +69,25 @@ def surface_groups(result: SealResult) -> list[Group]:
 def _geometry(result: SealResult) -> list[tuple[str, str]]:
     case, contact = result.case, result.seal_mesh.contact
     return [
-        (f"closure, {case.closure.shape}: radius R", given("length", case.closure.radius)),
-        (f"seat, {case.seat.shape}: angle θ", f"{trimmed(math.degrees(case.seat.angle))}°"),
+        *_dimensions("closure", case.closure),
+        *_dimensions("seat", case.seat),
+        ("angle θ of the contact normal", f"{trimmed(math.degrees(contact.angle))}°"),
         ("radius of first touch r₀", quantity("length", contact.touch_radius, 4)),
         ("radius of relative curvature", quantity("length", contact.relative_radius, 4)),
     ]
+
+
+def _dimensions(name: str, body: Table) -> Iterator[tuple[str, str]]:
+    """The dimensions that the case gives."""
+    yield name, getattr(body, "shape", "")
+    for key, entry in body:
+        if key == "shape" or not isinstance(entry, float):
+            continue
+        angle = any(
+            getattr(mark, "dimension", "") == "angle" for mark in type(body).model_fields[key].metadata
+        )
+        text = f"{trimmed(math.degrees(entry))}°" if angle else given("length", entry)
+        yield f"{name}, {key.replace('_', ' ')}", text
 
 
 def _materials(case: Case) -> Iterator[Group]:

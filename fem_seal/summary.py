@@ -13,7 +13,6 @@ from fem_seal.console import as_json, derived_numbers
 from fem_seal.derived import derive
 from fem_seal.interface import exponential_law
 from fem_seal.leakage import leakage_table
-from fem_seal.pipeline import geometry
 from fem_seal.sources import sources
 from fem_seal.tables import leak_rows
 from fem_seal.theory_variants import variant_rows
@@ -82,10 +81,14 @@ def resolved_input(result: SealResult) -> dict[str, Any]:
     """The case as nested tables in SI, with what was sized from the problem in place of what it leaves open."""
     case = result.case
     tables = input_tables(case)
-    _, seat = geometry(case)
-    tables["seat"] |= {
-        name: getattr(seat, name) for name in ("bore_radius", "face_radius", "outer_radius", "height")
-    }
+    closure = case.closure.body()
+    for name, table, body in (
+        ("closure", case.closure, closure),
+        ("seat", case.seat, case.seat.body(closure)),
+    ):
+        tables[name] |= {
+            key: getattr(body, key) for key, entry in table if entry is None and hasattr(body, key)
+        }
     tables["mesh"]["contact_size"] = result.seal_mesh.sizing.contact_size
     if case.interface.law == "exponential":
         tables["interface"]["u0"], tables["interface"]["p_c"] = exponential_law(case, result.surface)

@@ -4,59 +4,64 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
-
-import numpy as np
-from numpy.typing import NDArray
 
 from meshes.errors import GeometryError
 from meshes.outline import Outline, Point, Segment
 
-FloatArray = NDArray[np.float64]
+# The closing force acts above this angle from the downward axis, so that it does not bend the surface near the
+# contact, which lies below 90 degrees.
+_TOP = 2 * math.pi / 3
 
 
 @dataclass(frozen=True)
 class Ball:
-    """Solid ball of radius `radius` [m].
+    """Ball of radius `radius` [m], solid unless `cavity_radius` [m] makes it a hollow sphere.
+
+    Its face is the lower half; the closing force acts on the surface above 120 degrees from the downward axis.
 
     Raises
     ------
     GeometryError
-        If the radius is not positive and finite.
+        If the radius is not positive and finite, or the cavity not smaller than the ball.
     """
 
     radius: float
+    cavity_radius: float = 0.0
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.radius) and self.radius > 0):
             raise GeometryError(f"closure radius = {self.radius!r} m: must be positive and finite")
+        if not 0 <= self.cavity_radius < self.radius:
+            raise GeometryError(
+                f"closure cavity_radius = {self.cavity_radius!r} m: must be below the radius {self.radius:.6g} m"
+            )
 
-    def outline(self, centre_z: float, polar: FloatArray) -> Outline:
-        """Half-disc whose arc carries the given vertices of the contact line.
+    @property
+    def outline(self) -> Outline:
+        """Section with the centre at the origin."""
+        centre, hole = (0.0, 0.0), self.cavity_radius
 
-        Parameters
-        ----------
-        centre_z : float
-            Height of the centre [m].
-        polar : ndarray
-            Angles of the contact line's vertices from the downward axis [rad], increasing.
-        """
-        R, centre = self.radius, (0.0, centre_z)
+        def at(angle: float, radius: float = self.radius) -> Point:
+            return radius * math.sin(angle), -radius * math.cos(angle)
 
-        def at(angle: float) -> Point:
-            return R * math.sin(angle), centre_z - R * math.cos(angle)
-
-        bottom, top = (0.0, centre_z - R), (0.0, centre_z + R)
-        line = [at(angle) for angle in polar.tolist()]
-        # The closing force acts on the upper part, so that it does not bend the surface near the contact.
-        middle = at(0.5 * (float(polar[-1]) + math.pi))
+        bottom, side, shoulder, top = (0.0, -self.radius), (self.radius, 0.0), at(_TOP), (0.0, self.radius)
+        shell = (
+            Segment(bottom, side, "closure_face", centre),
+            Segment(side, shoulder, "closure_outer", centre),
+            Segment(shoulder, top, "closure_top", centre),
+        )
+        if not hole:
+            return Outline("closure", (*shell, Segment(top, bottom, "closure_axis")))
+        cavity = (
+            Segment((0.0, hole), (hole, 0.0), "closure_cavity", centre),
+            Segment((hole, 0.0), (0.0, -hole), "closure_cavity", centre),
+        )
         return Outline(
             "closure",
             (
-                Segment(bottom, line[0], "closure_inner", centre),
-                *(Segment(a, b, "closure_contact", centre) for a, b in pairwise(line)),
-                Segment(line[-1], middle, "closure_outer", centre),
-                Segment(middle, top, "closure_top", centre),
-                Segment(top, bottom, "closure_axis"),
+                *shell,
+                Segment(top, (0.0, hole), "closure_axis"),
+                *cavity,
+                Segment((0.0, -hole), bottom, "closure_axis"),
             ),
         )

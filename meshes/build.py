@@ -9,26 +9,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.ball import Ball
-from meshes.conical_seat import ConicalSeat
-from meshes.contact_geometry import BallOnCone
+from meshes.contact_geometry import ContactGeometry
 from meshes.errors import GeometryError, MeshingError
 from meshes.gmsh_session import gmsh_session
 from meshes.outline import Outline
 from meshes.seal_mesh import SealMesh
+from meshes.shape import Shape
 from meshes.sizing import Sizing
 
 if TYPE_CHECKING:
     from skfem import MeshTri
 
+FloatArray = NDArray[np.float64]
 
-def build(closure: Ball, seat: ConicalSeat, sizing: Sizing) -> SealMesh:
-    """Mesh a ball in a conical seat.
+
+def build(closure: Shape, seat: Shape, sizing: Sizing) -> SealMesh:
+    """Mesh a closure in a seat.
 
     Parameters
     ----------
-    closure : Ball
-    seat : ConicalSeat
+    closure, seat : Shape
+        `Ball`, `ConicalSeat` and the other shapes of this package, or anything with an `outline`.
     sizing : Sizing
 
     Returns
@@ -38,71 +39,67 @@ def build(closure: Ball, seat: ConicalSeat, sizing: Sizing) -> SealMesh:
     Raises
     ------
     GeometryError
-        If the ball does not touch the seat's face, or the zone does not fit on it.
+        If closure and seat do not touch properly, or the zone does not fit on their faces.
     MeshingError
         If gmsh cannot be loaded or fails.
     """
-    contact = BallOnCone(closure, seat.angle)
-    _check_touch(contact, seat, sizing)
-    x = sizing.contact_vertices
+    return build_contact(ContactGeometry.of(closure.outline, seat.outline), sizing)
+
+
+def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
+    """Mesh two sections in first touch, see `build`."""
+    _check_zone(contact, sizing)
+    x = sizing.contact_vertices(contact.breaks)
     outlines = (
-        closure.outline(contact.centre_height, contact.polar_angle(x)),
-        seat.outline(contact.touch_radius, x),
+        _with_contact_line(contact.closure, contact.closure_arc(x)),
+        _with_contact_line(contact.seat, contact.seat_arc(x)),
     )
-    return SealMesh(
-        triangulate(outlines, (contact.touch_radius, 0.0), contact.angle, sizing, closure.radius),
-        contact,
-        sizing,
-        outlines,
-    )
+    return SealMesh(triangulate(outlines, contact, sizing), contact, sizing, outlines)
 
 
-def _check_touch(contact: BallOnCone, seat: ConicalSeat, sizing: Sizing) -> None:
-    r0 = contact.touch_radius
-    if not seat.bore_radius < r0 < seat.face_radius:
+def _with_contact_line(outline: Outline, ends: FloatArray) -> Outline:
+    """Cut the face at the arc lengths `ends` [m]: inner part, contact line with these vertices, outer part."""
+    face, name = outline.face, outline.name
+    pieces = (
+        *face.part(0.0, float(ends[0]), f"{name}_inner"),
+        *face.pieces(ends, f"{name}_contact"),
+        *face.part(float(ends[-1]), face.length, f"{name}_outer"),
+    )
+    return outline.with_face(pieces)
+
+
+def _check_zone(contact: ContactGeometry, sizing: Sizing) -> None:
+    start, end = contact.reach
+    slack = 1e-9 * (end - start)
+    if sizing.zone[0] < start - slack or sizing.zone[1] > end + slack:
+        r = contact.radius(np.array([*sizing.zone, start, end]))
         raise GeometryError(
-            f"the ball of radius {contact.ball.radius:.6g} m would touch the cone at r = {r0:.6g} m, but the "
-            f"seat's face reaches from {seat.bore_radius:.6g} m to {seat.face_radius:.6g} m only; change the "
-            "radius, the angle or the bore and face radii"
-        )
-    r_start, r_end = contact.radius(np.array(sizing.zone))
-    slack = 1e-9 * r0
-    if (
-        r_start < seat.bore_radius - slack
-        or r_end > seat.face_radius + slack
-        or sizing.zone[1] > contact.reach[1]
-    ):
-        raise GeometryError(
-            f"the contact zone from r = {r_start:.6g} m to {r_end:.6g} m does not fit on the seat's face "
-            f"({seat.bore_radius:.6g} m to {seat.face_radius:.6g} m) below the ball"
+            f"the contact zone from r = {r[0]:.6g} m to {r[1]:.6g} m does not fit where the faces of closure and seat "
+            f"stand in front of each other, from r = {r[2]:.6g} m to {r[3]:.6g} m"
         )
 
 
-def triangulate(
-    outlines: tuple[Outline, ...], touch: tuple[float, float], angle: float, sizing: Sizing, scale: float
-) -> MeshTri:
+def triangulate(outlines: tuple[Outline, ...], contact: ContactGeometry, sizing: Sizing) -> MeshTri:
     """Mesh the outlines with straight triangles, graded from the contact line outwards.
 
     Parameters
     ----------
     outlines : tuple of Outline
         Sections of the bodies [m]; they share no node, even where they touch.
-    touch : tuple of float
-        Point (r, z) [m] around which the elements are small.
-    angle : float
-        Angle of the common tangent at `touch` from the r axis [rad].
+    contact : ContactGeometry
+        Where the elements are small.
     sizing : Sizing
-    scale : float
-        Length [m] that gmsh sees as 1, so that its absolute tolerances mean the same for every size of seal.
 
     Raises
     ------
     MeshingError
         If gmsh fails.
     """
+    # gmsh sees the seal in units of this length, so that its absolute tolerances mean the same for every size.
+    scale = outlines[0].largest_radius
     with gmsh_session("seal") as gmsh:
         groups = [_add_body(gmsh, outline, scale) for outline in outlines]
-        _set_sizes(gmsh, touch, angle, sizing, scale)
+        _set_sizes(gmsh, contact, sizing, scale)
         try:
             gmsh.model.mesh.generate(2)
         except Exception as error:  # gmsh raises plain Exception
@@ -124,7 +121,11 @@ def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> dict[str, lis
     loop = []
     for s in outline.segments:
         start, end = point(s.start), point(s.end)
-        curve = geo.addLine(start, end) if s.centre is None else geo.addCircleArc(start, point(s.centre), end)
+        # Pieces of the contact line carry one element each: chords, whatever they are cut from.
+        if s.centre is None or s.name.endswith("_contact"):
+            curve = geo.addLine(start, end)
+        else:
+            curve = geo.addCircleArc(start, point(s.centre), end)
         curves.setdefault(s.name, []).append(curve)
         loop.append(curve)
     surface = geo.addPlaneSurface([geo.addCurveLoop(loop)])
@@ -134,19 +135,55 @@ def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> dict[str, lis
     return {**curves, outline.name: [surface]}
 
 
-def _set_sizes(
-    gmsh: ModuleType, touch: tuple[float, float], angle: float, sizing: Sizing, scale: float
-) -> None:
-    dr, dz = f"(x-({touch[0] / scale:.17g}))", f"(y-({touch[1] / scale:.17g}))"
-    cos, sin = f"({math.cos(angle):.17g})", f"({math.sin(angle):.17g})"
-    along, deep = f"Fabs({dr}*{cos}+{dz}*{sin})", f"Fabs({dz}*{cos}-{dr}*{sin})"
-    size = (
-        f"{sizing.contact_size / scale:.17g}"
-        f"+{sizing.growth_along:.17g}*Max(0,{along}-{sizing.core / scale:.17g})+{sizing.growth_deep:.17g}*{deep}"
+def _set_sizes(gmsh: ModuleType, contact: ContactGeometry, sizing: Sizing, scale: float) -> None:
+    """Element size over (r, z) as formulas that gmsh evaluates itself."""
+    field = gmsh.model.mesh.field
+    formulas = [
+        _size(sizing.contact_size, sizing.core, sizing, *_along_and_deep(contact, scale), scale),
+        *(
+            _size(size, 0.0, sizing, f"Sqrt({_square(contact.point(np.array(x)), scale)})", "0", scale)
+            for x, size in sizing.spots
+        ),
+    ]
+    fields = []
+    for formula in formulas:
+        fields.append(field.add("MathEval"))
+        field.setString(fields[-1], "F", f"Min({formula},{sizing.far_size / scale:.17g})")
+    smallest = fields[0]
+    if len(fields) > 1:
+        smallest = field.add("Min")
+        field.setNumbers(smallest, "FieldsList", fields)
+    field.setAsBackgroundMesh(smallest)
+
+
+def _size(size: float, core: float, sizing: Sizing, along: str, deep: str, scale: float) -> str:
+    return (
+        f"{size / scale:.17g}+{sizing.growth_along:.17g}*Max(0,{along}-{core / scale:.17g})"
+        f"+{sizing.growth_deep:.17g}*{deep}"
     )
-    grading = gmsh.model.mesh.field.add("MathEval")
-    gmsh.model.mesh.field.setString(grading, "F", f"Min({size},{sizing.far_size / scale:.17g})")
-    gmsh.model.mesh.field.setAsBackgroundMesh(grading)
+
+
+def _along_and_deep(contact: ContactGeometry, scale: float) -> tuple[str, str]:
+    """Distance from first touch along the contact line, and from the line itself."""
+    k = contact.seat_curvature * scale
+    if abs(k) * contact.seat_face.length / scale < 1e-6:
+        dr, dz = f"(x-({contact.touch_radius / scale:.17g}))", "y"
+        cos, sin = f"({math.cos(contact.angle):.17g})", f"({math.sin(contact.angle):.17g})"
+        return f"Fabs({dr}*{cos}+{dz}*{sin})", f"Fabs({dz}*{cos}-{dr}*{sin})"
+    touch = np.array([contact.touch_radius / scale, 0.0])
+    normal = contact.normal(np.array(0.0))
+    centre = touch + normal / k
+    distance = f"(1e-12+Sqrt((x-({centre[0]:.17g}))^2+(y-({centre[1]:.17g}))^2))"
+    # The chord between the directions of a point and of first touch, seen from the centre of curvature.
+    r, z = (
+        f"((({c})-({m:.17g}))/{distance}-({d:.17g}))"
+        for c, m, d in zip("xy", centre, -np.sign(k) * normal, strict=True)
+    )
+    return f"{1 / abs(k):.17g}*Sqrt({r}^2+{z}^2)", f"Fabs({distance}-{1 / abs(k):.17g})"
+
+
+def _square(point: FloatArray, scale: float) -> str:
+    return f"(x-({point[0] / scale:.17g}))^2+(y-({point[1] / scale:.17g}))^2"
 
 
 def _to_skfem(

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
 
-import numpy as np
-from numpy.typing import NDArray
-
+from meshes.curve import chain
 from meshes.errors import GeometryError
-from meshes.outline import Outline, Point, Segment
-
-FloatArray = NDArray[np.float64]
+from meshes.outline import Outline
+from meshes.shape import Shape, housing
+from meshes.touch import first_touch
 
 
 @dataclass(frozen=True)
@@ -62,72 +59,47 @@ class ConicalSeat:
     def around(
         cls,
         angle: float,
-        ball_radius: float,
+        closure: Shape,
         *,
         bore_radius: float | None = None,
         face_radius: float | None = None,
         outer_radius: float | None = None,
         height: float | None = None,
     ) -> ConicalSeat:
-        """Seat for a ball, with the dimensions that are not given in proportion to the ball.
+        """Seat for a closure, with the dimensions that are not given in proportion to it.
 
-        The bore has half the radius of first touch, the face ends 0.6 ball radii (along the face) beyond first
-        touch, the housing is 1.5 ball radii wider than first touch and 1.5 ball radii high below the face: far
-        enough from the contact to change the pressure profile of a narrow contact by some 1e-5.
+        With L the radius of the closure (of a ball its own), the bore has half the radius of first touch, the face
+        ends 0.6 L (along the face) beyond first touch, the housing is 1.5 L wider than first touch and 1.5 L high
+        below the face: far enough from the contact to change the pressure profile of a narrow contact by some 1e-5.
 
         Parameters
         ----------
         angle : float
             theta [rad].
-        ball_radius : float
-            R [m].
+        closure : Shape
         bore_radius, face_radius, outer_radius, height : float, optional
             As of the class [m].
         """
         if not 0 < angle < math.pi / 2:
             raise GeometryError(f"seat angle = {math.degrees(angle):.6g} deg: must lie between 0 and 90 deg")
-        touch = ball_radius * math.sin(angle)
-        face = face_radius or touch + 0.6 * ball_radius * math.cos(angle)
+        outline = closure.outline
+        size = outline.largest_radius
+        cone = chain([(0.0, 0.0), (2 * size, 2 * size * math.tan(angle))], "seat_face")
+        touch = first_touch(outline.face, cone).radius
+        face = face_radius or touch + 0.6 * size * math.cos(angle)
         if outer_radius is not None and face_radius is None:
             face = min(face, outer_radius)
         return cls(
             angle,
             bore_radius or 0.5 * touch,
             face,
-            outer_radius or max(touch + 1.5 * ball_radius, face),
-            height or 1.5 * ball_radius,
+            outer_radius or max(touch + 1.5 * size, face),
+            height or 1.5 * size,
         )
 
-    def face_reach(self, touch_radius: float) -> tuple[float, float]:
-        """Arc lengths [m] from first touch at `touch_radius` [m] to the lower and upper edge of the face."""
-        cos = math.cos(self.angle)
-        return (self.bore_radius - touch_radius) / cos, (self.face_radius - touch_radius) / cos
-
-    def outline(self, touch_radius: float, x: FloatArray) -> Outline:
-        """Section with the face through (touch_radius, 0), carrying the given vertices of the contact line.
-
-        Parameters
-        ----------
-        touch_radius : float
-            Radius of first touch [m].
-        x : ndarray
-            Vertices of the contact line as arc length from first touch [m], increasing.
-        """
-        cos, sin = math.cos(self.angle), math.sin(self.angle)
-
-        def at(x: float) -> Point:
-            return touch_radius + x * cos, x * sin
-
-        lower, upper = (at(x) for x in self.face_reach(touch_radius))
-        bottom = lower[1] - self.height
-        line = [at(x) for x in reversed(x.tolist())]
-        corners = [
-            *((a, b, "seat_contact") for a, b in pairwise(line)),
-            (line[-1], lower, "seat_inner"),
-            (lower, (lower[0], bottom), "seat_inner"),
-            ((lower[0], bottom), (self.outer_radius, bottom), "seat_bottom"),
-            ((self.outer_radius, bottom), (self.outer_radius, upper[1]), "seat_wall"),
-            ((self.outer_radius, upper[1]), upper, "seat_outer"),
-            (upper, line[0], "seat_outer"),
-        ]
-        return Outline("seat", tuple(Segment(a, b, name) for a, b, name in corners if math.dist(a, b) > 0))
+    @property
+    def outline(self) -> Outline:
+        """Section with the lower edge of the face at z = 0."""
+        rise = (self.face_radius - self.bore_radius) * math.tan(self.angle)
+        face = chain([(self.bore_radius, 0.0), (self.face_radius, rise)], "seat_face")
+        return housing(face, self.outer_radius, self.height)

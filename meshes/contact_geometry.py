@@ -1,98 +1,161 @@
-"""First touch of closure and seat, and the exact gap between them: no faceted mesh involved."""
+"""Contact line of closure and seat, and the exact gap between them: no faceted mesh involved."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.ball import Ball
+from meshes.curve import Curve
 from meshes.errors import GeometryError
+from meshes.outline import Outline
+from meshes.touch import at_a_corner, first_touch
 
 FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class BallOnCone:
-    """Contact line of a ball in a conical seat.
+class ContactGeometry:
+    """Closure and seat in first touch, z = 0 on the circle of touch.
 
-    The contact line is the seat's face. x is the arc length on it, zero at first touch, positive towards
-    larger r; z is zero at first touch. Every point of the face meets the point of the ball in front of it
-    along the face's normal.
+    The contact line is the seat's face. x is the arc length on it, zero at first touch, positive towards larger r.
+    Every point of it meets the point of the closure in front of it along the seat's normal.
 
     Parameters
     ----------
-    ball : Ball
-    angle : float
-        Angle theta between the axis and the contact normal [rad].
-
-    Notes
-    -----
-    r0 = R sin(theta) (Fischer, Schmitz, Tiwari, Persson, "Fluid leakage in metallic seals", above eq. 1).
+    closure, seat : Outline
+        Sections of the bodies, already in touch.
+    touch_radius : float
+        Radius r0 of first touch [m].
     """
 
-    ball: Ball
-    angle: float
+    closure: Outline
+    seat: Outline
+    touch_radius: float
 
-    def __post_init__(self) -> None:
-        if not 0 < self.angle < math.pi / 2:
+    @classmethod
+    def of(cls, closure: Outline, seat: Outline) -> ContactGeometry:
+        """Bring two sections together along the axis.
+
+        Raises
+        ------
+        GeometryError
+            If they touch on the axis, at a sharp corner, or where a face ends, or do not meet at all.
+        """
+        touch = first_touch(closure.face, seat.face)
+        if touch.radius <= 1e-9 * seat.largest_radius:
             raise GeometryError(
-                f"seat angle = {math.degrees(self.angle):.6g} deg: must lie between 0 and 90 deg"
+                "closure and seat touch first on the axis; a seal needs a circle of contact: give the seat a bore, or "
+                "choose shapes that touch away from the axis"
             )
+        s = seat.face.project_radius(touch.radius)
+        level = float(seat.face.point(np.asarray(s))[1])
+        geometry = cls(closure.shifted(-touch.drop - level), seat.shifted(-level), touch.radius)
+        geometry._check_touch()
+        return geometry
 
-    @property
-    def touch_radius(self) -> float:
-        """Radius r0 of first touch [m]."""
-        return self.ball.radius * math.sin(self.angle)
+    def _check_touch(self) -> None:
+        for name, face in (("closure", self.closure_face), ("seat", self.seat_face)):
+            s = float(face.project(np.array(self.touch_radius), np.array(0.0)))
+            if min(s, face.length - s) < 1e-9 * face.length:
+                edge = face.point(np.array([0.0, face.length]))[0]
+                raise GeometryError(
+                    f"closure and seat would touch first at r = {self.touch_radius:.6g} m, where the face of the "
+                    f"{name} ends: it reaches from {edge[0]:.6g} m to {edge[1]:.6g} m; change the radii, the angle or "
+                    "the bore, or round the edge"
+                )
+            if at_a_corner(face, s):
+                raise GeometryError(
+                    f"closure and seat touch first at r = {self.touch_radius:.6g} m at a sharp corner of the {name}; "
+                    "give it an edge radius"
+                )
 
-    @property
+    @cached_property
+    def closure_face(self) -> Curve:
+        """Face of the closure in first touch, from smaller to larger r."""
+        return self.closure.face
+
+    @cached_property
+    def seat_face(self) -> Curve:
+        """Face of the seat, from smaller to larger r."""
+        return self.seat.face
+
+    @cached_property
+    def _origin(self) -> float:
+        return self.seat_face.project_radius(self.touch_radius)
+
+    @cached_property
+    def angle(self) -> float:
+        """Angle theta between the axis and the contact normal at first touch [rad]; negative leans outwards."""
+        n = self.normal(np.array(0.0))
+        return math.atan2(-n[0], n[1])
+
+    @cached_property
+    def seat_curvature(self) -> float:
+        """Curvature of the seat at first touch [1/m], positive where it is hollow."""
+        return self.seat_face.curvature(self._origin)
+
+    @cached_property
     def relative_radius(self) -> float:
-        """R_rel of the line contact [m]: 1/R_rel = 1/R1 + 1/R2, the cone being straight."""
-        return self.ball.radius
+        """R_rel of the line contact [m]: 1/R_rel = 1/R_closure + 1/R_seat, hollow negative; inf if they fit."""
+        s = float(self.closure_face.project(np.array(self.touch_radius), np.array(0.0)))
+        bend = self.closure_face.curvature(s) - self.seat_curvature
+        size = min(self.closure_face.length, self.seat_face.length)
+        return 1 / bend if bend * size > 1e-9 else math.inf
 
-    @property
+    @cached_property
     def reach(self) -> tuple[float, float]:
-        """Arc lengths [m] between which the ball stands in front of the face at all."""
-        return -self.touch_radius / math.cos(self.angle), self.ball.radius
+        """Arc lengths [m] between which both faces stand in front of each other."""
+        r, z = self.closure_face.point(np.array([0.0, self.closure_face.length]))
+        start, end = self.coordinate(r, z)
+        # Where the last ray grazes the end of the face it may miss by round-off; the face is long enough without.
+        slack = 1e-6 * (end - start)
+        return float(start + slack), float(end - slack)
+
+    @cached_property
+    def breaks(self) -> FloatArray:
+        """x at which one of the two faces passes from one line or arc to the next [m], increasing."""
+        own = self.seat_face.breaks[1:-1] - self._origin
+        other = self.coordinate(*self.closure_face.point(self.closure_face.breaks[1:-1]))
+        return np.unique(np.concatenate([own, other]))
+
+    def point(self, x: FloatArray) -> FloatArray:
+        """Points (r, z) of the contact line [m], shape (2, ...) over x."""
+        return self.seat_face.point(np.asarray(x) + self._origin)
 
     def radius(self, x: FloatArray) -> FloatArray:
         """Radius r(x) of the contact line [m]."""
-        return self.touch_radius + np.asarray(x) * math.cos(self.angle)
+        return self.point(x)[0]
 
     def height(self, x: FloatArray) -> FloatArray:
         """Height z(x) of the contact line [m]."""
-        return np.asarray(x) * math.sin(self.angle)
+        return self.point(x)[1]
 
     def normal(self, x: FloatArray) -> FloatArray:
         """Unit normal (n_r, n_z) of the seat, towards the closure; shape (2, ...) over x."""
-        one = np.ones_like(np.asarray(x, dtype=float))
-        return np.stack([-math.sin(self.angle) * one, math.cos(self.angle) * one])
+        return self.seat_face.normal(np.asarray(x) + self._origin)
 
     def gap(self, x: FloatArray) -> FloatArray:
-        """Gap g0(x) along the normal at first touch [m], exact; x within `reach`."""
-        s = np.asarray(x) / self.ball.radius
-        # R - sqrt(R^2 - x^2) without the cancellation that would cost the digits near first touch.
-        return self.ball.radius * s**2 / (1 + np.sqrt(1 - s**2))
+        """Gap g0(x) along the seat's normal at first touch [m], exact; nan outside `reach`."""
+        return self._in_front(x)[0]
 
-    def closure_coordinate(self, r: FloatArray, z: FloatArray) -> FloatArray:
-        """x of a point (r, z) of the closure's surface [m]."""
-        return (np.asarray(r) - self.touch_radius) * math.cos(self.angle) + np.asarray(z) * math.sin(
-            self.angle
-        )
+    def closure_arc(self, x: FloatArray) -> FloatArray:
+        """Arc length on the closure's face of the point in front of x [m]; nan outside `reach`."""
+        return self._in_front(x)[1]
 
-    def seat_coordinate(self, r: FloatArray, z: FloatArray) -> FloatArray:
-        """x of a point (r, z) of the seat's face [m]."""
-        return (np.asarray(r) - self.touch_radius) * math.cos(self.angle) + np.asarray(z) * math.sin(
-            self.angle
-        )
+    def seat_arc(self, x: FloatArray) -> FloatArray:
+        """Arc length on the seat's face [m], from its inner end."""
+        return np.asarray(x) + self._origin
 
-    @property
-    def centre_height(self) -> float:
-        """Height z of the ball's centre [m]."""
-        return self.ball.radius * math.cos(self.angle)
+    def _in_front(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        x = np.asarray(x, dtype=float)
+        flat = x.ravel()
+        gap, arc = self.closure_face.hits(self.point(flat), self.normal(flat))
+        return gap.reshape(x.shape), arc.reshape(x.shape)
 
-    def polar_angle(self, x: FloatArray) -> FloatArray:
-        """Angle of the ball's point at x from the downward axis [rad]."""
-        return self.angle + np.arcsin(np.asarray(x) / self.ball.radius)
+    def coordinate(self, r: FloatArray, z: FloatArray) -> FloatArray:
+        """x of a point (r, z) [m] of either face: the foot of its perpendicular on the seat."""
+        return self.seat_face.project(r, z) - self._origin

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from meshes.errors import GeometryError
+
+if TYPE_CHECKING:
+    from meshes.curve import Curve
 
 Point = tuple[float, float]
 
@@ -29,6 +35,24 @@ class Segment:
     name: str
     centre: Point | None = None
 
+    @property
+    def sweep(self) -> float:
+        """Angle by which an arc turns [rad], positive counter-clockwise; zero for a line."""
+        if self.centre is None:
+            return 0.0
+        a, b = np.subtract(self.start, self.centre), np.subtract(self.end, self.centre)
+        return math.atan2(a[0] * b[1] - a[1] * b[0], float(a @ b))
+
+    def shifted(self, dz: float) -> Segment:
+        """The segment moved by dz [m] along the axis."""
+
+        def move(p: Point) -> Point:
+            return p[0], p[1] + dz
+
+        return Segment(
+            move(self.start), move(self.end), self.name, None if self.centre is None else move(self.centre)
+        )
+
 
 @dataclass(frozen=True)
 class Outline:
@@ -50,6 +74,52 @@ class Outline:
         return sum(_chord_area(s) + _bulge_area(s) for s in self.segments)
 
     @property
+    def face(self) -> Curve:
+        """The surface on which contact can happen, run from smaller to larger radius.
+
+        It is made of the segments named "<body>_face".
+
+        Raises
+        ------
+        GeometryError
+            If there is no such segment, or they are not one chain.
+        """
+        from meshes.curve import Curve
+
+        wanted = f"{self.name}_face"
+        at = [n for n, s in enumerate(self.segments) if s.name == wanted]
+        if not at or at != list(range(at[0], at[-1] + 1)):
+            raise GeometryError(
+                f'the outline of the {self.name} needs one unbroken chain of segments "{wanted}"'
+            )
+        face = Curve(self.segments[at[0] : at[-1] + 1])
+        # Counter-clockwise, the lower side of the closure runs outwards and the upper side of the seat inwards.
+        return face if face.segments[0].start[0] < face.segments[-1].end[0] else face.reversed
+
+    def with_face(self, pieces: tuple[Segment, ...]) -> Outline:
+        """The outline with its face replaced by `pieces`, which run from smaller to larger radius."""
+        wanted = f"{self.name}_face"
+        at = [n for n, s in enumerate(self.segments) if s.name == wanted]
+        before, after = self.segments[: at[0]], self.segments[at[-1] + 1 :]
+        outwards = self.segments[at[0]].start[0] < self.segments[at[-1]].end[0]
+        if not outwards:
+            pieces = tuple(Segment(s.end, s.start, s.name, s.centre) for s in reversed(pieces))
+        # The very corners of the outline: a rounded-off copy of them would leave it open.
+        first = replace(pieces[0], start=self.segments[at[0]].start)
+        last = replace(pieces[-1], end=self.segments[at[-1]].end)
+        inner = (first, *pieces[1:-1], last) if len(pieces) > 1 else (replace(first, end=last.end),)
+        return Outline(self.name, (*before, *inner, *after))
+
+    def shifted(self, dz: float) -> Outline:
+        """The outline moved by dz [m] along the axis."""
+        return Outline(self.name, tuple(s.shifted(dz) for s in self.segments))
+
+    @property
+    def largest_radius(self) -> float:
+        """Largest distance of the segments' end points from the axis [m]."""
+        return max(s.start[0] for s in self.segments)
+
+    @property
     def height(self) -> float:
         """Extent of the segments' end points along z [m]."""
         z = [s.start[1] for s in self.segments]
@@ -64,6 +134,4 @@ def _chord_area(s: Segment) -> float:
 def _bulge_area(s: Segment) -> float:
     if s.centre is None:
         return 0.0
-    a, b = np.subtract(s.start, s.centre), np.subtract(s.end, s.centre)
-    sweep = math.atan2(a[0] * b[1] - a[1] * b[0], a @ b)
-    return float(0.5 * (a @ a) * (sweep - math.sin(sweep)))
+    return 0.5 * math.dist(s.start, s.centre) ** 2 * (s.sweep - math.sin(s.sweep))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.contact_geometry import BallOnCone
+from meshes.contact_geometry import ContactGeometry
 from meshes.outline import Outline
 from meshes.sizing import Sizing
 
@@ -53,7 +53,7 @@ class SealMesh:
         Both bodies, not connected, coordinates (r, z) [m]; subdomains "closure" and "seat"; boundaries
         "closure_contact", "closure_inner", "closure_outer", "closure_axis", "seat_contact", "seat_inner",
         "seat_outer", "seat_wall", "seat_bottom".
-    contact : BallOnCone
+    contact : ContactGeometry
         Exact geometry of the contact line.
     sizing : Sizing
     outlines : tuple of Outline
@@ -61,7 +61,7 @@ class SealMesh:
     """
 
     mesh: MeshTri
-    contact: BallOnCone
+    contact: ContactGeometry
     sizing: Sizing
     outlines: tuple[Outline, ...]
 

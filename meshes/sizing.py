@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ class Sizing:
         Growth of the element size per distance along the contact line and into the depth.
     far_size : float
         Largest element size [m].
+    spots : tuple of (float, float)
+        Further places on the contact line, such as rounded edges: arc length from first touch and the element size
+        there [m]; the size grows from them as it does along the contact line.
 
     Raises
     ------
@@ -46,6 +50,7 @@ class Sizing:
     growth_along: float
     growth_deep: float
     far_size: float
+    spots: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         for key in ("contact_size", "growth_along", "growth_deep", "far_size"):
@@ -59,22 +64,50 @@ class Sizing:
                 f"mesh contact_size = {self.contact_size:.4g} m: must not exceed far_size = {self.far_size:.4g} m"
             )
 
-    @property
-    def contact_vertices(self) -> FloatArray:
+    def contact_vertices(self, breaks: FloatArray | None = None) -> FloatArray:
         """Arc lengths of the contact line's vertices [m], zero among them, the same for both bodies.
 
-        Each side is divided evenly in int dx / size(x), so that no element is larger than asked for.
+        Each stretch is divided evenly in int dx / size(x), so that no element is larger than asked for.
+
+        Parameters
+        ----------
+        breaks : ndarray, optional
+            More places that must be vertices [m]; those outside the zone are left out.
         """
         start, end = self.zone
-        return np.concatenate([-self._side(-start)[:0:-1], self._side(end)])
+        fixed = np.array([start, 0.0, end])
+        if breaks is not None:
+            # A break closer to a vertex than half an element would leave a sliver.
+            near = np.min(np.abs(np.subtract.outer(breaks, fixed)), axis=1, initial=np.inf)
+            inside = (breaks > start) & (breaks < end) & (near > 0.5 * self.size(breaks))
+            fixed = np.unique(np.concatenate([fixed, breaks[inside]]))
+        return np.concatenate([[start], *(self._divided(a, b) for a, b in pairwise(fixed.tolist()))])
 
-    def _side(self, length: float) -> FloatArray:
-        h, g, core = self.contact_size, self.growth_along, min(self.core, length)
-        count = core / h + math.log1p(g * (length - core) / h) / g
-        n = np.linspace(0.0, count, math.ceil(count * (1 - 1e-12)) + 1)
-        x = np.where(n * h <= core, n * h, core + h / g * np.expm1(g * np.maximum(n - core / h, 0.0)))
-        x[-1] = length
-        return x
+    def size(self, x: FloatArray) -> FloatArray:
+        """Element size on the contact line at x [m]."""
+        x = np.asarray(x, dtype=float)
+        size = self.contact_size + self.growth_along * np.maximum(0.0, np.abs(x) - self.core)
+        for place, smallest in self.spots:
+            size = np.minimum(size, smallest + self.growth_along * np.abs(x - place))
+        return np.minimum(size, self.far_size)
+
+    def _divided(self, a: float, b: float) -> FloatArray:
+        """Vertices in (a, b], b the last."""
+        # Away from the small elements the size grows in proportion to the distance: so do the steps.
+        steps = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 600)])
+        centres = [(-self.core, self.contact_size), (self.core, self.contact_size), *self.spots]
+        near = [
+            place + side * size / self.growth_along * steps for place, size in centres for side in (-1, 1)
+        ]
+        x = np.unique(np.clip(np.concatenate([np.linspace(a, b, 401), *near]), a, b))
+        middle = 0.5 * (x[1:] + x[:-1])
+        density, between = 1 / self.size(x), 1 / self.size(middle)
+        count = np.concatenate(
+            [[0.0], np.cumsum(np.diff(x) * (density[:-1] + 4 * between + density[1:]) / 6)]
+        )
+        elements = max(1, math.ceil(count[-1] * (1 - 1e-9)))
+        inner = np.interp(np.arange(1, elements) * count[-1] / elements, count, x)
+        return np.append(inner, b)
 
     def refined(self, factor: float) -> Sizing:
         """Same grading with every element size divided by `factor`; below 1 it coarsens."""
@@ -84,4 +117,5 @@ class Sizing:
             growth_along=self.growth_along / factor,
             growth_deep=self.growth_deep / factor,
             far_size=self.far_size / factor,
+            spots=tuple((x, size / factor) for x, size in self.spots),
         )

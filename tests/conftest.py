@@ -50,9 +50,9 @@ def ball_on_cone(
     """Model of a ball on a cone with the default mesh for these loads, and the axial forces of the loads."""
     from fem_seal.materials import effective_modulus
 
-    ball, cone = meshes.Ball(radius), meshes.ConicalSeat.around(angle, radius)
-    contact = meshes.BallOnCone(ball, angle)
+    ball, cone = meshes.Ball(radius), meshes.ConicalSeat.around(angle, meshes.Ball(radius))
+    contact = meshes.ContactGeometry.of(ball.outline, cone.outline)
     forces = [closing_force(contact.touch_radius, p) for p in fluid_pressures]
     loads = [line_load(force, contact.touch_radius, angle) for force in forces]
-    sizing = element_sizes(law, loads, contact, cone, effective_modulus(closure, seat)).refined(refine)  # type: ignore[arg-type]
+    sizing = element_sizes(law, loads, contact, effective_modulus(closure, seat)).refined(refine)  # type: ignore[arg-type]
     return condense(meshes.build(ball, cone, sizing), {"closure": closure, "seat": seat}), forces

@@ -23,7 +23,7 @@ from fem_seal.laws import HardContact
 from fem_seal.materials import Material
 from fem_seal.stress import body_fields
 from leak import ExponentialLaw, TabulatedLaw, crossover_line, hertz_line
-from meshes import Ball, BallOnCone, ConicalSeat, Sizing, build
+from meshes import Ball, ConicalSeat, ContactGeometry, Sizing, build
 
 LAW = ExponentialLaw(p_c=5e9, u0=0.76e-6)
 PRESSURES = [2e5, 2e6, 2e7]
@@ -202,7 +202,8 @@ def test_result_does_not_depend_on_the_unit_system() -> None:
     k, m = 1024.0, 2.0**-20
     profiles = []
     for length, stress in ((1.0, 1.0), (k, m)):
-        ball, seat = Ball(0.02 * length), ConicalSeat.around(math.radians(45), 0.02 * length)
+        ball = Ball(0.02 * length)
+        seat = ConicalSeat.around(math.radians(45), ball)
         sizing = Sizing(
             2e-5 * length, 3e-4 * length, (-8e-4 * length, 8e-4 * length), 0.1, 0.25, 2.5e-3 * length
         )
@@ -218,7 +219,7 @@ def test_size_of_the_housing_hardly_matters() -> None:
     profiles = []
     for scale in (1.0, 2.0):
         ball = Ball(0.02)
-        seat = ConicalSeat.around(math.radians(45), 0.02, outer_radius=0.044 * scale, height=0.03 * scale)
+        seat = ConicalSeat.around(math.radians(45), ball, outer_radius=0.044 * scale, height=0.03 * scale)
         sizing = Sizing(2e-5, 3e-4, (-1e-3, 1e-3), 0.1, 0.25, 2.5e-3)
         model = condense(build(ball, seat, sizing), {"closure": STEEL, "seat": STEEL})
         profiles.append(solve(model, LAW, axial_force=1256.0).profile)
@@ -259,7 +260,9 @@ def test_stress_under_hertz_contact() -> None:
 def test_displaced_bodies_keep_the_gap(default: tuple[ContactModel, list[ContactSolution]]) -> None:
     """Gap from the bodies' own displacement fields: g0 - d n_z + n.(u_closure - u_seat)."""
     _, solutions = default
-    solution, contact = solutions[1], BallOnCone(Ball(0.02), math.radians(45))
+    ball = Ball(0.02)
+    contact = ContactGeometry.of(ball.outline, ConicalSeat.around(math.radians(45), ball).outline)
+    solution = solutions[1]
     fields = body_fields(solution)
     x = fields["seat"].contact_x
     normal = contact.normal(x)

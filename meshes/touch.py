@@ -1,0 +1,125 @@
+"""First touch of two faces: the closure comes down along the axis until the gap along z closes somewhere."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.curve import Curve
+from meshes.errors import GeometryError
+
+
+@dataclass(frozen=True)
+class Touch:
+    """First touch.
+
+    Parameters
+    ----------
+    radius : float
+        r0 [m].
+    drop : float
+        Way of the closure along -z from where it was drawn to first touch [m].
+    """
+
+    radius: float
+    drop: float
+
+
+def first_touch(closure: Curve, seat: Curve) -> Touch:
+    """Find the circle on which two faces touch first, in closed form for every pair of segments.
+
+    Along a line or an arc that is run outwards the sine of the inclination is linear in r, so the places where two
+    segments are parallel, and their distance along z stationary, solve a linear equation.
+
+    Parameters
+    ----------
+    closure, seat : Curve
+        Faces, run from smaller to larger radius.
+
+    Returns
+    -------
+    Touch
+        Faces that touch along a whole stretch (two cones of the same angle) touch first in its middle.
+
+    Raises
+    ------
+    GeometryError
+        If a face turns back towards the axis, or the faces do not lie above each other anywhere.
+    """
+    upper, lower = _graph(closure, "closure"), _graph(seat, "seat")
+    scale = max(closure.length, seat.length)
+    best: tuple[float, float] | None = None
+    for c in upper:
+        for s in lower:
+            for r in _candidates(c, s):
+                distance = c.height(r) - s.height(r)
+                if best is None or distance < best[1] - 1e-13 * scale:
+                    best = r, distance
+    if best is None:
+        raise GeometryError(
+            f"closure and seat do not meet: the closure's face reaches from r = {upper[0].start:.6g} m to "
+            f"{upper[-1].end:.6g} m, the seat's from {lower[0].start:.6g} m to {lower[-1].end:.6g} m"
+        )
+    return Touch(float(best[0]), float(best[1]))
+
+
+@dataclass(frozen=True)
+class _Graph:
+    """A segment as function z(r)."""
+
+    start: float
+    end: float
+    z: float
+    angle: float
+    curvature: float
+
+    def sine(self, r: float) -> float:
+        return math.sin(self.angle) + self.curvature * (r - self.start)
+
+    def height(self, r: float) -> float:
+        angle = math.asin(min(max(self.sine(r), -1.0), 1.0))
+        # The chord from the start stands at the mean of both inclinations.
+        return self.z + (r - self.start) * math.tan(0.5 * (angle + self.angle))
+
+
+def _graph(face: Curve, name: str) -> list[_Graph]:
+    starts, ends = face.point(face.breaks[:-1]), face.point(face.breaks[1:])
+    graphs = []
+    for n, segment in enumerate(face.segments):
+        t = face.tangent(face.breaks[n])
+        angle = math.atan2(t[1], t[0])
+        last = math.sin(angle) + face.curvature(face.breaks[n]) * (ends[0, n] - starts[0, n])
+        if not (
+            ends[0, n] > starts[0, n] and abs(angle) <= math.pi / 2 * (1 + 1e-9) and abs(last) <= 1 + 1e-9
+        ):
+            raise GeometryError(
+                f"the face of the {name} turns back towards the axis between r = {segment.start[0]:.6g} m and "
+                f"{segment.end[0]:.6g} m; a face must run outwards all the way"
+            )
+        graphs.append(_Graph(starts[0, n], ends[0, n], starts[1, n], angle, face.curvature(face.breaks[n])))
+    return graphs
+
+
+def _candidates(c: _Graph, s: _Graph) -> list[float]:
+    low, high = max(c.start, s.start), min(c.end, s.end)
+    if low > high:
+        return []
+    bend, slope = c.curvature - s.curvature, c.sine(low) - s.sine(low)
+    if abs(bend) * (high - low) < 1e-12 and abs(slope) < 1e-12:
+        return [0.5 * (low + high)]
+    stationary = low - slope / bend if bend else math.nan
+    inside = [stationary] if low < stationary < high else []
+    return [*inside, low, high]
+
+
+def at_a_corner(face: Curve, arc_length: float) -> bool:
+    """Whether a face has a sharp corner at an arc length [m]."""
+    near = np.abs(face.breaks[1:-1] - arc_length) < 1e-9 * face.length
+    for s in face.breaks[1:-1][near]:
+        step = 1e-12 * face.length
+        before, after = face.tangent(s - step), face.tangent(s + step)
+        if float(before @ after) < math.cos(1e-4):
+            return True
+    return False
