@@ -24,6 +24,7 @@ from scipy.sparse import csr_matrix
 
 from fem_seal.elasticity import displacement_basis, pressure_load, stiffness_matrix
 from fem_seal.materials import Material, effective_modulus
+from fem_seal.single_thread import single_threaded
 from fem_seal.stress import node_dofs, quadratic_nodes, stress_operator
 from meshes import ContactGeometry, SealMesh
 
@@ -183,6 +184,7 @@ class ContactModel:
         return axial_force / (2 * np.pi * self.touch_radius * self.touch_normal_z)
 
 
+@single_threaded
 def condense(
     seal_mesh: SealMesh, materials: Mapping[str, Material], supports: Supports | None = None
 ) -> ContactModel:

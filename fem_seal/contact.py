@@ -13,6 +13,7 @@ from fem_seal.contact_solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
 from fem_seal.hard_contact import solve_hard
 from fem_seal.laws import HardContact, InterfaceLaw, Law
+from fem_seal.single_thread import single_threaded
 
 FloatArray = NDArray[np.float64]
 
@@ -21,6 +22,7 @@ _FLOOR = 1e-6
 _ROUND_OFF = 64 * np.finfo(float).eps
 
 
+@single_threaded
 def solve(
     model: ContactModel,
     law: Law,

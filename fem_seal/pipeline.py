@@ -15,6 +15,7 @@ from fem_seal.condensation import ContactModel, condense
 from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
 from fem_seal.contact_solution import ContactSolution
+from fem_seal.contact_zone import solve_fitted
 from fem_seal.errors import InputError
 from fem_seal.fluid_flow import flow_table, leak_of_profile
 from fem_seal.interface import exponential_law, rough_contact
@@ -56,16 +57,11 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
     ConvergenceError
         If a contact does not converge.
     """
-    clock = _Clock(progress or (lambda text: None))
+    clock = Clock(progress or (lambda text: None))
     with clock.step("interface", "roughness and interface law"):
         surface = rough_contact(case)
         law = interface_law(case, surface)
-    with clock.step("mesh", "meshing closure and seat"):
-        seal_mesh = _build_mesh(case, law)
-    with clock.step("condense", "condensing both bodies on the contact line"):
-        model = _condensed(case, seal_mesh)
-    with clock.step("contact", f"solving {len(case.load.fluid_pressure)} contacts"):
-        contacts = [solve(model, law, axial_force=force) for force in axial_forces(case)]
+    seal_mesh, model, contacts = model_and_contacts(case, law, clock)
     with clock.step("leak", "flow conductivity and leak rates"):
         flows = _leak_rates(case, surface, contacts)
     with clock.step("stress", "stress in both bodies"):
@@ -92,7 +88,7 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
     return _with_uncertainty(_with_theory_variants(result, clock), clock)
 
 
-def _with_theory_variants(result: SealResult, clock: _Clock) -> SealResult:
+def _with_theory_variants(result: SealResult, clock: Clock) -> SealResult:
     if not result.case.leak.variants:
         return result
     from fem_seal.theory_variants import theory_variants
@@ -101,7 +97,7 @@ def _with_theory_variants(result: SealResult, clock: _Clock) -> SealResult:
         return replace(result, theory_variants=theory_variants(result))
 
 
-def _with_uncertainty(result: SealResult, clock: _Clock) -> SealResult:
+def _with_uncertainty(result: SealResult, clock: Clock) -> SealResult:
     if result.case.uncertainty is None:
         return result
     from fem_seal.uncertainty import leak_interval
@@ -121,7 +117,7 @@ def build_mesh(case: Case) -> SealMesh:
     ------
     GeometryError, MeshingError
     """
-    return _build_mesh(case, interface_law(case, rough_contact(case)))
+    return build_contact(case.contact, sizing(case, interface_law(case, rough_contact(case))))
 
 
 def interface_law(case: Case, surface: RoughContact | None) -> Law:
@@ -155,16 +151,27 @@ def axial_forces(case: Case) -> list[float]:
 
 
 @dataclass(frozen=True)
-class _Clock:
+class Clock:
+    """Says what is being done and keeps how long it took.
+
+    Parameters
+    ----------
+    progress : callable
+        Told in words what is being done.
+    timings : dict
+        Wall time [s] by name of the step.
+    """
+
     progress: Progress
     timings: dict[str, float] = field(default_factory=dict)
 
     @contextmanager
     def step(self, name: str, text: str) -> Iterator[None]:
+        """Time what happens inside; a step that comes again adds to its time."""
         self.progress(text)
         start = time.perf_counter()
         yield
-        self.timings[name] = time.perf_counter() - start
+        self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
 
 
 def sizing(case: Case, law: Law) -> Sizing:
@@ -189,8 +196,37 @@ def sizing(case: Case, law: Law) -> Sizing:
         raise error.in_file(case.file) from None
 
 
-def _build_mesh(case: Case, law: Law) -> SealMesh:
-    return build_contact(case.contact, sizing(case, law))
+def model_and_contacts(
+    case: Case, law: Law, clock: Clock | None = None
+) -> tuple[SealMesh, ContactModel, Sequence[ContactSolution]]:
+    """All loads of a case on a mesh whose zone and element sizes fit what was found on it.
+
+    Parameters
+    ----------
+    case : Case
+    law : Law
+        See `interface_law`.
+    clock : Clock, optional
+        Told what is being done.
+
+    Raises
+    ------
+    GeometryError, MeshingError, ConvergenceError
+    """
+    clock = clock or Clock(lambda text: None)
+    meshes: list[SealMesh] = []
+
+    def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
+        with clock.step("mesh", "meshing closure and seat"):
+            meshes.append(build_contact(case.contact, sizing))
+        with clock.step("condense", "condensing both bodies on the contact line"):
+            model = _condensed(case, meshes[-1])
+        with clock.step("contact", f"solving {len(case.load.fluid_pressure)} contacts"):
+            return [solve(model, law, axial_force=force) for force in axial_forces(case)]
+
+    size_given = case.mesh.contact_size is not None
+    contacts = solve_fitted(sizing(case, law), case.contact, solve_on, size_given=size_given)
+    return meshes[-1], contacts[0].model, contacts
 
 
 def _condensed(case: Case, seal_mesh: SealMesh) -> ContactModel:

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from html import escape
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +85,7 @@ def write_line(path: Path, points: NDArray[np.float64], *, point_data: Arrays, f
 def write_series(path: Path, files: Sequence[str], times: Sequence[float]) -> Path:
     """Write a .pvd that lists one file per time, replacing `path` in one step."""
     entries = "".join(
-        f'<DataSet timestep="{time:.12g}" group="" part="0" file={quoteattr(file)}/>\n'
+        f'<DataSet timestep="{time:.12g}" group="" part="0" file={_quoted(file)}/>\n'
         for file, time in zip(files, times, strict=True)
     )
     return write_text(path, f"{_head('Collection', '0.1')}<Collection>\n{entries}</Collection>\n</VTKFile>\n")
@@ -104,7 +104,7 @@ class _Appended:
         components = values.shape[1] if values.ndim == 2 else 1
         kind = _VTK_TYPES[f"{values.dtype.kind}{values.dtype.itemsize}"]
         tag = (
-            f'<DataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{components}" '
+            f'<DataArray type="{kind}" Name={_quoted(name)} NumberOfComponents="{components}" '
             f'format="appended" offset="{self._offset}"/>\n'
         )
         data = values.tobytes()
@@ -122,7 +122,7 @@ class _Appended:
         if values.dtype.kind == "U":
             codes = " ".join(f"{' '.join(str(byte) for byte in text.encode())} 0" for text in values.tolist())
             return (
-                f'<DataArray type="String" Name={quoteattr(name)} NumberOfTuples="{len(values)}" format="ascii">'
+                f'<DataArray type="String" Name={_quoted(name)} NumberOfTuples="{len(values)}" format="ascii">'
                 f"{codes}</DataArray>\n"
             )
         # Without the number of tuples a reader cannot tell the length of an array that belongs to no point.
@@ -142,3 +142,8 @@ def _head(kind: str, version: str = "1.0") -> str:
 def _write(path: Path, kind: str, content: str, block: _Appended) -> Path:
     head = f'{_head(kind)}<{kind}>\n{content}</{kind}>\n<AppendedData encoding="raw">\n_'
     return write_bytes(path, [head.encode(), *block.chunks, b"\n</AppendedData>\n</VTKFile>\n"])
+
+
+def _quoted(text: str) -> str:
+    """An attribute's value in quotes."""
+    return f'"{escape(text)}"'
