@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -70,6 +72,7 @@ def run(
     from fem_seal import pipeline
     from fem_seal.tables import leak_rows
 
+    _load_meanwhile("matplotlib.backends.backend_svg", "matplotlib.figure", "jinja2")
     with _progress(quiet) as progress:
         result = pipeline.run(case, progress=progress)
         progress("writing results")
@@ -82,6 +85,18 @@ def run(
         console.show_leak_table(rows, case.title)
         console.show_leakage(case, rows)
         _list_files(folder)
+
+
+def _load_meanwhile(*modules: str) -> None:
+    """Load what the report will need while gmsh and SuperLU, which do not hold Python's lock, do their work."""
+
+    def load() -> None:
+        for module in modules:
+            # a module that is missing is missed where it is used, with its own message
+            with suppress(ImportError):
+                import_module(module)
+
+    Thread(target=load, daemon=True).start()
 
 
 @app.command()
