@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from meshes.contact_geometry import ContactGeometry
 from meshes.errors import GeometryError, MeshingError
 from meshes.gmsh_session import gmsh_session
+from meshes.meshed_body import MeshedOutline, joined
 from meshes.outline import Outline
 from meshes.seal_mesh import SealMesh
 from meshes.shape import Shape
@@ -21,6 +23,10 @@ if TYPE_CHECKING:
     from skfem import MeshTri
 
 FloatArray = NDArray[np.float64]
+
+
+# Share of a face's length that is no length.
+_END = 1e-5
 
 
 def build(closure: Shape, seat: Shape, sizing: Sizing) -> SealMesh:
@@ -49,21 +55,37 @@ def build(closure: Shape, seat: Shape, sizing: Sizing) -> SealMesh:
 def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
     """Mesh two sections in first touch, see `build`."""
     _check_zone(contact, sizing)
+    if isinstance(contact.seat, MeshedOutline):
+        sizing = replace(sizing, zone=contact.seat.within(contact, sizing.zone))
     x = sizing.contact_vertices(contact.breaks)
-    outlines = (
-        _with_contact_line(contact.closure, contact.closure_arc(x)),
-        _with_contact_line(contact.seat, contact.seat_arc(x)),
+    # A break of the outline within half an element beyond the contact line would leave a sliver.
+    stub = 0.5 * sizing.size(x[[0, -1]])
+    outlines = tuple(
+        outline if isinstance(outline, MeshedOutline) else _with_contact_line(outline, arc, stub)
+        for outline, arc in ((contact.closure, contact.closure_arc(x)), (contact.seat, contact.seat_arc(x)))
     )
-    return SealMesh(triangulate(outlines, contact, sizing), contact, sizing, outlines)
+    meshed = [o for o in outlines if isinstance(o, MeshedOutline)]
+    if not meshed:
+        return SealMesh(triangulate(outlines, contact, sizing), contact, sizing, outlines)
+    free = tuple(o for o in outlines if not isinstance(o, MeshedOutline))
+    bodies = [(o.name, o.with_contact(contact, sizing.zone)) for o in meshed]
+    bodies += [(o.name, triangulate((o,), contact, sizing)) for o in free]
+    return SealMesh(joined(bodies), contact, sizing, outlines)
 
 
-def _with_contact_line(outline: Outline, ends: FloatArray) -> Outline:
-    """Cut the face at the arc lengths `ends` [m]: inner part, contact line with these vertices, outer part."""
+def _with_contact_line(outline: Outline, ends: FloatArray, stub: FloatArray) -> Outline:
+    """Cut the face at the arc lengths `ends` [m]: inner part, contact line with these vertices, outer part.
+
+    No piece of the inner and of the outer part that meets the contact line is shorter than its `stub` [m].
+    """
     face, name = outline.face, outline.name
+    # What is left of a face beyond the last ray that meets both bodies is round-off.
+    ends = np.where(ends < _END * face.length, 0.0, ends)
+    ends = np.where(ends > (1 - _END) * face.length, face.length, ends)
     pieces = (
-        *face.part(0.0, float(ends[0]), f"{name}_inner"),
+        *face.part(0.0, float(ends[0]), f"{name}_inner", (0.0, float(stub[0]))),
         *face.pieces(ends, f"{name}_contact"),
-        *face.part(float(ends[-1]), face.length, f"{name}_outer"),
+        *face.part(float(ends[-1]), face.length, f"{name}_outer", (float(stub[1]), 0.0)),
     )
     return outline.with_face(pieces)
 
@@ -139,9 +161,9 @@ def _set_sizes(gmsh: ModuleType, contact: ContactGeometry, sizing: Sizing, scale
     """Element size over (r, z) as formulas that gmsh evaluates itself."""
     field = gmsh.model.mesh.field
     formulas = [
-        _size(sizing.contact_size, sizing.core, sizing, *_along_and_deep(contact, scale), scale),
+        _size(sizing.contact_size, sizing.core, sizing, *_along_and_deep(contact, sizing.zone, scale), scale),
         *(
-            _size(size, 0.0, sizing, f"Sqrt({_square(contact.point(np.array(x)), scale)})", "0", scale)
+            _size(size, 0.0, sizing, "0", f"Sqrt({_square(contact.point(np.array(x)), scale)})", scale)
             for x, size in sizing.spots
         ),
     ]
@@ -163,16 +185,27 @@ def _size(size: float, core: float, sizing: Sizing, along: str, deep: str, scale
     )
 
 
-def _along_and_deep(contact: ContactGeometry, scale: float) -> tuple[str, str]:
-    """Distance from first touch along the contact line, and from the line itself."""
-    k = contact.seat_curvature * scale
-    if abs(k) * contact.seat_face.length / scale < 1e-6:
-        dr, dz = f"(x-({contact.touch_radius / scale:.17g}))", "y"
-        cos, sin = f"({math.cos(contact.angle):.17g})", f"({math.sin(contact.angle):.17g})"
-        return f"Fabs({dr}*{cos}+{dz}*{sin})", f"Fabs({dz}*{cos}-{dr}*{sin})"
+def _along_and_deep(contact: ContactGeometry, zone: tuple[float, float], scale: float) -> tuple[str, str]:
+    """Distance from first touch along the contact line, and from the line: the circle through its ends and touch."""
     touch = np.array([contact.touch_radius / scale, 0.0])
-    normal = contact.normal(np.array(0.0))
-    centre = touch + normal / k
+    ends = contact.point(np.array(zone)).T / scale
+    chord = (ends[1] - ends[0]) / math.dist(*ends)
+    normal = np.array([-chord[1], chord[0]])
+    # Angle between the chords from first touch to both ends, over the radius of the circle through all three points.
+    before, after = touch - ends[0], ends[1] - touch
+    k = (
+        2
+        * (before[0] * after[1] - before[1] * after[0])
+        / math.prod(math.hypot(*side) for side in (before, after, ends[1] - ends[0]))
+    )
+    if abs(k) * math.dist(*ends) < 1e-6:
+        dr, dz = f"(x-({touch[0]:.17g}))", "y"
+        cos, sin = (f"({c:.17g})" for c in chord)
+        return f"Fabs({dr}*{cos}+{dz}*{sin})", f"Fabs({dz}*{cos}-{dr}*{sin})"
+    middle, half = 0.5 * (ends[0] + ends[1]), 0.5 * math.dist(*ends)
+    # On the other side of the chord than first touch.
+    centre = middle + math.copysign(math.sqrt(max(1 / k**2 - half**2, 0.0)), k) * normal
+    normal = (centre - touch) * k
     distance = f"(1e-12+Sqrt((x-({centre[0]:.17g}))^2+(y-({centre[1]:.17g}))^2))"
     # The chord between the directions of a point and of first touch, seen from the centre of curvature.
     r, z = (

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.curve import chain
 from meshes.errors import GeometryError
 from meshes.outline import Outline
+from meshes.rounding import chain
 from meshes.shape import Shape, housing
 from meshes.touch import first_touch
 

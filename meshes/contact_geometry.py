@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from meshes.curve import Curve
 from meshes.errors import GeometryError
+from meshes.faces import with_faces
 from meshes.outline import Outline
 from meshes.touch import at_a_corner, first_touch
 
@@ -45,6 +46,7 @@ class ContactGeometry:
         GeometryError
             If they touch on the axis, at a sharp corner, or where a face ends, or do not meet at all.
         """
+        closure, seat = with_faces(closure, seat)
         touch = first_touch(closure.face, seat.face)
         if touch.radius <= 1e-9 * seat.largest_radius:
             raise GeometryError(
@@ -110,16 +112,28 @@ class ContactGeometry:
     def reach(self) -> tuple[float, float]:
         """Arc lengths [m] between which both faces stand in front of each other."""
         r, z = self.closure_face.point(np.array([0.0, self.closure_face.length]))
-        start, end = self.coordinate(r, z)
+        start, end = self.coordinate(r, z).tolist()
         # Where the last ray grazes the end of the face it may miss by round-off; the face is long enough without.
         slack = 1e-6 * (end - start)
-        return float(start + slack), float(end - slack)
+        return self._last_in_front(start + slack), self._last_in_front(end - slack)
+
+    def _last_in_front(self, end: float) -> float:
+        """How far towards x = `end` [m] every normal of the seat meets the closure."""
+        near = 0.0
+        for _ in range(3):
+            x = np.linspace(near, end, 41)
+            missed = np.isnan(self.gap(x))
+            if not missed.any():
+                return end
+            first = int(np.argmax(missed))
+            near, end = float(x[max(first - 1, 0)]), float(x[first])
+        return near
 
     @cached_property
     def breaks(self) -> FloatArray:
-        """x at which one of the two faces passes from one line or arc to the next [m], increasing."""
-        own = self.seat_face.breaks[1:-1] - self._origin
-        other = self.coordinate(*self.closure_face.point(self.closure_face.breaks[1:-1]))
+        """x at which one of the two faces has a corner or bends differently from there on [m], increasing."""
+        own = self.seat_face.bends - self._origin
+        other = self.coordinate(*self.closure_face.point(self.closure_face.bends))
         return np.unique(np.concatenate([own, other]))
 
     def point(self, x: FloatArray) -> FloatArray:

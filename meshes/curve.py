@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import GeometryError
 from meshes.outline import Point, Segment
 
 FloatArray = NDArray[np.float64]
+
+# Change of direction [rad] and relative change of curvature that count in `Curve.bends`.
+_CORNER, _JUMP = 1e-4, 0.3
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,18 @@ class Curve:
     def breaks(self) -> FloatArray:
         """Arc lengths at which segments begin and end [m], zero and the whole length included."""
         return np.concatenate([[0.0], np.cumsum(self._lengths)])
+
+    @cached_property
+    def bends(self) -> FloatArray:
+        """Inner breaks [m] with a corner or a jump of curvature; not the joints of arcs that follow a smooth curve."""
+        k, size = self._curvature, self.length
+        jump, larger = np.abs(np.diff(k)), np.maximum(np.abs(k[1:]), np.abs(k[:-1]))
+        ends = self.tangent(self.breaks[1:-1])
+        turn = self._curvature[:-1] * self._lengths[:-1]
+        t = self._frames[:-1]
+        before = (np.cos(turn)[:, None] * t[:, 0] + np.sin(turn)[:, None] * t[:, 1]).T
+        corner = np.abs(before[0] * ends[1] - before[1] * ends[0]) > _CORNER
+        return self.breaks[1:-1][corner | ((jump > _JUMP * larger) & (jump * size > 1e-3))]
 
     @property
     def length(self) -> float:
@@ -158,9 +171,14 @@ class Curve:
         offset = points - self._start[n]
         return offset @ self._frames[n, 0], offset @ self._frames[n, 1]
 
-    def part(self, start: float, end: float, name: str) -> tuple[Segment, ...]:
-        """The curve between two arc lengths [m], under a new name; nothing if they are equal."""
-        inner = self.breaks[(self.breaks > start) & (self.breaks < end)]
+    def part(
+        self, start: float, end: float, name: str, shortest: tuple[float, float] = (0.0, 0.0)
+    ) -> tuple[Segment, ...]:
+        """The curve between two arc lengths [m], under a new name; nothing if they are equal.
+
+        A first or last piece shorter than `shortest` [m] becomes one with its neighbour, straight across the break.
+        """
+        inner = self.breaks[(self.breaks > start + shortest[0]) & (self.breaks < end - shortest[1])]
         cuts = np.concatenate([[start], inner, [end]])
         keep = np.concatenate([[True], np.diff(cuts) > 1e-10 * self.length])
         return self.pieces(cuts[keep], name)
@@ -175,6 +193,14 @@ class Curve:
             for i, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True))
         )
 
+    def without_first(self) -> Curve:
+        """The curve without its first segment."""
+        return Curve(self.segments[1:])
+
+    def without_last(self) -> Curve:
+        """The curve without its last segment."""
+        return Curve(self.segments[:-1])
+
     def shifted(self, dz: float) -> Curve:
         """The curve moved by dz [m] along the axis."""
         return Curve(tuple(s.shifted(dz) for s in self.segments))
@@ -183,53 +209,6 @@ class Curve:
     def reversed(self) -> Curve:
         """The same curve run from its end to its start."""
         return Curve(tuple(Segment(s.end, s.start, s.name, s.centre) for s in reversed(self.segments)))
-
-
-def chain(points: Iterable[Point], name: str, rounding: Callable[[int], float] | float = 0.0) -> Curve:
-    """Straight lines through points, their corners rounded.
-
-    Parameters
-    ----------
-    points : iterable of (r, z)
-        Corners [m], at least two.
-    name : str
-        Name of all segments.
-    rounding : float or callable
-        Radius [m] of the arc at every inner corner, or a function that gives it for corner number 1, 2, ...
-
-    Raises
-    ------
-    GeometryError
-        If an arc does not fit between the neighbouring corners.
-    """
-    corners = [np.array(p, dtype=float) for p in points]
-    segments: list[Segment] = []
-    at = corners[0]
-    for n in range(1, len(corners) - 1):
-        radius = rounding(n) if callable(rounding) else rounding
-        before, after = _unit(corners[n] - at), _unit(corners[n + 1] - corners[n])
-        turn = math.atan2(before[0] * after[1] - before[1] * after[0], float(before @ after))
-        cut = abs(radius * math.tan(turn / 2))
-        room = min(float((corners[n] - at) @ before), float((corners[n + 1] - corners[n]) @ after))
-        if cut > room * (1 + 1e-9):
-            raise GeometryError(
-                f"an edge radius of {radius:.6g} m needs {cut:.6g} m of straight line beside the corner at r = "
-                f"{corners[n][0]:.6g} m, but only {room:.6g} m are there; make the edge sharper or the face wider"
-            )
-        start, end = corners[n] - cut * before, corners[n] + cut * after
-        if math.dist(at, start) > 1e-9 * room:
-            segments.append(_line(at, start, name))
-        if cut > 0:
-            centre = start + math.copysign(radius, turn) * np.array([-before[1], before[0]])
-            segments.append(Segment(_point(start), _point(end), name, _point(centre)))
-        at = end
-    if math.dist(at, corners[-1]) > 1e-12 * math.dist(corners[0], corners[-1]):
-        segments.append(_line(at, corners[-1], name))
-    return Curve(tuple(segments))
-
-
-def _line(a: FloatArray, b: FloatArray, name: str) -> Segment:
-    return Segment(_point(a), _point(b), name)
 
 
 def _point(p: FloatArray) -> Point:

@@ -75,15 +75,13 @@ def plunger(face: Curve, height: float) -> Outline:
     GeometryError
         If the bar would have no height.
     """
-    if not height > 0:
-        raise GeometryError(f"closure height = {height:.6g} m: must be positive")
     start, end = face.segments[0].start, face.segments[-1].end
     top = end[1] + height
     highest = max(p[1] for s in face.segments for p in (s.start, s.end))
-    if not top > max(highest, start[1]):
+    if not top > max(highest, start[1]) + 1e-12 * end[0]:
         raise GeometryError(
-            f"closure height = {height:.6g} m: the face rises {highest - end[1]:.6g} m above its outer end, the "
-            "closure must be higher"
+            f"closure height: the top would lie {top - highest:.6g} m above the highest point of the face; the closure "
+            "must be higher"
         )
     around: list[tuple[Point, str]] = [
         (end, "closure_outer"),

@@ -36,7 +36,7 @@ class Sizing:
         Largest element size [m].
     spots : tuple of (float, float)
         Further places on the contact line, such as rounded edges: arc length from first touch and the element size
-        there [m]; the size grows from them as it does along the contact line.
+        there [m]; the size grows from them along the contact line and into the depth as it does from first touch.
 
     Raises
     ------

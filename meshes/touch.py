@@ -41,7 +41,8 @@ def first_touch(closure: Curve, seat: Curve) -> Touch:
     Returns
     -------
     Touch
-        Faces that touch along a whole stretch (two cones of the same angle) touch first in its middle.
+        Faces that touch along a whole stretch (two cones of the same angle) touch first in its middle; of several
+        circles that touch at once the innermost counts.
 
     Raises
     ------
@@ -49,20 +50,25 @@ def first_touch(closure: Curve, seat: Curve) -> Touch:
         If a face turns back towards the axis, or the faces do not lie above each other anywhere.
     """
     upper, lower = _graph(closure, "closure"), _graph(seat, "seat")
-    scale = max(closure.length, seat.length)
-    best: tuple[float, float] | None = None
-    for c in upper:
-        for s in lower:
-            for r in _candidates(c, s):
-                distance = c.height(r) - s.height(r)
-                if best is None or distance < best[1] - 1e-13 * scale:
-                    best = r, distance
-    if best is None:
+    places = [(r, c.height(r) - s.height(r)) for c in upper for s in lower for r in _candidates(c, s)]
+    if not places:
         raise GeometryError(
             f"closure and seat do not meet: the closure's face reaches from r = {upper[0].start:.6g} m to "
             f"{upper[-1].end:.6g} m, the seat's from {lower[0].start:.6g} m to {lower[-1].end:.6g} m"
         )
-    return Touch(float(best[0]), float(best[1]))
+    drop = min(distance for _, distance in places)
+    slack = 1e-13 * max(closure.length, seat.length)
+    touching = sorted(r for r, distance in places if distance <= drop + slack)
+    middle = 0.5 * (touching[0] + touching[-1])
+    # Two circles that touch at once have a gap between them; a stretch has none.
+    stretch = _distance(upper, lower, middle) <= drop + slack
+    return Touch(float(middle if stretch else touching[0]), float(drop))
+
+
+def _distance(upper: list[_Graph], lower: list[_Graph], r: float) -> float:
+    (c,) = [g for g in upper if g.start <= r <= g.end][:1]
+    (s,) = [g for g in lower if g.start <= r <= g.end][:1]
+    return c.height(r) - s.height(r)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,111 @@
+"""The section of a body from a drawing: DXF, or STEP through OpenCASCADE."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+from meshes.errors import GeometryError
+from meshes.outline import Point, Segment
+from meshes.profile import Profile
+
+# Ends this close, relative to the size of the drawing, are one point.
+_JOINED = 1e-5
+
+
+def read_section(
+    path: Path,
+    name: str,
+    *,
+    axis: str = "y",
+    length_unit: float | None = None,
+    layer: str | None = None,
+    tolerance: float = 1e-8,
+) -> Profile:
+    """Read the outline of one body.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        ".dxf", ".step" or ".stp".
+    name : str
+        "closure" or "seat".
+    axis : {"x", "y", "z"}
+        Coordinate of the drawing along the axis of the seal; the other one of the section is r, and only the half at
+        r >= 0 is drawn. "z" is for STEP.
+    length_unit : float, optional
+        Length of a DXF's unit [m]; what the file says unless given, millimetre if it says nothing. STEP always says it.
+    layer : str, optional
+        Layer of a DXF that holds the outline; all layers unless given.
+    tolerance : float
+        Largest distance between splines or ellipses and the arcs that stand for them [m].
+
+    Raises
+    ------
+    GeometryError
+        If the file cannot be read or does not hold one closed outline.
+    """
+    kind = path.suffix.lower()
+    if kind == ".dxf":
+        from meshes.dxf_file import read_dxf
+
+        pieces = read_dxf(path, axis, length_unit, layer, tolerance)
+    elif kind in (".step", ".stp"):
+        from meshes.step_file import read_step
+
+        pieces = read_step(path, axis, tolerance)
+    else:
+        raise GeometryError(f"{name} file {path.name}: must end with .dxf, .step, .stp or .msh")
+    return Profile(name, tuple(_loop(pieces, path)))
+
+
+def _loop(pieces: list[Segment], path: Path) -> list[Segment]:
+    """The pieces in order, each starting where the one before ends."""
+    if not pieces:
+        raise GeometryError(f"{path.name}: holds no lines, arcs or curves")
+    size = max(max(abs(c) for p in (s.start, s.end) for c in p) for s in pieces)
+    rest = list(pieces[1:])
+    loop = [pieces[0]]
+    while rest:
+        at = loop[-1].end
+        near = min(rest, key=lambda s: min(math.dist(at, s.start), math.dist(at, s.end)))
+        apart = min(math.dist(at, near.start), math.dist(at, near.end))
+        if apart > _JOINED * size:
+            if math.dist(at, loop[0].start) <= _JOINED * size:
+                raise GeometryError(
+                    f"{path.name}: holds more than one outline, {len(rest)} pieces are left beside the first; draw one "
+                    "body alone, on a layer of its own"
+                )
+            raise GeometryError(
+                f"{path.name}: the outline is open, nothing continues within {_JOINED * size:.3g} m of (r, z) = "
+                f"({at[0]:.6g}, {at[1]:.6g}) m"
+            )
+        rest.remove(near)
+        if math.dist(at, near.start) > math.dist(at, near.end):
+            near = Segment(near.end, near.start, near.name, near.centre)
+        loop.append(replace(near, start=at))
+    if math.dist(loop[-1].end, loop[0].start) <= _JOINED * size:
+        loop[-1] = replace(loop[-1], end=loop[0].start)
+    return loop
+
+
+def arc_pieces(centre: Point, radius: float, start: float, sweep: float) -> list[Segment]:
+    """An arc as pieces of at most a right angle.
+
+    Parameters
+    ----------
+    centre : tuple of float
+        [m]
+    radius : float
+        [m]
+    start, sweep : float
+        Angle of its first point from the first coordinate, and by how much it turns on [rad].
+    """
+    count = max(1, math.ceil(abs(sweep) / (0.5 * math.pi) - 1e-9))
+
+    def at(n: int) -> Point:
+        angle = start + sweep * n / count
+        return centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)
+
+    return [Segment(at(n), at(n + 1), "", centre) for n in range(count)]
