@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from fem_seal.errors import InputError, Problem
+from fem_seal.hardening import HardeningCurve
 
 _PAPER = "Fischer, Schmitz, Tiwari, Persson, Fluid leakage in metallic seals, Tribol. Lett. 68, 125 (2020)"
 _KAYE_LABY = "Kaye & Laby, Tables of Physical and Chemical Constants, 16th ed. (1995), 2.2.2"
@@ -14,7 +15,7 @@ _MIL_HDBK_5J = "MIL-HDBK-5J (2003)"
 
 @dataclass(frozen=True)
 class Material:
-    """A homogeneous, isotropic, linearly elastic material.
+    """A homogeneous, isotropic material, linearly elastic up to its yield stress.
 
     Parameters
     ----------
@@ -32,11 +33,14 @@ class Material:
         unknown.
     source : str, optional
         Where the numbers come from.
+    hardening : HardeningCurve, optional
+        Flow stress over plastic strain; the body is then solved as elastoplastic, and `yield_stress` is that of the
+        curve. Without it the body is elastic whatever its stress.
 
     Raises
     ------
     InputError
-        If a number is not finite or outside its physical range.
+        If a number is not finite or outside its physical range, or two of them contradict each other.
 
     Examples
     --------
@@ -51,6 +55,7 @@ class Material:
     hardness: float | None = None
     yield_stress: float | None = None
     source: str = ""
+    hardening: HardeningCurve | None = None
 
     def __post_init__(self) -> None:
         for key in ("youngs_modulus", "hardness", "yield_stress"):
@@ -65,6 +70,20 @@ class Material:
                     f"{self.name}: poissons_ratio", "must lie between -1 and 0.5", repr(self.poissons_ratio)
                 )
             )
+        if self.hardening is not None:
+            self._yield_with(self.hardening)
+
+    def _yield_with(self, hardening: HardeningCurve) -> None:
+        if self.yield_stress not in (None, hardening.yield_stress):
+            raise InputError(
+                Problem(
+                    f"{self.name}: yield_stress",
+                    f"contradicts stress_strain, which begins at {hardening.yield_stress / 1e6:.6g} MPa; leave "
+                    "yield_stress out",
+                    f"{(self.yield_stress or 0.0) / 1e6:.6g} MPa",
+                )
+            )
+        object.__setattr__(self, "yield_stress", hardening.yield_stress)
 
     @property
     def plane_strain_modulus(self) -> float:

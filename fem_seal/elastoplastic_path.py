@@ -1,0 +1,230 @@
+"""A seal with yielding bodies along a path of loads, and what is left of it after unloading."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from fem_seal.condensation import ContactModel
+from fem_seal.contact_solution import ContactSolution
+from fem_seal.elastoplastic_body import BodyState
+from fem_seal.elastoplastic_contact import (
+    ElastoplasticContact,
+    Equilibrium,
+    PlasticSettings,
+    YieldingBody,
+    press,
+)
+from fem_seal.elastoplastic_fields import ElastoplasticField, elastoplastic_field
+from fem_seal.errors import ConvergenceError
+from fem_seal.further_loads import NO_LOADS, FurtherLoads
+from fem_seal.imprint import Imprint
+from fem_seal.laws import Law
+
+
+@dataclass(frozen=True)
+class Unloaded:
+    """The yielding bodies with no load on them any more.
+
+    Parameters
+    ----------
+    bodies : mapping
+        By name.
+    states : mapping
+        By name.
+    """
+
+    bodies: Mapping[str, YieldingBody] = field(repr=False)
+    states: Mapping[str, BodyState] = field(repr=False)
+
+    @cached_property
+    def fields(self) -> dict[str, ElastoplasticField]:
+        """Lasting displacement, residual stress and plastic strain of the bodies that yield."""
+        return {
+            name: elastoplastic_field(body.held, body.solid, self.states[name])
+            for name, body in self.bodies.items()
+        }
+
+    @cached_property
+    def imprints(self) -> dict[str, Imprint]:
+        """Lasting imprint in the contact face of each body that has yielded."""
+        return {
+            name: Imprint(body.held.contact_x, body.held.retreat(self.states[name].displacement))
+            for name, body in self.bodies.items()
+            if self.states[name].plastic.accumulated.any()
+        }
+
+
+@dataclass(frozen=True)
+class LoadPath:
+    """Contacts along a path of loads.
+
+    Parameters
+    ----------
+    contacts : tuple of ElastoplasticContact
+        One per load, in the order of the path.
+    unloaded : Unloaded
+        After the last load has been taken away.
+    """
+
+    contacts: tuple[ElastoplasticContact, ...]
+    unloaded: Unloaded
+
+
+@dataclass(frozen=True)
+class PathLoad:
+    """What acts on the seal at one place of its path.
+
+    Parameters
+    ----------
+    axial_force : float
+        F_N that the solid contact carries [N].
+    further : FurtherLoads
+        What else acts on the bodies.
+    """
+
+    axial_force: float
+    further: FurtherLoads = NO_LOADS
+
+
+def load_path(
+    model: ContactModel,
+    bodies: Mapping[str, YieldingBody],
+    law: Law,
+    loads: Sequence[PathLoad],
+    *,
+    at_rest: FurtherLoads | None = None,
+    settings: PlasticSettings | None = None,
+) -> LoadPath:
+    """Press the closure on the seat with one load after the other, then take the load away.
+
+    Parameters
+    ----------
+    model : ContactModel
+        Of the elastic bodies.
+    bodies : mapping
+        Those that yield, "closure" or "seat" or both; their materials have a hardening curve.
+    law : InterfaceLaw or HardContact
+    loads : sequence of PathLoad
+        In the order in which they act, forces positive; between them everything rises or falls evenly.
+    at_rest : FurtherLoads, optional
+        What acts before the first and after the last load, such as a press fit.
+    settings : PlasticSettings, optional
+
+    Returns
+    -------
+    LoadPath
+
+    Raises
+    ------
+    ValueError
+        If no body yields, or a force is not positive and finite.
+    ConvergenceError
+        If the smallest load step does not converge; `partial` holds the contacts solved before.
+
+    Notes
+    -----
+    Plastic strain depends on the path, so every load is reached in steps. Implicit Euler is of first order in the
+    size of the steps.
+    """
+    if not bodies:
+        raise ValueError("bodies: none yields; solve the contact with fem_seal.contact.solve")
+    for load in loads:
+        if not (math.isfinite(load.axial_force) and load.axial_force > 0):
+            raise ValueError(f"axial_force = {load.axial_force!r} N: must be positive and finite")
+    walk = _Walk(model, bodies, law, settings or PlasticSettings())
+    rest = PathLoad(0.0, at_rest or NO_LOADS)
+    contacts: list[ElastoplasticContact] = []
+    here = Equilibrium({name: body.solid.virgin for name, body in bodies.items()}, None, ())
+    try:
+        here, _ = walk.to(rest, PathLoad(0.0), here)
+        for before, load in pairwise((rest, *loads)):
+            here, steps = walk.to(load, before, here)
+            assert here.contact is not None  # a positive force closes the seal
+            contacts.append(_with_bodies(here.contact, bodies, here, steps))
+        here, _ = walk.to(rest, (rest, *loads)[-1], here)
+    except ConvergenceError as error:
+        raise ConvergenceError(str(error), partial=tuple(contacts)) from error
+    return LoadPath(tuple(contacts), Unloaded(bodies, here.states))
+
+
+def _with_bodies(
+    contact: ContactSolution, bodies: Mapping[str, YieldingBody], reached: Equilibrium, steps: int
+) -> ElastoplasticContact:
+    return ElastoplasticContact(
+        **{entry.name: getattr(contact, entry.name) for entry in fields(contact)},
+        bodies=bodies,
+        states=reached.states,
+        equilibrium_residuals=reached.residuals,
+        load_steps=steps,
+    )
+
+
+@dataclass(frozen=True)
+class _Walk:
+    model: ContactModel
+    bodies: Mapping[str, YieldingBody]
+    law: Law
+    settings: PlasticSettings
+
+    def to(self, end: PathLoad, begin: PathLoad, here: Equilibrium) -> tuple[Equilibrium, int]:
+        """Walk from one load to another in steps, halved where they do not converge; also their number."""
+        scale = max(begin.axial_force, end.axial_force)
+        share = abs(end.axial_force - begin.axial_force) / scale if scale > 0 else 0.0
+        step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
+        way, steps = 0.0, 0
+        while way < 1:
+            aim = way + step if way + 1.5 * step < 1 else 1.0
+            load = _between(begin, end, aim)
+            try:
+                with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
+                    here = press(
+                        self.model,
+                        self.bodies,
+                        self.law,
+                        load.axial_force,
+                        here.states,
+                        loads=load.further,
+                        settings=self.settings,
+                        start=here.contact,
+                    )
+            except (ConvergenceError, FloatingPointError, RuntimeError, np.linalg.LinAlgError) as error:
+                step = (aim - way) / 2
+                if step < self.settings.smallest_step:
+                    raise ConvergenceError(_gave_up(_between(begin, end, way), load, error)) from error
+                continue
+            way, steps = aim, steps + 1
+        return here, steps
+
+
+def _between(begin: PathLoad, end: PathLoad, way: float) -> PathLoad:
+    """Load a share `way` of the way from one load to another."""
+
+    def mixed(first: Mapping[str, float], second: Mapping[str, float]) -> dict[str, float]:
+        return {
+            name: (1 - way) * first.get(name, 0.0) + way * second.get(name, 0.0) for name in {*first, *second}
+        }
+
+    a, b = begin.further, end.further
+    shares = [
+        share * load.gap_pressure for share, load in ((1 - way, a), (way, b)) if load.gap_pressure is not None
+    ]
+    return PathLoad(
+        (1 - way) * begin.axial_force + way * end.axial_force,
+        FurtherLoads(
+            mixed(a.closure, b.closure), mixed(a.seat, b.seat), np.sum(shares, axis=0) if shares else None
+        ),
+    )
+
+
+def _gave_up(reached: PathLoad, aim: PathLoad, error: Exception) -> str:
+    return (
+        f"elastoplastic contact: the load step from {reached.axial_force:.6g} N to {aim.axial_force:.6g} N axial force "
+        f"does not converge: {error}. The body may be near its limit load: lower the load, give a stress_strain table "
+        "that hardens, or take a thicker body; else refine [mesh] contact_size"
+    )

@@ -1,0 +1,120 @@
+"""Elastoplastic solids, Newton's method for them without contact, and a seal made of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from conftest import STEEL
+from scipy.sparse.linalg import spsolve
+from skfem import MeshTri, MeshTri2
+
+import meshes
+from fem_seal.condensation import ContactModel, Supports, condense
+from fem_seal.contact_size import element_sizes
+from fem_seal.elasticity import displacement_basis
+from fem_seal.elastoplastic_body import BodyState, ElastoplasticBody
+from fem_seal.elastoplastic_contact import YieldingBody
+from fem_seal.hardening import HardeningCurve
+from fem_seal.held_body import held_body
+from fem_seal.laws import Law
+from fem_seal.loads import closing_force, line_load
+from fem_seal.materials import Material, effective_modulus
+from leak import ExponentialLaw
+
+YIELD, E, NU = 250e6, 210e9, 0.3
+INNER, OUTER, HEIGHT = 0.01, 0.02, 0.002
+PERFECT = Material("perfectly plastic", E, NU, hardening=HardeningCurve((0.0,), (YIELD,)))
+CURVE = HardeningCurve((0.0, 0.002, 0.05), (YIELD, 1.3 * YIELD, 1.6 * YIELD))
+HARDENING = Material("hardening", E, NU, hardening=CURVE)
+LAW = ExponentialLaw(p_c=5e9, u0=0.76e-6)
+
+
+def ring_solid(
+    cells: int, material: Material = PERFECT, *, hold: tuple[str, ...] = ("flat",), inner: float = INNER
+) -> ElastoplasticBody:
+    """Rectangle in the (r, z) half-plane; "flat" ends are held along z, "inner" and "outer" walls along r."""
+    mesh = MeshTri.init_tensor(np.linspace(inner, OUTER, cells + 1), np.linspace(0, HEIGHT, 2))
+    mesh = mesh.with_boundaries(
+        {
+            "inner": lambda x: np.isclose(x[0], inner),
+            "outer": lambda x: np.isclose(x[0], OUTER),
+            "flat": lambda x: np.isclose(x[1], 0) | np.isclose(x[1], HEIGHT),
+            "bottom": lambda x: np.isclose(x[1], 0),
+            "top": lambda x: np.isclose(x[1], HEIGHT),
+        }
+    )
+    basis = displacement_basis(mesh)
+    held = [basis.get_dofs(name).all([f"u^{1 if name in ('inner', 'outer') else 2}"]) for name in hold]
+    return ElastoplasticBody(basis, material, np.setdiff1d(np.arange(basis.N), np.concatenate(held)))
+
+
+def shell_solid(cells: int, material: Material = PERFECT) -> ElastoplasticBody:
+    """A quarter of a spherical shell's section with curved (quadratic) edges, symmetric to axis and equator."""
+    radii, angles = np.linspace(INNER, OUTER, cells + 1), np.linspace(0, np.pi / 2, 2 * cells + 1)
+    flat = MeshTri2.from_mesh(MeshTri.init_tensor(radii, angles))
+    R, angle = flat.doflocs
+    mesh = MeshTri2(R * np.stack([np.sin(angle), np.cos(angle)]), flat.t).with_boundaries(
+        {
+            "inner": lambda x: np.hypot(*x) < 1.01 * INNER,
+            "axis": lambda x: x[0] < 1e-8,
+            "equator": lambda x: x[1] < 1e-8,
+        }
+    )
+    basis = displacement_basis(mesh)
+    held = [basis.get_dofs("axis").all(["u^1"]), basis.get_dofs("equator").all(["u^2"])]
+    return ElastoplasticBody(basis, material, np.setdiff1d(np.arange(basis.N), np.concatenate(held)))
+
+
+def balanced(
+    body: ElastoplasticBody,
+    before: BodyState,
+    forces: np.ndarray | float = 0.0,
+    start: np.ndarray | None = None,
+) -> tuple[BodyState, list[float]]:
+    """State in balance with nodal forces after one step, and the relative residual of each Newton iteration.
+
+    Held dofs stay where `start` puts them.
+    """
+    displacement = (before.displacement if start is None else start).copy()
+    residuals = []
+    for _ in range(25):
+        flow = body.respond(displacement, before)
+        unbalanced = (forces - body.internal_forces(flow.stress))[body.free]
+        scale = np.abs(body.internal_forces(np.abs(flow.stress))).max() + np.abs(forces).max()
+        residuals.append(float(np.abs(unbalanced).max() / scale))
+        if residuals[-1] < 1e-10:
+            return BodyState(displacement, flow.stress, flow.state), residuals
+        displacement[body.free] += spsolve(body.stiffness(flow.tangent), unbalanced)
+    raise AssertionError(f"no balance: {residuals}")
+
+
+def seal(
+    law: Law,
+    fluid_pressure: float,
+    *,
+    closure: Material = STEEL,
+    seat: Material = STEEL,
+    refine: float = 0.5,
+    wider: float = 1.0,
+    supports: Supports | None = None,
+) -> tuple[ContactModel, dict[str, YieldingBody], float]:
+    """Ball on a cone: the elastic model, the bodies that yield, and the closing force."""
+    ball = meshes.Ball(0.02)
+    contact = meshes.ContactGeometry.of(
+        ball.outline, meshes.ConicalSeat.around(math.radians(45), ball).outline
+    )
+    force = closing_force(contact.touch_radius, fluid_pressure)
+    load = line_load(force, contact.touch_radius, contact.angle)
+    sizing = element_sizes(law, [load], contact, effective_modulus(closure, seat)).refined(refine)
+    sizing = replace(sizing, zone=(wider * sizing.zone[0], wider * sizing.zone[1]), core=wider * sizing.core)
+    mesh = meshes.build_contact(contact, sizing)
+    materials = {"closure": closure, "seat": seat}
+    model = condense(mesh, materials, supports)
+    bodies = {
+        name: YieldingBody(held_body(mesh, name, material, model.line.x, supports))
+        for name, material in materials.items()
+        if material.hardening is not None
+    }
+    return model, bodies, force
