@@ -178,12 +178,8 @@ class RoughSurfaceLaw:
         """-du/dlnp at ln(p/Pa) [m]."""
         x = np.asarray(log_pressure, dtype=float)
         below, above = self._outside(x)
-        inside = x - below - above
-        return (
-            -self._curve.derivative(inside)
-            * np.exp(self._curve.value(inside))
-            / (1.0 + self._last_rate * above) ** 2
-        )
+        log_gap, slope = self._curve.value_and_derivative(x - below - above)
+        return -slope * np.exp(log_gap) / (1.0 + self._last_rate * above) ** 2
 
     def pressure(self, gap: ArrayLike) -> FloatArray:
         """p at gap u [Pa]; infinite for u <= 0, full contact."""

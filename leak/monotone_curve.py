@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,14 +37,34 @@ class MonotoneCurve:
 
     def value(self, x: FloatArray) -> FloatArray:
         """y at x."""
-        k, t, outside = self._locate(x)
-        y, _ = self._cell(k, t)
-        return y + outside
+        return self.value_and_derivative(x)[0]
 
     def derivative(self, x: FloatArray) -> FloatArray:
         """dy/dx at x."""
-        k, t, _ = self._locate(x)
-        return self._cell(k, t)[1]
+        return self.value_and_derivative(x)[1]
+
+    def value_and_derivative(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """y and dy/dx at x."""
+        x = np.asarray(x, dtype=float)
+        below, above = np.minimum(x - self.x[0], 0.0), np.maximum(x - self.x[-1], 0.0)
+        k = np.searchsorted(self.x[1:-1], x, side="right")
+        y, slope = self._cell(k, np.minimum(np.maximum(x, self.x[0]), self.x[-1]) - self.x[k])
+        return y + (below * self.slope[0] + above * self.slope[-1]), slope
+
+    @cached_property
+    def _cubics(self) -> FloatArray:
+        """Coefficients of the powers 0 to 3 of the distance from the left end of each cell, shape (4, n - 1)."""
+        h, secant = np.diff(self.x), np.diff(self.y) / np.diff(self.x)
+        left, right = self.slope[:-1], self.slope[1:]
+        return np.stack(
+            [self.y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
+        )
+
+    def _cell(self, k: NDArray[np.intp], s: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """y and dy/dx in the cells k at the distances s from their left ends."""
+        c0, c1, c2, c3 = self._cubics[:, k]
+        cubic = c3 * s
+        return c0 + s * (c1 + s * (c2 + cubic)), c1 + s * (2.0 * c2 + 3.0 * cubic)
 
     def inverse(self, y: FloatArray) -> FloatArray:
         """x at which the curve has the value y."""
@@ -55,7 +76,7 @@ class MonotoneCurve:
         inside = np.clip(sign * y, sign * self.y[0], sign * self.y[-1]) * sign
         t = (inside - self.y[k]) / (self.y[k + 1] - self.y[k])
         for _ in range(_INVERSE_STEPS):
-            value, slope = self._cell(k, t)
+            value, slope = self._cell(k, h * t)
             error = value - inside
             low, high = np.where(sign * error < 0.0, t, low), np.where(sign * error < 0.0, high, t)
             newton = t - error / (slope * h)
@@ -67,19 +88,6 @@ class MonotoneCurve:
         x = self.x[k] + h * t
         end = np.where(sign * y > sign * self.y[-1], -1, 0)
         return x + (y - inside) / self.slope[end]
-
-    def _locate(self, x: FloatArray) -> tuple[NDArray[np.intp], FloatArray, FloatArray]:
-        x = np.asarray(x, dtype=float)
-        k = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
-        t = np.clip((x - self.x[k]) / (self.x[k + 1] - self.x[k]), 0.0, 1.0)
-        below, above = np.minimum(x - self.x[0], 0.0), np.maximum(x - self.x[-1], 0.0)
-        return k, t, below * self.slope[0] + above * self.slope[-1]
-
-    def _cell(self, k: NDArray[np.intp], t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        h = self.x[k + 1] - self.x[k]
-        d0, d1, rise = h * self.slope[k], h * self.slope[k + 1], self.y[k + 1] - self.y[k]
-        c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-        return self.y[k] + t * (d0 + t * (c2 + t * c3)), (d0 + t * (2.0 * c2 + 3.0 * t * c3)) / h
 
 
 def shape_preserving_slopes(x: FloatArray, y: FloatArray) -> FloatArray:

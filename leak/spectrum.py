@@ -282,7 +282,7 @@ class PowerSpectrum:
 
     # ---------------------------------------------------------------- moments
 
-    @property
+    @cached_property
     def rms_height(self) -> float:
         """Root-mean-square height, (2 pi int q C dq)^(1/2) [m]."""
         return float(np.sqrt(2.0 * np.pi * self.moment(1)))

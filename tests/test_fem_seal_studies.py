@@ -47,6 +47,19 @@ def small(**tables):
     return Study(CASE, **{**given, **tables})
 
 
+def interrupted_after(count):
+    """Calculates so many chunks and no more."""
+    done = []
+
+    def calculate(recipe, chunk):
+        done.append(chunk)
+        if len(done) > count:
+            raise KeyboardInterrupt
+        return work.calculate(recipe, chunk)
+
+    return calculate
+
+
 @pytest.fixture(scope="module")
 def calculated(tmp_path_factory):
     study = small(
@@ -213,7 +226,7 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"parameters": {"seat.angle": "30 deg"}}, ["seat.angle", "[changes]"]),
         ({"parameters": {"output.folder": ["a"]}}, ["output.folder", "no entry"]),
         ({"parameters": {"interface.p_c": ["1 GPa"]}}, ["interface.p_c", "exponential"]),
-        ({"parameters": {"seat.bore_radius": ["18 mm"]}}, ["design 0", "seat.bore_radius", "does not touch"]),
+        ({"parameters": {"seat.bore_radius": ["18 mm"]}}, ["design 0", "seat.bore_radius", "touch first"]),
         ({"parameters": {"seat.angle": {"start": "30 deg", "num": 3}}}, ["seat.angle", "lacks stop"]),
         (
             {"parameters": {"seat.angle": {"start": "60 deg", "stop": "30 deg", "num": 3}}},
@@ -239,6 +252,14 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"changes": {"load.fluid_presure": "1 bar"}}, ["changes.load.fluid_presure", "fluid_pressure"]),
         ({"optimise": {}}, ["optimise.minimise", "missing"]),
         ({"bogus": 1}, ["bogus", "known keys"]),
+        (
+            {"changes": {"load.fluid_pressure": "10 bar", "load.axial_force": "1 N"}},
+            ["changes.load.axial_force", "parameter as well"],
+        ),
+        (
+            {"parameters": {"seat.angle": ["40 deg"], "seat": {"angle": ["50 deg"]}}},
+            ["parameters.seat.angle", "twice"],
+        ),
     ],
 )
 def test_mistakes_are_named_before_any_work(tables, named):
@@ -348,7 +369,7 @@ def test_a_failed_design_is_a_row_with_its_reason(tmp_path):
     )
     result = run_study(study, folder=tmp_path, workers=0)
     assert result.counts == {"done": 1, "failed": 1, "open": 0}
-    assert "does not touch" in result.table.loc[1, "reason"]
+    assert "touch first" in result.table.loc[1, "reason"]
     assert math.isnan(result.table.loc[1, "fwhm_m"])
     assert "1 failed" in result.report().read_text()
 
@@ -389,18 +410,9 @@ def test_resuming_calculates_only_what_is_missing(tmp_path, monkeypatch):
     study = small()
     whole = run_study(study, folder=tmp_path / "whole", workers=0).table
 
-    class Interrupted(Exception):
-        pass
-
-    def dying(recipe, chunk, done=[]):  # noqa: B006
-        done.append(1)
-        if len(done) > 3:
-            raise Interrupted
-        return work.calculate(recipe, chunk)
-
     with monkeypatch.context() as patch:
-        patch.setattr("fem_seal.studies.pools.calculate", dying)
-        with pytest.raises(Interrupted):
+        patch.setattr("fem_seal.studies.pools.calculate", interrupted_after(3))
+        with pytest.raises(KeyboardInterrupt):
             run_study(study, folder=tmp_path / "part", workers=0)
     kept = fem_seal.StudyResult(tmp_path / "part")
     assert kept.counts == {"done": 3, "failed": 0, "open": 3}
@@ -448,6 +460,15 @@ def test_complete_results_of_chosen_designs_are_kept(tmp_path):
     assert row["leak_rate_m3_per_s"] == pytest.approx(
         result.table.loc[number, "leak_rate_m3_per_s"], rel=5e-4
     )
+    # results of a design that had the number before are replaced, those that belong to it stay
+    mark = kept / "design.json"
+    written = mark.read_text()
+    mark.write_text(written.replace(json.loads(written)["key"], "another"))
+    run_study(study, folder=tmp_path, workers=0, resume=True)
+    assert mark.read_text() == written
+    renewed = mark.stat().st_mtime_ns
+    run_study(study, folder=tmp_path, workers=0, resume=True)
+    assert mark.stat().st_mtime_ns == renewed
 
 
 def test_exports_hold_the_table(calculated, tmp_path):
@@ -529,18 +550,9 @@ def test_a_search_stays_within_its_constraint_and_resumes(tmp_path, monkeypatch)
     feasible = whole.table[whole.table["soft"]]
     assert best["leak_rate_m3_per_s"] == feasible["leak_rate_m3_per_s"].min()
 
-    class Interrupted(Exception):
-        pass
-
-    def dying(recipe, chunk, done=[]):  # noqa: B006
-        done.append(1)
-        if len(done) > 4:
-            raise Interrupted
-        return work.calculate(recipe, chunk)
-
     with monkeypatch.context() as patch:
-        patch.setattr("fem_seal.studies.pools.calculate", dying)
-        with pytest.raises(Interrupted):
+        patch.setattr("fem_seal.studies.pools.calculate", interrupted_after(4))
+        with pytest.raises(KeyboardInterrupt):
             run_study(search(), folder=tmp_path / "part", workers=0)
     resumed = run_study(search(), folder=tmp_path / "part", workers=0, resume=True)
     pd.testing.assert_frame_equal(resumed.table, whole.table, check_exact=True)

@@ -129,8 +129,8 @@ def quantiles(values: FloatArray, shares: Sequence[float] = QUANTILES) -> dict[f
     return dict(zip(shares, np.quantile(values, shares).tolist(), strict=True))
 
 
-def class_shares(designs: Designs) -> dict[str, float]:
-    """Share of the designs that meet each class of the study's standard, the tightest class first.
+def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
+    """Classes of the study's standard, the tightest first: name, allowed leak rate [m^3/s], share of the designs.
 
     A design that meets a class meets all wider ones as well. Empty without leak rates, or if no class of the standard
     can be judged.
@@ -139,11 +139,11 @@ def class_shares(designs: Designs) -> dict[str, float]:
 
     seal = designs.about["seal"]
     if LEAK_RATE not in designs.done or designs.done.empty:
-        return {}
+        return []
     leak_rate = designs.done[LEAK_RATE].dropna().to_numpy()
     limits = {}
     for limit in leakage_limits(seal["nominal_size"], gas=seal["gas"]):
         if limit.standard == designs.about["standard"]:
             limits[limit.name] = limit.leak_rate
     ordered = sorted(limits.items(), key=lambda item: item[1])
-    return {name: float((leak_rate <= most).mean()) for name, most in ordered}
+    return [(name, most, float((leak_rate <= most).mean())) for name, most in ordered]

@@ -123,15 +123,17 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
         if len(row) != len(entries):
             raise InputError(
                 Problem(
-                    "design.file", f"row {number} has {len(row)} cells, the heading {len(entries)}", path.name
+                    "design.file",
+                    f"row {number} has {len(row)} cells, the heading {len(entries)}",
+                    shown(path.name),
                 )
             )
         for column, entry, (_, unit), cell in zip(columns, entries, heading, row, strict=True):
             try:
                 column.append(entry.read(_cell(cell.strip(), unit, entry.marker)))
             except ValueError as error:
-                place = f"row {number} of {path.name}, column {entry.path}"
-                raise InputError(Problem("design.file", f"{place}: {error}", shown(cell.strip()))) from None
+                place = f"row {number}, {entry.path} = {shown(cell.strip())}"
+                raise InputError(Problem("design.file", f"{place}: {error}", shown(path.name))) from None
     parameters = tuple(
         Parameter(entry, tuple(dict.fromkeys(column))) for entry, column in zip(entries, columns, strict=True)
     )

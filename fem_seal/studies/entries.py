@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, get_args
@@ -66,6 +67,19 @@ class Entry:
         if isinstance(self.marker, Quantity):
             return f"{value!r} {self.unit}"
         return value
+
+    def shown(self, value: Value) -> str:
+        """The value for people."""
+        if isinstance(self.marker, Quantity) and isinstance(value, float):
+            return _plain(value, self.unit)
+        return shown(value)
+
+
+def _plain(value: float, unit: str) -> str:
+    """A quantity as people write it: angles in degrees, no more digits than they mean."""
+    if unit == "rad":
+        value, unit = math.degrees(value), "deg"
+    return f'"{value:.6g} {unit}"'
 
 
 def entry_at(case: Case, path: str) -> Entry:

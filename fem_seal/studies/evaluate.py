@@ -20,6 +20,8 @@ from fem_seal.contact_solution import ContactSettings, ContactSolution
 from fem_seal.interface import rough_contact
 from fem_seal.laws import Law
 from fem_seal.leakage import Leakage, leakage
+from fem_seal.load_solver import supports
+from fem_seal.loads import blow_off_of_sealed_area
 from fem_seal.profile import PressureProfile
 from fem_seal.studies.shared_models import shared_model
 from fem_seal.studies.surface_family import family_law, family_table
@@ -59,7 +61,10 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
 def _plain(case: Case) -> bool:
     """Whether contact and leak are those of the short way below."""
     return (
-        case.load.closing == "sealed-area" and getattr(case.leak, "fluid_in_gap", "uncoupled") == "uncoupled"
+        case.load.closing == "sealed-area"
+        and case.load.target_leak_rate is None
+        and case.leak.fluid_in_gap == "uncoupled"
+        and supports(case).wall == "free"
     )
 
 
@@ -143,6 +148,13 @@ class _Design:
         return float(np.interp(profile.centroid, profile.x, profile.radius))
 
     @property
+    def blow_off_pressure(self) -> float:
+        if self.case.load.pressure_side == "outer":
+            return math.nan
+        radius = self.case.touch_radius
+        return blow_off_of_sealed_area(radius, self.case.load.points[0][1], "inner")
+
+    @property
     def max_von_mises(self) -> float:
         return max(float(field.von_mises.max()) for field in self.contact.fields.values())
 
@@ -165,7 +177,10 @@ FAST: dict[str, Callable[[_Design], float]] = {
     "leak_rate_Pa_m3_per_s": lambda design: _found(design.leakage, "throughput"),
     "leak_rate_standard_m3_per_s": lambda design: _found(design.leakage, "standard_leak_rate"),
     "lift_off_x_m": lambda design: _found(design.leak, "lift_off_x"),
-    "blow_off_pressure_Pa": lambda design: _found(design.leak, "blow_off_pressure"),
+    "blow_off_pressure_Pa": lambda design: design.blow_off_pressure,
+    "applied_force_N": lambda design: design.case.load.points[0][1],
+    "effective_seal_radius_m": lambda design: math.nan,
+    "force_for_target_leak_N": lambda design: math.nan,
 }
 
 

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 from fem_seal import __version__
 from fem_seal.atomic_files import write_text
 from fem_seal.errors import InputError, Problem
+from fem_seal.readable import flow
 from fem_seal.studies import plots
-from fem_seal.studies.analysis import LEAK_RATE, Designs, class_shares, quantiles, records
+from fem_seal.studies.analysis import LEAK_RATE, Designs, class_shares, quantiles
+from fem_seal.studies.display import Display
 from fem_seal.studies.sensitivity import sensitivities
 from fem_seal.studies.store import FILE, open_to_read
 
@@ -141,16 +143,17 @@ def _best(designs: Designs) -> Iterator[Section]:
             yield Section("Best designs", "No design meets all constraints.")
         return
     columns = [str(name) for name in designs.table if name not in ("status", "reason")]
-    rows = designs.table.loc[numbers, columns]
+    rows, display = designs.table.loc[numbers, columns], Display(designs)
+    shown = zip(*(display.values(rows, name) for name in columns), strict=True)
     note = "Goal: " + " and ".join(_goal(designs, name) for name in designs.about["goals"])
     constraints = " and ".join(designs.about["constraints"].values())
     yield Section(
         "Best designs",
         f"{note}{', with ' + constraints if constraints else ''}.",
-        columns=("design", *(plots.with_unit(designs, name) for name in columns)),
+        columns=("design", *(display.label(name) for name in columns)),
         rows=tuple(
-            (str(number), *(_cell(value) for value in row.values()))
-            for number, row in zip(numbers, records(rows), strict=True)
+            (str(number), *(_cell(value) for value in row))
+            for number, row in zip(numbers, shown, strict=True)
         ),
     )
 
@@ -205,8 +208,8 @@ def _distribution(designs: Designs) -> Iterator[Section]:
         "Distribution of the leak rate",
         "Over the designs as they were drawn; a probability where the parameters were drawn from their distributions.",
         _html(figure),
-        ("share of the designs below", "leak rate [m³/s]", "[mm³/s]"),
-        tuple((f"{100 * share:g} %", f"{value:.4g}", f"{1e9 * value:.4g}") for share, value in found.items()),
+        ("share of the designs below", "leak rate", "[m³/s]"),
+        tuple((f"{100 * share:g} %", flow(value), f"{value:.4g}") for share, value in found.items()),
     )
 
 
@@ -219,13 +222,13 @@ def _classes(designs: Designs) -> Iterator[Section]:
             f"Share of the designs that meet each class of {designs.about['standard']}, for DN "
             f"{1e3 * seal['nominal_size']:.4g} of the base case and {seal['fluid']}. Classes say what the leak rate "
             "allows; the standard prescribes test pressure and fluid of its own.",
-            columns=("class", "share of the designs"),
-            rows=tuple((name, f"{100 * share:.4g} %") for name, share in shares.items()),
+            columns=("class", "allowed leak rate", "share of the designs"),
+            rows=tuple((name, flow(most), f"{100 * share:.4g} %") for name, most, share in shares),
         )
 
 
 def _columns(designs: Designs) -> Section:
-    rows = [(one["name"], one["unit"], _varied(one)) for one in designs.about["parameters"]]
+    rows = [(one["name"], one["unit"] or "–", _varied(one)) for one in designs.about["parameters"]]
     rows += [(name, "", text) for name, text in designs.about["derived"].items()]
     rows += [(name, "", text) for name, text in designs.about["constraints"].items()]
     return Section("Parameters and formulas", "", columns=("column", "unit", "meaning"), rows=tuple(rows))
@@ -243,4 +246,6 @@ def _varied(parameter: dict[str, Any]) -> str:
 def _cell(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if value is None:
+        return "–"
     return f"{value:.5g}" if isinstance(value, float) else str(value)

@@ -22,6 +22,10 @@ class Progress(Protocol):
         """So many more are done, so many of them failed."""
         ...
 
+    def note(self, text: str) -> None:
+        """Something to know meanwhile."""
+        ...
+
     def end(self) -> None:
         """Nothing more will come."""
         ...
@@ -34,6 +38,9 @@ class Silent:
         """See `Progress`."""
 
     def advance(self, done: int, failed: int) -> None:
+        """See `Progress`."""
+
+    def note(self, text: str) -> None:
         """See `Progress`."""
 
     def end(self) -> None:
@@ -67,9 +74,13 @@ class Lines:
             self._said, self._told = time.monotonic(), self.done
             self._say(self._state())
 
+    def note(self, text: str) -> None:
+        """See `Progress`."""
+        self._say(text)
+
     def end(self) -> None:
         """See `Progress`."""
-        if self._told < self.done or not self.done:
+        if self._told < self.done and self.known < self.done:
             self._say(self._state())
 
     def _state(self) -> str:
@@ -126,6 +137,10 @@ class Bar:
         rate = self._new / max(time.monotonic() - self._started, 1e-9)
         told = f"{self._failed} failed" if self._failed else ""
         self._bar.update(self._task, advance=done, rate=f"{rate:.3g}/s", failed=told)
+
+    def note(self, text: str) -> None:
+        """See `Progress`."""
+        self._bar.console.print(text)
 
     def end(self) -> None:
         """See `Progress`."""

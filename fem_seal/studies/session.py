@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import tempfile
 import time
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal import __version__
+from fem_seal.atomic_files import write_text
 from fem_seal.errors import InputError, Problem
 from fem_seal.studies.pools import Pool, pool
 from fem_seal.studies.progress import Progress, Silent
@@ -87,7 +89,7 @@ def _calculate(
     recipe = Recipe.of(study)
     store.describe(**description(study))
     started = time.perf_counter()
-    with pool(client, workers, scheduler, study.run_settings.retries) as ready:
+    with pool(client, workers, scheduler, study.run_settings.retries, progress.note) as ready:
         if study.optimise is not None:
             from fem_seal.studies.optimise import optimise
 
@@ -172,19 +174,14 @@ def _keep_fields(study: Study, store: Store, folder: Path) -> None:
     from fem_seal.studies.analysis import Designs
 
     numbers = Designs.read(store).best(1) if wanted == "best" else list(wanted)
-    table = store.table()
     for number in numbers:
-        place = folder / "designs" / f"{number:06d}"
-        if (
-            number not in table.index
-            or table["status"][number] != "done"
-            or (place / "summary.json").exists()
-        ):
+        key, place = store.key(number), folder / "designs" / f"{number:06d}"
+        # written last: says that the folder is complete, and whose results it holds
+        mark = place / "design.json"
+        if key is None or (mark.exists() and json.loads(mark.read_text())["key"] == key):
             continue
-        changes = {
-            one.name: one.entry.written(
-                table[one.name][number].item() if one.numeric else table[one.name][number]
-            )
-            for one in study.parameters
-        }
+        inputs = dict(zip(study.names, store.rows([key])[key].inputs, strict=True))
+        changes = {one.name: one.entry.written(inputs[one.name]) for one in study.parameters}
+        mark.unlink(missing_ok=True)
         run(study.case.replace(changes)).write(place)
+        write_text(mark, json.dumps({"number": number, "key": key, "inputs": inputs}, indent=2) + "\n")

@@ -19,7 +19,7 @@ from fem_seal.contact_size import element_sizes
 from fem_seal.laws import Law
 from fem_seal.loads import line_load
 from fem_seal.materials import Material
-from meshes import Ball, BallOnCone, ConicalSeat, Sizing, build
+from meshes import ContactGeometry, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -34,8 +34,7 @@ _FULL_MODELS, _LIGHT_MODELS = 12, 64
 class Bodies:
     """What a condensation depends on."""
 
-    closure: Ball
-    seat: ConicalSeat
+    contact: ContactGeometry
     sizing: Sizing
     closure_material: Material
     seat_material: Material
@@ -54,19 +53,18 @@ def shared_model(case: Case, law: Law, *, stress: bool) -> ContactModel:
     return _full_model(_bodies(case, law)) if stress else _light_model(_bodies(case, law))
 
 
-def rounded(sizing: Sizing, seat: ConicalSeat, contact: BallOnCone, *, exact_size: bool = False) -> Sizing:
+def rounded(sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = False) -> Sizing:
     """Sizing with rounded numbers: never coarser, never narrower.
 
     Parameters
     ----------
     sizing : Sizing
-    seat : ConicalSeat
-    contact : BallOnCone
-        The zone still ends where the face or the ball ends.
+    contact : ContactGeometry
+        The zone still ends where one of the faces ends.
     exact_size : bool
         Whether the contact size is the user's own and stays.
     """
-    lower, upper = seat.face_reach(contact.touch_radius)
+    lower, upper = contact.reach
     start, end = (_up(abs(x), _REACH_STEP) for x in sizing.zone)
     size = sizing.contact_size if exact_size else min(_down(sizing.contact_size, _STEP), sizing.far_size)
     return replace(
@@ -74,23 +72,21 @@ def rounded(sizing: Sizing, seat: ConicalSeat, contact: BallOnCone, *, exact_siz
         contact_size=size,
         # a rounded number of elements, so that it brings no meshes of its own beside those of the sizes
         core=size * _up(sizing.core / size, _STEP),
-        zone=(max(-start, 0.98 * lower), min(end, 0.98 * upper, 0.98 * contact.reach[1])),
+        zone=(max(-start, 0.98 * lower), min(end, 0.98 * upper)),
         growth_along=_down(sizing.growth_along, _STEP),
     )
 
 
 def _bodies(case: Case, law: Law) -> Bodies:
-    from fem_seal.pipeline import axial_forces, geometry
+    from fem_seal.pipeline import axial_forces
 
-    closure, seat = geometry(case)
-    contact = BallOnCone(closure, seat.angle)
-    loads = [line_load(force, contact.touch_radius, seat.angle) for force in axial_forces(case)]
+    contact = case.contact
+    loads = [line_load(force, contact.touch_radius, contact.angle) for force in axial_forces(case)]
     given = case.mesh.contact_size
-    sizing = element_sizes(law, loads, contact, seat, case.effective_modulus, given)
+    sizing = element_sizes(law, loads, contact, case.effective_modulus, given)
     return Bodies(
-        closure,
-        seat,
-        rounded(sizing, seat, contact, exact_size=given is not None),
+        contact,
+        rounded(sizing, contact, exact_size=given is not None),
         _elastic(case.closure.material),
         _elastic(case.seat.material),
     )
@@ -103,7 +99,7 @@ def _elastic(material: Material) -> Material:
 
 @lru_cache(maxsize=_FULL_MODELS)
 def _full_model(bodies: Bodies) -> ContactModel:
-    seal_mesh = build(bodies.closure, bodies.seat, bodies.sizing)
+    seal_mesh = build_contact(bodies.contact, bodies.sizing)
     return condense(seal_mesh, {"closure": bodies.closure_material, "seat": bodies.seat_material})
 
 

@@ -134,6 +134,12 @@ class Store:
         with self._connection:
             self._connection.executemany(f"INSERT OR IGNORE INTO point VALUES ({marks})", values)
 
+    def key(self, number: int) -> str | None:
+        """Key of a design that was calculated without failure, None of any other."""
+        query = "SELECT key FROM design JOIN point USING (key) WHERE number = ? AND status = ?"
+        found = self._connection.execute(query, (number, DONE)).fetchone()
+        return None if found is None else str(found[0])
+
     def counts(self) -> dict[str, int]:
         """Designs of the study that are done, failed and open."""
         query = "SELECT COALESCE(point.status, 'open'), COUNT(*) FROM design LEFT JOIN point USING (key) GROUP BY 1"

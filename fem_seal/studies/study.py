@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -22,6 +21,7 @@ from fem_seal.studies.expressions import Constraint, Expression
 from fem_seal.studies.formulas import needed_columns, read_constraints, read_formulas, read_goals
 from fem_seal.studies.parameters import Parameter, read_parameter
 from fem_seal.studies.study_tables import Design, Optimise, Report, Run, StudyTables
+from fem_seal.toml_file import read_toml
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -118,6 +118,7 @@ class Study:
             _check_design(design, self.parameters, read.optimise is not None)
             nothing = np.empty((0, len(self.parameters)))
             self.points = nothing if read.optimise else designs.points(design, self.parameters)
+        _check_changes(read.changes, self.names)
         self._check_loads()
 
     def _check_loads(self) -> None:
@@ -209,7 +210,10 @@ class Study:
                 self.case_of(point)
             except InputError as error:
                 found = error.problems[0]
-                listed = ", ".join(f"{name} = {shown(value)}" for name, value in self.changes(point).items())
+                listed = ", ".join(
+                    f"{one.name} = {one.entry.shown(one.value(value))}"
+                    for one, value in zip(self.parameters, point, strict=True)
+                )
                 raise InputError(
                     Problem(
                         "design",
@@ -249,7 +253,7 @@ def load_study(path: str | Path) -> Study:
         If the file cannot be read or anything in it, or in one of the designs, is wrong.
     """
     path = Path(path)
-    tables = _read_file(path)
+    tables = read_toml(path, "study")
     base = tables.pop("base", None)
     try:
         if not isinstance(base, str):
@@ -262,23 +266,10 @@ def load_study(path: str | Path) -> Study:
     return study
 
 
-def _read_file(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except UnicodeDecodeError:
-        message = "is not a text file; a study file in TOML is needed"
-    except tomllib.TOMLDecodeError as error:
-        message = f"is not valid TOML: {error}"
-    except RecursionError:
-        message = "is not a study file: nested too deeply"
-    except (OSError, ValueError) as error:
-        message = f"cannot be read ({(getattr(error, 'strerror', None) or 'not a file name').lower()})"
-    raise InputError(Problem("", message), file=path)
-
-
 def _read_tables(tables: dict[str, Any]) -> StudyTables:
     given = {
-        name: _dotted(value) if name in ("changes", "parameters") else value for name, value in tables.items()
+        name: _dotted(value, name) if name in ("changes", "parameters") else value
+        for name, value in tables.items()
     }
     try:
         return StudyTables(**{name: _as_tuple(value) for name, value in given.items()})
@@ -293,19 +284,20 @@ def _as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _dotted(table: Any) -> Any:
+def _dotted(table: Any, heading: str) -> Any:
     """Paths as one key each: ``seat.angle = ...`` without quotes is a nested table in TOML."""
     if not isinstance(table, dict):
         return table
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        if isinstance(value, dict) and not set(value) & {"start", "stop", "num", "distribution"}:
-            nested = _dotted(value)
-            flat.update(
-                {f"{key}.{name}": entry for name, entry in nested.items()} if nested else {key: value}
-            )
-        else:
-            flat[key] = value
+        nested = {key: value}
+        if isinstance(value, dict) and value and not set(value) & {"start", "stop", "num", "distribution"}:
+            below = _dotted(value, f"{heading}.{key}")
+            nested = {f"{key}.{name}": entry for name, entry in below.items()}
+        for path, entry in nested.items():
+            if path in flat:
+                raise InputError(Problem(f"{heading}.{path}", "stands there twice; remove one of them"))
+            flat[path] = entry
     return flat
 
 
@@ -332,6 +324,16 @@ def _placed_files(changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         else:
             placed[key] = value
     return placed
+
+
+def _check_changes(changes: Mapping[str, Any], paths: Sequence[str]) -> None:
+    twice = [path for path in paths if path in changes]
+    if twice:
+        raise InputError(
+            Problem(
+                f"changes.{twice[0]}", "is a parameter as well, which would replace it; remove one of them"
+            )
+        )
 
 
 def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tuple[Parameter, ...]:
