@@ -1,0 +1,53 @@
+"""From a case file to the pressure profiles, and nothing else: python case_to_profile.py CASE CONTACT_SIZE PROFILES.
+
+CONTACT_SIZE is the element size along the contact line [m], 0 for the one that fem-seal chooses.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from fem_seal import Case, load_case
+from fem_seal.condensation import ContactModel, condense
+from fem_seal.contact import solve
+from fem_seal.contact_solution import ContactSolution
+from fem_seal.pipeline import axial_forces, interface_law, sizing
+from meshes import SealMesh, build_contact
+
+
+def mesh_of(case: Case, contact_size: float = 0.0) -> SealMesh:
+    """Mesh of a case, with elements along the contact line coarser than [mesh] contact_size would allow."""
+    sizes = sizing(case, interface_law(case, None))
+    return build_contact(case.contact, replace(sizes, contact_size=contact_size or sizes.contact_size))
+
+
+def model_of(case: Case, seal_mesh: SealMesh) -> ContactModel:
+    """Condense a case's bodies."""
+    return condense(seal_mesh, {"closure": case.closure.material, "seat": case.seat.material})
+
+
+def solutions(case: Case, model: ContactModel) -> Sequence[ContactSolution]:
+    """Solve all loads of a case."""
+    law = interface_law(case, None)
+    return [solve(model, law, axial_force=force) for force in axial_forces(case)]
+
+
+def main(file: str, contact_size: str, output: str) -> None:
+    case = load_case(file)
+    found = solutions(case, model_of(case, mesh_of(case, float(contact_size))))
+    x = found[0].profile.x
+    table = np.column_stack([x, *(solution.profile.pressure for solution in found)])
+    np.savetxt(Path(output), table, delimiter=",", header="x_m, then contact_pressure_Pa of every load")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
