@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import copy
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from pydantic import Field, PrivateAttr, ValidationError
 
-from fem_seal.case_bodies import Ball, Cone, Table
+from fem_seal.case_bodies import Table, place_body_files
 from fem_seal.case_checks import contradictions
 from fem_seal.case_fluid import Fluid
 from fem_seal.case_messages import problems
 from fem_seal.case_roughness import Roughness, place_files
+from fem_seal.case_shapes import Closure, Seat
 from fem_seal.case_tables import Interface, Leak, Load, Mesh, Output
 from fem_seal.case_uncertainty import Uncertainty
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.materials import effective_modulus
-from meshes import ContactGeometry
+from fem_seal.toml_file import read_toml
+from meshes import ContactGeometry, Shape
 
 
 class Case(Table):
@@ -45,8 +46,8 @@ class Case(Table):
     """
 
     title: str = Field("", description="what tables and reports are headed with; the file name unless given")
-    closure: Ball
-    seat: Cone
+    closure: Closure
+    seat: Seat
     roughness: Roughness | None = None
     interface: Interface = Interface()
     fluid: Fluid | None = None
@@ -61,15 +62,25 @@ class Case(Table):
     _file: Path | None = PrivateAttr(default=None)
 
     def __init__(self, /, **tables: Any) -> None:
+        self._read(tables, None)
+        self._input = copy.deepcopy(tables)
+
+    def _read(self, tables: dict[str, Any], like: Case | None) -> None:
+        """Read and check tables; those that are the very ones of another case are taken from it as they were read."""
+        known = {
+            name for name, table in tables.items() if like is not None and like._input.get(name) is table
+        }
         try:
-            super().__init__(**tables)
+            super().__init__(**{**tables, **{name: getattr(like, name) for name in known}})
         except ValidationError as error:
             raise InputError(*problems(error, type(self))) from None
+        if like is not None and {"closure", "seat"} <= known:
+            self._contact = like._contact
         wrong = contradictions(self)
         if wrong:
             raise InputError(*wrong)
         # what the user wrote, so that `replace` checks a change exactly as it checks a file
-        self._input = copy.deepcopy(tables)
+        self._input = tables
 
     @property
     def touch_radius(self) -> float:
@@ -80,9 +91,14 @@ class Case(Table):
     def contact(self) -> ContactGeometry:
         """Closure and seat in first touch."""
         if self._contact is None:
-            closure = self.closure.body()
-            self._contact = ContactGeometry.of(closure.outline, self.seat.body(closure).outline)
+            self._contact = ContactGeometry.of(*(body.outline for body in self.bodies))
         return self._contact
+
+    @property
+    def bodies(self) -> tuple[Shape, Shape]:
+        """Closure and seat with all their dimensions, those that are left open in proportion to the closure."""
+        closure = self.closure.body()
+        return closure, self.seat.body(closure)
 
     @property
     def effective_modulus(self) -> float:
@@ -118,15 +134,16 @@ class Case(Table):
         InputError
             If the changed case is wrong.
         """
-        changed = copy.deepcopy(self._input)
-        for key, value in (changes or {}).items():
+        changed = self._input
+        for key, value in copy.deepcopy(dict(changes or {})).items():
             *parents, last = str(key).split(".")
             nested: Any = {last: value}
             for parent in reversed(parents):
                 nested = {parent: nested}
             changed = _merged(changed, nested)
+        case = Case.__new__(Case)
         try:
-            case = Case(**_merged(changed, tables))
+            case._read(_merged(changed, copy.deepcopy(tables)), self)
         except InputError as error:
             raise error.in_file(self._file) from None
         case._file = self._file
@@ -153,7 +170,7 @@ def load_case(path: str | Path) -> Case:
     0.7853981633974483
     """
     path = Path(path)
-    tables = _read_toml(path)
+    tables = read_toml(path, "case")
     tables.setdefault("title", path.stem)
     _place_files(tables, path)
     try:
@@ -164,31 +181,19 @@ def load_case(path: str | Path) -> Case:
     return case
 
 
-def _read_toml(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except UnicodeDecodeError:
-        message = "is not a text file; a case file in TOML is needed"
-    except tomllib.TOMLDecodeError as error:
-        message = f'is not valid TOML: {error}. Texts and quantities need quotes: radius = "20 mm"'
-    except RecursionError:
-        message = "is not a case file: nested too deeply"
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not a file name"
-        message = f"cannot be read ({reason.lower()})"
-    raise InputError(Problem("", message), file=path)
-
-
 def _place_files(tables: dict[str, Any], path: Path) -> None:
     """Make the files named in the tables relative to the case file, and name the results folder after it."""
     folder = path.absolute().parent
     place_files(tables.get("roughness"), folder)
+    for body in ("closure", "seat"):
+        place_body_files(tables.get(body), folder)
     output = tables.setdefault("output", {})
     if isinstance(output, dict) and isinstance(output.get("folder", ""), str):
         output["folder"] = str(folder / output.get("folder", f"{path.stem}.out"))
 
 
 def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+    """A new table; entries without a change are the very ones of the old table."""
     merged = dict(old)
     for key, value in new.items():
         before = merged.get(key)

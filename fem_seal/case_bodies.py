@@ -1,22 +1,31 @@
-"""The tables [closure] and [seat] of the case file, and the materials in them.
-
-A new shape comes in as one more model beside `Ball` or `Cone`, in the union of its table in `case.Case`.
-"""
+"""What the tables [closure] and [seat] of the case file have in common: dimensions and materials."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, cast
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, cast
 
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    model_validator,
+)
 from pydantic_core import CoreSchema, core_schema
 
-import meshes
-from fem_seal.case_fields import Number, Quantity
-from fem_seal.errors import InputError
+from fem_seal.case_fields import Number, Numbers, Pressures, Quantity
+from fem_seal.errors import InputError, Problem
+from fem_seal.hardening import HardeningCurve
 from fem_seal.materials import LIBRARY, Material, material
-from meshes import Shape
+from fem_seal.stress_strain_file import read_stress_strain
 
 LENGTH = Quantity("length", "10 um", "10 m")
+# Of roundings and steps; zero is sharp or flush.
+SMALL_LENGTH = Quantity("length", "0 um", "10 m")
+INCLINATION = Quantity("angle", "0 deg", "90 deg", exclusive=True)
 MODULUS = Quantity("pressure", "1 MPa", "2 TPa")
 STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
 
@@ -25,6 +34,62 @@ class Table(BaseModel):
     """Base of all tables: frozen, unknown keys refused, nothing converted silently."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=False)
+
+
+class Body(Table):
+    """Base of the tables [closure] and [seat]."""
+
+    def problems(self) -> Iterator[Problem]:
+        """What is wrong with the keys together, before there is a shape."""
+        yield from ()
+
+
+class StressStrain(Table):
+    """A stress-strain curve in tension, true stress over true strain, from a file or written out."""
+
+    file: str | None = Field(
+        None,
+        description="text file with a header and the columns plastic_strain (or strain, elastic and plastic together) "
+        "and stress with its unit; relative to the case file",
+        examples=["seat_curve.csv"],
+    )
+    plastic_strain: Annotated[tuple[float, ...], Numbers(Number(0, 10))] | None = Field(
+        None, description="true plastic strain, beginning with 0", examples=[[0, 0.02, 0.1]]
+    )
+    strain: Annotated[tuple[float, ...], Numbers(Number(0, 10))] | None = Field(
+        None,
+        description="true strain, elastic and plastic together, beginning at the yield point, stress/E; instead of "
+        "plastic_strain",
+        examples=[[0.00119, 0.02, 0.1]],
+    )
+    stress: Annotated[tuple[float, ...], Pressures(STRENGTH)] | None = Field(
+        None, description="true stress", examples=[["250 MPa", "310 MPa", "350 MPa"]]
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> StressStrain:
+        strains = [self.strain, self.plastic_strain]
+        written = self.file is None and strains.count(None) == 1 and self.stress is not None
+        from_file = self.file is not None and strains.count(None) == 2 and self.stress is None
+        if not (written or from_file):
+            raise ValueError(
+                'needs file = "curve.csv", or plastic_strain = [0, 0.1] (or strain) together with '
+                'stress = ["250 MPa", "350 MPa"]'
+            )
+        if self.file is not None:
+            read_stress_strain(self.file)
+        return self
+
+    def curve(self, youngs_modulus: float) -> HardeningCurve:
+        """The hardening curve; InputError or TextTableError if the table is none."""
+        if self.file is not None:
+            kind, strain, stress = read_stress_strain(self.file)
+        else:
+            kind = "strain" if self.plastic_strain is None else "plastic_strain"
+            strain, stress = self.plastic_strain or self.strain or (), self.stress or ()
+        if kind == "strain":
+            return HardeningCurve.from_total_strain(strain, stress, youngs_modulus)
+        return HardeningCurve(strain, stress)
 
 
 class MaterialTable(Table):
@@ -43,6 +108,12 @@ class MaterialTable(Table):
         None,
         description="onset of plastic flow in tension; a von Mises stress above it is warned about",
         examples=["1 GPa"],
+    )
+    stress_strain: StressStrain | None = Field(
+        None,
+        description="stress-strain curve of a body that is solved as elastoplastic, with isotropic hardening; elastic "
+        "whatever its stress unless given",
+        examples=[{"plastic_strain": [0, 0.1], "stress": ["250 MPa", "350 MPa"]}],
     )
 
 
@@ -83,63 +154,33 @@ class MaterialEntry:
                 f"hardness = {table.hardness / 1e6:g} MPa must not be below yield_stress = "
                 f"{table.yield_stress / 1e6:g} MPa (Tabor: about three times as large)"
             )
-        return Material(**table.model_dump(), source="case file")
+        try:
+            hardening = table.stress_strain and table.stress_strain.curve(table.youngs_modulus)
+            return Material(
+                **table.model_dump(exclude={"stress_strain"}), source="case file", hardening=hardening
+            )
+        except InputError as error:
+            raise ValueError(str(error)) from None
+
+
+def place_body_files(body: object, folder: Path) -> None:
+    """Make the files of a body's profile and material, as they stand in a case file, relative to that file's folder."""
+    if isinstance(body, dict) and isinstance(body.get("file"), str):
+        body["file"] = str(folder / body["file"])
+    material = body.get("material") if isinstance(body, dict) else None
+    curve = material.get("stress_strain") if isinstance(material, dict) else None
+    if isinstance(curve, dict) and isinstance(curve.get("file"), str):
+        curve["file"] = str(folder / curve["file"])
 
 
 MaterialField = Annotated[Material, MaterialEntry()]
 
 
-class Ball(Table):
-    """[closure] shape = "ball": a ball, the body that moves along the axis."""
-
-    shape: Literal["ball"] = Field(description="shape of the closure", examples=["ball"])
-    radius: Annotated[float, LENGTH] = Field(description="radius R of the ball", examples=["20 mm"])
-    cavity_radius: Annotated[float, LENGTH] | None = Field(
-        None, description="radius of the cavity of a hollow ball; solid", examples=["15 mm"]
-    )
-    material: MaterialField = Field(description="name from the library, or a table", examples=["steel"])
-
-    def body(self) -> Shape:
-        """The closure that is meshed."""
-        return meshes.Ball(self.radius, self.cavity_radius or 0.0)
+def material_field() -> Any:
+    """Entry for the material of a body."""
+    return Field(description="name from the library, or a table", examples=["steel"])
 
 
-class Cone(Table):
-    """[seat] shape = "cone": a conical seat in a cylindrical housing, held at its bottom."""
-
-    shape: Literal["cone"] = Field(description="shape of the seat", examples=["cone"])
-    angle: Annotated[float, Quantity("angle", "0 deg", "90 deg", exclusive=True)] = Field(
-        description="between the axis and the contact normal; the half-angle of the cone, measured from the "
-        "axis, is 90 deg minus this",
-        examples=["45 deg"],
-    )
-    material: MaterialField = Field(description="name from the library, or a table", examples=["steel"])
-    bore_radius: Annotated[float, LENGTH] | None = Field(
-        None,
-        description="radius of the bore below the conical face; sized from the problem",
-        examples=["10 mm"],
-    )
-    face_radius: Annotated[float, LENGTH] | None = Field(
-        None,
-        description="radius of the upper edge of the conical face; sized from the problem",
-        examples=["18 mm"],
-    )
-    outer_radius: Annotated[float, LENGTH] | None = Field(
-        None, description="radius of the housing; sized from the problem", examples=["40 mm"]
-    )
-    height: Annotated[float, LENGTH] | None = Field(
-        None,
-        description="from the lower edge of the face to the bottom of the housing; sized from the problem",
-        examples=["40 mm"],
-    )
-
-    def body(self, closure: Shape) -> Shape:
-        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
-        return meshes.ConicalSeat.around(
-            self.angle,
-            closure,
-            bore_radius=self.bore_radius,
-            face_radius=self.face_radius,
-            outer_radius=self.outer_radius,
-            height=self.height,
-        )
+def dimension(description: str, example: str) -> Any:
+    """Entry for a dimension that may be left open; the description ends with what it is then."""
+    return Field(None, description=description, examples=[example])

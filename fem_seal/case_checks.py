@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,7 @@ from fem_seal.case_fields import shown
 from fem_seal.case_roughness import SelfAffine
 from fem_seal.case_uncertainty import uncertainty_problems
 from fem_seal.errors import Problem
-from fem_seal.loads import closing_force, line_load
+from fem_seal.loads import closing_force, expected_force, line_load
 from meshes import GeometryError
 
 if TYPE_CHECKING:
@@ -24,7 +25,8 @@ def contradictions(case: Case) -> list[Problem]:
         *_spectrum(case),
         *_interface(case),
         *_hardness(case),
-        *([] if geometry else _closing(case)),
+        *(load := list(_load(case))),
+        *([] if geometry or load else _closing(case)),
         *_fluid(case),
         *_flow(case),
         *uncertainty_problems(case),
@@ -51,10 +53,14 @@ def _flow(case: Case) -> Iterator[Problem]:
 
 
 def _bodies(case: Case) -> Iterator[Problem]:
+    wrong = [*case.closure.problems(), *case.seat.problems()]
+    if wrong:
+        yield from wrong
+        return
     try:
         r0 = case.touch_radius
     except GeometryError as error:
-        yield Problem("seat", str(error))
+        yield _geometry_problem(str(error))
         return
     size = case.mesh.contact_size
     if size is not None and size > r0 / 4:
@@ -63,6 +69,15 @@ def _bodies(case: Case) -> Iterator[Problem]:
             f"too coarse for a contact circle of {_mm(r0)}; allowed is up to {_mm(r0 / 4)}",
             _mm(size),
         )
+
+
+def _geometry_problem(message: str) -> Problem:
+    """A geometry that cannot be, at its key if the message begins with one."""
+    named = re.match(r"(closure|seat) (\w+) = ([^:]+): (.+)", message, re.DOTALL)
+    if named is None:
+        return Problem("seat", message)
+    body, key, value, what = named.groups()
+    return Problem(f"{body}.{key}", what, value)
 
 
 def _spectrum(case: Case) -> Iterator[Problem]:
@@ -142,15 +157,51 @@ def _hardness(case: Case) -> Iterator[Problem]:
         )
 
 
+def _load(case: Case) -> Iterator[Problem]:
+    load = case.load
+    if isinstance(load.axial_force, tuple) and len(load.axial_force) != len(load.fluid_pressure):
+        yield Problem(
+            "load.axial_force",
+            f"has {len(load.axial_force)} entries, but fluid_pressure has {len(load.fluid_pressure)}; give one for "
+            "each fluid pressure, or one for all",
+        )
+    if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
+        yield Problem(
+            "leak.fluid_in_gap",
+            'load.closing = "penetration" already solves contact and fluid pressure in the gap together; remove it',
+            '"local"',
+        )
+    if load.target_leak_rate is not None and (case.roughness is None or case.fluid is None):
+        missing = "roughness" if case.roughness is None else "fluid"
+        yield Problem(
+            "load.target_leak_rate",
+            f"needs a leak rate, and there is none without [{missing}]; add it",
+            f"{load.target_leak_rate:.4g} m^3/s",
+        )
+
+
 def _closing(case: Case) -> Iterator[Problem]:
     load, r0 = case.load, case.touch_radius
-    forces = {p: closing_force(r0, p, load.axial_force, load.pressure_side) for p in load.fluid_pressure}
-    open_at = [pressure for pressure, force in forces.items() if not force > 0]
-    if not open_at:
-        yield from _small_strains(case, max(forces.values()))
+    if load.closing == "penetration":
+        # Where the fluid gets to is a result: only what no contact can hold is known before.
+        open_at = [(p, spring) for p, spring in load.points if spring <= 0 and load.pressure_side == "inner"]
+        if open_at:
+            yield Problem(
+                "load.axial_force",
+                f"the fluid lifts the closure at {open_at[0][0] / 1e5:.6g} bar and no spring holds it; allowed is an "
+                "axial_force above 0 N",
+                f"{open_at[0][1]:.6g} N",
+            )
+        else:
+            expected = (expected_force(r0, p, s, load.pressure_side, load.closing) for p, s in load.points)
+            yield from _small_strains(case, max(expected))
         return
-    worst = min(open_at, key=lambda pressure: forces[pressure])
-    needed = load.axial_force - forces[worst]
+    closing = [(closing_force(r0, p, spring, load.pressure_side), p, spring) for p, spring in load.points]
+    force, worst, spring = min(closing)
+    if force > 0:
+        yield from _small_strains(case, max(closing)[0])
+        return
+    needed = spring - force
     how = "lifts the closure with" if load.pressure_side == "inner" else "closes with"
     lifting = f"the fluid {how} {math.pi * r0**2 * worst:.4g} N" if worst > 0 else "the fluid does not press"
     yield Problem(
@@ -158,7 +209,7 @@ def _closing(case: Case) -> Iterator[Problem]:
         f"the seal is open at a fluid pressure of {worst / 1e5:.6g} bar: {lifting} on the sealed area "
         f"of radius {_mm(r0)}; "
         f"allowed is an axial_force above {needed:.6g} N",
-        f"{load.axial_force:.6g} N",
+        f"{spring:.6g} N",
     )
 
 

@@ -63,6 +63,31 @@ class Quantity:
 
 
 @dataclass(frozen=True)
+class OneOrMany(Quantity):
+    """A quantity, or a list of quantities; a float or a tuple of floats in SI."""
+
+    def read(self, value: object) -> float | tuple[float, ...]:  # type: ignore[override]
+        """Value or values in SI in the user's order; ValueError names the entry that is wrong."""
+        if not isinstance(value, (list, tuple)):
+            return super().read(value)
+        if not 0 < len(value) <= MOST_PRESSURES:
+            raise ValueError(f"has {len(value)} entries; allowed are 1 to {MOST_PRESSURES}")
+        return tuple(self._read_entry(entry, n) for n, entry in _count(value))
+
+    def _read_entry(self, entry: object, number: int) -> float:
+        try:
+            return super().read(entry)
+        except ValueError as error:
+            raise ValueError(f"entry {number}, {shown(entry)}, {error}") from None
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        one = super().__get_pydantic_json_schema__(schema, handler)
+        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}]}
+
+
+@dataclass(frozen=True)
 class NominalSize(Quantity):
     """A nominal pipe size, "DN 25" or "NPS 1", or a length."""
 
@@ -125,6 +150,68 @@ class Number:
             "exclusiveMinimum" if self.exclusive_low else "minimum": self.low,
             "maximum": self.high,
         }
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A list of numbers, each within the range of `number`; a tuple after reading."""
+
+    number: Number
+
+    def read(self, value: object) -> tuple[float, ...]:
+        """The numbers; ValueError names the entry that is wrong."""
+        if not isinstance(value, (list, tuple)) or not 0 < len(value) <= MOST_PRESSURES:
+            raise ValueError(f"must be a list of 1 to {MOST_PRESSURES} numbers, such as [0, 0.1]")
+        return tuple(self._read_entry(entry, n) for n, entry in _count(value))
+
+    def _read_entry(self, entry: object, number: int) -> float:
+        try:
+            return self.number.read(entry)
+        except ValueError as error:
+            raise ValueError(f"entry {number}, {shown(entry)}, {error}") from None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        one = self.number.__get_pydantic_json_schema__(schema, handler)
+        return {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point [r, z] of a section, two lengths; a tuple [m]."""
+
+    length: Quantity
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return f"[r, z], each {self.length.range}"
+
+    def read(self, value: object) -> tuple[float, float]:
+        """The point; ValueError names the coordinate that is wrong."""
+        if not isinstance(value, (list, tuple)) or len(value) != 2:
+            raise ValueError('must be [r, z], such as ["12 mm", "0 mm"]')
+        r, z = (self._read_entry(entry, name) for entry, name in zip(value, ("r", "z"), strict=True))
+        return r, z
+
+    def _read_entry(self, entry: object, name: str) -> float:
+        try:
+            return self.length.read(entry)
+        except ValueError as error:
+            raise ValueError(f"{name}, {shown(entry)}, {error}") from None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        one = self.length.__get_pydantic_json_schema__(schema, handler)
+        return {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
 
 
 @dataclass(frozen=True)

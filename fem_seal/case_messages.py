@@ -11,15 +11,14 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from fem_seal.case_bodies import MaterialTable, Table
-from fem_seal.case_fields import Number, Pressures, Quantity, shown
+from fem_seal.case_fields import Number, Place, Pressures, Quantity, shown
 from fem_seal.errors import Problem
 from fem_seal.materials import Material
 
-# Valid in the file format, but not in this version.
-PLANNED = {
-    "closure.shape": ("torus", "cone", "profile"),
-    "seat.shape": ("sphere", "torus", "flat", "profile"),
-    "load.closing": ("penetration",),
+# What a table with several forms looks like, by the key that tells them apart.
+_EXAMPLES = {
+    "kind": '{ kind = "table", file = "C.csv" }',
+    "shape": '{ shape = "ball", radius = "20 mm", material = "steel" }',
 }
 
 
@@ -43,7 +42,11 @@ def tables_of(field: FieldInfo) -> list[type[Table]]:
 def choices(table: type[BaseModel], key: str) -> list[str]:
     """Words that may stand at a key, empty if it is not a choice."""
     annotation = table.model_fields[key].annotation
-    return [str(word) for word in get_args(annotation)] if get_origin(annotation) is Literal else []
+    # also of a choice that may be left open
+    for member in (annotation, *get_args(annotation)):
+        if get_origin(member) is Literal:
+            return [str(word) for word in get_args(member)]
+    return []
 
 
 def _tables(annotation: Any) -> Iterator[type[Table]]:
@@ -66,6 +69,9 @@ def _locate(loc: tuple[int | str, ...], case: type[BaseModel]) -> tuple[list[str
         if tagged:
             candidates = tagged
             continue
+        if isinstance(part, int):
+            path[-1] += f"[{part + 1}]"
+            continue
         table = candidates[0] if candidates else None
         path.append(str(part))
         field = table.model_fields.get(str(part)) if table else None
@@ -86,15 +92,15 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
     if kind == "extra_forbidden":
         return Problem(key, _unknown_key(name, table))
     if kind == "union_tag_not_found":
-        return _without_tag(key, value)
+        return _without_tag(key, value, tables_of(table.model_fields[name]) if table else [])
     if kind == "union_tag_invalid":
         word = str(ctx["tag"])
         key = f"{key}.{str(ctx['discriminator']).strip(chr(39))}"
         return Problem(
-            key, _choice(key, word, str(ctx["expected_tags"]).replace("'", "").split(", ")), shown(word)
+            key, _choice(word, str(ctx["expected_tags"]).replace("'", "").split(", ")), shown(word)
         )
     if kind == "literal_error" and table is not None:
-        return Problem(key, _choice(key, value, choices(table, name)), shown(value))
+        return Problem(key, _choice(value, choices(table, name)), shown(value))
     if kind == "value_error":
         return Problem(key, str(ctx["error"]), None if isinstance(value, Mapping) else shown(value))
     return Problem(key, _plain(kind, name, details["msg"]), shown(value))
@@ -142,19 +148,21 @@ def _unknown_key(name: str, table: type[BaseModel] | None) -> str:
     return f"unknown key; {hint}known keys here are {', '.join(known)}"
 
 
-def _without_tag(key: str, value: object) -> Problem:
+def _without_tag(key: str, value: object, tables: list[type[Table]]) -> Problem:
+    """A table of which it is not known which of several it is."""
+    tag = "shape" if any("shape" in table.model_fields for table in tables) else "kind"
+    words = " or ".join(f'{tag} = "{word}"' for table in tables for word in choices(table, tag))
     if not isinstance(value, Mapping):
-        return Problem(key, 'must be a table, such as { kind = "table", file = "C.csv" }', shown(value))
-    return Problem(
-        f"{key}.kind", 'is missing; write kind = "self-affine", kind = "table" or kind = "profile"'
-    )
+        example = _EXAMPLES.get(tag, "")
+        return Problem(key, f"must be a table, such as {example}", shown(value))
+    return Problem(f"{key}.{tag}", f"is missing; write {words}")
 
 
-def _choice(key: str, value: object, words: list[str]) -> str:
+def _choice(value: object, words: list[str]) -> str:
     listed = " or ".join(f'"{word}"' for word in words)
-    if isinstance(value, str) and value in PLANNED.get(key, ()):
-        return f"is not available yet in this version; available is {listed}"
-    return f"must be {listed}"
+    near = difflib.get_close_matches(str(value).lower().replace("_", "-"), words, n=1, cutoff=0.5)
+    hint = f'; do you mean "{near[0]}"?' if near else ""
+    return f"must be {listed}{hint}"
 
 
 def toml(value: object) -> str:
@@ -173,7 +181,7 @@ def toml(value: object) -> str:
 def allowed_range(field: FieldInfo) -> str:
     """Range of a quantity or number, empty for anything else."""
     for marker in (*field.metadata, *_metadata(field.annotation)):
-        if isinstance(marker, (Quantity, Number)):
+        if isinstance(marker, (Quantity, Number, Place)):
             return marker.range
         if isinstance(marker, Pressures):
             return marker.pressure.range

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import Field
 
 from fem_seal.case_bodies import Table
-from fem_seal.case_fields import NominalSize, Number, Pressures, Quantity
+from fem_seal.case_fields import NominalSize, Number, OneOrMany, Pressures, Quantity
 
 if TYPE_CHECKING:
     pass
@@ -51,27 +51,44 @@ class Interface(Table):
 
 
 class Load(Table):
-    """[load]: fluid pressures, one result each, and the force on the closure."""
+    """[load]: fluid pressures, one result each and in this order, and the force on the closure."""
 
     fluid_pressure: Annotated[tuple[float, ...], Pressures(FLUID_PRESSURE)] = Field(
         description='pressure difference across the seal: one, a list, or { start = "1 bar", '
         'stop = "20 bar", num = 20, spacing = "linear" or "log" }',
         examples=[["1 bar", "20 bar"]],
     )
-    axial_force: Annotated[float, Quantity("force", "-1e9 N", "1e9 N")] = Field(
+    axial_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = Field(
         0.0,
-        description="additional force on the closure, positive when it closes the seal",
-        examples=["0 N"],
+        description="force of spring or actuator on the closure, positive when it closes the seal: one, or a list "
+        "with one for each fluid pressure",
+        examples=["250 N"],
         json_schema_extra={"default": "0 N"},
     )
-    closing: Literal["sealed-area"] = Field(
-        "sealed-area", description='"sealed-area": the fluid pressure acts on the circle of first touch'
+    closing: Literal["sealed-area", "penetration"] = Field(
+        "sealed-area",
+        description='"sealed-area": the fluid pressure acts on the circle of first touch; "penetration": it acts on '
+        "the wetted surfaces and, as far as it gets, between the surfaces, solved together with contact and flow; see "
+        "docs/theory_penetration.md",
     )
     pressure_side: Literal["outer", "inner"] = Field(
         "outer",
         description='side of the high pressure: "outer" (around the closure, presses it on the seat) or '
         '"inner" (in the bore, lifts it)',
     )
+    target_leak_rate: Annotated[float, Quantity("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
+        None,
+        description="also find the smallest axial_force for which the leak rate stays below this at each fluid "
+        "pressure; of a gas the volume at 101325 Pa and its temperature",
+        examples=["1e-3 cm^3/s"],
+    )
+
+    @property
+    def points(self) -> tuple[tuple[float, float], ...]:
+        """Fluid pressure [Pa] and axial force [N] of every load."""
+        forces = self.axial_force
+        each = forces if isinstance(forces, tuple) else (forces,) * len(self.fluid_pressure)
+        return tuple(zip(self.fluid_pressure, each, strict=True))
 
 
 class Leak(Table):

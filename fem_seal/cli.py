@@ -275,6 +275,10 @@ def _remarks(case: Case) -> list[str]:
         remarks.append("no [fluid]: no leak rate is calculated")
     if case.roughness is not None:
         remarks.extend(case.roughness.remarks())
+    if case.load.target_leak_rate is not None:
+        from fem_seal.inverse_questions import target_remarks
+
+        remarks.extend(target_remarks(case))
     return remarks
 
 

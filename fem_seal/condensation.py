@@ -264,6 +264,12 @@ def _condense_body(
     forces[node_dofs(basis)[:, nodes], np.arange(len(nodes))] = direction
     stiffness = stiffness_matrix(basis, material)
     names, columns, held = _further_loads(basis, name, stiffness, supports)
+    if name == "closure":
+        # The contact line lies on the seat. Fluid on the closure begins where the line ends, not a gap's width off it:
+        # a force at the end of the line makes up for the ring between, and fluid all around lifts nothing.
+        areas = np.pi * contact.radius(contact_x[[0, -1]]) ** 2
+        for n, end, area in ((0, 0, areas[0]), (1, -1, -areas[1])):
+            columns[n] += (area - _axial(basis, columns[n])) / direction[1, end] * forces[:, end]
     right = np.column_stack([forces, *columns])
     axial = _axial(basis, right[:, len(nodes) :])
     if name == "closure":

@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.case_dimensions import dimensions
+
 if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.derived import Derived
@@ -40,6 +42,9 @@ LEAK_COLUMNS = (
     Column("leak_rate_high_m3_per_s", "high", "mm³/s", 1e9),
     Column("leak_rate_elastic_m3_per_s", "elastic", "mm³/s", 1e9),
     Column("max_von_mises_Pa", "von Mises", "MPa", 1e-6),
+    Column("effective_seal_radius_m", "r fluid", "mm", 1e3),
+    Column("blow_off_pressure_Pa", "opens at", "bar", 1e-5),
+    Column("force_for_target_leak_N", "target force", "N", 1.0),
 )
 
 
@@ -115,6 +120,9 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
     return {
         "title": case.title,
         "touch_radius_m": derived.touch_radius,
+        "contact_angle_rad": case.contact.angle,
+        "relative_radius_m": derived.relative_radius,
+        "dimensions": {name: dimensions(case, name) for name in ("closure", "seat")},
         "effective_modulus_Pa": derived.effective_modulus,
         "hardness_Pa": derived.hardness,
         "rms_height_m": derived.rms_height,
@@ -127,8 +135,10 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
                 "fluid_pressure_Pa": load.fluid_pressure,
                 "axial_force_N": load.closing_force,
                 "line_load_N_per_m": load.line_load,
-                "hertz_peak_pressure_Pa": load.hertz.peak_pressure,
-                "hertz_half_width_m": load.hertz.half_width,
+                "blow_off_pressure_Pa": load.blow_off_pressure,
+                "force_for_target_leak_N": load.force_for_target,
+                "hertz_peak_pressure_Pa": load.hertz.peak_pressure if load.hertz else None,
+                "hertz_half_width_m": load.hertz.half_width if load.hertz else None,
                 "gaussian_peak_pressure_Pa": load.gaussian.peak_pressure if load.gaussian else None,
                 "gaussian_std_m": load.gaussian.std if load.gaussian else None,
                 "crossover_peak_pressure_Pa": load.crossover.peak_pressure if load.crossover else None,
@@ -150,10 +160,14 @@ _CHECK_COLUMNS = (
     Column("crossover_peak_pressure_Pa", "crossover p0", "MPa", 1e-6),
     Column("crossover_fwhm_m", "FWHM", "mm", 1e3),
     Column("crossover_std_m", "std dev", "mm", 1e3),
+    Column("blow_off_pressure_Pa", "opens at", "bar", 1e-5),
+    Column("force_for_target_leak_N", "target force", "N", 1.0),
 )
 
 _CHECK_LINES = (
     Column("touch_radius_m", "radius of first touch r0", "mm", 1e3),
+    Column("contact_angle_rad", "angle of the contact normal", "deg", 180 / math.pi),
+    Column("relative_radius_m", "radius of relative curvature", "mm", 1e3),
     Column("effective_modulus_Pa", "effective modulus E*", "GPa", 1e-9),
     Column("hardness_Pa", "hardness", "GPa", 1e-9),
     Column("rms_height_m", "rms height", "um", 1e6),
@@ -165,11 +179,18 @@ _CHECK_LINES = (
 )
 
 
+def _dimension(key: str, value: float) -> str:
+    return f"{math.degrees(value):.4g} deg" if key.endswith("angle") else f"{1e3 * value:.4g} mm"
+
+
 def show_derived(numbers: Mapping[str, Any]) -> None:
     """Print the derived numbers of a case."""
+    for body, lengths in numbers["dimensions"].items():
+        shown = (f"{key} {_dimension(key, value)}" for key, value in lengths.items())
+        print(f"  {body:10}" + ", ".join(shown))  # noqa: T201
     for column in _CHECK_LINES:
         value = numbers[column.key]
-        if value is not None:
+        if value is not None and math.isfinite(value):
             print(f"  {column.heading:30}{_cell(value, column.factor)} {column.unit}".rstrip())  # noqa: T201
     rows = numbers["loads"]
     columns = [column for column in _CHECK_COLUMNS if any(row[column.key] is not None for row in rows)]

@@ -11,6 +11,7 @@ from scipy.linalg import cho_factor, cho_solve
 from fem_seal.condensation import ContactModel
 from fem_seal.contact_solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
+from fem_seal.further_loads import FurtherLoads
 from fem_seal.hard_contact import solve_hard
 from fem_seal.laws import HardContact, InterfaceLaw, Law
 from fem_seal.single_thread import single_threaded
@@ -28,6 +29,7 @@ def solve(
     law: Law,
     *,
     axial_force: float,
+    loads: FurtherLoads | None = None,
     settings: ContactSettings | None = None,
     start: ContactSolution | None = None,
 ) -> ContactSolution:
@@ -39,7 +41,10 @@ def solve(
     law : InterfaceLaw or HardContact
         `leak.ExponentialLaw`, `leak.TabulatedLaw`, `RoughContact.interface_law()` or `HardContact()`.
     axial_force : float
-        F_N [N], positive.
+        F_N that the solid contact carries [N], positive.
+    loads : FurtherLoads, optional
+        What else acts on the bodies, with given magnitudes. The force on the top of the closure is then F_N plus the
+        lift of these loads; `fem_seal.penetration` finds fluid pressure and F_N together.
     settings : ContactSettings, optional
     start : ContactSolution, optional
         Solution of a neighbouring load to start from.
@@ -58,14 +63,17 @@ def solve(
     Notes
     -----
     Unknowns are v = ln p at the points and the approach d:
-    u(v) = g0 - d n_z + C (w e^v),  sum(n_z w e^v) = F_N.
+    u(v) = g0 - d n_z + C (w e^v),  sum(n_z w e^v) = F_N,
+    with the opening by further loads as a part of g0.
     Increments of v are applied as they are where they fall and as log(1 + dv) where they rise: the pressure
     then never rises faster than linear extrapolation says, and the exponential cannot run away.
     """
     if not (np.isfinite(axial_force) and axial_force > 0):
         raise ValueError(f"axial_force = {axial_force!r} N: must be positive and finite")
     if isinstance(law, HardContact):
-        return solve_hard(model, axial_force)
+        return solve_hard(model, axial_force, loads)
+    loads = loads or FurtherLoads()
+    gap0 = model.line.initial_gap + loads.opening(model)
     settings = settings or ContactSettings()
     softest = model.line_load(axial_force) / (np.pi * model.effective_modulus)
     guess = None if start is None else (start.log_pressure, start.approach)
@@ -74,13 +82,15 @@ def solve(
         state, residuals = guess, list[float]()
         for floor in floors:
             state, residuals = _newton(
-                model, _Softened(law, floor * softest), axial_force, settings, state, settings.max_iterations
+                model, _Softened(law, floor * softest), axial_force, gap0, settings, state
             )
             if state is None:
                 break
         if state is not None:
             v, d = state
-            return ContactSolution(model, axial_force, d, v, law.gap(v), len(residuals), tuple(residuals))
+            return ContactSolution(
+                model, axial_force, d, v, law.gap(v), len(residuals), tuple(residuals), loads
+            )
     raise ConvergenceError(
         f"contact at axial force {axial_force:.6g} N (line load {model.line_load(axial_force):.6g} N/m) did not "
         f"converge in {settings.max_iterations} iterations; last residual {residuals[-1]:.2g} decay lengths, "
@@ -113,17 +123,17 @@ def _newton(
     model: ContactModel,
     law: InterfaceLaw,
     axial_force: float,
+    gap0: FloatArray,
     settings: ContactSettings,
     state: State | None,
-    max_iterations: int,
 ) -> tuple[State | None, list[float]]:
     """Iterate to the tolerances; None instead of a state if that fails. Also the residual of every iteration."""
-    v, d = state or _first_guess(model, law, axial_force)
+    v, d = state or _first_guess(model, law, axial_force, gap0)
     residuals: list[float] = []
-    for _ in range(max_iterations):
+    for _ in range(settings.max_iterations):
         try:
             with np.errstate(over="raise", invalid="raise", under="ignore"):
-                v, d, residual, force_residual = _newton_step(model, law, axial_force, v, d, settings)
+                v, d, residual, force_residual = _newton_step(model, law, axial_force, gap0, v, d, settings)
         except (FloatingPointError, np.linalg.LinAlgError):
             residuals.append(np.inf)
             return None, residuals
@@ -133,17 +143,24 @@ def _newton(
     return None, residuals
 
 
-def _first_guess(model: ContactModel, law: InterfaceLaw, axial_force: float) -> tuple[FloatArray, float]:
-    """Gaussian whose variance is that of the exponential law plus that of Hertz (exact variance, theory 2)."""
-    line, f_N, R = model.line, model.line_load(axial_force), model.relative_radius
-    hertz_variance = f_N * R / (np.pi * model.effective_modulus)
-    pressure = np.log(f_N / np.sqrt(2 * np.pi * hertz_variance))
-    for _ in range(3):
-        variance = R * float(law.decay_length(np.array([pressure]))[0]) + hertz_variance
-        pressure = np.log(f_N / np.sqrt(2 * np.pi * variance))
-    v = pressure - line.x**2 / (2 * variance)
+def _first_guess(
+    model: ContactModel, law: InterfaceLaw, axial_force: float, gap0: FloatArray
+) -> tuple[FloatArray, float]:
+    """Boltzmann-like pressure, exp(-g0/s) with s the decay length of the law plus f_N/(pi E*).
+
+    For a parabolic gap this is the Gaussian whose variance is that of the exponential law plus that of Hertz (exact
+    variance, theory 2); faces that fit each other get an even pressure.
+    """
+    line = model.line
+    softest = model.line_load(axial_force) / (np.pi * model.effective_modulus)
+    apart, share = gap0 - gap0.min(), line.normal[1] * line.area_weight
+    s = softest
+    for _ in range(4):
+        v = -apart / s
+        v += np.log(axial_force / float(share @ np.exp(v)))
+        s = float(law.decay_length(np.array([v.max()]))[0]) + softest
     centre = int(np.argmax(v))
-    opening = model.compliance @ (line.area_weight * np.exp(v)) + line.initial_gap - law.gap(v)
+    opening = model.compliance @ (line.area_weight * np.exp(v)) + gap0 - law.gap(v)
     return v, float(opening[centre] / line.normal[1, centre])
 
 
@@ -151,6 +168,7 @@ def _newton_step(
     model: ContactModel,
     law: InterfaceLaw,
     axial_force: float,
+    gap0: FloatArray,
     v: FloatArray,
     d: float,
     settings: ContactSettings,
@@ -160,7 +178,7 @@ def _newton_step(
     n_z = line.normal[1]
     f = line.area_weight * np.exp(v)
     decay = law.decay_length(v)
-    terms = (line.initial_gap, -d * n_z, C @ f, -law.gap(v))
+    terms = (gap0, -d * n_z, C @ f, -law.gap(v))
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     force_residual = 1 - float(n_z @ f) / axial_force
     # Points that carry nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.condensation import ContactModel
+from fem_seal.further_loads import NO_LOADS, FurtherLoads
 from fem_seal.profile import PressureProfile
 from fem_seal.stress import BodyField, body_fields
 
@@ -41,7 +42,7 @@ class ContactSolution:
     ----------
     model : ContactModel
     axial_force : float
-        Applied force F_N [N].
+        Force F_N that the solid contact carries [N].
     approach : float
         Axial motion of the closure's loaded surface towards the seat's bottom since first touch of the mean
         planes [m].
@@ -52,6 +53,8 @@ class ContactSolution:
     iterations : int
     residuals : tuple of float
         Largest gap residual over decay length, one per iteration.
+    loads : FurtherLoads
+        What acts on the bodies besides the contact pressure.
     """
 
     model: ContactModel
@@ -61,6 +64,7 @@ class ContactSolution:
     gap: FloatArray = field(repr=False)
     iterations: int
     residuals: tuple[float, ...] = field(repr=False)
+    loads: FurtherLoads = NO_LOADS
 
     @property
     def pressure(self) -> FloatArray:
@@ -78,8 +82,13 @@ class ContactSolution:
         return body_fields(self)
 
     @property
+    def closing_force(self) -> float:
+        """Force of spring or actuator on the top of the closure [N], in balance with contact and further loads."""
+        return self.axial_force + self.loads.lift(self.model)
+
+    @property
     def force_error(self) -> float:
-        """(axial contact force - applied force) / applied force."""
+        """(axial contact force - F_N) / F_N."""
         return float(self.model.line.normal[1] @ self.point_forces) / self.axial_force - 1
 
     @property

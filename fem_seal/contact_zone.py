@@ -17,8 +17,6 @@ FloatArray = NDArray[np.float64]
 
 # Pressure over peak pressure that the ends of the zone may carry.
 _TAIL = 1e-6
-# The zone ends at this share of the way to the end of a face: the very end has no body behind it.
-_FACE = 0.98
 _WIDER = 1.6
 # Change of the pressure from one element to the next in units of the peak. The expected size keeps it below 0.3 at the
 # edge of a Hertz contact and at 0.1 in a soft one; more means a peak that was not expected, as at a rounded edge.
@@ -93,7 +91,7 @@ def _zone(
     sizing: Sizing, contact: ContactGeometry, profiles: Sequence[PressureProfile]
 ) -> tuple[float, float]:
     start, end = sizing.zone
-    lower, upper = (_FACE * x for x in contact.reach)
+    lower, upper = contact.reach
     cut = [max(profile.pressure[n] / profile.pressure.max() for profile in profiles) > _TAIL for n in (0, -1)]
     return (
         max(_WIDER * start, lower) if cut[0] else start,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem_seal.errors import InputError
 from fem_seal.interface import exponential_law, rough_contact
-from fem_seal.loads import closing_force, line_load
+from fem_seal.loads import blow_off_of_sealed_area, closing_force, expected_force, line_load
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -22,23 +24,30 @@ class DerivedLoad:
     fluid_pressure : float
         [Pa]
     closing_force : float
-        Axial force F_N that presses the closure on the seat [N].
+        Axial force F_N that presses the closure on the seat [N]; with closing "penetration" what is expected of it.
     line_load : float
         f_N [N/m].
-    hertz : HertzLine
-        Smooth elastic bodies.
+    hertz : HertzLine or None
+        Smooth elastic bodies; None for faces that fit each other along a stretch, as the other profiles.
     gaussian : GaussianLine or None
         Rigid bodies with the exponential law; None for a smooth interface.
     crossover : CrossoverLine or None
         Elastic bodies with the exponential law, exact for half-spaces; None for a smooth interface.
+    blow_off_pressure : float or None
+        Fluid pressure that lifts the closure off the circle of first touch [Pa]; None where it closes.
+    force_for_target : float or None
+        Force of spring or actuator for the target leak rate [N], from a Gaussian profile of the expected width; None
+        without a target, or if no sensible force reaches it.
     """
 
     fluid_pressure: float
     closing_force: float
     line_load: float
-    hertz: HertzLine
+    hertz: HertzLine | None
     gaussian: GaussianLine | None
     crossover: CrossoverLine | None
+    blow_off_pressure: float | None
+    force_for_target: float | None
 
 
 @dataclass(frozen=True)
@@ -52,7 +61,7 @@ class Derived:
     effective_modulus : float
         E* [Pa].
     relative_radius : float
-        Radius of relative curvature across the contact line [m].
+        Radius of relative curvature across the contact line [m]; inf for faces that fit each other along a stretch.
     hardness : float or None
         Penetration hardness used for the asperities [Pa]; None without asperity plasticity.
     rms_height, rms_slope : float or None
@@ -100,21 +109,41 @@ def derive(case: Case) -> Derived:
         rms_slope=surface.spectrum.rms_slope if surface else None,
         decay_length=decay_length,
         law_pressure=law_pressure,
-        loads=tuple(_derive_load(case, pressure, decay_length) for pressure in case.load.fluid_pressure),
+        loads=tuple(_derive_load(case, *point, decay_length) for point in case.load.points),
     )
 
 
-def _derive_load(case: Case, fluid_pressure: float, decay_length: float | None) -> DerivedLoad:
+def _derive_load(
+    case: Case, fluid_pressure: float, axial_force: float, decay_length: float | None
+) -> DerivedLoad:
     from leak import crossover_line, gaussian_line, hertz_line
 
     r0, R, E = case.touch_radius, case.contact.relative_radius, case.effective_modulus
-    force = closing_force(r0, fluid_pressure, case.load.axial_force, case.load.pressure_side)
+    fitting = math.isinf(R)
+    side = case.load.pressure_side
+    force = expected_force(r0, fluid_pressure, axial_force, side, case.load.closing)
     f = line_load(force, r0, case.contact.angle)
     return DerivedLoad(
         fluid_pressure=fluid_pressure,
         closing_force=force,
         line_load=f,
-        hertz=hertz_line(f, R, E),
-        gaussian=gaussian_line(f, R, decay_length) if decay_length else None,
-        crossover=crossover_line(f, R, E, decay_length) if decay_length else None,
+        hertz=None if fitting else hertz_line(f, R, E),
+        gaussian=gaussian_line(f, R, decay_length) if decay_length and not fitting else None,
+        crossover=crossover_line(f, R, E, decay_length) if decay_length and not fitting else None,
+        blow_off_pressure=blow_off_of_sealed_area(r0, axial_force) if side == "inner" else None,
+        force_for_target=_force_for_target(case, fluid_pressure),
     )
+
+
+def _force_for_target(case: Case, fluid_pressure: float) -> float | None:
+    target = case.load.target_leak_rate
+    if target is None:
+        return None
+    from fem_seal.inverse_questions import expected_contact_force
+    from fem_seal.pipeline import interface_law
+
+    try:
+        force = expected_contact_force(case, interface_law(case, rough_contact(case)), fluid_pressure, target)
+    except InputError:
+        return None
+    return force - closing_force(case.touch_radius, fluid_pressure, 0.0, case.load.pressure_side)

@@ -95,6 +95,21 @@ class ConvergenceError(SealError, RuntimeError):
         self.partial = partial
 
 
+class OpenSealError(SealError, ValueError):
+    """The loads leave the seal open: there is no contact to solve.
+
+    Parameters
+    ----------
+    message : str
+    blow_off_pressure : float, optional
+        Fluid pressure at which it opens [Pa].
+    """
+
+    def __init__(self, message: str, blow_off_pressure: float | None = None) -> None:
+        super().__init__(message)
+        self.blow_off_pressure = blow_off_pressure
+
+
 class OutputError(SealError, OSError):
     """A result file cannot be written."""
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from fem_seal.condensation import ContactLine, ContactModel
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.errors import ConvergenceError
+from fem_seal.further_loads import FurtherLoads
 
 FloatArray = NDArray[np.float64]
 
@@ -19,7 +20,7 @@ def hat_functions(line: ContactLine) -> FloatArray:
     return np.stack([np.interp(line.x, line.vertices, unit) for unit in np.eye(len(line.vertices))], axis=1)
 
 
-def solve_hard(model: ContactModel, axial_force: float) -> ContactSolution:
+def solve_hard(model: ContactModel, axial_force: float, loads: FurtherLoads | None = None) -> ContactSolution:
     """Solve the contact of smooth bodies.
 
     The pressure is continuous and linear between the element ends, the gap is taken as its weighted mean
@@ -30,15 +31,16 @@ def solve_hard(model: ContactModel, axial_force: float) -> ContactSolution:
     ConvergenceError
         If the active set does not settle.
     """
-    line = model.line
+    line, loads = model.line, loads or FurtherLoads()
+    apart = line.initial_gap + loads.opening(model)
     hats = hat_functions(line)
-    loads = line.area_weight[:, None] * hats
-    compliance = loads.T @ model.compliance @ loads
-    gap0, axial = loads.T @ line.initial_gap, loads.T @ line.normal[1]
-    half_width = 2 * np.sqrt(
-        model.line_load(axial_force) * model.relative_radius / (np.pi * model.effective_modulus)
-    )
-    active = np.abs(line.vertices) <= max(half_width, float(np.diff(line.vertices).max()))
+    weights = line.area_weight[:, None] * hats
+    compliance = weights.T @ model.compliance @ weights
+    gap0, axial = weights.T @ apart, weights.T @ line.normal[1]
+    # A parabolic gap is as high as this where the contact of Hertz ends.
+    flattened = 2 * model.line_load(axial_force) / (np.pi * model.effective_modulus)
+    distance = gap0 / weights.sum(axis=0)
+    active = distance <= max(distance.min() + flattened, np.sort(distance)[2])
     for change in range(1, _MAX_CHANGES + 1):
         inside = np.flatnonzero(active)
         matrix = np.block(
@@ -54,11 +56,11 @@ def solve_hard(model: ContactModel, axial_force: float) -> ContactSolution:
         settled = np.where(active, pressure > 0, opening < 0)
         if np.array_equal(settled, active):
             p = hats @ pressure
-            gap = line.initial_gap - approach * line.normal[1] + model.compliance @ (line.area_weight * p)
+            gap = apart - approach * line.normal[1] + model.compliance @ (line.area_weight * p)
             with np.errstate(divide="ignore"):
                 log_pressure = np.log(np.maximum(p, 0.0))
             return ContactSolution(
-                model, axial_force, approach, log_pressure, np.where(p > 0, 0.0, gap), change, ()
+                model, axial_force, approach, log_pressure, np.where(p > 0, 0.0, gap), change, (), loads
             )
         active = settled
     raise ConvergenceError(

@@ -6,6 +6,10 @@ import math
 from typing import Literal
 
 PressureSide = Literal["outer", "inner"]
+Closing = Literal["sealed-area", "penetration"]
+
+# Share of spring and fluid force that a contact near blow-off is taken to carry before it is solved.
+_LEAST_CARRIED = 1e-3
 
 
 def touch_radius(ball_radius: float, angle: float) -> float:
@@ -51,6 +55,49 @@ def closing_force(
     """
     sealed_area = math.pi * sealing_radius**2
     return axial_force + (sealed_area if pressure_side == "outer" else -sealed_area) * fluid_pressure
+
+
+def blow_off_of_sealed_area(
+    sealing_radius: float, axial_force: float, pressure_side: PressureSide = "inner"
+) -> float:
+    """Fluid pressure that lifts the closure off a sealing circle [Pa]; infinite if the fluid does not lift it.
+
+    Parameters
+    ----------
+    sealing_radius, axial_force, pressure_side
+        See `closing_force`.
+
+    Examples
+    --------
+    >>> round(blow_off_of_sealed_area(0.014142, 1256.6) / 1e5, 2)
+    20.0
+    """
+    lifts = pressure_side == "inner" and axial_force > 0
+    return axial_force / (math.pi * sealing_radius**2) if lifts else math.inf
+
+
+def expected_force(
+    sealing_radius: float,
+    fluid_pressure: float,
+    axial_force: float,
+    pressure_side: PressureSide,
+    closing: Closing,
+) -> float:
+    """Axial force that the solid contact is expected to carry, before anything is solved [N].
+
+    With closing "sealed-area" this is the force; with "penetration" it is the estimate for which the mesh is sized,
+    positive also where the fluid comes close to lifting the closure.
+
+    Parameters
+    ----------
+    sealing_radius, fluid_pressure, axial_force, pressure_side
+        See `closing_force`.
+    closing : {"sealed-area", "penetration"}
+    """
+    force = closing_force(sealing_radius, fluid_pressure, axial_force, pressure_side)
+    if closing == "sealed-area":
+        return force
+    return max(force, _LEAST_CARRIED * (abs(axial_force) + math.pi * sealing_radius**2 * fluid_pressure))
 
 
 def line_load(closing_force: float, sealing_radius: float, angle: float) -> float:

@@ -11,17 +11,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.case_flow import expected_forces
 from fem_seal.condensation import ContactModel, condense
 from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.contact_zone import solve_fitted
+from fem_seal.discretisation import COARSER, discretisation_error
 from fem_seal.errors import InputError
+from fem_seal.far_field import far_field
 from fem_seal.fluid_flow import flow_table, leak_of_profile
 from fem_seal.interface import exponential_law, rough_contact
+from fem_seal.inverse_questions import with_answers
 from fem_seal.laws import HardContact, Law
-from fem_seal.loads import closing_force, line_load
-from fem_seal.results import DiscretisationError, InterfaceVariant, LoadResult, SealResult
+from fem_seal.load_solver import LoadSolver, supports
+from fem_seal.loads import line_load
+from fem_seal.results import InterfaceVariant, LoadResult, SealResult
 from fem_seal.validity import contact_warnings
 from meshes import SealMesh, Sizing, build_contact
 
@@ -30,9 +35,6 @@ if TYPE_CHECKING:
     from leak import ConductivityTable, GasConductivityTable, LeakResult, RoughContact
 
 Progress = Callable[[str], None]
-
-# The coarser mesh of the error estimate has elements this much larger.
-_COARSER = 2.0
 
 
 def run(case: Case, progress: Progress | None = None) -> SealResult:
@@ -67,11 +69,19 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
     with clock.step("stress", "stress in both bodies"):
         separations = _critical_separations(surface, contacts)
         loads = tuple(
-            _load_result(*item)
-            for item in zip(case.load.fluid_pressure, contacts, *flows, *separations, strict=True)
+            _load_result(*item) for item in zip(case.load.points, contacts, *flows, *separations, strict=True)
         )
     with clock.step("error", "estimating the discretisation error"):
-        error = _discretisation_error(case, law, seal_mesh, loads, surface)
+        highest = max(loads, key=lambda load: load.axial_force)
+        point = highest.fluid_pressure, highest.applied_force
+        coarse_mesh = build_contact(case.contact, seal_mesh.sizing.refined(1 / COARSER))
+        solver = LoadSolver(case, law, _condensed(case, coarse_mesh))
+        coarse = solver.solve(*point)
+        error = discretisation_error(solver.flow, highest.contact.profile, coarse.profile, point[0])
+    with clock.step("far field", "comparing sizes and supports far from the contact"):
+        far = far_field(solver, coarse, coarse_mesh, point)
+    with clock.step("questions", "blow-off and force for the target leak rate"):
+        loads, unanswered = with_answers(LoadSolver(case, law, model), loads)
     with clock.step("variants", "comparing elastic and plastic interface law"):
         variants = _interface_variants(case, surface, loads)
     result = SealResult(
@@ -82,8 +92,9 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         loads,
         error,
         variants,
-        contact_warnings(case, model, loads, error, surface),
+        (*contact_warnings(case, model, loads, error, surface), *unanswered),
         clock.timings,
+        far_field=far,
     )
     return _with_uncertainty(_with_theory_variants(result, clock), clock)
 
@@ -142,12 +153,8 @@ def interface_law(case: Case, surface: RoughContact | None) -> Law:
 
 
 def axial_forces(case: Case) -> list[float]:
-    """Force F_N that closes the seal at each fluid pressure [N]."""
-    load = case.load
-    return [
-        closing_force(case.touch_radius, pressure, load.axial_force, load.pressure_side)
-        for pressure in load.fluid_pressure
-    ]
+    """Force F_N that the solid contact carries at each load, with closing = "penetration" its estimate [N]."""
+    return expected_forces(case)
 
 
 @dataclass(frozen=True)
@@ -188,8 +195,13 @@ def sizing(case: Case, law: Law) -> Sizing:
     InputError
         If [mesh] contact_size is out of range for this contact.
     """
+    return sizing_for(case, law, axial_forces(case))
+
+
+def sizing_for(case: Case, law: Law, forces: Sequence[float]) -> Sizing:
+    """The same for other forces F_N than those of the case [N]."""
     contact = case.contact
-    line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in axial_forces(case)]
+    line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in forces]
     try:
         return element_sizes(law, line_loads, contact, case.effective_modulus, case.mesh.contact_size)
     except InputError as error:
@@ -222,15 +234,22 @@ def model_and_contacts(
         with clock.step("condense", "condensing both bodies on the contact line"):
             model = _condensed(case, meshes[-1])
         with clock.step("contact", f"solving {len(case.load.fluid_pressure)} contacts"):
-            return [solve(model, law, axial_force=force) for force in axial_forces(case)]
+            solver = LoadSolver(case, law, model)
+            return [solver.solve(*point) for point in case.load.points]
 
     size_given = case.mesh.contact_size is not None
     contacts = solve_fitted(sizing(case, law), case.contact, solve_on, size_given=size_given)
     return meshes[-1], contacts[0].model, contacts
 
 
+def condensed_on(case: Case, sizing: Sizing) -> ContactModel:
+    """The bodies of a case, meshed with a sizing and condensed."""
+    return _condensed(case, build_contact(case.contact, sizing))
+
+
 def _condensed(case: Case, seal_mesh: SealMesh) -> ContactModel:
-    return condense(seal_mesh, {"closure": case.closure.material, "seat": case.seat.material})
+    materials = {"closure": case.closure.material, "seat": case.seat.material}
+    return condense(seal_mesh, materials, supports(case))
 
 
 def _leak_rates(
@@ -303,7 +322,7 @@ def _critical_separations(
 
 
 def _load_result(
-    fluid_pressure: float,
+    point: tuple[float, float],
     contact: ContactSolution,
     leak: LeakResult | None,
     leak_elastic: LeakResult | None,
@@ -311,6 +330,7 @@ def _load_result(
     critical_separation_elastic: float | None,
 ) -> LoadResult:
     stress, place = _largest_stress(contact)
+    fluid_pressure, applied_force = point
     return LoadResult(
         fluid_pressure,
         contact.axial_force,
@@ -322,6 +342,7 @@ def _load_result(
         critical_separation_elastic,
         stress,
         place,
+        applied_force,
     )
 
 
@@ -330,40 +351,6 @@ def _largest_stress(contact: ContactSolution) -> tuple[float, tuple[str, float, 
     node = int(np.argmax(worst.von_mises))
     r, z = worst.points[node].tolist()
     return float(worst.von_mises[node]), (worst.name, r, z)
-
-
-def _discretisation_error(
-    case: Case,
-    law: Law,
-    seal_mesh: SealMesh,
-    loads: Sequence[LoadResult],
-    surface: RoughContact | None,
-) -> DiscretisationError:
-    """Solve the highest load once more on larger elements."""
-    load = max(loads, key=lambda load: load.axial_force)
-    coarse_mesh = build_contact(seal_mesh.contact, _coarser(seal_mesh.sizing))
-    coarse = solve(_condensed(case, coarse_mesh), law, axial_force=load.axial_force)
-    fine_profile, profile = load.contact.profile, coarse.profile
-
-    def change(name: str) -> float:
-        return _estimated(getattr(fine_profile, name), getattr(profile, name))
-
-    leak_change = None
-    if load.leak is not None and surface is not None and load.leak.leak_rate > 0:
-        table = conductivity_table(case, surface, [load.contact, coarse])
-        leak_change = _estimated(
-            load.leak.leak_rate, leak_of_contact(case, table, coarse, load.fluid_pressure).leak_rate
-        )
-    return DiscretisationError(change("peak_pressure"), change("fwhm"), change("std"), leak_change)
-
-
-def _estimated(fine: float, coarse: float) -> float:
-    """Relative error of the finer of two solutions, by Richardson's rule for the second order."""
-    return abs(coarse / fine - 1) / (_COARSER**2 - 1)
-
-
-def _coarser(sizing: Sizing) -> Sizing:
-    return sizing.refined(1 / _COARSER)
 
 
 def _interface_variants(
@@ -378,7 +365,7 @@ def _interface_variants(
         contact = load.contact
         if plastic != case.interface.plastic:
             law = surface.interface_law(plastic=plastic)
-            contact = solve(load.contact.model, law, axial_force=load.axial_force)
+            contact = solve(load.contact.model, law, axial_force=load.axial_force, loads=load.contact.loads)
         leak = None
         if case.fluid is not None:
             table = conductivity_table(case, surface, [contact])

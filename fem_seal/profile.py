@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +49,7 @@ class PressureProfile:
         """Square root of the second central moment of p over x [m]."""
         return float(np.sqrt(self.moment(2, self.centroid) / self.moment(0)))
 
-    @property
+    @cached_property
     def peak(self) -> tuple[float, float]:
         """Place x [m] and height [Pa] of the highest pressure, from a parabola through three points of p."""
         k = int(np.clip(np.argmax(self.pressure), 1, len(self.x) - 2))
@@ -96,9 +97,16 @@ class PressureProfile:
             return float(self.x[inside])
         lower = max(min(inside, outside) - 2, 0)
         part = slice(lower, lower + 6)
-        curve = np.polynomial.Polynomial.fit(self.x[part], height[part], len(self.x[part]) - 1)
+        curve = _through(self.x[part], height[part])
         a, b = sorted((self.x[inside], self.x[outside]))
         return _root(curve, a, b)
+
+
+def _through(x: FloatArray, y: FloatArray) -> np.polynomial.Polynomial:
+    """The polynomial through a few points."""
+    t = (2 * x - x[0] - x[-1]) / (x[-1] - x[0])
+    coefficients = np.linalg.solve(np.vander(t, increasing=True), y)
+    return np.polynomial.Polynomial(coefficients, domain=[x[0], x[-1]])
 
 
 def _root(curve: np.polynomial.Polynomial, a: float, b: float) -> float:

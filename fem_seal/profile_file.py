@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.errors import InputError, Problem, QuantityError
+from fem_seal.named_columns import column, find_columns
 from fem_seal.text_table import TextTable, TextTableError, read_text_table
-from fem_seal.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -82,58 +81,14 @@ def read_profiles(file: str | Path) -> tuple[ImportedProfile, ...]:
 
 def _columns(table: TextTable) -> dict[str, FloatArray]:
     """The known columns in SI."""
-    if not table.header:
-        raise TextTableError(
-            'has no header; name the columns and their units, such as "x_mm, contact_pressure_MPa"'
-        )
-    if len(table.header) != table.values.shape[1]:
-        raise TextTableError(f"has {len(table.header)} column names over {table.values.shape[1]} columns")
-    split = [_name_and_unit(name) for name in table.header]
-    places = {role: _place(split, names) for role, (_, names) in _NAMES.items()}
-    if (places["x"] is None or places["pressure"] is None) and len(split) == 2:
+    places = find_columns(table, _NAMES, 'such as "x_mm, contact_pressure_MPa"')
+    if ("x" not in places or "pressure" not in places) and len(table.header) == 2:
         places = {"x": 0, "pressure": 1}
-    missing = [role for role in ("x", "pressure") if places[role] is None]
+    missing = [role for role in ("x", "pressure") if role not in places]
     if missing:
         wanted = {"x": "x_m (arc length)", "pressure": "contact_pressure_Pa"}[missing[0]]
         raise TextTableError(f"has no column {wanted}; its columns are {', '.join(table.header)}")
-    return {role: _scaled(table, split, place, role) for role, place in places.items() if place is not None}
-
-
-def _place(split: list[tuple[str, str]], names: tuple[str, ...]) -> int | None:
-    return next((n for n, (word, _) in enumerate(split) if word in names), None)
-
-
-def _scaled(table: TextTable, split: list[tuple[str, str]], place: int, role: str) -> FloatArray:
-    name, unit, dimension = table.header[place], split[place][1], _NAMES[role][0]
-    if not unit:
-        example = "mm" if dimension == "length" else "MPa"
-        raise TextTableError(
-            f'column "{name}" has no unit; write it as "{name}_{example}" or "{name} [{example}]"'
-        )
-    try:
-        return table.values[:, place] * parse_quantity(f"1 {unit}", dimension)
-    except QuantityError as error:
-        raise TextTableError(f'column "{name}": {error}') from None
-
-
-def _name_and_unit(header: str) -> tuple[str, str]:
-    """``"x_m"``, ``"x [mm]"``, ``"Contact pressure (MPa)"`` as word and unit; unit empty if there is none."""
-    bracketed = re.fullmatch(r"(.*?)[\s_]*[\[(]\s*([^\])]+?)\s*[\])]", header)
-    suffixed = re.fullmatch(r"(.+)[\s_]([^\s_]+)", header)
-    for match in (bracketed, suffixed):
-        if match and (match is bracketed or _is_unit(match[2])):
-            return re.sub(r"\s+", "_", match[1].lower()), match[2]
-    return re.sub(r"\s+", "_", header.lower()), ""
-
-
-def _is_unit(text: str) -> bool:
-    for dimension in ("length", "pressure"):
-        try:
-            parse_quantity(f"1 {text}", dimension)
-        except QuantityError:
-            continue
-        return True
-    return False
+    return {role: column(table, place, _NAMES[role][0]) for role, place in places.items()}
 
 
 def _profiles(table: TextTable, columns: dict[str, FloatArray]) -> Iterator[ImportedProfile]:

@@ -12,6 +12,7 @@ from fem_seal import __version__, report_case, report_tables, report_text, repor
 from fem_seal.atomic_files import write_text
 from fem_seal.closed_forms import Sizes, profile_sizes
 from fem_seal.derived import Derived, derive
+from fem_seal.far_field import far_field_sentence
 from fem_seal.pictures import Picture, style
 from fem_seal.pictures_contact import gap_picture, profile_picture, size_picture
 from fem_seal.pictures_fields import mesh_picture, stress_picture
@@ -106,6 +107,7 @@ def _words(result: SealResult, derived: Derived, sizes: Mapping[str, Sizes]) -> 
         "theory": report_uncertainty.theory_table(result),
         "theory_note": report_uncertainty.theory_note(result),
         "accuracy": report_case.accuracy(result),
+        "far_field": far_field_sentence(result.far_field),
         "timings": report_case.times(result),
         "definitions": report_text.DEFINITIONS,
     }

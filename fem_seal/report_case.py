@@ -7,17 +7,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem_seal.readable import given, number, percent, quantity, trimmed
+from fem_seal.case_dimensions import chosen_dimensions, dimensions
+from fem_seal.readable import flow, given, number, percent, quantity, trimmed
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from fem_seal.case_bodies import Table
     from fem_seal.case_fluid import Fluid
     from fem_seal.materials import Material
     from fem_seal.results import SealResult
 
 
-_CLOSING = {"sealed-area": "fluid pressure on the sealed area"}
+_CLOSING = {
+    "sealed-area": "fluid pressure on the sealed area",
+    "penetration": "fluid pressure on the wetted surfaces and between them",
+}
 
 
 @dataclass(frozen=True)
@@ -69,25 +72,29 @@ def surface_groups(result: SealResult) -> list[Group]:
 def _geometry(result: SealResult) -> list[tuple[str, str]]:
     case, contact = result.case, result.seal_mesh.contact
     return [
-        *_dimensions("closure", case.closure),
-        *_dimensions("seat", case.seat),
+        *_dimensions(case, "closure"),
+        *_dimensions(case, "seat"),
         ("angle θ of the contact normal", f"{trimmed(math.degrees(contact.angle))}°"),
         ("radius of first touch r₀", quantity("length", contact.touch_radius, 4)),
-        ("radius of relative curvature", quantity("length", contact.relative_radius, 4)),
+        ("radius of relative curvature", _curvature(contact.relative_radius)),
     ]
 
 
-def _dimensions(name: str, body: Table) -> Iterator[tuple[str, str]]:
-    """The dimensions that the case gives."""
-    yield name, getattr(body, "shape", "")
-    for key, entry in body:
-        if key == "shape" or not isinstance(entry, float):
-            continue
-        angle = any(
-            getattr(mark, "dimension", "") == "angle" for mark in type(body).model_fields[key].metadata
-        )
-        text = f"{trimmed(math.degrees(entry))}°" if angle else given("length", entry)
-        yield f"{name}, {key.replace('_', ' ')}", text
+def _curvature(radius: float) -> str:
+    return "the faces fit each other" if math.isinf(radius) else quantity("length", radius, 4)
+
+
+def _dimensions(case: Case, name: str) -> Iterator[tuple[str, str]]:
+    """All dimensions of a body; those that the case leaves open say so."""
+    body = getattr(case, name)
+    yield name, body.shape
+    if name == "seat":
+        held = "held radially" if body.wall == "fixed" else "free"
+        yield "seat, outer wall", held
+    chosen = chosen_dimensions(case, name)
+    for key, value in dimensions(case, name).items():
+        text = f"{trimmed(math.degrees(value))}°" if key.endswith("angle") else given("length", value)
+        yield f"{name}, {key.replace('_', ' ')}", f"{text} (chosen)" if key in chosen else text
 
 
 def _materials(case: Case) -> Iterator[Group]:
@@ -155,13 +162,20 @@ def _load(case: Case) -> list[tuple[str, str]]:
     )
     return [
         ("fluid pressure", shown),
-        ("additional axial force", given("force", case.load.axial_force) if case.load.axial_force else "0 N"),
+        ("force of spring or actuator", _forces([force for _, force in case.load.points])),
         ("high pressure", f"on the {case.load.pressure_side} side"),
-        (
-            "closing force",
-            {"sealed-area": "fluid pressure on the sealed area"}.get(case.load.closing, case.load.closing),
+        ("closing force", _CLOSING[case.load.closing]),
+        *(
+            [("target leak rate", flow(case.load.target_leak_rate))]
+            if case.load.target_leak_rate is not None
+            else []
         ),
     ]
+
+
+def _forces(forces: list[float]) -> str:
+    ends = [given("force", force) if force else "0 N" for force in (min(forces), max(forces))]
+    return ends[0] if ends[0] == ends[1] else f"{len(forces)} from {ends[0]} to {ends[1]}"
 
 
 def _leak(case: Case) -> list[tuple[str, str]]:
@@ -211,6 +225,8 @@ _STEPS = {
     "leak": "flow conductivity and leak rates",
     "stress": "stresses",
     "error": "estimate of the error",
+    "far field": "influence of the far field",
+    "questions": "blow-off and target leak rate",
     "variants": "other interface law",
     "theory": "other readings of the theory",
     "uncertainty": "uncertain inputs",

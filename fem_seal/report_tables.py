@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -50,7 +51,12 @@ def load_table(result: SealResult, sizes: Mapping[str, Sizes]) -> ReadableTable:
             unit_of="leak rate",
         ),
         _Column("von Mises", "contact pressure", [load.max_von_mises for load in loads]),
+        _Column("radius of the fluid's force", "length", [load.effective_radius for load in loads]),
+        _Column("opens at", "fluid pressure", [_finite(load.blow_off_pressure) for load in loads]),
+        _Column("spring force for the target", "force", [load.force_for_target for load in loads]),
     ]
+    if any(load.applied_force for load in loads):
+        columns.insert(1, _Column("spring force", "force", [load.applied_force for load in loads]))
     if result.surface is None or result.surface.hardness is None:
         columns = [column for column in columns if not column.name.endswith("elastic")]
     shown = [column for column in columns if any(value is not None for value in column.values)]
@@ -75,7 +81,11 @@ class _Column:
 
     @property
     def largest(self) -> float:
-        return max(value for value in self.values if value is not None)
+        return max(abs(value) for value in self.values if value is not None)
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
 
 
 def _leak_rate(leak: LeakResult | None) -> float | None:

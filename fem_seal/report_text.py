@@ -140,6 +140,13 @@ def reasons(result: SealResult, derived: Derived) -> list[str]:
 def _what_sets_the_width(result: SealResult, derived: Derived, load: LoadResult) -> Iterator[str]:
     hertz = derived.loads[result.loads.index(load)].hertz
     profile = load.contact.profile
+    if hertz is None:
+        yield (
+            "The faces fit each other along a stretch, so its width and its edges set the contact: it is "
+            f"{quantity('length', profile.fwhm)} wide under {quantity('contact pressure', profile.peak_pressure)} peak "
+            "pressure."
+        )
+        return
     bulk = min((hertz.std / profile.std) ** 2, 1.0)
     if result.case.interface.law == "smooth":
         yield (
@@ -181,6 +188,11 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
         yield (
             f"The fluid pressure is {percent(ratio)} of the peak contact pressure. That it carries part of the load "
             "and opens the gap is taken into account, place by place."
+        )
+    elif load.effective_radius is not None:
+        yield (
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. That it acts between the surfaces, "
+            "too, and opens the gap is solved together with contact and flow."
         )
     elif ratio > FLUID_OPENS:
         yield (

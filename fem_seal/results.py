@@ -9,11 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
     import pandas as pd
+    from numpy.typing import NDArray
 
     from fem_seal.case import Case
     from fem_seal.condensation import ContactModel
     from fem_seal.contact_solution import ContactSolution
+    from fem_seal.far_field import FarFieldChange
     from fem_seal.profile import PressureProfile
     from fem_seal.theory_variants import TheoryVariant
     from fem_seal.uncertainty import LeakInterval
@@ -21,7 +24,7 @@ if TYPE_CHECKING:
     from meshes import SealMesh
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LoadResult:
     """One load of a case.
 
@@ -30,7 +33,7 @@ class LoadResult:
     fluid_pressure : float
         Pressure difference across the seal [Pa].
     axial_force : float
-        Force F_N that closes the seal [N].
+        Force F_N that the solid contact carries [N].
     line_load : float
         f_N [N/m].
     contact : ContactSolution
@@ -42,6 +45,15 @@ class LoadResult:
         Largest von Mises stress in both bodies [Pa].
     max_von_mises_at : tuple
         Name of the body and place (r, z) [m] of `max_von_mises`.
+    applied_force : float
+        Force of spring or actuator on the closure [N], positive where it closes.
+    effective_radius : float or None
+        Radius of the circle whose area times the fluid pressure is the fluid's force on the closure [m]; None unless
+        the fluid gets between the surfaces.
+    blow_off_pressure : float or None
+        Fluid pressure that lifts the closure off at this applied force [Pa], infinite if none does; None if not asked.
+    force_for_target : float or None
+        Smallest applied force for which the leak rate stays below the target [N]; None if not asked or not found.
     """
 
     fluid_pressure: float
@@ -54,6 +66,15 @@ class LoadResult:
     critical_separation_elastic: float | None
     max_von_mises: float
     max_von_mises_at: tuple[str, float, float]
+    applied_force: float = 0.0
+    effective_radius: float | None = None
+    blow_off_pressure: float | None = None
+    force_for_target: float | None = None
+
+    @property
+    def gap_pressure(self) -> NDArray[np.float64] | None:
+        """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
+        return self.contact.loads.gap_pressure if self.leak is None else self.leak.fluid_pressure
 
 
 @dataclass(frozen=True)
@@ -120,6 +141,8 @@ class SealResult:
         Leak rates with an interval, if the case has a table [uncertainty].
     theory_variants : tuple of TheoryVariant
         Leak rates with every reading of the theory, if asked for.
+    far_field : tuple of FarFieldChange
+        What another housing and another support of its wall do to the highest load.
     """
 
     case: Case
@@ -133,6 +156,7 @@ class SealResult:
     timings: dict[str, float] = field(default_factory=dict)
     uncertainty: LeakInterval | None = None
     theory_variants: tuple[TheoryVariant, ...] = ()
+    far_field: tuple[FarFieldChange, ...] = ()
 
     @cached_property
     def table(self) -> pd.DataFrame:

@@ -64,6 +64,13 @@ def _sources(result: SealResult) -> Iterator[Source]:
         "Hertzian line contact, for comparison",
         ("p = p₀ (1 − x²/a²)^½, p₀ = (E* f_N / (π R))^½, 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂",),
     )
+    if case.load.closing == "penetration":
+        yield Source(
+            "coupled fluid pressure",
+            "docs/theory_penetration.md; D. G. Anderson, J. ACM 12, 547 (1965)",
+            "contact, flow and fluid pressure between the surfaces, solved together",
+            ("F_N = S − ∫ p_fluid n_z dA over the closure, p_f falling along the flow resistance",),
+        )
     if surface is None:
         return
     if case.roughness is not None and case.roughness.is_measured:

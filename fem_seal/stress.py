@@ -85,7 +85,7 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
 def _field(name: str, body: CondensedBody, solution: ContactSolution) -> BodyField:
     points, triangles = quadratic_nodes(body.basis.mesh)
     dofs = node_dofs(body.basis)
-    nodal = body.displacement(solution.point_forces)
+    nodal = body.displacement(solution.point_forces) + solution.loads.displacement(body, solution.model)
     nodes = body.contact_nodes
     pressure = np.zeros(len(points))
     with np.errstate(under="ignore"):

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal import __version__
 from fem_seal.atomic_files import write_text
+from fem_seal.case_dimensions import chosen_dimensions
 from fem_seal.console import as_json, derived_numbers
 from fem_seal.derived import derive
+from fem_seal.far_field import far_field_sentence
 from fem_seal.interface import exponential_law
 from fem_seal.leakage import leakage_table
 from fem_seal.sources import sources
@@ -38,7 +40,7 @@ def summary(result: SealResult) -> dict[str, Any]:
     dict
         ``format_version``, ``program``, ``created``, ``title``, ``case_file``, ``input``, ``derived``, ``mesh``,
         ``loads`` (rows of leak.csv), ``leakage`` (other units and classes, one entry per load), ``convergence`` (one
-        entry per load), ``discretisation_error``,
+        entry per load), ``discretisation_error``, ``far_field`` (relative changes, and what they say),
         ``interface_variants``, ``uncertainty`` (null unless asked for), ``theory_variants`` (rows of variants.csv),
         ``warnings``, ``wall_times_s``, ``sources``.
     """
@@ -56,6 +58,10 @@ def summary(result: SealResult) -> dict[str, Any]:
         "leakage": leakage_table(result),
         "convergence": [_convergence(load) for load in result.loads],
         "discretisation_error": asdict(result.discretisation_error),
+        "far_field": {
+            "changes": [asdict(change) for change in result.far_field],
+            "says": far_field_sentence(result.far_field),
+        },
         "interface_variants": [asdict(variant) for variant in result.interface_variants],
         "uncertainty": None if result.uncertainty is None else interval_numbers(result.uncertainty),
         "theory_variants": variant_rows(result),
@@ -81,14 +87,8 @@ def resolved_input(result: SealResult) -> dict[str, Any]:
     """The case as nested tables in SI, with what was sized from the problem in place of what it leaves open."""
     case = result.case
     tables = input_tables(case)
-    closure = case.closure.body()
-    for name, table, body in (
-        ("closure", case.closure, closure),
-        ("seat", case.seat, case.seat.body(closure)),
-    ):
-        tables[name] |= {
-            key: getattr(body, key) for key, entry in table if entry is None and hasattr(body, key)
-        }
+    for name in ("closure", "seat"):
+        tables[name] |= chosen_dimensions(case, name)
     tables["mesh"]["contact_size"] = result.seal_mesh.sizing.contact_size
     if case.interface.law == "exponential":
         tables["interface"]["u0"], tables["interface"]["p_c"] = exponential_law(case, result.surface)

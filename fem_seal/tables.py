@@ -39,6 +39,9 @@ LEAK_COLUMNS = (
     "knudsen_number",
     "lift_off_x_m",
     "blow_off_pressure_Pa",
+    "applied_force_N",
+    "effective_seal_radius_m",
+    "force_for_target_leak_N",
 )
 PROFILE_COLUMNS = (
     "fluid_pressure_Pa",
@@ -61,7 +64,13 @@ def leak_rows(result: SealResult) -> list[dict[str, float]]:
         dict(
             zip(
                 LEAK_COLUMNS,
-                (*_leak_row(load), *interval, *_fluid_row(result, load), *_lift_off_row(load)),
+                (
+                    *_leak_row(load),
+                    *interval,
+                    *_fluid_row(result, load),
+                    *_lift_off_row(load),
+                    *_force_row(load),
+                ),
                 strict=True,
             )
         )
@@ -112,7 +121,14 @@ def _lift_off_row(load: LoadResult) -> Iterator[float]:
 
     coupled = load.leak if isinstance(load.leak, CoupledLeakResult) else None
     yield math.nan if coupled is None else _or_nan(coupled.lift_off_x)
-    yield math.nan if coupled is None else coupled.blow_off_pressure
+    yield _or_nan(load.blow_off_pressure if coupled is None else coupled.blow_off_pressure)
+
+
+def _force_row(load: LoadResult) -> Iterator[float]:
+    """Spring force, the circle that the fluid acts on, and the spring force for the target leak rate."""
+    yield load.applied_force
+    yield _or_nan(load.effective_radius)
+    yield _or_nan(load.force_for_target)
 
 
 def leak_table(result: SealResult) -> pd.DataFrame:
@@ -123,8 +139,13 @@ def leak_table(result: SealResult) -> pd.DataFrame:
     where nothing was calculated. ``leak_rate_m3_per_s`` of a gas is the volume at 101325 Pa and the temperature of the
     gas; ``leak_rate_kg_per_s``, ``leak_rate_Pa_m3_per_s`` (pV throughput of a gas), ``leak_rate_standard_m3_per_s``
     (0 degC, 101325 Pa) say the same in other units. ``knudsen_number`` is the mean free path over u_eff at the peak.
-    ``lift_off_x_m`` and ``blow_off_pressure_Pa`` belong to leak.fluid_in_gap = "local": where the fluid has lifted the
-    surfaces off each other, and the fluid pressure at which it does so everywhere at the closing force of the row.
+    ``axial_force_N`` is the force that the solid contact carries, ``applied_force_N`` that of spring or actuator
+    (load.axial_force); they differ by the axial force of the fluid, the fluid pressure times the circle of radius
+    ``effective_seal_radius_m`` (closing = "penetration") or of first touch. ``blow_off_pressure_Pa`` is the fluid
+    pressure that opens the seal at the force of the row, infinite if none does; ``force_for_target_leak_N`` the
+    smallest force of spring or actuator for load.target_leak_rate. With leak.fluid_in_gap = "local" ``lift_off_x_m``
+    and ``blow_off_pressure_Pa`` are where the fluid has lifted the surfaces off each other, and the pressure at which
+    it does so everywhere.
 
     Parameters
     ----------
@@ -145,7 +166,7 @@ def profile_array(result: SealResult) -> NDArray[np.float64]:
     blocks = []
     for load in result.loads:
         profile = load.contact.profile
-        fluid = np.full(len(profile.x), math.nan) if load.leak is None else load.leak.fluid_pressure
+        fluid = np.full(len(profile.x), math.nan) if load.gap_pressure is None else load.gap_pressure
         pressure = np.full(len(profile.x), load.fluid_pressure)
         blocks.append(
             np.column_stack([pressure, profile.x, profile.radius, profile.pressure, profile.gap, fluid])

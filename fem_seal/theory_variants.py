@@ -89,7 +89,13 @@ def theory_variants(result: SealResult) -> tuple[TheoryVariant, ...]:
             )
             law = interface_law(changed, surface)
             contacts = tuple(
-                solve(result.model, law, axial_force=load.axial_force, start=load.contact)
+                solve(
+                    result.model,
+                    law,
+                    axial_force=load.axial_force,
+                    loads=load.contact.loads,
+                    start=load.contact,
+                )
                 for load in result.loads
             )
         variants += [

@@ -334,7 +334,8 @@ class _Study:
         model = _stiffer(result.model, stiffness)
         try:
             return [
-                solve(model, law, axial_force=load.axial_force, start=load.contact) for load in result.loads
+                solve(model, law, axial_force=load.axial_force, loads=load.contact.loads, start=load.contact)
+                for load in result.loads
             ]
         except ConvergenceError as error:
             changes = ", ".join(f"{name} times {factor:.4g}" for name, factor in factors.items())
@@ -367,7 +368,12 @@ def _stiffer(model: ContactModel, factor: float) -> ContactModel:
 
     def body(one):  # type: ignore[no-untyped-def]
         material = replace(one.material, youngs_modulus=one.material.youngs_modulus * factor)
-        return replace(one, material=material)
+        # The wall of a pressed-in housing moves as far as before; pressures move a stiffer body less.
+        loads = {
+            name: load if name == "wall" else replace(load, opening=load.opening / factor)
+            for name, load in one.loads.items()
+        }
+        return replace(one, material=material, loads=loads)
 
     return replace(
         model, closure=body(model.closure), seat=body(model.seat), compliance=model.compliance / factor

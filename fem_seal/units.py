@@ -38,6 +38,7 @@ radian = [] = rad
 degree = 3.141592653589793 / 180 * radian = deg = ° = degrees
 inch = 0.0254 * meter = in
 foot = 0.3048 * meter = ft
+liter = 1e-3 * meter ** 3 = l = L = litre
 micron = 1e-6 * meter
 angstrom = 1e-10 * meter = Å
 minute = 60 * second = min
@@ -81,6 +82,7 @@ DIMENSIONS = {
         Dimension("angle", "rad", ("45 deg", "0.785 rad")),
         Dimension("temperature", "K", ("20 degC", "293.15 K")),
         Dimension("spectral density", "m^4", ("1e-18 m^4", "1e6 nm^4")),
+        Dimension("leak rate", "m^3/s", ("1e-3 cm^3/s", "0.5 ml/min")),
     )
 }
 

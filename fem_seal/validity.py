@@ -183,6 +183,7 @@ def _molecules(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -
 def _fluid_opens(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
     if case.leak.fluid_in_gap == "local":
         yield from _blown_open(loads)
+    if case.leak.fluid_in_gap == "local" or case.load.closing == "penetration":
         return
     load = max(loads, key=lambda load: load.fluid_pressure / load.contact.profile.peak_pressure)
     share = load.fluid_pressure / load.contact.profile.peak_pressure
@@ -190,12 +191,9 @@ def _fluid_opens(case: Case, surface: RoughContact, loads: Sequence[LoadResult])
         yield (
             f"at {load.fluid_pressure / 1e5:.4g} bar the fluid pressure is {share:.2g} of the peak contact pressure; "
             "it carries part of the load and opens the gap, which the leak rate does not take into account: expect "
+            "up to "
             + (f"about {1 + 1.7 * share:.2g} times as much" if share < 0.5 else "several times as much")
-            + (
-                '; [leak] fluid_in_gap = "local" calculates it'
-                if case.fluid and case.fluid.gas is None
-                else ""
-            )
+            + '; [load] closing = "penetration" calculates it'
         )
 
 

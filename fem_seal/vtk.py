@@ -59,8 +59,8 @@ def write_contact_line(result: SealResult, folder: Path) -> list[Path]:
         profile = load.contact.profile
         points = _in_space(np.column_stack([profile.radius, height(profile.x)]))
         data = {"x": profile.x, "contact_pressure": profile.pressure, "gap": profile.gap}
-        if load.leak is not None:
-            data["fluid_pressure_in_gap"] = load.leak.fluid_pressure
+        if load.gap_pressure is not None:
+            data["fluid_pressure_in_gap"] = load.gap_pressure
         written.append(write_line(folder / file, points, point_data=data, field_data=_load_data(load)))
     series = write_series(folder / "contact_line.pvd", files, _times(result.loads))
     _remove_stale(folder, "contact_line", "vtp", files)

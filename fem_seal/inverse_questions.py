@@ -1,0 +1,295 @@
+"""Questions asked backwards: the force that keeps the leak rate below a target, the pressure that opens the seal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.case_flow import CaseFlow
+from fem_seal.contact_zone import solve_fitted
+from fem_seal.errors import InputError, Problem
+from fem_seal.interface import rough_contact
+from fem_seal.load_solver import LoadSolver
+from fem_seal.loads import blow_off_of_sealed_area, closing_force, line_load
+from fem_seal.penetration import effective_radius
+
+if TYPE_CHECKING:
+    from fem_seal.case import Case
+    from fem_seal.contact_solution import ContactSolution
+    from fem_seal.laws import Law
+    from fem_seal.results import LoadResult
+    from meshes import Sizing
+
+FloatArray = NDArray[np.float64]
+
+# Step of the force while a target is looked for, and how far down from the largest sensible force.
+_STEP = 4.0
+_LEAST = 1e-9
+# Leak rates are compared within this factor of the target: sealed and blown open have to be something, too.
+_FARTHEST = 1e6
+# Relative accuracy of the force.
+_ACCURACY = 1e-6
+# Forces for which the mesh is sized, in units of the one that is expected.
+_MARGIN = (0.7, 1.4)
+
+
+def axial_force_for_leak(case: Case, target_leak_rate: float | None = None) -> FloatArray:
+    """Smallest force of spring or actuator for which the leak rate stays below a target, at each fluid pressure.
+
+    Parameters
+    ----------
+    case : Case
+        With roughness and fluid.
+    target_leak_rate : float, optional
+        [m^3/s], of a gas at 101325 Pa and its temperature; the case's own target unless given.
+
+    Returns
+    -------
+    ndarray, shape (loads,)
+        [N], positive where it closes. Negative where the fluid alone closes more than is needed.
+
+    Raises
+    ------
+    InputError
+        If the case has no leak rate or no target, if even the largest force that keeps strains small leaks more, or if
+        hardly any force is needed.
+    ConvergenceError
+
+    Notes
+    -----
+    The leak rate falls with the force on the solid contact; ln Q over ln F_N is bracketed around what a Gaussian
+    profile says and its root found on a mesh sized for it, one contact of the condensed bodies per step.
+
+    Examples
+    --------
+    >>> fem_seal.axial_force_for_leak(case, 1e-9)     # doctest: +SKIP
+    array([312.6])
+    """
+    from fem_seal.pipeline import condensed_on, interface_law, sizing_for
+
+    target = case.load.target_leak_rate if target_leak_rate is None else target_leak_rate
+    if target is None or not target > 0:
+        raise _problem(case, "needed is a target leak rate above zero", target)
+    if case.roughness is None or case.fluid is None:
+        raise _problem(case, "needs [roughness] and [fluid]: without them there is no leak rate", target)
+    law = interface_law(case, rough_contact(case))
+    expected = [expected_contact_force(case, law, pressure, target) for pressure in case.load.fluid_pressure]
+    found: list[float] = []
+
+    def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
+        solver = LoadSolver(case, law, condensed_on(case, sizing))
+        contacts = []
+        found.clear()
+        for pressure, force in zip(case.load.fluid_pressure, expected, strict=True):
+            contact, spring = _on_model(solver, pressure, force, target)
+            contacts.append(contact)
+            found.append(spring)
+        return contacts
+
+    forces = [share * force for force in expected for share in _MARGIN]
+    size_given = case.mesh.contact_size is not None
+    solve_fitted(sizing_for(case, law, forces), case.contact, solve_on, size_given=size_given)
+    return np.array(found)
+
+
+def blow_off_pressures(case: Case) -> FloatArray:
+    """Fluid pressure at which the seal opens under the force of spring or actuator of each load [Pa], shape (loads,).
+
+    Infinite where the fluid does not lift the closure. With closing = "sealed-area" this is the force over the area of
+    the circle of first touch; with "penetration" the fluid's own way between the surfaces decides.
+
+    Parameters
+    ----------
+    case : Case
+        Its fluid pressures only size the mesh.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    from fem_seal.pipeline import condensed_on, interface_law, sizing_for
+
+    law = interface_law(case, rough_contact(case))
+    springs = [spring for _, spring in case.load.points]
+    forces = [share * abs(spring) for spring in springs for share in (1.0, 0.1) if spring]
+    if case.load.closing == "sealed-area" or not forces:
+        radius, side = case.touch_radius, case.load.pressure_side
+        return np.array([blow_off_of_sealed_area(radius, spring, side) for spring in springs])
+    solver = LoadSolver(case, law, condensed_on(case, sizing_for(case, law, forces)))
+    known = {spring: solver.blow_off_pressure(spring) for spring in dict.fromkeys(springs)}
+    return np.array([known[spring] for spring in springs])
+
+
+def with_answers(
+    solver: LoadSolver, loads: Sequence[LoadResult]
+) -> tuple[tuple[LoadResult, ...], tuple[str, ...]]:
+    """Loads with effective radius, blow-off pressure and force for the target, and what could not be answered.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+        Of the model on which the loads were solved.
+    loads : sequence of LoadResult
+    """
+    case = solver.case
+    penetrates = case.load.closing == "penetration"
+    asked = penetrates or case.load.pressure_side == "inner"
+    forces: list[float | None] = [None] * len(loads)
+    unanswered: tuple[str, ...] = ()
+    if case.load.target_leak_rate is not None:
+        try:
+            forces = axial_force_for_leak(case).tolist()
+        except InputError as error:
+            unanswered = tuple(str(problem) for problem in error.problems)
+    springs = dict.fromkeys(load.applied_force for load in loads) if asked else ()
+    opens = {spring: solver.blow_off_pressure(spring) for spring in springs}
+    return tuple(
+        replace(
+            load,
+            effective_radius=effective_radius(load.contact, load.fluid_pressure) if penetrates else None,
+            blow_off_pressure=opens.get(load.applied_force),
+            force_for_target=force,
+        )
+        for load, force in zip(loads, forces, strict=True)
+    ), unanswered
+
+
+def expected_contact_force(case: Case, law: Law, fluid_pressure: float, target: float) -> float:
+    """Force F_N at which a Gaussian profile of the expected width leaks as much as the target [N].
+
+    Parameters
+    ----------
+    case : Case
+    law : Law
+    fluid_pressure : float
+        [Pa]
+    target : float
+        [m^3/s]
+
+    Raises
+    ------
+    InputError
+        If no sensible force does.
+    """
+    from scipy.optimize import brentq
+
+    flow = CaseFlow(case, law)
+
+    def excess(log_force: float) -> float:
+        profile = flow.expected_profile(math.exp(log_force))
+        return _excess(flow.leak(profile, fluid_pressure).leak_rate, target)
+
+    highest = math.log(largest_force(case))
+    area = math.pi * case.touch_radius**2
+    at = min(math.log(abs(closing_force(case.touch_radius, fluid_pressure)) + 1e-12 * area), highest)
+    step = math.log(_STEP) * (1 if excess(at) > 0 else -1)
+    while True:
+        ahead = min(at + step, highest)
+        if excess(ahead) * step <= 0:
+            return math.exp(float(brentq(excess, at, ahead, xtol=1e-3)))
+        if ahead == highest:
+            raise _problem(
+                case,
+                f"even a contact force of {largest_force(case):.4g} N, the largest for small strains, leaves "
+                f"{flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate:.4g} m^3/s at "
+                f"{fluid_pressure / 1e5:.4g} bar; allowed is a larger target, or take a smoother surface",
+                target,
+            )
+        if ahead < highest + math.log(_LEAST):
+            raise _problem(
+                case,
+                f"a contact that carries next to nothing leaks less at {fluid_pressure / 1e5:.4g} bar; any force "
+                "that closes the seal meets it",
+                target,
+            )
+        at = ahead
+
+
+def target_remarks(case: Case) -> tuple[str, ...]:
+    """Why the target leak rate of a case cannot be met, before anything is solved; empty if it can.
+
+    Parameters
+    ----------
+    case : Case
+        With a target.
+    """
+    from fem_seal.pipeline import interface_law
+
+    law, target = interface_law(case, rough_contact(case)), case.load.target_leak_rate
+    assert target is not None
+    remarks = []
+    for pressure in case.load.fluid_pressure:
+        try:
+            expected_contact_force(case, law, pressure, target)
+        except InputError as error:
+            remarks.append(str(error))
+    return tuple(remarks)
+
+
+def largest_force(case: Case) -> float:
+    """Largest force F_N with small strains [N]: Hertz half-width a tenth of contact radius and relative curvature."""
+    contact, modulus = case.contact, case.effective_modulus
+    r0, R = contact.touch_radius, contact.relative_radius
+    if math.isinf(R):
+        # Faces that fit each other: the pressure at which Hertz' contact would be as wide, all over the face.
+        start, end = contact.reach
+        f = (end - start) * modulus / 20
+    else:
+        f = math.pi * modulus * (min(r0, R) / 10) ** 2 / (4 * R)
+    return f / line_load(1.0, r0, contact.angle)
+
+
+def _on_model(
+    solver: LoadSolver, fluid_pressure: float, expected: float, target: float
+) -> tuple[ContactSolution, float]:
+    """Contact that leaks as much as the target, and the spring force that it takes."""
+    flow = solver.flow
+    assert flow is not None
+    known: dict[float, tuple[ContactSolution, float]] = {}
+
+    def excess(log_force: float) -> float:
+        start = next(reversed(known.values()))[0] if known else None
+        contact, spring = solver.at_contact_force(fluid_pressure, math.exp(log_force), start)
+        known[log_force] = contact, spring
+        return _excess(flow.leak(contact.profile, fluid_pressure).leak_rate, target)
+
+    root = _root_near(excess, math.log(expected))
+    if root is None:
+        raise _problem(
+            solver.case,
+            f"no contact force up to {largest_force(solver.case):.4g} N leaks as little at "
+            f"{fluid_pressure / 1e5:.4g} bar",
+            target,
+        )
+    if root not in known:
+        excess(root)
+    return known[root]
+
+
+def _root_near(excess: Callable[[float], float], expected: float) -> float | None:
+    """Place where a falling function is zero, looked for from an expected place outwards."""
+    from scipy.optimize import brentq
+
+    at, value = expected, excess(expected)
+    step = 0.1 * math.copysign(1.0, value)
+    for _ in range(12):
+        ahead = at + step
+        beyond = excess(ahead)
+        if beyond * value <= 0:
+            return float(brentq(excess, at, ahead, xtol=_ACCURACY))
+        at, value, step = ahead, beyond, 2 * step
+    return None
+
+
+def _excess(leak_rate: float, target: float) -> float:
+    return math.log(min(max(leak_rate / target, 1 / _FARTHEST), _FARTHEST))
+
+
+def _problem(case: Case, message: str, target: float | None) -> InputError:
+    shown = None if target is None else f"{target:.4g} m^3/s"
+    return InputError(Problem("load.target_leak_rate", message, shown), file=case.file)

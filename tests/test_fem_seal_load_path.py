@@ -1,0 +1,288 @@
+"""Load paths, inverse questions, press fits and the far field: from the case to the files."""
+
+import json
+import math
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+from conftest import STEEL
+from sample_results import case
+
+import fem_seal
+import meshes
+from fem_seal.condensation import Supports, condense
+from fem_seal.derived import derive
+from fem_seal.errors import InputError
+from fem_seal.far_field import far_field_sentence
+from fem_seal.further_loads import FurtherLoads
+from fem_seal.loads import closing_force
+from fem_seal.report import report
+from fem_seal.stress import node_dofs, quadratic_nodes
+from fem_seal.summary import summary
+
+VALVE = {
+    "fluid_pressure": ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"],
+    "axial_force": "1.5 kN",
+    "pressure_side": "inner",
+    "closing": "penetration",
+}
+TARGET = 0.2e-6
+
+
+@cache
+def valve():
+    return fem_seal.run(case(load={**VALVE, "target_leak_rate": "0.2 cm^3/s"}))
+
+
+# ---------------------------------------------------------------- load paths
+
+
+def test_loads_keep_their_order_and_elastic_bodies_come_back():
+    table = valve().table
+    assert table.fluid_pressure_Pa.tolist() == [5e5, 15e5, 20e5, 15e5, 5e5]
+    # Solved anew on the way back: what differs is round-off of the coupled iteration, 1e-9 of the fluid pressure.
+    up, down = table.iloc[:2], table.iloc[:2:-1]
+    for column in ("axial_force_N", "peak_pressure_Pa", "leak_rate_m3_per_s", "effective_seal_radius_m"):
+        assert down[column].to_numpy() == pytest.approx(up[column].to_numpy(), rel=1e-7)
+
+
+def test_spring_and_fluid_are_what_the_contact_carries():
+    table = valve().table
+    fluid = math.pi * table.effective_seal_radius_m**2 * table.fluid_pressure_Pa
+    assert (table.applied_force_N == 1500).all()
+    np.testing.assert_allclose(table.axial_force_N, table.applied_force_N - fluid, rtol=1e-12)
+    # and the fluid acts up to somewhere in the contact
+    shift = (table.effective_seal_radius_m - valve().case.touch_radius).abs()
+    assert (shift < table.std_m).all()
+
+
+def test_each_pressure_may_have_its_own_force():
+    load = {"fluid_pressure": ["5 bar", "5 bar", "10 bar"], "axial_force": ["0 N", "200 N", "-100 N"]}
+    asked = case(load=load)
+    assert asked.load.points == ((5e5, 0.0), (5e5, 200.0), (10e5, -100.0))
+    contacts = fem_seal.run(asked).loads
+    expected = [closing_force(asked.touch_radius, p, force) for p, force in asked.load.points]
+    assert [one.axial_force for one in contacts] == pytest.approx(expected, rel=1e-12)
+    assert [one.closing_force for one in derive(asked).loads] == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_pressure_in_the_gap_is_in_the_profile():
+    for load in valve().loads:
+        assert load.gap_pressure == pytest.approx(
+            load.contact.loads.gap_pressure, abs=1e-6 * load.fluid_pressure
+        )
+        # from full pressure in the bore to none outside
+        assert load.gap_pressure[0] > 0.98 * load.fluid_pressure
+        assert load.gap_pressure[-1] < 0.02 * load.fluid_pressure
+        assert (np.diff(load.gap_pressure) < 0).all()
+
+
+def test_too_much_pressure_is_refused_with_the_one_that_opens():
+    opens = valve().table.blow_off_pressure_Pa.iloc[0]
+    with pytest.raises(InputError, match="the seal is open at a fluid pressure of 25 bar") as failure:
+        fem_seal.run(case(load={**VALVE, "fluid_pressure": "25 bar"}))
+    assert failure.value.key == "load.axial_force"
+    said = float(re.search(r"holds ([\d.]+) bar", str(failure.value)).group(1))
+    assert said == pytest.approx(opens / 1e5, rel=1e-4)
+
+
+def test_nothing_is_coupled_twice():
+    with pytest.raises(InputError, match="already solves contact and fluid pressure in the gap together"):
+        case(load=VALVE, leak={"fluid_in_gap": "local"})
+
+
+def test_without_a_spring_the_fluid_in_the_bore_is_refused():
+    with pytest.raises(InputError, match="allowed is an axial_force above 0 N"):
+        case(load={**VALVE, "axial_force": "0 N"})
+
+
+# ---------------------------------------------------------------- inverse questions
+
+
+def test_the_force_for_a_target_leaks_the_target():
+    table = valve().table
+    row = table.iloc[2]
+    asked = case(
+        load={**VALVE, "fluid_pressure": "20 bar", "axial_force": f"{row.force_for_target_leak_N:.12g} N"}
+    )
+    # another mesh, whose discretisation changes the leak rate by some 1e-5
+    assert fem_seal.run(asked).table.leak_rate_m3_per_s.iloc[0] == pytest.approx(TARGET, rel=1e-4)
+    # a Gaussian profile of the right width knows it within a few per cent
+    expected = derive(asked.replace({"load.target_leak_rate": "0.2 cm^3/s"})).loads[0].force_for_target
+    assert expected == pytest.approx(row.force_for_target_leak_N, rel=0.05)
+    # more than the target leaks at the present force, so a stronger spring is needed
+    assert row.leak_rate_m3_per_s > TARGET
+    assert row.force_for_target_leak_N > row.applied_force_N
+
+
+def test_force_for_a_target_with_the_fluid_on_the_sealed_area():
+    sealed = case(load={"fluid_pressure": ["2 bar", "20 bar"], "axial_force": "0 N"})
+    forces = fem_seal.axial_force_for_leak(sealed, TARGET)
+    # 0.16 cm^3/s at 2 bar and 0.38 cm^3/s at 20 bar without a spring
+    assert forces[0] < 0 < forces[1]
+    again = fem_seal.run(
+        sealed.replace({"load.axial_force": [f"{force:.12g} N" for force in forces.tolist()]})
+    )
+    assert again.table.leak_rate_m3_per_s.to_numpy() == pytest.approx([TARGET, TARGET], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "target", "said"),
+    [
+        ({}, 1.0, "carries next to nothing"),
+        ({"fluid": None}, 1e-9, r"needs \[roughness\] and \[fluid\]"),
+        ({}, None, "above zero"),
+    ],
+)
+def test_targets_that_are_no_question(changes, target, said):
+    with pytest.raises(InputError, match=said) as failure:
+        fem_seal.axial_force_for_leak(case(**changes), target)
+    assert failure.value.key == "load.target_leak_rate"
+
+
+def soft_and_rough(**load):
+    """Rubbery bodies with a coarse surface: no force that keeps strains small makes them tight."""
+    rubber = {"youngs_modulus": "10 MPa", "poissons_ratio": 0.3}
+    return case(
+        closure={"shape": "ball", "radius": "20 mm", "material": rubber},
+        seat={"shape": "cone", "angle": "45 deg", "material": rubber},
+        roughness={
+            "spectrum": {
+                "kind": "self-affine",
+                "rms_height": "60 um",
+                "hurst": 0.6,
+                "q_low": "1e3 1/m",
+                "q_rolloff": "1e4 1/m",
+                "q_high": "1e6 1/m",
+            }
+        },
+        leak={"plasticity": False},
+        load={"fluid_pressure": "0.01 bar", **load},
+    )
+
+
+def test_a_target_out_of_reach_is_said_and_does_not_cost_the_other_results():
+    with pytest.raises(InputError, match="the largest for small strains"):
+        fem_seal.axial_force_for_leak(soft_and_rough(), 1e-15)
+    result = fem_seal.run(soft_and_rough(target_leak_rate="1e-15 m^3/s"))
+    assert math.isnan(result.table.force_for_target_leak_N.iloc[0])
+    assert result.table.leak_rate_m3_per_s.iloc[0] > 0
+    assert any("the largest for small strains" in text for text in result.warnings)
+
+
+def test_pressure_that_opens_the_seal():
+    sealed = case(load={**VALVE, "closing": "sealed-area"})
+    area = math.pi * sealed.touch_radius**2
+    assert fem_seal.blow_off_pressures(sealed) == pytest.approx([1500 / area] * 5, rel=1e-12)
+    # where the fluid gets to is a few per mille of the radius
+    coupled = fem_seal.blow_off_pressures(case(load=VALVE))
+    assert coupled == pytest.approx([1500 / area] * 5, rel=2e-3)
+    assert coupled == pytest.approx(valve().table.blow_off_pressure_Pa.to_numpy(), rel=1e-4)
+    assert fem_seal.blow_off_pressures(case()).tolist() == [math.inf] * 3
+
+
+def test_summary_and_report_have_the_answers():
+    told = summary(valve())
+    assert told["loads"][0]["force_for_target_leak_N"] == valve().loads[0].force_for_target
+    assert told["input"]["load"]["target_leak_rate"] == pytest.approx(TARGET)
+    page = report(valve())
+    for text in ("spring force for the target", "opens at", "Far from the contact:", "between them"):
+        assert text in page
+    json.dumps(told["far_field"])
+
+
+# ---------------------------------------------------------------- press fit and far field
+
+
+def smooth_case(**tables):
+    """Hard contact of the bodies alone."""
+    return case(roughness=None, fluid=None, interface={"law": "smooth"}, leak={"plasticity": False}, **tables)
+
+
+def flat_ring(bore=0.01, outer=0.03, height=0.02):
+    """A flat ring with a rounded plunger on it, condensed with its wall held."""
+    face = meshes.chain([(bore, 0.0), (0.9 * outer, 0.0)], "seat_face")
+    seat = meshes.housing(face, outer, height)
+    closure = meshes.ToroidalEdge.of(0.018, 0.004).outline
+    contact = meshes.ContactGeometry.of(closure, seat)
+    sizing = meshes.Sizing(1e-4, 3e-4, (-1e-3, 1e-3), 0.2, 0.4, 1e-3)
+    mesh = meshes.build_contact(contact, sizing)
+    return condense(mesh, {"closure": STEEL, "seat": STEEL}, Supports(wall="fixed"))
+
+
+def test_a_ring_pressed_into_a_bore_is_that_of_lame():
+    bore, outer, interference = 0.01, 0.03, 20e-6
+    ring = flat_ring(bore, outer)
+    seat = ring.seat
+    moved = FurtherLoads.press_fit(interference).displacement(seat, ring)
+    r, z = quadratic_nodes(seat.basis.mesh)[0].T
+    # u = A r + B/r with sigma_r(bore) = 0, u(outer) = -interference, sigma_z = 0
+    nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
+    ratio = bore**2 * (1 + nu) / (1 - nu)
+    A = -interference / (outer + ratio / outer)
+    radial, axial = moved[node_dofs(seat.basis)]
+    # quadratic elements of up to 1 mm for 1/r from 10 mm on
+    assert radial == pytest.approx(A * r + A * ratio / r, abs=5e-5 * interference)
+    # the faces stay flat: uniform strain -nu (sigma_r + sigma_t)/E, the bottom held
+    strain = -2 * nu * A / (1 - nu)
+    assert axial == pytest.approx(strain * (z - z.min()), abs=5e-5 * interference)
+    stress = (seat.stress_operator @ moved).reshape(-1, 4)
+    hoop = 2 * E / (1 - nu) * A
+    at_bore = r < bore * (1 + 1e-9)
+    # second order in the element size of 1 mm in 10 mm
+    assert stress[at_bore, 2] == pytest.approx(hoop, rel=1e-2)
+    # what the contact feels: the flat seat sinks and stays flat, the closure does not notice
+    opening = FurtherLoads.press_fit(interference).opening(ring)
+    assert opening == pytest.approx(-strain * 0.02, abs=5e-5 * interference)
+
+
+def test_the_press_fit_stands_in_the_case():
+    seat = {"shape": "cone", "angle": "45 deg", "material": "steel", "wall": "fixed", "outer_radius": "25 mm"}
+    fitted = fem_seal.run(
+        smooth_case(seat={**seat, "interference": "10 um"}, load={"fluid_pressure": "20 bar"})
+    )
+    load = fitted.loads[0]
+    field = load.contact.fields["seat"]
+    at_wall = field.points[:, 0] > 0.025 * (1 - 1e-9)
+    assert at_wall.sum() > len(fitted.seal_mesh.seat.boundaries["seat_wall"])
+    assert field.displacement[at_wall, 0] == pytest.approx(-10e-6, rel=1e-12)
+    # 10 um on 25 mm strain the housing by 4e-4, 84 MPa; the contact alone gives 60 MPa
+    assert load.max_von_mises > 100e6
+    # the spring carries no more and no less for it
+    assert load.axial_force == pytest.approx(math.pi * fitted.case.touch_radius**2 * 20e5, rel=1e-12)
+    # another size would be another fit
+    assert fitted.far_field == ()
+    assert far_field_sentence(fitted.far_field) == ""
+
+
+def test_the_far_field_matters_where_the_housing_is_small():
+    seat = {
+        "shape": "cone",
+        "angle": "45 deg",
+        "material": "steel",
+        "bore_radius": "12.5 mm",
+        "face_radius": "15.5 mm",
+        "outer_radius": "16 mm",
+        "height": "3 mm",
+    }
+    small = fem_seal.run(smooth_case(seat=seat, load={"fluid_pressure": "200 bar"}))
+    assert [change.name for change in small.far_field] == [
+        "a housing twice as wide and high",
+        "holding its wall",
+    ]
+    # The default sizes are meant to be far enough away: 1e-5 of the peak, and the noise of another far mesh.
+    assert max(abs(change.peak_pressure) for change in valve().far_field) < 1e-4
+    assert small.far_field[0].largest > 1e-3
+    # What is said is what a run with such a housing gives.
+    wide = smooth_case(
+        seat={**seat, "outer_radius": "32 mm", "height": "6 mm"}, load={"fluid_pressure": "200 bar"}
+    )
+    changed = fem_seal.run(wide).loads[0].contact.profile.peak_pressure
+    share = changed / small.loads[0].contact.profile.peak_pressure - 1
+    # on a coarse mesh, two elements of which make the rim of 0.5 mm
+    assert small.far_field[0].peak_pressure == pytest.approx(share, rel=0.25)
+    assert "a housing twice as wide and high changes the peak pressure by" in far_field_sentence(
+        small.far_field
+    )

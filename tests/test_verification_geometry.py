@@ -1,0 +1,210 @@
+"""Contacts of all families against closed solutions, and of fitting faces against an independent program.
+
+The closed solutions are those of half-planes; a contact that is narrow against every radius differs from them by some
+1e-3, growing in proportion to its width. Tolerances are that.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from independent_contact import Sector, press
+from numpy.typing import NDArray
+
+from fem_seal.condensation import ContactModel, condense
+from fem_seal.contact import solve
+from fem_seal.contact_size import element_sizes
+from fem_seal.contact_solution import ContactSolution
+from fem_seal.contact_zone import solve_fitted
+from fem_seal.laws import HardContact, Law
+from fem_seal.materials import Material, effective_modulus
+from leak import ExponentialLaw, crossover_line, hertz_line
+from meshes import (
+    Ball,
+    ConicalSeat,
+    ContactGeometry,
+    FlatSeat,
+    Profile,
+    Segment,
+    Shape,
+    Sizing,
+    SphericalSeat,
+    ToroidalEdge,
+    ToroidalSeat,
+    build_contact,
+)
+
+FloatArray = NDArray[np.float64]
+
+MM, DEG = 1e-3, math.pi / 180
+STEEL = Material("steel", youngs_modulus=210e9, poissons_ratio=0.3)
+SOFT = Material("soft", youngs_modulus=70e9, poissons_ratio=0.42)
+
+
+def pressed(
+    closure: Shape,
+    seat: Shape,
+    law: Law,
+    line_load: float,
+    materials: tuple[Material, Material] = (STEEL, STEEL),
+) -> ContactSolution:
+    """Contact under a line load [N/m], on the mesh that the program chooses."""
+    contact = ContactGeometry.of(closure.outline, seat.outline)
+    modulus = effective_modulus(*materials)
+    force = line_load * 2 * math.pi * contact.touch_radius * math.cos(contact.angle)
+
+    def solve_on(sizing: Sizing) -> list[ContactSolution]:
+        model: ContactModel = condense(
+            build_contact(contact, sizing), dict(zip(("closure", "seat"), materials, strict=True))
+        )
+        return [solve(model, law, axial_force=force)]
+
+    return solve_fitted(element_sizes(law, [line_load], contact, modulus), contact, solve_on)[0]
+
+
+def narrow_load(contact: ContactGeometry, modulus: float, share: float = 1 / 300) -> float:
+    """Line load [N/m] whose half-width of Hertz is a share of the smaller of r0 and R_rel."""
+    R = contact.relative_radius
+    return math.pi * modulus * (share * min(R, contact.touch_radius)) ** 2 / (4 * R)
+
+
+PAIRS = {
+    "R 5 mm, 20 deg": (Ball(5 * MM), ConicalSeat.around(20 * DEG, Ball(5 * MM)), (STEEL, SOFT)),
+    "R 50 mm, 70 deg": (Ball(50 * MM), ConicalSeat.around(70 * DEG, Ball(50 * MM)), (SOFT, STEEL)),
+    "ball in sphere": (
+        Ball(20 * MM),
+        SphericalSeat.around(24 * MM, Ball(20 * MM), contact_angle=45 * DEG),
+        (STEEL, STEEL),
+    ),
+    "ball on ring": (Ball(20 * MM), ToroidalSeat.around(14 * MM, 4 * MM, Ball(20 * MM)), (STEEL, SOFT)),
+    "torus on flat": (
+        ToroidalEdge.of(15 * MM, 3 * MM),
+        FlatSeat.on(ToroidalEdge.of(15 * MM, 3 * MM)),
+        (STEEL, STEEL),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_narrow_contacts_meet_hertz_and_the_exact_crossover(name: str) -> None:
+    closure, seat, materials = PAIRS[name]
+    contact = ContactGeometry.of(closure.outline, seat.outline)
+    modulus = effective_modulus(*materials)
+    f = narrow_load(contact, modulus)
+    hertz = hertz_line(f, contact.relative_radius, modulus)
+    smooth = pressed(closure, seat, HardContact(), f, materials).profile
+    assert smooth.peak_pressure == pytest.approx(hertz.peak_pressure, rel=2e-3)
+    assert smooth.std == pytest.approx(hertz.std, rel=2e-3)
+    # a decay length at which roughness and elasticity matter alike
+    u0 = hertz.half_width**2 / (4 * contact.relative_radius)
+    rough = pressed(closure, seat, ExponentialLaw(p_c=1e9, u0=u0), f, materials).profile
+    exact = crossover_line(f, contact.relative_radius, modulus, u0)
+    assert rough.peak_pressure == pytest.approx(exact.peak_pressure, rel=1e-3)
+    assert rough.std == pytest.approx(exact.std, rel=1e-3)
+
+
+def rounded_punch(half_width: float, edge_radius: float, radius: float) -> Profile:
+    """A plunger whose lower end is a flat ring with rounded edges of so large a radius that it stays a half-plane."""
+    b, rho = half_width, edge_radius
+    turn = 12 * DEG
+    out, up = rho * math.sin(turn), rho * (1 - math.cos(turn))
+    inner, outer = radius - b, radius + b
+    top = 1.2 * radius
+    return Profile(
+        "closure",
+        (
+            Segment((0.0, up), (inner - out, up), ""),
+            Segment((inner - out, up), (inner, 0.0), "", (inner, rho)),
+            Segment((inner, 0.0), (outer, 0.0), ""),
+            Segment((outer, 0.0), (outer + out, up), "", (outer, rho)),
+            Segment((outer + out, up), (outer + out, top), ""),
+            Segment((outer + out, top), (0.0, top), ""),
+            Segment((0.0, top), (0.0, up), ""),
+        ),
+    )
+
+
+def test_flat_rounded_punch_meets_the_closed_form() -> None:
+    """Ciavarella, Hills, Monno, Proc. IMechE C 212 (1998) 319: flat half-width b, edge radius R, contact half-width a.
+
+    With sin(phi0) = b/a:  4 P R/(E* b^2) = (pi - 2 phi0)/sin^2(phi0) - 2 cot(phi0), and the pressure at x = a sin(phi)
+    is (P/a) (2/pi)/(pi - 2 phi0 - sin(2 phi0)) times
+    (pi - 2 phi0) cos(phi) + sin(phi) ln|sin(phi + phi0)/sin(phi - phi0)|
+    + sin(phi0) ln|tan((phi + phi0)/2) tan((phi - phi0)/2)|.
+    """
+    b, rho, radius = 0.1 * MM, 4 * MM, 60 * MM
+    phi0 = 50 * DEG
+    modulus = effective_modulus(STEEL, STEEL)
+    load = modulus * b**2 / (4 * rho) * ((math.pi - 2 * phi0) / math.sin(phi0) ** 2 - 2 / math.tan(phi0))
+    a = b / math.sin(phi0)
+
+    def closed(x: FloatArray) -> FloatArray:
+        phi = np.arcsin(np.clip(x / a, -1, 1))
+        terms = (
+            (math.pi - 2 * phi0) * np.cos(phi)
+            + np.sin(phi) * np.log(np.abs(np.sin(phi + phi0) / np.sin(phi - phi0)))
+            + math.sin(phi0) * np.log(np.abs(np.tan((phi + phi0) / 2) * np.tan((phi - phi0) / 2)))
+        )
+        return 2 * load / (math.pi * a * (math.pi - 2 * phi0 - math.sin(2 * phi0))) * terms
+
+    x = np.linspace(-a, a, 20002)
+    middle = 0.5 * (x[1:] + x[:-1])
+    # the formula as it stands here carries the load
+    assert float(closed(middle).sum() * (x[1] - x[0])) == pytest.approx(load, rel=1e-3)
+
+    punch = rounded_punch(b, rho, radius)
+    profile = pressed(punch, FlatSeat.on(punch, bore_radius=0.5 * radius), HardContact(), load).profile
+    inside = np.abs(profile.x) < 0.95 * a
+    # Bending tilts the ring by a little more than its bodies' width over its radius: mean of both sides.
+    mirrored = np.interp(-profile.x, profile.x, profile.pressure)
+    mean = 0.5 * (profile.pressure + mirrored)[inside]
+    assert mean == pytest.approx(closed(profile.x[inside]), rel=1e-2)
+    assert float(mean.max()) == pytest.approx(float(closed(middle).max()), rel=5e-3)
+    ends = profile.x[profile.pressure > 0][[0, -1]]
+    assert ends[1] - ends[0] == pytest.approx(2 * a, rel=1e-2)
+
+
+def shell_seat(seat: SphericalSeat, low: float, high: float, thickness: float) -> Profile:
+    """The hollow face between two angles, on a shell of even thickness that is held along its outside."""
+    R, c = seat.radius, (seat.centre_offset, 0.0)
+
+    def at(radius: float, angle: float) -> tuple[float, float]:
+        return c[0] + radius * math.sin(angle), -radius * math.cos(angle)
+
+    return Profile(
+        "seat",
+        (
+            Segment(at(R, low), at(R, high), "face", c),
+            Segment(at(R, high), at(R + thickness, high), "wall"),
+            Segment(at(R + thickness, high), at(R + thickness, low), "bottom", c),
+            Segment(at(R + thickness, low), at(R, low), "inner"),
+        ),
+    )
+
+
+def test_nearly_fitting_sphere_meets_an_independent_program() -> None:
+    """Radii that differ by 0.1 %: the contact is as wide as the seat, and no closed form holds.
+
+    The other program (tests/independent_contact.py) knows its own elements (nine-node quadrilaterals on polar grids),
+    integrates the law over the face, and minimises the energy of both whole bodies.
+    """
+    ball = Ball(20 * MM, 10 * MM)
+    lapped = SphericalSeat.around(20.02 * MM, ball, contact_angle=45 * DEG)
+    seat = shell_seat(lapped, 22 * DEG, 68 * DEG, 15 * MM)
+    law, f = ExponentialLaw(p_c=1e9, u0=1e-6), 4e4
+    solution = pressed(ball, seat, law, f)
+    profile = solution.profile
+
+    closure = Sector((0.0, 0.0), (10 * MM, 20 * MM), (0.0, math.pi))
+    below = Sector((lapped.centre_offset, 0.0), (20.02 * MM, 35.02 * MM), (22 * DEG, 68 * DEG))
+    x, pressure = press(
+        closure, below, STEEL.youngs_modulus, 0.3, law.p_c, law.u0, solution.axial_force, 45 * DEG
+    )
+    crossover = crossover_line(f, 20 * 20.02 / 0.02 * MM, effective_modulus(STEEL, STEEL), law.u0)
+    # far from what half-planes would do
+    assert abs(profile.peak_pressure / crossover.peak_pressure - 1) > 0.2
+    ours = np.interp(x, profile.x, profile.pressure)
+    inside = (x > profile.x[0]) & (x < profile.x[-1])
+    assert ours[inside] == pytest.approx(pressure[inside], abs=2e-3 * pressure.max())
