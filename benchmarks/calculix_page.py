@@ -272,7 +272,7 @@ def draw(file: Path, rows: Sequence[Row]) -> None:
         left.loglog(n, 0.5 * n / n[0], "k:", lw=1, label="linear")
         left.set(xlabel="triangles", ylabel="processor time for ten loads [s]")
         right.set(
-            xlabel="processor time for ten loads [s]", ylabel="error of p0/force, FWHM, std; median of loads"
+            xlabel="processor time for ten loads [s]", ylabel="error, median of ten loads"
         )
         left.legend(frameon=False, fontsize=8)
         figure.savefig(file, metadata={"Date": None})

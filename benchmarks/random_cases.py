@@ -13,7 +13,7 @@ import math
 import re
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -79,15 +79,53 @@ def material(modulus: float, poissons_ratio: float) -> dict[str, Any]:
 
 
 def bodies(size: float, angle: float, choice: float) -> dict[str, Any]:
-    """Closure and seat of about this size; `choice` in [0, 1) picks the pair."""
+    """Closure and seat of about this size; `choice` in [0, 1) picks the pair and varies what else it has."""
 
-    def m(length: float) -> str:
-        return f"{length!r} m"
+    def m(share: float) -> str:
+        return f"{share * size!r} m"
 
-    closures = [{"shape": "ball", "radius": m(size)}]
-    seats = [{"shape": "cone", "angle": f"{angle!r} deg"}]
-    pairs = [(closure, seat) for closure in closures for seat in seats]
-    closure, seat = pairs[int(choice * len(pairs))]
+    def degrees(value: float) -> str:
+        return f"{value!r} deg"
+
+    r0 = math.sin(math.radians(angle))
+    ball = {"shape": "ball", "radius": m(1)}
+    cone = {"shape": "cone", "angle": degrees(angle)}
+    poppet = {"shape": "cone", "angle": degrees(angle), "mean_radius": m(r0), "outer_radius": m(1.4 * r0)}
+    pairs: list[Callable[[float], tuple[dict[str, Any], dict[str, Any]]]] = [
+        lambda s: (ball, cone),
+        lambda s: (ball | {"cavity_radius": m(0.3 + 0.4 * s)}, cone),
+        lambda s: (ball, {"shape": "conical-land", "angle": degrees(angle), "land_width": m(0.02 + 0.3 * s)}),
+        lambda s: (ball, {"shape": "sphere", "radius": m(1.001 + s), "contact_angle": degrees(angle)}),
+        lambda s: (ball, {"shape": "sphere", "radius": m(1.001 + s), "bore_radius": m(0.8 * r0)}),
+        lambda s: (ball, {"shape": "torus", "centre_radius": m(1.1 * r0), "radius": m(0.05 + 0.2 * s)}),
+        lambda s: (
+            ball,
+            {"shape": "sharp-edge", "bore_radius": m(r0), "edge_radius": m(10 ** (-3 + 2 * s) * r0)},
+        ),
+        lambda s: (poppet, {"shape": "sharp-edge", "bore_radius": m(r0), "edge_radius": m(0.02 * r0)}),
+        lambda s: (poppet, {"shape": "cone", "angle": degrees(angle + 0.5 + 3 * s)}),
+        lambda s: (
+            poppet,
+            {
+                "shape": "conical-land",
+                "angle": degrees(angle),
+                "land_width": m(0.1 * r0),
+                "land_radius": m(r0 * (0.95 + 0.1 * s)),
+            },
+        ),
+        lambda s: (
+            {"shape": "torus", "centre_radius": m(1), "radius": m(0.02 + 0.3 * s)},
+            {"shape": "flat", "bore_radius": m(0.5)},
+        ),
+        lambda s: ({"shape": "torus", "centre_radius": m(1), "radius": m(0.02 + 0.3 * s)}, cone),
+        lambda s: ({"shape": "spherical-tip", "radius": m(1.5 + s), "stem_radius": m(1)}, cone),
+        lambda s: (
+            {"shape": "disc", "radius": m(1)},
+            {"shape": "torus", "centre_radius": m(0.7), "radius": m(0.02 + 0.2 * s)},
+        ),
+    ]
+    number, rest = divmod(choice * len(pairs), 1)
+    closure, seat = pairs[int(number)](rest)
     return {"closure": closure, "seat": seat}
 
 
@@ -135,15 +173,24 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("count", type=int, nargs="?", default=2000)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", type=int, help="solve this one of the cases only")
     arguments = parser.parse_args()
-    outcomes = []
+    outcomes: list[Outcome] = []
+    by_pair: dict[str, Counter[str]] = {}
     for n, tables in enumerate(cases(arguments.count, arguments.seed)):
+        if arguments.only is not None and n != arguments.only:
+            continue
         outcomes.append(outcome(tables))
-        if outcomes[-1].kind in ("failed", "not converged"):
+        pair = f"{tables['closure']['shape']} on {tables['seat']['shape']}"
+        by_pair.setdefault(pair, Counter())[outcomes[-1].kind] += 1
+        # A mesh that cannot be made is no fault of the case either.
+        if outcomes[-1].kind in ("failed", "not converged") or "gmsh" in outcomes[-1].text:
             print(f"case {n}: {outcomes[-1].kind}: {outcomes[-1].text}\n  {tables}", flush=True)
     counts = Counter(o.kind for o in outcomes)
     seconds = np.array([o.seconds for o in outcomes if o.kind == "solved"])
     print(f"{len(outcomes)} cases: " + ", ".join(f"{number} {kind}" for kind, number in counts.most_common()))
+    for pair, kinds in sorted(by_pair.items()):
+        print(f"  {pair:30s} " + ", ".join(f"{number} {kind}" for kind, number in kinds.most_common()))
     reasons = Counter(re.sub(r"\b\d[\d.e+-]*", "#", o.text)[:100] for o in outcomes if o.kind == "refused")
     for reason, number in reasons.most_common(12):
         print(f"  {number:5d} refused: {reason}...")

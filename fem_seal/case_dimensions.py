@@ -38,8 +38,9 @@ def chosen_dimensions(case: Case, name: str) -> dict[str, float]:
     """Those of the `dimensions` that the case leaves open."""
     table = getattr(case, name)
     body = case.bodies[0 if name == "closure" else 1]
+    values = {key: getattr(body, key, None) for key, entry in table if entry is None}
     return {
         key: float(value)
-        for key, entry in table
-        if entry is None and key not in _NOT_A_DIMENSION and (value := getattr(body, key, None))
+        for key, value in values.items()
+        if isinstance(value, (int, float)) and value and key not in _NOT_A_DIMENSION
     }

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 # Points of a Gaussian profile, and how far it reaches in standard deviations.
 _POINTS, _REACH = 121, 5.0
 _TABLE_POINTS = 80
+# Decades between the highest pressure and the end of the table.
+_MARGIN = 0.3
 
 
 def expected_forces(case: Case) -> list[float]:
@@ -58,9 +60,10 @@ class CaseFlow:
     def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
         """Flow through a contact at a pressure difference [Pa]."""
         low, high = self._expected_peaks
-        high = max(high, math.log10(profile.pressure.max()))
-        # Whole decades, so that neighbouring contacts share one table; below it the low-pressure law goes on.
-        p_min, p_max = 10.0 ** math.floor(low - 6), 10.0 ** math.ceil(high + 0.3)
+        # Whole decades, so that neighbouring contacts share one table; below it the low-pressure law goes on, above it
+        # two more decades at a time.
+        top, peak = math.ceil(high + _MARGIN), math.log10(profile.pressure.max()) + _MARGIN
+        p_min, p_max = 10.0 ** math.floor(low - 6), 10.0 ** (top + 2 * max(0, math.ceil((peak - top) / 2)))
         table = flow_table(self.case, self.surface, p_min, p_max, _TABLE_POINTS)
         return leak_of_profile(self.case, table, profile.x, profile.pressure, fluid_pressure, profile.radius)
 

@@ -26,6 +26,7 @@ _MOST_ELEMENTS = 1500
 
 # Elements over what is pressed flat of a rounded edge, and over its whole arc.
 _PER_EDGE, _PER_ARC = 5.0, 6.0
+_AT_CORNER = 10.0
 
 # Pressure over peak pressure at which the zone may end.
 _TAIL = 1e-7
@@ -246,6 +247,11 @@ def _edges(
         wanted = min(min(sizes), length / _PER_ARC)
         if wanted < size:
             spots.append((edge, wanted))
+    # At the end of a face that carries pressure there is a corner of the body, and the pressure rises towards it.
+    closed = max(width.closed_gap for width in widths)
+    for at, end in zip(zone, contact.reach, strict=True):
+        if at == end and float(contact.gap(np.array(end))) <= closed:
+            spots.append((end, size / _AT_CORNER))
     return tuple(spots)
 
 

@@ -22,6 +22,8 @@ _WIDER = 1.6
 # edge of a Hertz contact and at 0.1 in a soft one; more means a peak that was not expected, as at a rounded edge.
 _STEEPEST = 0.45
 _FINER = 3.0
+# Elements per standard deviation below which the mesh is made anew, and how many it then gets.
+_FEWEST, _PER_STD = 4.0, 6.0
 _MOST_MESHES = 6
 
 
@@ -81,10 +83,24 @@ def better_sizing(
     """
     changed = replace(sizing, zone=_zone(sizing, contact, profiles))
     if not size_given:
+        changed = _resolving(changed, profiles)
         spots = [spot for profile in profiles for spot in _steep_places(sizing, profile)]
         if spots:
             changed = replace(changed, spots=(*changed.spots, *_thinned(spots)))
     return None if changed == sizing else changed
+
+
+def _resolving(sizing: Sizing, profiles: Sequence[PressureProfile]) -> Sizing:
+    """Smaller elements where a profile came out narrower, or farther from first touch, than expected."""
+    narrowest = min(profiles, key=lambda profile: profile.std)
+    at, std = abs(narrowest.centroid), narrowest.std
+    if float(sizing.size(np.array(narrowest.centroid))) <= std / _FEWEST:
+        return sizing
+    return replace(
+        sizing,
+        contact_size=min(sizing.contact_size, std / _PER_STD),
+        core=max(sizing.core, at + 3 * std),
+    )
 
 
 def _zone(

@@ -52,8 +52,12 @@ def stiffness_matrix(basis: Basis, material: Material) -> csr_matrix:
 
 
 def pressure_load(basis: Basis, boundary: str) -> FloatArray:
-    """Nodal forces [N] of a unit pressure (1 Pa, pushing into the body) on a named boundary."""
+    """Nodal forces [N] of a unit pressure (1 Pa, pushing into the body) on a named boundary; none if it is not there."""
     from skfem import LinearForm
+
+    if boundary not in (basis.mesh.boundaries or {}):
+        # A contact line that reaches to the end of its face leaves nothing wetted beside it.
+        return np.zeros(basis.N)
 
     @LinearForm
     def push(v, w):  # type: ignore[no-untyped-def]

@@ -176,7 +176,7 @@ class _Walk:
         """Walk from one load to another in steps, halved where they do not converge; also their number."""
         scale = max(begin.axial_force, end.axial_force)
         share = abs(end.axial_force - begin.axial_force) / scale if scale > 0 else 0.0
-        step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
+        largest = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
         way, steps = 0.0, 0
         while way < 1:
             aim = way + step if way + 1.5 * step < 1 else 1.0
@@ -198,7 +198,7 @@ class _Walk:
                 if step < self.settings.smallest_step:
                     raise ConvergenceError(_gave_up(_between(begin, end, way), load, error)) from error
                 continue
-            way, steps = aim, steps + 1
+            way, steps, step = aim, steps + 1, min(2 * step, largest)
         return here, steps
 
 

@@ -3,64 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.condensation import ContactModel
-from fem_seal.contact import solve
-from fem_seal.contact_solution import ContactSettings, ContactSolution
+from fem_seal.blow_off import contact_near_blow_off, fluid_lifts
+from fem_seal.contact_solution import ContactSolution
+from fem_seal.coupled_contact import Seal, coupled_contact, dry_unknowns
 from fem_seal.errors import ConvergenceError, OpenSealError
-from fem_seal.fixed_point import first_fixed_point, fixed_point
-from fem_seal.fluid_paths import FluidPath
-from fem_seal.further_loads import FurtherLoads
-from fem_seal.laws import HardContact, Law
 
 FloatArray = NDArray[np.float64]
 
-# Error of the fluid pressure in units of the pressure difference.
-_TOLERANCE = 1e-9
-# The same for hard contact: its edge moves by steps in the last element, and the flow resistance with it.
-_HARD_TOLERANCE = 2e-3
-# Error of the place up to which a held fluid gets in units of the smallest element.
-_FRONT = 1e-5
-# The seal counts as open where the solid contact carries less than this share of the closing force.
-_CARRIED = 1e-4
-_SHARES = (0.5, 0.1, 1e-2, 1e-3, _CARRIED)
-# Below this share a hard contact, whose width falls with the root of the force, is narrower than a few elements.
-_NARROWEST_HARD = 1e-2
-# Relative distance to the force at which the fluid gets through.
-_CLOSE = 1e-6
-
-
-@dataclass(frozen=True)
-class Seal:
-    """What stays the same when the loads of a seal change.
-
-    Parameters
-    ----------
-    model : ContactModel
-    law : Law
-    path : FluidPath
-        How the fluid gets between the surfaces.
-    interference : float
-        Of the press fit, see `FurtherLoads.press_fit` [m].
-    settings : ContactSettings, optional
-    """
-
-    model: ContactModel
-    law: Law
-    path: FluidPath
-    interference: float = 0.0
-    settings: ContactSettings | None = None
-
-    def loads(self, fluid_pressure: float, unknowns: FloatArray) -> FurtherLoads:
-        """Fluid on the wetted surfaces and in the gap, and the press fit."""
-        inner, outer = (fluid_pressure if self.path.side == side else 0.0 for side in ("inner", "outer"))
-        share = self.path.share(self.model.line, unknowns)
-        return FurtherLoads.of_fluid(inner, outer, fluid_pressure * share, self.interference)
+# Share of spring and fluid force for which the first contact is solved where the fluid comes close to lifting it.
+_LEAST_CARRIED = 1e-4
 
 
 def solve_penetration(
@@ -102,11 +57,11 @@ def solve_penetration(
         return fluid_pressure, closing_force - fluid_pressure * lift
 
     try:
-        return _together(seal, given, _first(seal, closing_force, fluid_pressure, start), start)
+        return coupled_contact(seal, given, _first(seal, closing_force, fluid_pressure, start), start)
     except (OpenSealError, ConvergenceError):
-        if not _lifts(seal, closing_force):
+        if not fluid_lifts(seal, closing_force):
             raise
-    return _near_blow_off(seal, closing_force, fluid_pressure)
+    return contact_near_blow_off(seal, closing_force, fluid_pressure)
 
 
 def solve_at_contact_force(
@@ -123,32 +78,8 @@ def solve_at_contact_force(
         [Pa]
     start : ContactSolution, optional
     """
-    unknowns = _dry(seal, contact_force, fluid_pressure, start)
-    return _together(seal, lambda lift: (fluid_pressure, contact_force), unknowns, start)
-
-
-def blow_off_pressure(seal: Seal, *, closing_force: float) -> float:
-    """Fluid pressure at which the fluid lifts the closure off [Pa]; infinite if it does not lift it.
-
-    Parameters
-    ----------
-    seal : Seal
-    closing_force : float
-        Force of spring or actuator [N].
-
-    Notes
-    -----
-    The solid contact carries less and less along the way: its force is the given parameter here, the fluid pressure
-    follows. Blow-off is the largest pressure on this way, down to 1e-4 of the closing force; of hard contact down to
-    1e-2, with the circle on which the fluid acts then for the rest of the way.
-
-    Raises
-    ------
-    ConvergenceError
-    """
-    if not _lifts(seal, closing_force):
-        return math.inf
-    return _way_to_blow_off(seal, closing_force)[-1].pressure
+    unknowns = dry_unknowns(seal, contact_force, fluid_pressure, start)
+    return coupled_contact(seal, lambda lift: (fluid_pressure, contact_force), unknowns, start)
 
 
 def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:
@@ -163,193 +94,17 @@ def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:
     return math.sqrt(abs(solution.loads.lift(solution.model)) / (math.pi * fluid_pressure))
 
 
-# Takes the lift per unit of fluid pressure [N/Pa] to fluid pressure [Pa] and contact force [N].
-Balance = Callable[[float], tuple[float, float]]
-
-
-def _together(
-    seal: Seal, balance: Balance, unknowns: FloatArray, start: ContactSolution | None
-) -> ContactSolution:
-    """Find the unknowns of the fluid that belong to the contact which they leave."""
-    solution = start
-
-    def image(at: FloatArray) -> FloatArray:
-        nonlocal solution
-        pressure, force = balance(seal.loads(1.0, at).lift(seal.model))
-        if not force > 0:
-            raise OpenSealError(f"nothing is left for the solid contact at {pressure / 1e5:.6g} bar")
-        solution = solve(
-            seal.model,
-            seal.law,
-            axial_force=force,
-            loads=seal.loads(pressure, at),
-            settings=seal.settings,
-            start=solution,
-        )
-        return seal.path.found(solution.profile, pressure)
-
-    low, high = seal.path.bounds(seal.model.line)
-    loose = 0.0 if seal.settings is None else 10 * seal.settings.gap_tolerance
-    tolerance = max(_TOLERANCE, loose) * (high - low)
-    try:
-        if unknowns.size == 1:
-            # The place up to which the fluid gets moves from element to element.
-            elements = np.diff(seal.model.line.vertices)
-            first_fixed_point(
-                lambda place: float(image(np.array([place]))[0]),
-                float(unknowns[0]),
-                tolerance=_FRONT * float(elements.min()),
-                jump=float(elements.max()),
-            )
-        else:
-            _smooth_fixed_point(seal, image, unknowns, tolerance, (low, high))
-    except ConvergenceError as error:
-        raise ConvergenceError(f"contact and fluid pressure in the gap: {error}", solution) from error
-    assert solution is not None
-    return solution
-
-
-def _smooth_fixed_point(
-    seal: Seal,
-    image: Callable[[FloatArray], FloatArray],
-    unknowns: FloatArray,
-    tolerance: float,
-    bounds: tuple[float, float],
-) -> None:
-    try:
-        fixed_point(image, unknowns, tolerance=tolerance, bounds=bounds)
-    except ConvergenceError:
-        if not isinstance(seal.law, HardContact):
-            raise
-        fixed_point(image, unknowns, tolerance=_HARD_TOLERANCE, bounds=bounds)
-
-
 def _first(
     seal: Seal, closing_force: float, fluid_pressure: float, start: ContactSolution | None
 ) -> FloatArray:
     """Unknowns of the fluid in a contact that carries what it will nearly carry."""
     area = math.pi * seal.model.touch_radius**2 * (1 if seal.path.side == "outer" else -1)
-    return _dry(
+    return dry_unknowns(
         seal,
         max(
             closing_force + area * fluid_pressure,
-            _CARRIED * (abs(closing_force) + abs(area) * fluid_pressure),
+            _LEAST_CARRIED * (abs(closing_force) + abs(area) * fluid_pressure),
         ),
         fluid_pressure,
         start,
     )
-
-
-def _dry(seal: Seal, force: float, fluid_pressure: float, start: ContactSolution | None) -> FloatArray:
-    loads = FurtherLoads.press_fit(seal.interference)
-    contact = solve(seal.model, seal.law, axial_force=force, loads=loads, settings=seal.settings, start=start)
-    return seal.path.found(contact.profile, fluid_pressure)
-
-
-def _lifts(seal: Seal, closing_force: float) -> bool:
-    return seal.path.side == "inner" and closing_force > 0
-
-
-@dataclass(frozen=True)
-class _Step:
-    """A contact on the way to blow-off: which share of the closing force it carries, under which fluid pressure."""
-
-    share: float
-    pressure: float
-    contact: ContactSolution | None = None
-    unknowns: FloatArray | None = None
-
-
-def _step(seal: Seal, closing_force: float, share: float, before: _Step) -> _Step:
-    force = share * closing_force
-
-    def balance(lift: float) -> tuple[float, float]:
-        return (closing_force - force) / lift, force
-
-    unknowns = before.unknowns
-    if unknowns is None:
-        expected = (closing_force - force) / (math.pi * seal.model.touch_radius**2)
-        unknowns = _dry(seal, force, expected, None)
-    contact = _together(seal, balance, unknowns, before.contact)
-    pressure = contact.loads.closure[seal.path.side]
-    return _Step(share, pressure, contact, seal.path.found(contact.profile, pressure))
-
-
-def _way_to_blow_off(seal: Seal, closing_force: float) -> list[_Step]:
-    """Steps of rising fluid pressure, the last at blow-off."""
-    way = [_Step(1.0, 0.0)]
-    hard = isinstance(seal.law, HardContact)
-    for share in _SHARES:
-        if hard and share < _NARROWEST_HARD:
-            return [*way, _Step(0.0, way[-1].pressure / (1 - way[-1].share))]
-        try:
-            way.append(_step(seal, closing_force, share, way[-1]))
-        except OpenSealError:
-            way += _last_closed(seal, closing_force, way[-1], share)
-            break
-        if way[-1].pressure < way[-2].pressure:
-            turning = _turning_point(seal, closing_force, way[-3:])
-            return [*(step for step in way[:-1] if step.share > turning.share), turning]
-    return way
-
-
-def _last_closed(seal: Seal, closing_force: float, closed: _Step, open_share: float) -> list[_Step]:
-    """The contact just before the fluid gets through, which it does at `open_share`."""
-    found: list[_Step] = []
-    while closed.share > (1 + _CLOSE) * open_share:
-        share = math.sqrt(closed.share * open_share)
-        try:
-            closed = _step(seal, closing_force, share, closed)
-            found = [closed]
-        except OpenSealError:
-            open_share = share
-    return found
-
-
-def _turning_point(seal: Seal, closing_force: float, around: list[_Step]) -> _Step:
-    """Where the fluid pressure is largest among three steps, and beyond which less of it lifts more."""
-    from scipy.optimize import minimize_scalar
-
-    first, _, last = around
-    place = minimize_scalar(
-        lambda log_share: -_step(seal, closing_force, math.exp(log_share), first).pressure,
-        bounds=(math.log(last.share), math.log(first.share)),
-        method="bounded",
-        options={"xatol": 1e-3},
-    )
-    return _step(seal, closing_force, math.exp(place.x), first)
-
-
-def _near_blow_off(seal: Seal, closing_force: float, fluid_pressure: float) -> ContactSolution:
-    """Contact under a fluid pressure, found by the force that it carries."""
-    from scipy.optimize import brentq
-
-    way = _way_to_blow_off(seal, closing_force)
-    if fluid_pressure >= way[-1].pressure:
-        raise OpenSealError(
-            f"the fluid lifts the closure off: a closing force of {closing_force:.6g} N holds "
-            f"{way[-1].pressure / 1e5:.6g} bar, not {fluid_pressure / 1e5:.6g} bar",
-            way[-1].pressure,
-        )
-    after = next(n for n, step in enumerate(way) if step.pressure > fluid_pressure)
-    if way[after].contact is None:
-        raise ConvergenceError(
-            f"at {fluid_pressure / 1e5:.6g} bar the smooth contact carries less than {way[after - 1].share:g} of the "
-            f"closing force and is narrower than its elements; it opens at {way[-1].pressure / 1e5:.6g} bar"
-        )
-    before, steps = way[after - 1], [way[after]]
-
-    def miss(log_share: float) -> float:
-        if log_share == 0:
-            return -1.0
-        steps.append(_step(seal, closing_force, math.exp(log_share), steps[-1]))
-        return steps[-1].pressure / fluid_pressure - 1
-
-    brentq(miss, math.log(before.share), math.log(way[after].share), xtol=1e-6)
-    nearest = min(steps, key=lambda step: abs(step.pressure / fluid_pressure - 1))
-    assert nearest.unknowns is not None
-
-    def given(lift: float) -> tuple[float, float]:
-        return fluid_pressure, closing_force - fluid_pressure * lift
-
-    return _together(seal, given, nearest.unknowns, nearest.contact)

@@ -143,25 +143,20 @@ def through(points: FloatArray, name: str, sharpest: float) -> Curve:
     segments: list[Segment] = []
     ends = np.flatnonzero(corner)
     for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True):
-        directions = _directions(units[a:b], lengths[a:b])
+        directions = _directions(points[a : b + 1], units[a:b])
         for n in range(a, b):
             segments.extend(biarc(points[n], directions[n - a], points[n + 1], directions[n - a + 1]))
     return Curve(tuple(Segment(s.start, s.end, name, s.centre) for s in segments if s.start != s.end))
 
 
-def _directions(units: FloatArray, lengths: FloatArray) -> Sequence[FloatArray]:
+def _directions(points: FloatArray, units: FloatArray) -> Sequence[FloatArray]:
     if len(units) == 1:
         return [units[0], units[0]]
-    # On a circle the tangent's angle is the mean of the chords' angles weighted with the other one's length.
-    weight = (lengths[1:] / (lengths[1:] + lengths[:-1]))[:, None]
-    angle = np.arctan2(
-        units[:-1, 0] * units[1:, 1] - units[:-1, 1] * units[1:, 0], np.sum(units[:-1] * units[1:], axis=1)
-    )
-    turned = angle * (1 - weight[:, 0])
-    inner = [_rotated(u, t) for u, t in zip(units[:-1], turned, strict=True)]
-    first = _mirrored(inner[0], units[0])
-    last = _mirrored(inner[-1], units[-1])
-    return [first, *inner, last]
+    # Tangent and chord enclose the angle that the chord is seen under from a third point of the circle.
+    chord, across = points[1:-1] - points[2:], points[:-2] - points[2:]
+    seen = np.arctan2(chord[:, 0] * across[:, 1] - chord[:, 1] * across[:, 0], np.sum(chord * across, axis=1))
+    inner = [_rotated(u, -t) for u, t in zip(units[:-1], seen, strict=True)]
+    return [_mirrored(inner[0], units[0]), *inner, _mirrored(inner[-1], units[-1])]
 
 
 def _rotated(u: FloatArray, angle: float) -> FloatArray:

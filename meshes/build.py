@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -132,17 +133,16 @@ def triangulate(outlines: tuple[Outline, ...], contact: ContactGeometry, sizing:
 def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> dict[str, list[int]]:
     """Add one body; return the curve tags of each boundary, and the surface tag under the body's name."""
     geo = gmsh.model.geo
-    points: dict[tuple[float, float], int] = {}
 
+    @cache
     def point(p: tuple[float, float]) -> int:
-        if p not in points:
-            points[p] = geo.addPoint(p[0] / scale, p[1] / scale, 0.0)
-        return points[p]
+        return int(geo.addPoint(p[0] / scale, p[1] / scale, 0.0))
 
     curves: dict[str, list[int]] = {}
     loop = []
-    for s in outline.segments:
-        start, end = point(s.start), point(s.end)
+    # A segment ends where the next one starts, also where round-off puts its own end a bit off that point.
+    for s, following in zip(outline.segments, (*outline.segments[1:], outline.segments[0]), strict=True):
+        start, end = point(s.start), point(following.start)
         # Pieces of the contact line carry one element each: chords, whatever they are cut from.
         if s.centre is None or s.name.endswith("_contact"):
             curve = geo.addLine(start, end)

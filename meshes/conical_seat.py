@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from meshes.dimensions import Partner, check_angle
 from meshes.errors import GeometryError
 from meshes.outline import Outline
 from meshes.rounding import chain
 from meshes.shape import Shape, housing
-from meshes.touch import first_touch
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,7 @@ class ConicalSeat:
     height: float
 
     def __post_init__(self) -> None:
-        if not 0 < self.angle < math.pi / 2:
-            raise GeometryError(
-                f"seat angle = {math.degrees(self.angle):.6g} deg: must lie between 0 and 90 deg"
-            )
+        check_angle("seat", "angle", self.angle)
         if not 0 < self.bore_radius < self.face_radius <= self.outer_radius:
             raise GeometryError(
                 "seat radii must increase from the bore over the upper edge of the face to the housing, got "
@@ -80,12 +77,10 @@ class ConicalSeat:
         bore_radius, face_radius, outer_radius, height : float, optional
             As of the class [m].
         """
-        if not 0 < angle < math.pi / 2:
-            raise GeometryError(f"seat angle = {math.degrees(angle):.6g} deg: must lie between 0 and 90 deg")
-        outline = closure.outline
-        size = outline.largest_radius
-        cone = chain([(0.0, 0.0), (2 * size, 2 * size * math.tan(angle))], "seat_face")
-        touch = first_touch(outline.face, cone).radius
+        check_angle("seat", "angle", angle)
+        partner = Partner.of(closure)
+        size = partner.size
+        touch = partner.touch_on(chain([(0.0, 0.0), (2 * size, 2 * size * math.tan(angle))], "seat_face"))
         face = face_radius or touch + 0.6 * size * math.cos(angle)
         if outer_radius is not None and face_radius is None:
             face = min(face, outer_radius)
@@ -93,8 +88,8 @@ class ConicalSeat:
             angle,
             bore_radius or 0.5 * touch,
             face,
-            outer_radius or max(touch + 1.5 * size, face),
-            height or 1.5 * size,
+            outer_radius or partner.housing_radius(touch, face),
+            height or partner.housing_height,
         )
 
     @property

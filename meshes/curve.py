@@ -178,10 +178,12 @@ class Curve:
 
         A first or last piece shorter than `shortest` [m] becomes one with its neighbour, straight across the break.
         """
-        inner = self.breaks[(self.breaks > start + shortest[0]) & (self.breaks < end - shortest[1])]
-        cuts = np.concatenate([[start], inner, [end]])
-        keep = np.concatenate([[True], np.diff(cuts) > 1e-10 * self.length])
-        return self.pieces(cuts[keep], name)
+        round_off = 1e-10 * self.length
+        if not end - start > round_off:
+            return ()
+        lower, upper = start + max(shortest[0], round_off), end - max(shortest[1], round_off)
+        inner = self.breaks[(self.breaks > lower) & (self.breaks < upper)]
+        return self.pieces(np.concatenate([[start], inner, [end]]), name)
 
     def pieces(self, ends: FloatArray, name: str) -> tuple[Segment, ...]:
         """One segment between every two neighbours of the arc lengths `ends` [m]; straight across a break."""

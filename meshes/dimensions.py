@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from meshes.curve import Curve
 from meshes.errors import GeometryError
+from meshes.faces import with_faces
 from meshes.outline import Outline
 from meshes.shape import Shape
 from meshes.touch import first_touch
@@ -68,8 +69,9 @@ class Partner:
         return self.outline.largest_radius
 
     def touch_on(self, face: Curve) -> float:
-        """Radius of first touch on a face without ends [m]."""
-        return first_touch(self.outline.face, face).radius
+        """Radius of first touch on a seat's face [m]."""
+        closure, seat = with_faces(self.outline, Outline("seat", face.reversed.segments))
+        return first_touch(closure.face, seat.face).radius
 
     def housing_radius(self, touch: float, face_end: float) -> float:
         """1.5 L wider than first touch: far enough to change a narrow contact's pressure by some 1e-5."""

@@ -72,6 +72,8 @@ def _faces_partner(name: str, s: Segment) -> bool:
 
 def named_beside(outline: Outline) -> Outline:
     """Pieces without a name called after the side of the face on which they lie."""
+    if all(s.name for s in outline.segments):
+        return outline
     at = [n for n, s in enumerate(outline.segments) if s.name == f"{outline.name}_face"]
     # The surface of the closure begins at the axis, that of the seat at the wall.
     before, after = ("inner", "outer") if outline.name == "closure" else ("outer", "inner")

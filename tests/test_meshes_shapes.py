@@ -133,7 +133,7 @@ def test_lapped_spherical_seat_touches_where_it_is_asked_to(share: float, degree
     # 1/R_rel = 1/R - 1/R_s, all of it cancellation
     assert contact.relative_radius == pytest.approx(20 * MM * share / (share - 1), rel=1e-9 / (share - 1))
     # distance of two circles whose centres are (share - 1) R apart, along the ray from the larger one's centre
-    x, R = np.linspace(-3, 3, 7) * MM, 20 * MM
+    x, R = np.linspace(-1, 1, 7) * MM, 20 * MM
     turn, apart = x / (share * R), (share - 1) * R
     gap = share * R - apart * np.cos(turn) - np.sqrt(R**2 - (apart * np.sin(turn)) ** 2)
     assert contact.gap(x) == pytest.approx(gap, abs=2e-16)
@@ -155,13 +155,6 @@ def areas() -> list[tuple[str, Outline, float]]:
     # torus: floor at 1 mm, an arc from cos = (3 - 1)/3 inwards to the vertical
     inner = math.sqrt(3**2 - 2**2)
     below = 0.5 * 3**2 * math.asin(inner / 3) - 0.5 * inner * 2
-    torus = (
-        14 * 3
-        + 0.25 * math.pi * 9
-        + 17 * 10
-        - (14 - inner) * 1
-        - (inner * 3 - (0.5 * inner * 2 + below + inner * 0))
-    )
     torus = 17 * 10 + 0.25 * math.pi * 9 + 14 * 3 - (14 - inner) * 1 - (inner * 3 - below - inner * 2)
     cap = 0.5 * 30**2 * math.asin(22 / 30) - 0.5 * 22 * math.sqrt(30**2 - 22**2)
     tip = cap + 22 * 20
@@ -341,8 +334,8 @@ def test_impossible_dimensions_name_key_and_value(make: Callable[[], object], sa
         make()
 
 
-def test_touch_on_the_axis_and_at_a_sharp_corner_is_refused() -> None:
+def test_touch_at_a_sharp_corner_is_refused() -> None:
     land = ConicalLand(BETA, 20 * MM * SIN, 1 * MM, 0.0, 0.0, 40 * MM, 30 * MM)
-    wide = Ball(21.5 * MM)
+    wide = Ball(18 * MM)
     with pytest.raises(GeometryError, match=r"sharp corner|face of the seat ends"):
         ContactGeometry.of(wide.outline, land.outline)

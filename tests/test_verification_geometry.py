@@ -160,7 +160,10 @@ def test_flat_rounded_punch_meets_the_closed_form() -> None:
     # Bending tilts the ring by a little more than its bodies' width over its radius: mean of both sides.
     mirrored = np.interp(-profile.x, profile.x, profile.pressure)
     mean = 0.5 * (profile.pressure + mirrored)[inside]
-    assert mean == pytest.approx(closed(profile.x[inside]), rel=1e-2)
+    exact = closed(profile.x[inside])
+    # The slope of the closed form is infinite at x = b, where the pressure of the elements is piecewise linear.
+    assert mean == pytest.approx(exact, rel=1.5e-2)
+    assert np.sqrt(np.mean((mean / exact - 1) ** 2)) < 4e-3
     assert float(mean.max()) == pytest.approx(float(closed(middle).max()), rel=5e-3)
     ends = profile.x[profile.pressure > 0][[0, -1]]
     assert ends[1] - ends[0] == pytest.approx(2 * a, rel=1e-2)
@@ -206,5 +209,7 @@ def test_nearly_fitting_sphere_meets_an_independent_program() -> None:
     # far from what half-planes would do
     assert abs(profile.peak_pressure / crossover.peak_pressure - 1) > 0.2
     ours = np.interp(x, profile.x, profile.pressure)
-    inside = (x > profile.x[0]) & (x < profile.x[-1])
-    assert ours[inside] == pytest.approx(pressure[inside], abs=2e-3 * pressure.max())
+    # The seat ends with sharp corners, where both programs still change with their elements.
+    away = np.abs(x) < 0.97 * profile.x[-1]
+    assert ours[away] == pytest.approx(pressure[away], abs=1e-3 * pressure.max())
+    assert ours[~away] == pytest.approx(pressure[~away], abs=1e-2 * pressure.max())

@@ -122,14 +122,16 @@ def with_open_materials(case: Case, paths: list[str]) -> Case:
     """The case with library materials written as tables, where a path changes a part of one."""
     changes = {}
     for body in ("closure", "seat"):
-        if any(path.startswith(f"{body}.material.") for path in paths):
-            changes[f"{body}.material"] = _as_table(getattr(case, body).material)
+        material = getattr(case, body).material
+        # one with a curve is no name from the library but a table already
+        if material.hardening is None and any(path.startswith(f"{body}.material.") for path in paths):
+            changes[f"{body}.material"] = _as_table(material)
     return case.replace(changes) if changes else case
 
 
 def _as_table(material: Material) -> dict[str, Any]:
     numbers = asdict(material)
-    entries = {name: Entry(name, _marker(field)) for name, field in MaterialTable.model_fields.items()}
+    entries = {name: Entry(name, _marker(field)) for name, field in _fields(material).items()}
     return {
         name: entry.written(numbers[name]) for name, entry in entries.items() if numbers[name] is not None
     }
@@ -151,7 +153,8 @@ def _paths_below(path: str, value: object, field: Any) -> Iterator[str]:
 
 def _fields(table: object) -> dict[str, Any]:
     if isinstance(table, Material):
-        return dict(MaterialTable.model_fields)
+        # without tables below, which a material keeps in another form
+        return {name: field for name, field in MaterialTable.model_fields.items() if hasattr(table, name)}
     model: type[BaseModel] = type(table)  # type: ignore[assignment]
     return dict(getattr(model, "model_fields", {}))
 

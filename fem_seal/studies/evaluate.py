@@ -65,6 +65,8 @@ def _plain(case: Case) -> bool:
         and case.load.target_leak_rate is None
         and case.leak.fluid_in_gap == "uncoupled"
         and supports(case).wall == "free"
+        and case.closure.material.hardening is None
+        and case.seat.material.hardening is None
     )
 
 
