@@ -143,7 +143,7 @@ def main():
     for workers in given.workers:
         side = int((10000 // part) ** 0.5)
         rates[workers] = [
-            run("roughness and pressure, grid", workers, 60, **grid(side)),
+            run("roughness and pressure, grid", workers, 60 / part, **grid(side)),
             run("geometries", workers, None, **geometries(200 // part)),
         ]
     one, *_, most = given.workers
@@ -152,8 +152,8 @@ def main():
         print(
             f"scaling from {one} to {most} workers, {name}: {wall:.2f} by wall time, {processor:.2f} by processor time"
         )
-    run("roughness and pressure, latin hypercube", most, 60, **latin(10000 // part))
-    run("geometries", most, 360, **geometries(1000 // part))
+    run("roughness and pressure, latin hypercube", most, 60 / part, **latin(10000 // part))
+    run("geometries", most, 360 / part, **geometries(1000 // part))
     memory(100_000)
 
 

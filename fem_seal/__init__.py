@@ -42,7 +42,7 @@ _HOME = {
     "HeldFluid": "fem_seal.fluid_paths",
     "blow_off_pressure": "fem_seal.blow_off",
     "FurtherLoads": "fem_seal.further_loads",
-    "Supports": "fem_seal.condensation",
+    "Supports": "fem_seal.held_body",
     "body_fields": "fem_seal.stress",
     "ContactSettings": "fem_seal.contact_solution",
     "ContactSolution": "fem_seal.contact_solution",

@@ -15,7 +15,12 @@ COARSER = 2.0
 
 
 def discretisation_error(
-    flow: CaseFlow | None, fine: PressureProfile, coarse: PressureProfile, fluid_pressure: float
+    flow: CaseFlow | None,
+    fine: PressureProfile,
+    coarse: PressureProfile,
+    fluid_pressure: float,
+    *,
+    of_coarse: bool = False,
 ) -> DiscretisationError:
     """Compare a load on the mesh of the result with the same on elements larger by `COARSER`.
 
@@ -26,20 +31,22 @@ def discretisation_error(
     fine, coarse : PressureProfile
     fluid_pressure : float
         [Pa]
+    of_coarse : bool
+        Whether the coarse one is the result, as it must be where a ready mesh cannot be made coarser.
     """
+
+    def estimated(fine: float, coarse: float) -> float:
+        """Relative error by Richardson's rule for the second order."""
+        return abs(coarse / fine - 1) / (COARSER**2 - 1) * (COARSER**2 if of_coarse else 1.0)
+
     leak_rate = None
     if flow is not None:
         leaks = flow.leak(fine, fluid_pressure).leak_rate
         if 0 < leaks < float("inf"):
-            leak_rate = _estimated(leaks, flow.leak(coarse, fluid_pressure).leak_rate)
+            leak_rate = estimated(leaks, flow.leak(coarse, fluid_pressure).leak_rate)
     return DiscretisationError(
-        _estimated(fine.peak_pressure, coarse.peak_pressure),
-        _estimated(fine.fwhm, coarse.fwhm),
-        _estimated(fine.std, coarse.std),
+        estimated(fine.peak_pressure, coarse.peak_pressure),
+        estimated(fine.fwhm, coarse.fwhm),
+        estimated(fine.std, coarse.std),
         leak_rate,
     )
-
-
-def _estimated(fine: float, coarse: float) -> float:
-    """Relative error of the finer of two solutions, by Richardson's rule for the second order."""
-    return abs(coarse / fine - 1) / (COARSER**2 - 1)

@@ -13,14 +13,9 @@ import numpy as np
 from fem_seal.condensation import ContactModel
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.elastoplastic_body import BodyState
-from fem_seal.elastoplastic_contact import (
-    ElastoplasticContact,
-    Equilibrium,
-    PlasticSettings,
-    YieldingBody,
-    press,
-)
+from fem_seal.elastoplastic_contact import ElastoplasticContact, PlasticSettings, YieldingBody
 from fem_seal.elastoplastic_fields import ElastoplasticField, elastoplastic_field
+from fem_seal.elastoplastic_newton import Equilibrium, press
 from fem_seal.errors import ConvergenceError
 from fem_seal.further_loads import NO_LOADS, FurtherLoads
 from fem_seal.imprint import Imprint

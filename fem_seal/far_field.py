@@ -7,8 +7,9 @@ from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.condensation import ContactModel, Supports, condense
+from fem_seal.condensation import ContactModel, condense
 from fem_seal.errors import ConvergenceError, InputError
+from fem_seal.held_body import Supports
 from fem_seal.load_solver import LoadSolver, interference, supports
 from meshes import ContactGeometry, GeometryError, MeshingError, SealMesh, build_contact
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
-from fem_seal.condensation import Supports, trace_matrix
 from fem_seal.elasticity import displacement_basis, pressure_load
 from fem_seal.materials import Material
 from fem_seal.restricted_inverse import restricted_inverse
@@ -22,6 +21,19 @@ if TYPE_CHECKING:
     from skfem import Basis
 
 FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Supports:
+    """How the seat is held; its bottom always is, along the axis.
+
+    Parameters
+    ----------
+    wall : {"free", "fixed"}
+        Whether the outer wall of the housing is held radially.
+    """
+
+    wall: Literal["free", "fixed"] = "free"
 
 
 @dataclass(frozen=True)
@@ -181,6 +193,36 @@ def held_body(
             held = np.concatenate([held, wall])
     free = np.setdiff1d(np.arange(basis.N), held)
     return HeldBody(name, basis, material, nodes, contact_x, normal, trace, free, balance, further, wall)
+
+
+def trace_matrix(
+    basis: Basis, boundary: str, coordinate: Callable[[FloatArray, FloatArray], FloatArray], x: FloatArray
+) -> tuple[NDArray[np.int64], csr_matrix]:
+    """Quadratic trace on a contact line evaluated at the arc lengths `x`.
+
+    Returns
+    -------
+    nodes : ndarray of int, shape (n,)
+        The trace nodes among the body's quadratic nodes, along increasing x.
+    trace : csr_matrix, shape (len(x), n)
+    """
+    mesh = basis.mesh
+    facets = np.asarray((mesh.boundaries or {})[boundary])
+    ends = coordinate(*mesh.p[:, mesh.facets[:, facets].ravel()]).reshape(2, -1)
+    order = np.argsort(ends.mean(axis=0))
+    facets, ends = facets[order], ends[:, order]
+    first = ends.min(axis=0)
+    facet = np.clip(np.searchsorted(first, x, side="right") - 1, 0, len(facets) - 1)
+    t = (x - ends[0, facet]) / (ends[1, facet] - ends[0, facet])
+    shape = np.stack([(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)])
+    vertex, vertex_index = np.unique(mesh.facets[:, facets], return_inverse=True)
+    vertex_index = vertex_index.reshape(2, -1)
+    columns = np.stack([vertex_index[0, facet], vertex_index[1, facet], len(vertex) + facet])
+    rows = np.tile(np.arange(len(x)), 3)
+    trace = csr_matrix((shape.ravel(), (rows, columns.ravel())), shape=(len(x), len(vertex) + len(facets)))
+    nodes = np.concatenate([vertex, mesh.nvertices + facets])
+    along = np.argsort(coordinate(*quadratic_nodes(mesh)[0][nodes].T))
+    return nodes[along], trace[:, along]
 
 
 def _dofs(basis: Basis, boundary: str, component: int) -> NDArray[np.int64]:

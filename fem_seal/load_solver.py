@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 from fem_seal.blow_off import blow_off_pressure
 from fem_seal.case_flow import CaseFlow
-from fem_seal.condensation import ContactModel, Supports
+from fem_seal.condensation import ContactModel
 from fem_seal.contact import solve
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.coupled_contact import Seal
 from fem_seal.errors import InputError, OpenSealError, Problem
 from fem_seal.fluid_paths import FlowThrough, FluidPath, HeldFluid
 from fem_seal.further_loads import FurtherLoads
+from fem_seal.held_body import Supports
 from fem_seal.laws import Law
 from fem_seal.loads import blow_off_of_sealed_area, closing_force
 from fem_seal.penetration import solve_at_contact_force, solve_penetration

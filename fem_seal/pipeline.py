@@ -78,6 +78,13 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         solver = LoadSolver(case, law, _condensed(case, coarse_mesh))
         coarse = solver.solve(*point)
         error = discretisation_error(solver.flow, highest.contact.profile, coarse.profile, point[0])
+        if case.contact.has_ready_mesh:
+            # A ready mesh cannot be made coarser, but finer.
+            fine_mesh = build_contact(case.contact.with_finer_meshes(), seal_mesh.sizing.refined(COARSER))
+            fine = LoadSolver(case, law, _condensed(case, fine_mesh)).solve(*point)
+            error = discretisation_error(
+                solver.flow, fine.profile, highest.contact.profile, point[0], of_coarse=True
+            )
     with clock.step("far field", "comparing sizes and supports far from the contact"):
         far = far_field(solver, coarse, coarse_mesh, point)
     with clock.step("questions", "blow-off and force for the target leak rate"):
@@ -237,7 +244,7 @@ def model_and_contacts(
             solver = LoadSolver(case, law, model)
             return [solver.solve(*point) for point in case.load.points]
 
-    size_given = case.mesh.contact_size is not None
+    size_given = case.mesh.contact_size is not None or case.contact.has_ready_mesh
     contacts = solve_fitted(sizing(case, law), case.contact, solve_on, size_given=size_given)
     return meshes[-1], contacts[0].model, contacts
 

@@ -100,7 +100,7 @@ def _plain(value: Any) -> Any:
         return {name: _plain(entry) for name, entry in value}
     if is_dataclass(value) and not isinstance(value, type):
         return asdict(value)
-    return list(value) if isinstance(value, tuple) else value
+    return [_plain(entry) for entry in value] if isinstance(value, (tuple, list)) else value
 
 
 def mesh_numbers(result: SealResult) -> dict[str, Any]:

@@ -373,7 +373,7 @@ def _stiffer(model: ContactModel, factor: float) -> ContactModel:
             name: load if name == "wall" else replace(load, opening=load.opening / factor)
             for name, load in one.loads.items()
         }
-        return replace(one, material=material, loads=loads)
+        return replace(one, held=replace(one.held, material=material), loads=loads)
 
     return replace(
         model, closure=body(model.closure), seat=body(model.seat), compliance=model.compliance / factor

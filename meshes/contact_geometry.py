@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from meshes.curve import Curve
 from meshes.errors import GeometryError
 from meshes.faces import with_faces
+from meshes.meshed_body import MeshedOutline
 from meshes.outline import Outline
 from meshes.touch import at_a_corner, first_touch
 
@@ -74,6 +75,18 @@ class ContactGeometry:
                     f"closure and seat touch first at r = {self.touch_radius:.6g} m at a sharp corner of the {name}; "
                     "give it an edge radius"
                 )
+
+    @property
+    def has_ready_mesh(self) -> bool:
+        """Whether a body is meshed already, so that its elements are what they are."""
+        return any(isinstance(body, MeshedOutline) for body in (self.closure, self.seat))
+
+    def with_finer_meshes(self) -> ContactGeometry:
+        """The same contact with every ready mesh halved; bodies without one are left alone."""
+        closure, seat = (
+            body.halved() if isinstance(body, MeshedOutline) else body for body in (self.closure, self.seat)
+        )
+        return replace(self, closure=closure, seat=seat)
 
     @cached_property
     def closure_face(self) -> Curve:

@@ -11,13 +11,13 @@ from scipy.sparse.linalg import spsolve
 from skfem import MeshTri, MeshTri2
 
 import meshes
-from fem_seal.condensation import ContactModel, Supports, condense
+from fem_seal.condensation import ContactModel, condense
 from fem_seal.contact_size import element_sizes
 from fem_seal.elasticity import displacement_basis
 from fem_seal.elastoplastic_body import BodyState, ElastoplasticBody
 from fem_seal.elastoplastic_contact import YieldingBody
 from fem_seal.hardening import HardeningCurve
-from fem_seal.held_body import held_body
+from fem_seal.held_body import Supports, held_body
 from fem_seal.laws import Law
 from fem_seal.loads import closing_force, line_load
 from fem_seal.materials import Material, effective_modulus

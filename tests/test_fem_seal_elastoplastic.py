@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from plastic_solids import CURVE, HARDENING, LAW, NU, PERFECT, YIELD, E, ring_solid, seal
 
 from fem_seal.case import load_case
-from fem_seal.condensation import Supports
 from fem_seal.contact import solve
 from fem_seal.elasticity import stiffness_matrix
 from fem_seal.elastoplastic_body import ElastoplasticBody
@@ -24,6 +23,7 @@ from fem_seal.elastoplastic_path import LoadPath, PathLoad, load_path
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.further_loads import FurtherLoads
 from fem_seal.hardening import HardeningCurve
+from fem_seal.held_body import Supports
 from fem_seal.imprint import Imprint
 from fem_seal.laws import HardContact, Law
 from fem_seal.materials import Material

@@ -12,11 +12,12 @@ from sample_results import case
 
 import fem_seal
 import meshes
-from fem_seal.condensation import Supports, condense
+from fem_seal.condensation import condense
 from fem_seal.derived import derive
 from fem_seal.errors import InputError
 from fem_seal.far_field import far_field_sentence
 from fem_seal.further_loads import FurtherLoads
+from fem_seal.held_body import Supports
 from fem_seal.loads import closing_force
 from fem_seal.report import report
 from fem_seal.stress import node_dofs, quadratic_nodes

@@ -12,13 +12,14 @@ import leak
 import meshes
 from fem_seal import HardContact, solve
 from fem_seal.blow_off import blow_off_pressure
-from fem_seal.condensation import Supports, condense
+from fem_seal.condensation import condense
 from fem_seal.coupled_contact import Seal
 from fem_seal.elasticity import pressure_load, stiffness_matrix
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.fixed_point import first_fixed_point, fixed_point
 from fem_seal.fluid_paths import FlowThrough, HeldFluid
 from fem_seal.further_loads import FurtherLoads
+from fem_seal.held_body import Supports
 from fem_seal.penetration import effective_radius, solve_at_contact_force, solve_penetration
 from fem_seal.stress import node_dofs, quadratic_nodes
 

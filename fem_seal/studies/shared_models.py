@@ -12,8 +12,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from fem_seal.condensation import CondensedBody, ContactModel, condense
 from fem_seal.contact_size import element_sizes
 from fem_seal.laws import Law
@@ -106,11 +104,11 @@ def _full_model(bodies: Bodies) -> ContactModel:
 @lru_cache(maxsize=_LIGHT_MODELS)
 def _light_model(bodies: Bodies) -> ContactModel:
     full = _full_model.__wrapped__(bodies)
-    return replace(full, closure=_without_response(full.closure), seat=_without_response(full.seat))
+    return replace(full, closure=_without_displacement(full.closure), seat=_without_displacement(full.seat))
 
 
-def _without_response(body: CondensedBody) -> CondensedBody:
-    return replace(body, response=np.empty((0, 0)))
+def _without_displacement(body: CondensedBody) -> CondensedBody:
+    return replace(body, solve=None)
 
 
 def _down(size: float, step: float) -> float:

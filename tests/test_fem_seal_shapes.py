@@ -1,0 +1,172 @@
+"""Every family of shapes through the whole chain, from a case file to its results."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from fem_seal import Case, InputError, load_case, run
+from fem_seal.case_dimensions import chosen_dimensions, dimensions
+from fem_seal.case_messages import choices, tables_of
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
+CLOSURES = {
+    "ball": {"radius": "20 mm", "cavity_radius": "12 mm"},
+    "cone": {"angle": "45 deg", "outer_radius": "18 mm"},
+    "torus": {"centre_radius": "14 mm", "radius": "3 mm"},
+    "spherical-tip": {"radius": "30 mm", "stem_radius": "22 mm"},
+    "disc": {"radius": "16 mm"},
+    "profile": {
+        "outline": [
+            {"to": ["0 mm", "0 mm"]},
+            {"to": ["12 mm", "0 mm"]},
+            {"to": ["17 mm", "5 mm"], "centre": ["12 mm", "5 mm"]},
+            {"to": ["17 mm", "25 mm"]},
+            {"to": ["0 mm", "25 mm"]},
+            {"to": ["0 mm", "0 mm"]},
+        ]
+    },
+}
+SEATS = {
+    "cone": {"angle": "45 deg"},
+    "conical-land": {"angle": "45 deg", "land_width": "1 mm"},
+    "sphere": {"radius": "26 mm", "contact_angle": "40 deg"},
+    "torus": {"centre_radius": "13 mm", "radius": "4 mm"},
+    "flat": {"bore_radius": "8 mm"},
+    "sharp-edge": {"bore_radius": "10 mm", "edge_radius": "0.5 mm"},
+    "profile": {
+        "outline": [
+            {"to": ["9 mm", "-20 mm"]},
+            {"to": ["40 mm", "-20 mm"]},
+            {"to": ["40 mm", "12 mm"]},
+            {"to": ["21 mm", "12 mm"]},
+            {"to": ["9 mm", "0 mm"], "radius": "-60 mm"},
+            {"to": ["9 mm", "-20 mm"]},
+        ]
+    },
+}
+# Every closure and every seat at least once, with a stretch of contact and a seat whose wall is pressed in.
+PAIRS = [
+    ("ball", "sphere"),
+    ("ball", "sharp-edge"),
+    ("cone", "conical-land"),
+    ("torus", "flat"),
+    ("spherical-tip", "torus"),
+    ("disc", "cone"),
+    ("profile", "cone"),
+    ("ball", "profile"),
+]
+
+
+def tables(closure: str, seat: str, **more: object) -> dict[str, object]:
+    return {
+        "closure": {"shape": closure, **CLOSURES[closure], "material": STEEL},
+        "seat": {"shape": seat, **SEATS[seat], "material": STEEL},
+        "interface": {"law": "exponential", "u0": "2 um", "p_c": "1 GPa"},
+        "load": {"fluid_pressure": "20 bar"},
+        **more,
+    }
+
+
+def test_every_shape_is_in_a_pair() -> None:
+    for key, column in (("closure", 0), ("seat", 1)):
+        known = {word for table in tables_of(Case.model_fields[key]) for word in choices(table, "shape")}
+        assert {pair[column] for pair in PAIRS} == known
+
+
+@pytest.mark.parametrize(("closure", "seat"), PAIRS)
+def test_family_from_case_to_results(closure: str, seat: str, tmp_path) -> None:
+    case = Case(**tables(closure, seat))
+    result = run(case)
+    contact = result.loads[0].contact
+    assert contact.force_error == pytest.approx(0.0, abs=1e-9)
+    assert contact.profile.peak_pressure > 1e6
+    shares = contact.profile.pressure[[0, -1]] / contact.profile.pressure.max()
+    ends = [abs(a - b) < 1e-9 for a, b in zip(result.seal_mesh.sizing.zone, case.contact.reach, strict=True)]
+    assert all(share < 1e-6 or at_the_end for share, at_the_end in zip(shares, ends, strict=True))
+    result.write(tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    for name in ("closure", "seat"):
+        assert summary["input"][name].items() >= chosen_dimensions(case, name).items()
+    page = (tmp_path / "report.html").read_text()
+    assert f"closure of shape {closure} on a seat of shape {seat}" in page
+    assert "(chosen)" in page or seat == "profile"
+
+
+def test_dimensions_that_are_left_open_are_listed() -> None:
+    case = Case(**tables("cone", "conical-land"))
+    assert set(chosen_dimensions(case, "closure")) == {"inner_radius", "mean_radius", "edge_radius", "height"}
+    seat = dimensions(case, "seat")
+    assert seat["angle"] == pytest.approx(math.pi / 4)
+    assert seat["land_radius"] == pytest.approx(case.touch_radius, rel=1e-9)
+    assert "interference" not in seat
+
+
+@pytest.mark.parametrize(
+    ("closure", "seat", "change", "said"),
+    [
+        ("ball", "cone", {"seat.shape": "conical"}, 'do you mean "conical-land"?'),
+        ("ball", "cone", {"seat.interference": "20 um"}, 'only with wall = "fixed"'),
+        ("ball", "cone", {"seat.wall": "fixd"}, '"free" or "fixed"'),
+        (
+            "ball",
+            "cone",
+            {"closure.cavity_radius": "25 mm"},
+            "closure.cavity_radius = 0.025 m: must be below",
+        ),
+        ("ball", "conical-land", {"seat.land_width": "80 mm"}, "seat.land_width = 0.08 m: the land"),
+        ("ball", "conical-land", {"seat.land_width": 1}, "no unit"),
+        ("ball", "conical-land", {"seat.land_wdth": "1 mm"}, "do you mean land_width?"),
+        ("ball", "conical-land", {"seat.edge_radius": "1.5 mm"}, "allowed is up to"),
+        ("cone", "cone", {"closure.outer_radius": None}, "one or two of outer_radius"),
+        ("cone", "cone", {"closure.mean_radius": "12 mm", "closure.inner_radius": "9 mm"}, "all three"),
+        ("ball", "sphere", {"seat.radius": "18 mm"}, "radius of the seat larger"),
+        ("ball", "flat", {"seat.bore_radius": None}, "bore_radius is missing"),
+        ("profile", "cone", {"closure.file": "a.dxf"}, "both are given"),
+        ("profile", "cone", {"closure.outline": None, "closure.file": "a.dwg"}, "must end with .dxf"),
+        ("profile", "cone", {"closure.outline": None, "closure.file": "a.dxf"}, "is not there"),
+        ("profile", "cone", {"closure.outline": [{"to": ["0 mm", 3]}]}, "closure.outline[1].to"),
+        ("profile", "cone", {"closure.outline": CLOSURES["profile"]["outline"][:-1]}, "is open"),
+    ],
+)
+def test_wrong_shapes_name_the_key_and_the_remedy(closure: str, seat: str, change, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Case(**tables(closure, seat)).replace(change)
+    assert said in str(caught.value)
+
+
+def test_files_stand_beside_the_case(tmp_path) -> None:
+    ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")
+    drawing = ezdxf.new(units=4)
+    drawing.modelspace().add_lwpolyline([(10, 0), (40, 0), (40, 30), (30, 30)], close=True)
+    drawing.saveas(tmp_path / "seat.dxf")
+    (tmp_path / "case.toml").write_text(
+        '[closure]\nshape = "ball"\nradius = "26 mm"\nmaterial = "steel"\n'
+        '[seat]\nshape = "profile"\nfile = "seat.dxf"\nmaterial = "steel"\n'
+        '[interface]\nlaw = "smooth"\n[load]\nfluid_pressure = "5 bar"\n'
+    )
+    case = load_case(tmp_path / "case.toml")
+    # a line from (10, 0) to (30, 30): tan(theta) = 1.5
+    assert math.tan(case.contact.angle) == pytest.approx(1.5, rel=1e-9)
+    assert case.touch_radius == pytest.approx(0.026 * math.sin(math.atan(1.5)), rel=1e-9)
+
+
+def test_ready_mesh_is_used_as_it_is_and_its_error_is_estimated(tmp_path) -> None:
+    """The mesh of a parametric case, read back, gives the same contact; its error is that of a coarse mesh."""
+    coarse = {"contact_size": "100 um"}
+    parametric = Case(**tables("ball", "cone", mesh=coarse))
+    known = run(parametric)
+    known.seal_mesh.write(tmp_path / "seal.msh")
+    source = {"shape": "profile", "file": str(tmp_path / "seal.msh"), "material": STEEL}
+    case = Case(**{**tables("ball", "cone", mesh=coarse), "closure": source, "seat": source})
+    result = run(case)
+    assert case.touch_radius == pytest.approx(parametric.touch_radius, rel=1e-9)
+    ours, theirs = result.loads[0].contact.profile, known.loads[0].contact.profile
+    # the very same elements, but for the outermost ones of the contact line, where a millionth of the peak is left
+    assert ours.peak_pressure == pytest.approx(theirs.peak_pressure, rel=1e-5)
+    assert ours.std == pytest.approx(theirs.std, rel=1e-5)
+    exact = run(Case(**tables("ball", "cone"))).loads[0].contact.profile
+    assert result.discretisation_error.std > 0
+    assert abs(ours.std / exact.std - 1) < 3 * result.discretisation_error.std
