@@ -35,10 +35,13 @@ class View:
 
     def body(self, outline: Outline, fill: str) -> str:
         """A body and its mirror image."""
-        paths = "".join(f'<path d="{self._outline(outline, side)}"/>' for side in (1, -1))
-        return f'<g fill="{fill}" stroke="{INK}" stroke-width="1.3" stroke-linejoin="round">{paths}</g>'
+        solid = "".join(f'<path d="{self._outline(outline, side, "L")}Z"/>' for side in (1, -1))
+        # The axis is no edge of the body: its mirror image continues there.
+        edges = "".join(f'<path d="{self._outline(outline, side, "M")}"/>' for side in (1, -1))
+        pen = f'fill="none" stroke="{INK}" stroke-width="1.3" stroke-linejoin="round"'
+        return f'<g fill="{fill}">{solid}</g><g {pen}>{edges}</g>'
 
-    def _outline(self, outline: Outline, side: int) -> str:
+    def _outline(self, outline: Outline, side: int, along_axis: str) -> str:
         steps = []
         for n, s in enumerate(outline.segments):
             x, y = self.at(s.end, side)
@@ -46,8 +49,7 @@ class View:
             if n == 0:
                 steps.append("M{:.2f} {:.2f}".format(*self.at(s.start, side)))
             if s.centre is None:
-                # The axis is no edge of the body: its mirror image continues there.
-                steps.append(f"{'M' if on_axis else 'L'}{x:.2f} {y:.2f}")
+                steps.append(f"{along_axis if on_axis else 'L'}{x:.2f} {y:.2f}")
             else:
                 radius = math.dist(s.start, s.centre) * self.scale
                 # The picture's y points down: what turns left in the section turns against the clock's hands here.
