@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.condensation import ContactModel
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.elastoplastic_body import BodyState, ElastoplasticBody
 from fem_seal.elastoplastic_fields import elastoplastic_field
@@ -50,6 +51,20 @@ class YieldingBody:
     def solid(self) -> ElastoplasticBody:
         """The elastoplastic solid."""
         return ElastoplasticBody(self.held.basis, self.held.material, self.held.free)
+
+
+def yielding_bodies(model: ContactModel) -> dict[str, YieldingBody]:
+    """Those bodies of a seal whose materials have a hardening curve, by name; empty if the seal is elastic.
+
+    Parameters
+    ----------
+    model : ContactModel
+    """
+    return {
+        body.held.name: YieldingBody(body.held)
+        for body in (model.closure, model.seat)
+        if body.material.hardening is not None
+    }
 
 
 @dataclass(frozen=True, kw_only=True)

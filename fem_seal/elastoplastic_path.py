@@ -13,7 +13,12 @@ import numpy as np
 from fem_seal.condensation import ContactModel
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.elastoplastic_body import BodyState
-from fem_seal.elastoplastic_contact import ElastoplasticContact, PlasticSettings, YieldingBody
+from fem_seal.elastoplastic_contact import (
+    ElastoplasticContact,
+    PlasticSettings,
+    YieldingBody,
+    yielding_bodies,
+)
 from fem_seal.elastoplastic_fields import ElastoplasticField, elastoplastic_field
 from fem_seal.elastoplastic_newton import Equilibrium, press
 from fem_seal.errors import ConvergenceError
@@ -89,7 +94,6 @@ class PathLoad:
 
 def load_path(
     model: ContactModel,
-    bodies: Mapping[str, YieldingBody],
     law: Law,
     loads: Sequence[PathLoad],
     *,
@@ -101,9 +105,7 @@ def load_path(
     Parameters
     ----------
     model : ContactModel
-        Of the elastic bodies.
-    bodies : mapping
-        Those that yield, "closure" or "seat" or both; their materials have a hardening curve.
+        The material of "closure", "seat" or both has a hardening curve; they yield.
     law : InterfaceLaw or HardContact
     loads : sequence of PathLoad
         In the order in which they act, forces positive; between them everything rises or falls evenly.
@@ -127,8 +129,9 @@ def load_path(
     Plastic strain depends on the path, so every load is reached in steps. Implicit Euler is of first order in the
     size of the steps.
     """
+    bodies = yielding_bodies(model)
     if not bodies:
-        raise ValueError("bodies: none yields; solve the contact with fem_seal.contact.solve")
+        raise ValueError("no material has a hardening curve; solve the contact with fem_seal.contact.solve")
     for load in loads:
         if not (math.isfinite(load.axial_force) and load.axial_force > 0):
             raise ValueError(f"axial_force = {load.axial_force!r} N: must be positive and finite")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -68,7 +69,7 @@ def profile_picture(result: SealResult, derived: Derived) -> Picture:
         svg(figure),
         "Contact pressure over the arc length across the contact line"
         + (", all loads; and" if len(order) > 1 else ",")
-        + " the finite-element result beside the closed-form profiles",
+        + " the finite-element result beside the closed-form profiles, where there are any",
         _profile_caption(result),
     )
 
@@ -79,6 +80,11 @@ def _profile_caption(result: SealResult) -> str:
         "Nominal contact pressure across the sealing line; x = 0 is the circle of first touch, x > 0 lies outside "
         "it. "
     )
+    if math.isinf(result.model.relative_radius):
+        return start + (
+            "The faces fit each other along a stretch: the closed forms of a curved line contact (Hertz, Gaussian, "
+            "crossover) do not exist here, and the pressure rises towards the edges of the stretch."
+        )
     hertz = "Hertz: smooth elastic bodies, the narrowest contact possible. "
     if law == "smooth":
         return start + hertz + "The interface is smooth, so the calculation should fall on it."

@@ -15,9 +15,8 @@ from fem_seal.condensation import ContactModel, condense
 from fem_seal.contact_size import element_sizes
 from fem_seal.elasticity import displacement_basis
 from fem_seal.elastoplastic_body import BodyState, ElastoplasticBody
-from fem_seal.elastoplastic_contact import YieldingBody
 from fem_seal.hardening import HardeningCurve
-from fem_seal.held_body import Supports, held_body
+from fem_seal.held_body import Supports
 from fem_seal.laws import Law
 from fem_seal.loads import closing_force, line_load
 from fem_seal.materials import Material, effective_modulus
@@ -99,8 +98,8 @@ def seal(
     refine: float = 0.5,
     wider: float = 1.0,
     supports: Supports | None = None,
-) -> tuple[ContactModel, dict[str, YieldingBody], float]:
-    """Ball on a cone: the elastic model, the bodies that yield, and the closing force."""
+) -> tuple[ContactModel, float]:
+    """Ball on a cone: its model and the closing force."""
     ball = meshes.Ball(0.02)
     contact = meshes.ContactGeometry.of(
         ball.outline, meshes.ConicalSeat.around(math.radians(45), ball).outline
@@ -110,11 +109,4 @@ def seal(
     sizing = element_sizes(law, [load], contact, effective_modulus(closure, seat)).refined(refine)
     sizing = replace(sizing, zone=(wider * sizing.zone[0], wider * sizing.zone[1]), core=wider * sizing.core)
     mesh = meshes.build_contact(contact, sizing)
-    materials = {"closure": closure, "seat": seat}
-    model = condense(mesh, materials, supports)
-    bodies = {
-        name: YieldingBody(held_body(mesh, name, material, model.line.x, supports))
-        for name, material in materials.items()
-        if material.hardening is not None
-    }
-    return model, bodies, force
+    return condense(mesh, {"closure": closure, "seat": seat}, supports), force

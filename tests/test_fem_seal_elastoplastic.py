@@ -184,13 +184,11 @@ def test_a_body_without_curve_does_not_yield() -> None:
 @pytest.mark.parametrize("law", [LAW, HardContact()], ids=["exponential", "hard"])
 def test_below_the_yield_stress_the_result_is_the_elastic_one(law: Law) -> None:
     """Both bodies as yielding ones that never yield, under fluid on all surfaces and with a fixed, moved wall."""
-    model, bodies, force = seal(law, 2e6, closure=STRONG, seat=STRONG, supports=Supports(wall="fixed"))
+    model, force = seal(law, 2e6, closure=STRONG, seat=STRONG, supports=Supports(wall="fixed"))
     fluid = FurtherLoads.of_fluid(2e6, 1e5, np.full(len(model.line.x), 5e5), interference=2e-6)
     elastic = solve(model, law, axial_force=force, loads=fluid)
     fit = FurtherLoads.press_fit(2e-6)
-    path = load_path(
-        model, bodies, law, [PathLoad(force, fluid)], at_rest=fit, settings=PlasticSettings(steps=1)
-    )
+    path = load_path(model, law, [PathLoad(force, fluid)], at_rest=fit, settings=PlasticSettings(steps=1))
     (contact,) = path.contacts
     assert contact.pressure == pytest.approx(elastic.pressure, rel=1e-8, abs=1e-8 * elastic.pressure.max())
     assert contact.approach == pytest.approx(elastic.approach, rel=1e-9)
@@ -209,9 +207,9 @@ def test_below_the_yield_stress_the_result_is_the_elastic_one(law: Law) -> None:
 @pytest.fixture(scope="module")
 def pressed() -> tuple[LoadPath, float]:
     """A perfectly plastic seat far in the fully plastic range: E* a/(R Y) = 25."""
-    model, bodies, force = seal(LAW, 6e7, seat=PERFECT, wider=2.0)
+    model, force = seal(LAW, 6e7, seat=PERFECT, wider=2.0)
     loads = [PathLoad(force), PathLoad(0.4 * force), PathLoad(force)]
-    return load_path(model, bodies, LAW, loads), force
+    return load_path(model, LAW, loads), force
 
 
 def test_contact_carries_the_force(pressed: tuple[LoadPath, float]) -> None:
@@ -296,9 +294,9 @@ def test_imprint_stays(pressed: tuple[LoadPath, float]) -> None:
 
 
 def test_smaller_steps_change_little_and_in_proportion() -> None:
-    model, bodies, force = seal(LAW, 3e7, seat=HARDENING, refine=0.35, wider=1.5)
+    model, force = seal(LAW, 3e7, seat=HARDENING, refine=0.35, wider=1.5)
     std = [
-        load_path(model, bodies, LAW, [PathLoad(force)], settings=PlasticSettings(steps=steps))
+        load_path(model, LAW, [PathLoad(force)], settings=PlasticSettings(steps=steps))
         .contacts[0]
         .profile.std
         for steps in (4, 8, 16)
@@ -308,9 +306,9 @@ def test_smaller_steps_change_little_and_in_proportion() -> None:
 
 
 def test_hard_contact_on_a_yielding_seat() -> None:
-    model, bodies, force = seal(HardContact(), 3e7, seat=HARDENING, refine=0.35, wider=1.5)
+    model, force = seal(HardContact(), 3e7, seat=HARDENING, refine=0.35, wider=1.5)
     (contact,) = load_path(
-        model, bodies, HardContact(), [PathLoad(force)], settings=PlasticSettings(steps=8)
+        model, HardContact(), [PathLoad(force)], settings=PlasticSettings(steps=8)
     ).contacts
     elastic = solve(model, HardContact(), axial_force=force)
     assert contact.profile.pressure.min() >= 0
@@ -320,26 +318,30 @@ def test_hard_contact_on_a_yielding_seat() -> None:
 
 
 def test_steps_are_halved_before_giving_up() -> None:
-    model, bodies, force = seal(LAW, 6e7, seat=PERFECT, refine=0.35, wider=2.0)
+    model, force = seal(LAW, 6e7, seat=PERFECT, refine=0.35, wider=2.0)
     few = PlasticSettings(steps=1, max_iterations=6)
-    (contact,) = load_path(model, bodies, LAW, [PathLoad(force)], settings=few).contacts
+    (contact,) = load_path(model, LAW, [PathLoad(force)], settings=few).contacts
     assert contact.load_steps > 1
     assert abs(contact.force_error) < 1e-12
     loads = [PathLoad(0.02 * force), PathLoad(force)]
     with pytest.raises(
         ConvergenceError, match=r"load step from .* N to .* N .*out of balance by .*lower the load"
     ) as caught:
-        load_path(model, bodies, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1))
+        load_path(model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1))
     assert [contact.axial_force for contact in caught.value.partial] == [0.02 * force]
 
 
 @pytest.mark.parametrize("force", [0.0, -1.0, math.nan])
 def test_forces_of_a_path_must_close_the_seal(force: float) -> None:
-    model, bodies, _ = seal(LAW, 2e6, seat=PERFECT, refine=0.3)
+    model, _ = seal(LAW, 2e6, seat=PERFECT, refine=0.3)
     with pytest.raises(ValueError, match="axial_force"):
-        load_path(model, bodies, LAW, [PathLoad(force)])
-    with pytest.raises(ValueError, match="none yields"):
-        load_path(model, {}, LAW, [PathLoad(1.0)])
+        load_path(model, LAW, [PathLoad(force)])
+
+
+def test_an_elastic_seal_has_no_path() -> None:
+    model, force = seal(LAW, 2e6, refine=0.3)
+    with pytest.raises(ValueError, match="no material has a hardening curve"):
+        load_path(model, LAW, [PathLoad(force)])
 
 
 # imprint and yielded zone ---------------------------------------------------------------------------------------

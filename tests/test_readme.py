@@ -31,6 +31,7 @@ def test_commands_named_in_the_readme_exist():
     from fem_seal.cli import app
 
     known = {command.name or command.callback.__name__ for command in app.registered_commands}
+    known |= {group.name for group in app.registered_groups}
     assert set(re.findall(r"fem-seal (\w+) ", README)) <= known
 
 

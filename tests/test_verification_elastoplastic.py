@@ -227,8 +227,8 @@ def test_seal_against_calculix() -> None:
     Its contact carries 0.5 % more than the load (its sum over the contact line against its own reactions), so that
     pressures are compared per line load. The elastic peak would be twice as high.
     """
-    model, bodies, force = seal(LAW, 4e7, seat=HARDENING, wider=2.0)
-    (contact,) = load_path(model, bodies, LAW, [PathLoad(force)], settings=PlasticSettings(steps=8)).contacts
+    model, force = seal(LAW, 4e7, seat=HARDENING, wider=2.0)
+    (contact,) = load_path(model, LAW, [PathLoad(force)], settings=PlasticSettings(steps=8)).contacts
     profile = contact.profile
     assert profile.peak_pressure / profile.moment(0) == pytest.approx(658.26e6 / 401812.2, rel=2e-3)
     assert (profile.fwhm, profile.std) == pytest.approx((0.62400e-3, 0.20599e-3), rel=4e-3)
