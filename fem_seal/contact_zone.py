@@ -51,6 +51,8 @@ def solve_fitted(
     ConvergenceError
         If a contact does not converge on the finer mesh either.
     """
+    # A mesh that is given cannot be made finer.
+    size_given = size_given or contact.has_ready_mesh
     refined = False
     for _ in range(_MOST_MESHES):
         try:

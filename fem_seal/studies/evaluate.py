@@ -17,6 +17,7 @@ import numpy as np
 from fem_seal import pipeline
 from fem_seal.contact import solve
 from fem_seal.contact_solution import ContactSettings, ContactSolution
+from fem_seal.contact_zone import solve_fitted
 from fem_seal.interface import rough_contact
 from fem_seal.laws import Law
 from fem_seal.leakage import Leakage, leakage
@@ -29,6 +30,7 @@ from fem_seal.studies.surface_family import family_law, family_table
 if TYPE_CHECKING:
     from fem_seal.case import Case
     from leak import LeakResult, RoughContact
+    from meshes import Sizing
 
 # Residuals are those of the state before the last step; Newton's error behind it is their square.
 _SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
@@ -98,8 +100,19 @@ class _Design:
 
     @cached_property
     def contact(self) -> ContactSolution:
-        model = shared_model(self.case, self.law, stress=self.stress)
-        return solve(model, self.law, axial_force=pipeline.axial_forces(self.case)[0], settings=_SETTINGS)
+        force = pipeline.axial_forces(self.case)[0]
+
+        def solve_on(sizing: Sizing) -> list[ContactSolution]:
+            model = shared_model(self.case, sizing, stress=self.stress)
+            return [solve(model, self.law, axial_force=force, settings=_SETTINGS)]
+
+        (contact,) = solve_fitted(
+            pipeline.sizing(self.case, self.law),
+            self.case.contact,
+            solve_on,
+            size_given=self.case.mesh.contact_size is not None,
+        )
+        return contact
 
     @cached_property
     def profile(self) -> PressureProfile:

@@ -13,9 +13,6 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from fem_seal.condensation import CondensedBody, ContactModel, condense
-from fem_seal.contact_size import element_sizes
-from fem_seal.laws import Law
-from fem_seal.loads import line_load
 from fem_seal.materials import Material
 from meshes import ContactGeometry, Sizing, build_contact
 
@@ -38,17 +35,24 @@ class Bodies:
     seat_material: Material
 
 
-def shared_model(case: Case, law: Law, *, stress: bool) -> ContactModel:
-    """The condensed bodies of a case with one load, from this process's memory if they are known.
+def shared_model(case: Case, sizing: Sizing, *, stress: bool) -> ContactModel:
+    """The condensed bodies of a case, from this process's memory if they are known.
 
     Parameters
     ----------
     case : Case
-    law : InterfaceLaw or HardContact
+    sizing : Sizing
+        Rounded here, so that neighbouring designs share a mesh.
     stress : bool
         Whether stresses will be asked for; without them the model takes far less memory.
     """
-    return _full_model(_bodies(case, law)) if stress else _light_model(_bodies(case, law))
+    bodies = Bodies(
+        case.contact,
+        rounded(sizing, case.contact, exact_size=case.mesh.contact_size is not None),
+        _elastic(case.closure.material),
+        _elastic(case.seat.material),
+    )
+    return _full_model(bodies) if stress else _light_model(bodies)
 
 
 def rounded(sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = False) -> Sizing:
@@ -70,23 +74,8 @@ def rounded(sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = Fals
         contact_size=size,
         # a rounded number of elements, so that it brings no meshes of its own beside those of the sizes
         core=size * _up(sizing.core / size, _STEP),
-        zone=(max(-start, 0.98 * lower), min(end, 0.98 * upper)),
+        zone=(max(-start, lower), min(end, upper)),
         growth_along=_down(sizing.growth_along, _STEP),
-    )
-
-
-def _bodies(case: Case, law: Law) -> Bodies:
-    from fem_seal.pipeline import axial_forces
-
-    contact = case.contact
-    loads = [line_load(force, contact.touch_radius, contact.angle) for force in axial_forces(case)]
-    given = case.mesh.contact_size
-    sizing = element_sizes(law, loads, contact, case.effective_modulus, given)
-    return Bodies(
-        contact,
-        rounded(sizing, contact, exact_size=given is not None),
-        _elastic(case.closure.material),
-        _elastic(case.seat.material),
     )
 
 
