@@ -10,12 +10,13 @@ import math
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from direct_numerical import compare, picture, read_direct, worst_factor
 from scipy.optimize import brentq
+from verification_page import Figure, Section, markdown
+from verification_shapes import hydrostatic_section, pairs_section, sizes_section
 
 import leak
 from fem_seal.condensation import ContactModel, condense
@@ -31,31 +32,6 @@ FILE = Path(__file__).with_name("verification.md")
 STEEL = Material("steel", 210e9, 0.3)
 RADIUS = 0.02
 EXPONENTIAL = leak.ExponentialLaw(p_c=5e9, u0=0.76e-6)
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One number that has a goal."""
-
-    what: str
-    error: float
-    goal: float
-
-    @property
-    def met(self) -> bool:
-        """Whether the goal is met."""
-        return abs(self.error) <= self.goal
-
-
-@dataclass(frozen=True)
-class Section:
-    """One part of the page: words, a table, and the figures in it that have a goal."""
-
-    title: str
-    text: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    figures: tuple[Figure, ...] = ()
 
 
 def paper_spectrum(hurst: float = 0.6) -> leak.PowerSpectrum:
@@ -473,29 +449,14 @@ def sections(reference: Path) -> Iterator[Section]:
     yield angles_section()
     yield convergence_section()
     yield hertz_section()
+    yield sizes_section()
+    yield pairs_section()
+    yield hydrostatic_section()
     yield rough_contact_section(reference)
     yield leak_section(reference)
     yield direct_section(reference)
     yield paper_section()
     yield sensitivity_section()
-
-
-def markdown(section: Section) -> str:
-    """One section as Markdown."""
-    lines = [
-        f"## {section.title}",
-        "",
-        section.text,
-        "",
-        "| " + " | ".join(section.head) + " |",
-        "|" + "---|" * len(section.head),
-    ]
-    lines += ["| " + " | ".join(row) + " |" for row in section.rows]
-    missed = [figure for figure in section.figures if not figure.met]
-    if section.figures:
-        verdict = "All goals met." if not missed else f"**Missed: {', '.join(f.what for f in missed)}.**"
-        lines += ["", verdict]
-    return "\n".join(lines)
 
 
 def main(reference: Path) -> int:
