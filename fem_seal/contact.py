@@ -184,15 +184,18 @@ def _newton_step(
     # Points that carry nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.
     scale = np.sqrt(f / decay)
     active = np.flatnonzero(scale**2 * np.diagonal(C) > 1e-18)
+    # mostly all of them, and then nothing is copied
+    columns = C if len(active) == len(v) else C[:, active]
+    coupling = C if len(active) == len(v) else columns[active]
     D = scale[active]
-    matrix = np.eye(len(active)) + D[:, None] * C[np.ix_(active, active)] * D
+    matrix = np.eye(len(active)) + D[:, None] * coupling * D
     right = np.column_stack([-gap_residual[active], n_z[active]]) * D[:, None]
     eta = D[:, None] * cho_solve(
         cho_factor(matrix, lower=True, check_finite=False), right, check_finite=False
     )
     step_d = (axial_force * force_residual - n_z[active] @ eta[:, 0]) / (n_z[active] @ eta[:, 1])
     step_f = eta[:, 0] + step_d * eta[:, 1]
-    step_v = (-gap_residual + step_d * n_z - C[:, active] @ step_f) / decay
+    step_v = (-gap_residual + step_d * n_z - columns @ step_f) / decay
     # Lengths cancel in the gap: what is below their round-off is no residual.
     round_off = _ROUND_OFF * sum(np.abs(term) for term in terms) / settings.gap_tolerance
     worst = float(np.max((np.abs(gap_residual) / (decay + round_off))[f > 0], initial=0.0))
