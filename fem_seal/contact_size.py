@@ -24,6 +24,10 @@ _GROWTH_DEEP = 0.2
 
 _MOST_ELEMENTS = 1500
 
+# A face is steep where its normal has less than this share of the axial component at first touch; a rough layer carries
+# next to nothing beyond this many decay lengths.
+_STEEP, _JAMS = 0.3, 7.0
+
 # Elements over what is pressed flat of a rounded edge, and over its whole arc.
 _PER_EDGE, _PER_ARC = 5.0, 6.0
 _AT_CORNER = 10.0
@@ -173,8 +177,10 @@ def element_sizes(
     Raises
     ------
     InputError
-        If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements.
+        If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements, or if the
+        closure jams at a steep end of a face.
     """
+    _refuse_jamming(law, max(line_loads), contact)
     opening = Opening.of(contact)
     widths = [contact_width(law, f, opening, effective_modulus) for f in line_loads]
     std = min(w.std for w in widths)
@@ -208,6 +214,28 @@ def element_sizes(
             )
         )
     return replace(sizing, contact_size=contact_size)
+
+
+def _refuse_jamming(law: Law, line_load: float, contact: ContactGeometry) -> None:
+    """Where the face is steep the approach along the axis hardly presses; a thick rough layer would carry there."""
+    if isinstance(law, HardContact):
+        return
+    mean = math.log(line_load / (contact.reach[1] - contact.reach[0]))
+    layer = _JAMS * _decay_length(law, mean)
+    ends = np.array([0.0, *contact.reach])
+    steepness, gap = contact.normal(ends)[1], contact.gap(ends)
+    for n in (1, 2):
+        if steepness[n] < _STEEP * steepness[0] and gap[n] < layer:
+            raise InputError(
+                Problem(
+                    "seat",
+                    f"its face ends steeply at r = {float(contact.radius(ends[n])) * 1e3:.6g} mm, where the surfaces "
+                    f"stand only {gap[n] * 1e6:.3g} um apart at first touch, less than the rough layer of "
+                    f"{layer * 1e6:.3g} um "
+                    f"({_JAMS:g} decay lengths): the closure would jam there. Make the edge radius larger or the "
+                    "surfaces smoother",
+                )
+            )
 
 
 def _without_stubs(sizing: Sizing, contact: ContactGeometry) -> tuple[float, float]:

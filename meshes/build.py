@@ -244,10 +244,16 @@ def _to_skfem(
     index[used] = np.arange(len(used))
     mesh = MeshTri(np.ascontiguousarray(points[rows].T), np.ascontiguousarray(index[np.vstack(triangles)].T))
     facets = {tuple(sorted(pair)): i for i, pair in enumerate(mesh.facets.T.tolist())}
-    boundaries = {
-        name: np.array([facets[tuple(sorted(pair))] for pair in index[pairs].tolist()])
-        for name, pairs in lines.items()
-    }
+    try:
+        boundaries = {
+            name: np.array([facets[tuple(sorted(pair))] for pair in index[pairs].tolist()])
+            for name, pairs in lines.items()
+        }
+    except KeyError as error:
+        raise MeshingError(
+            "gmsh merged neighbouring vertices of a boundary; the elements asked for there are too small against the "
+            "bodies, use a larger contact size or edge radius"
+        ) from error
     return mesh.with_boundaries(boundaries).with_subdomains(subdomains)
 
 
