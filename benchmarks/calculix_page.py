@@ -271,9 +271,7 @@ def draw(file: Path, rows: Sequence[Row]) -> None:
         n = np.array([rows[0].elements, rows[-1].elements])
         left.loglog(n, 0.5 * n / n[0], "k:", lw=1, label="linear")
         left.set(xlabel="triangles", ylabel="processor time for ten loads [s]")
-        right.set(
-            xlabel="processor time for ten loads [s]", ylabel="error, median of ten loads"
-        )
+        right.set(xlabel="processor time for ten loads [s]", ylabel="error, median of ten loads")
         left.legend(frameon=False, fontsize=8)
         figure.savefig(file, metadata={"Date": None})
         plt.close(figure)
