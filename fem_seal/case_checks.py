@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 from fem_seal.case_fields import shown
 from fem_seal.case_roughness import SelfAffine
 from fem_seal.case_uncertainty import uncertainty_problems
+from fem_seal.case_yielding import yielding_problems
 from fem_seal.errors import Problem
 from fem_seal.loads import closing_force, expected_force, line_load
+from fem_seal.plastic_width import curves, plastic_half_width
 from meshes import GeometryError
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ def contradictions(case: Case) -> list[Problem]:
         *_fluid(case),
         *_flow(case),
         *uncertainty_problems(case),
+        *yielding_problems(case),
     ]
 
 
@@ -237,6 +240,8 @@ def _small_strains(case: Case, force: float) -> Iterator[Problem]:
     r0, R = contact.touch_radius, contact.relative_radius
     f = line_load(force, r0, contact.angle)
     half_width = math.sqrt(4 * f * R / (math.pi * E))
+    if hardened := [curve.stress[-1] for curve in curves(case)]:
+        yield from _small_plastic_strains(force, plastic_half_width(f, min(hardened)), min(r0, R) / 10)
     # Faces that fit each other carry a load over a wide contact without large strain.
     allowed_width = min(r0, R) / 10
     if math.isinf(R) or half_width <= allowed_width or 10 * r0 < R:
@@ -249,6 +254,18 @@ def _small_strains(case: Case, force: float) -> Iterator[Problem]:
         "and the radius of relative curvature; the theory is for small strains and allows "
         f"{allowed:.4g} N. Lower fluid_pressure or axial_force, or take stiffer materials",
     )
+
+
+def _small_plastic_strains(force: float, half_width: float, allowed_width: float) -> Iterator[Problem]:
+    """A body that yields must not be coined over more than that, even with the highest stress of its curve."""
+    if half_width > allowed_width:
+        yield Problem(
+            "load",
+            f"a closing force of {force:.4g} N coins the body that yields over {_mm(half_width)} to each side of first "
+            f"touch (full plasticity), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius and "
+            "the radius of relative curvature; the theory is for small strains and allows "
+            f"{force * allowed_width / half_width:.4g} N. Lower fluid_pressure or axial_force, or take a harder body",
+        )
 
 
 def _mm(length: float) -> str:

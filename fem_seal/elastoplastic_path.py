@@ -19,33 +19,40 @@ from fem_seal.elastoplastic_contact import (
     YieldingBody,
     yielding_bodies,
 )
-from fem_seal.elastoplastic_fields import ElastoplasticField, elastoplastic_field
+from fem_seal.elastoplastic_fields import elastoplastic_field
 from fem_seal.elastoplastic_newton import Equilibrium, press
 from fem_seal.errors import ConvergenceError
 from fem_seal.further_loads import NO_LOADS, FurtherLoads
 from fem_seal.imprint import Imprint
 from fem_seal.laws import Law
+from fem_seal.stress import BodyField, fields_at_rest
 
 
 @dataclass(frozen=True)
 class Unloaded:
-    """The yielding bodies with no load on them any more.
+    """The bodies with no load on them any more but what was there before the first, such as a press fit.
 
     Parameters
     ----------
+    model : ContactModel
+    at_rest : FurtherLoads
+        What still acts.
     bodies : mapping
-        By name.
-    states : mapping
-        By name.
+        Those that yield, by name.
+    before, states : mapping
+        Their states before the first and after the last load, by name.
     """
 
+    model: ContactModel = field(repr=False)
+    at_rest: FurtherLoads
     bodies: Mapping[str, YieldingBody] = field(repr=False)
+    before: Mapping[str, BodyState] = field(repr=False)
     states: Mapping[str, BodyState] = field(repr=False)
 
     @cached_property
-    def fields(self) -> dict[str, ElastoplasticField]:
-        """Lasting displacement, residual stress and plastic strain of the bodies that yield."""
-        return {
+    def fields(self) -> dict[str, BodyField]:
+        """Lasting displacement and residual stress of "closure" and "seat"; plastic strain of those that yield."""
+        return fields_at_rest(self.model, self.at_rest) | {
             name: elastoplastic_field(body.held, body.solid, self.states[name])
             for name, body in self.bodies.items()
         }
@@ -54,7 +61,10 @@ class Unloaded:
     def imprints(self) -> dict[str, Imprint]:
         """Lasting imprint in the contact face of each body that has yielded."""
         return {
-            name: Imprint(body.held.contact_x, body.held.retreat(self.states[name].displacement))
+            name: Imprint(
+                body.held.contact_x,
+                body.held.retreat(self.states[name].displacement - self.before[name].displacement),
+            )
             for name, body in self.bodies.items()
             if self.states[name].plastic.accumulated.any()
         }
@@ -141,6 +151,7 @@ def load_path(
     here = Equilibrium({name: body.solid.virgin for name, body in bodies.items()}, None, ())
     try:
         here, _ = walk.to(rest, PathLoad(0.0), here)
+        virgin = here.states
         for before, load in pairwise((rest, *loads)):
             here, steps = walk.to(load, before, here)
             assert here.contact is not None  # a positive force closes the seal
@@ -148,7 +159,7 @@ def load_path(
         here, _ = walk.to(rest, (rest, *loads)[-1], here)
     except ConvergenceError as error:
         raise ConvergenceError(str(error), partial=tuple(contacts)) from error
-    return LoadPath(tuple(contacts), Unloaded(bodies, here.states))
+    return LoadPath(tuple(contacts), Unloaded(model, rest.further, bodies, virgin, here.states))
 
 
 def _with_bodies(

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.condensation import ContactModel, condense
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.held_body import Supports
-from fem_seal.load_solver import LoadSolver, interference, supports
+from fem_seal.load_solver import interference, supports
 from meshes import ContactGeometry, GeometryError, MeshingError, SealMesh, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.contact_solution import ContactSolution
+    from fem_seal.discretisation import CoarserLoad
 
 _LARGER = 2.0
 _LENGTHS = ("outer_radius", "height")
@@ -45,27 +46,18 @@ class FarFieldChange:
         return max(abs(self.peak_pressure), abs(self.fwhm), abs(self.leak_rate or 0.0))
 
 
-def far_field(
-    solver: LoadSolver, base: ContactSolution, mesh: SealMesh, point: tuple[float, float]
-) -> tuple[FarFieldChange, ...]:
+def far_field(load: CoarserLoad) -> tuple[FarFieldChange, ...]:
     """Solve one load with a housing twice as large, and with its wall held if it is free and free if it is held.
 
     Parameters
     ----------
-    solver : LoadSolver
-        Of the case, on a coarse mesh.
-    base : ContactSolution
-        The load on it.
-    mesh : SealMesh
-        That mesh.
-    point : tuple of float
-        Fluid pressure [Pa] and force of spring or actuator [N] of the load.
+    load : CoarserLoad
     """
     changes = []
-    for name, model in _variations(solver.case, mesh):
+    for name, model in _variations(load.solver.case, load.mesh):
         # Close to blow-off the seal may open with another support: that is told by the blow-off pressure.
         with suppress(InputError, ConvergenceError):
-            changes.append(_change(name, solver, replace(solver, model=model), base, point))
+            changes.append(_change(name, load, load.solve(replace(load.solver, model=model))))
     return tuple(changes)
 
 
@@ -107,16 +99,13 @@ def _larger_housing(case: Case) -> ContactGeometry | None:
     return ContactGeometry.of(closure.outline, larger.outline)
 
 
-def _change(
-    name: str, base: LoadSolver, changed: LoadSolver, contact: ContactSolution, point: tuple[float, float]
-) -> FarFieldChange:
-    other = changed.solve(*point, start=contact)
-    before, after = contact.profile, other.profile
+def _change(name: str, base: CoarserLoad, changed: ContactSolution) -> FarFieldChange:
+    before, after, flow = base.contact.profile, changed.profile, base.solver.flow
     leak_rate = None
-    if base.flow is not None:
-        leaks = base.flow.leak(before, point[0]).leak_rate
+    if flow is not None:
+        leaks = flow.leak(before, base.fluid_pressure).leak_rate
         if 0 < leaks < float("inf"):
-            leak_rate = base.flow.leak(after, point[0]).leak_rate / leaks - 1
+            leak_rate = flow.leak(after, base.fluid_pressure).leak_rate / leaks - 1
     return FarFieldChange(
         name, after.peak_pressure / before.peak_pressure - 1, after.fwhm / before.fwhm - 1, leak_rate
     )

@@ -17,6 +17,7 @@ from fem_seal.interface import rough_contact
 from fem_seal.load_solver import LoadSolver
 from fem_seal.loads import blow_off_of_sealed_area, closing_force, line_load
 from fem_seal.penetration import effective_radius
+from fem_seal.plastic_width import curves
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -77,6 +78,8 @@ def axial_force_for_leak(case: Case, target_leak_rate: float | None = None) -> F
         raise _problem(case, "needed is a target leak rate above zero", target)
     if case.roughness is None or case.fluid is None:
         raise _problem(case, "needs [roughness] and [fluid]: without them there is no leak rate", target)
+    if curves(case):
+        raise _problem(case, "is for elastic bodies, and one has a stress_strain curve; leave it out", target)
     law = interface_law(case, rough_contact(case))
     expected = [expected_contact_force(case, law, pressure, target) for pressure in case.load.fluid_pressure]
     found: list[float] = []

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from fem_seal.blow_off import blow_off_pressure
 from fem_seal.case_flow import CaseFlow
-from fem_seal.condensation import ContactModel
+from fem_seal.condensation import ContactModel, condense
 from fem_seal.contact import solve
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.coupled_contact import Seal
+from fem_seal.elastoplastic_contact import yielding_bodies
 from fem_seal.errors import InputError, OpenSealError, Problem
 from fem_seal.fluid_paths import FlowThrough, FluidPath, HeldFluid
 from fem_seal.further_loads import FurtherLoads
@@ -22,6 +23,7 @@ from fem_seal.penetration import solve_at_contact_force, solve_penetration
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
+    from meshes import SealMesh
 
 
 def supports(case: Case) -> Supports:
@@ -32,6 +34,12 @@ def supports(case: Case) -> Supports:
 def interference(case: Case) -> float:
     """Interference of the press fit of a case's seat, on the radius [m]; zero without one."""
     return getattr(case.seat, "interference", None) or 0.0
+
+
+def condensed(case: Case, seal_mesh: SealMesh) -> ContactModel:
+    """The bodies of a case on a mesh, condensed."""
+    materials = {"closure": case.closure.material, "seat": case.seat.material}
+    return condense(seal_mesh, materials, supports(case))
 
 
 @dataclass(frozen=True)
@@ -92,6 +100,11 @@ class LoadSolver:
         if load.closing == "penetration":
             return blow_off_pressure(self.seal, closing_force=axial_force)
         return blow_off_of_sealed_area(self.case.touch_radius, axial_force, load.pressure_side)
+
+    @property
+    def yields(self) -> bool:
+        """Whether a body yields, so that its loads are no questions of their own but a path."""
+        return bool(yielding_bodies(self.model))
 
     @cached_property
     def flow(self) -> CaseFlow | None:

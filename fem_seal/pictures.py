@@ -104,8 +104,9 @@ def panels(
     width: float = WIDTH,
     ratios: Sequence[float] | None = None,
     head: float = 0.36,
+    side: float = 0.12,
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with `count` axes side by side, `head` inches of room above them."""
+    """A figure with `count` axes side by side, `head` inches of room above them and `side` on the right."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height))
@@ -115,7 +116,7 @@ def panels(
         squeeze=False,
         gridspec_kw={
             "left": _LEFT / width,
-            "right": 1 - 0.12 / width,
+            "right": 1 - side / width,
             "bottom": _BOTTOM / height,
             "top": 1 - head / height,
             "wspace": 0.30 if count == 2 else 0.36,

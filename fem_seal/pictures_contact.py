@@ -86,6 +86,17 @@ def _profile_caption(result: SealResult) -> str:
             "crossover) do not exist here, and the pressure rises towards the edges of the stretch."
         )
     hertz = "Hertz: smooth elastic bodies, the narrowest contact possible. "
+    if result.unloaded is not None:
+        return (
+            start
+            + hertz
+            + (
+                ""
+                if law == "smooth"
+                else "Gaussian: rigid bodies with compliant roughness. Crossover: both together. "
+            )
+            + "The closed forms know no yielding, which widens the contact and cuts its peak."
+        )
     if law == "smooth":
         return start + hertz + "The interface is smooth, so the calculation should fall on it."
     rest = "Gaussian: rigid bodies with compliant roughness. Crossover: both together, exact for an exponential p(u)"

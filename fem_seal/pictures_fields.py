@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from fem_seal.readable import given, number, quantity, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.contour import ContourSet
 
     from fem_seal.results import LoadResult, SealResult
     from meshes import SealMesh
@@ -20,8 +22,10 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 # A quadratic triangle as four linear ones.
-_QUARTERS = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
+QUARTERS = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
 _BANDS = 12
+# For the numbers and the name beside a scale of colours [inch].
+SCALE_ROOM = 0.7
 
 
 def mesh_picture(result: SealResult, load: LoadResult) -> Picture:
@@ -39,16 +43,16 @@ def mesh_picture(result: SealResult, load: LoadResult) -> Picture:
     for name, colour in (("closure", BLUE), ("seat", "#8a6d3b")):
         edges = np.unique(_edges(mesh.t[:, (mesh.subdomains or {})[name]]), axis=1)
         whole.plot(*_polyline(1e3 * mesh.p, edges), color=colour, linewidth=0.25, rasterized=True)
-        turned = _turned(seal_mesh, mesh.p.T).T
-        half = _half_width(load)
-        near = (np.abs(turned[:, edges]).min(axis=1) < 1.8 * half).all(axis=0)
+        place = turned(seal_mesh, mesh.p.T).T
+        half = half_width(load)
+        close = (np.abs(place[:, edges]).min(axis=1) < 1.8 * half).all(axis=0)
         unit = unit_for("length", 2 * half)
-        zone.plot(*_polyline(turned / unit.size, edges[:, near]), color=colour, linewidth=0.55)
+        zone.plot(*_polyline(place / unit.size, edges[:, close]), color=colour, linewidth=0.55)
     whole.set_aspect("equal")
     whole.grid(False)
     label(whole, "Both bodies", "r  [mm]", "z  [mm]")
     whole.plot(1e3 * contact.touch_radius, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
-    _frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
+    frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
     smallest = float(np.diff(result.model.line.vertices).min())
     return Picture(
         "mesh",
@@ -72,10 +76,10 @@ def stress_picture(result: SealResult, load: LoadResult) -> Picture:
     from matplotlib.ticker import MaxNLocator
     from matplotlib.tri import Triangulation
 
-    figure, axes = panels(2, height=4.3)
+    figure, axes = panels(2, height=4.3, side=SCALE_ROOM)
     fields = load.contact.fields
     unit = unit_for("contact pressure", load.max_von_mises)
-    half = _half_width(load)
+    half = half_width(load)
     levels = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, unit.of(load.max_von_mises))
     bands = None
     for view, reach, title in (
@@ -84,20 +88,18 @@ def stress_picture(result: SealResult, load: LoadResult) -> Picture:
     ):
         length = unit_for("length", 2 * reach)
         for field in fields.values():
-            place = _turned(result.seal_mesh, field.points)
-            triangles = _near(place, field.triangles6[:, _QUARTERS].reshape(-1, 3), reach)
+            place = turned(result.seal_mesh, field.points)
+            triangles = near(place, field.triangles6[:, QUARTERS].reshape(-1, 3), reach)
             grid = Triangulation(place[:, 0] / length.size, place[:, 1] / length.size, triangles)
             bands = view.tricontourf(grid, unit.of(1.0) * field.von_mises, levels=levels, cmap="YlOrRd")
             line = place[field.contact_nodes] / length.size
             view.plot(*line.T, color=INK, linewidth=0.8)
-        _frame_zone(view, reach / length.size, length.name, title)
+        frame_zone(view, reach / length.size, length.name, title)
     if bands is not None:
-        bar = figure.colorbar(bands, ax=axes, fraction=0.03, pad=0.015, aspect=28)
-        bar.set_label(f"von Mises stress  [{unit.name}]")
-        bar.outline.set_linewidth(0.5)
+        scale_of_colours(axes, bands, f"von Mises stress  [{unit.name}]")
     _mark_largest(axes[1], result, load)
     body, r, z = load.max_von_mises_at
-    depth = float(_turned(result.seal_mesh, np.array([[r, z]]))[0, 1])
+    depth = float(turned(result.seal_mesh, np.array([[r, z]]))[0, 1])
     return Picture(
         "stress",
         svg(figure),
@@ -112,19 +114,19 @@ def stress_picture(result: SealResult, load: LoadResult) -> Picture:
 
 def _mark_largest(axes: Axes, result: SealResult, load: LoadResult) -> None:
     _, r, z = load.max_von_mises_at
-    half = _half_width(load)
-    place = _turned(result.seal_mesh, np.array([[r, z]]))[0]
+    half = half_width(load)
+    place = turned(result.seal_mesh, np.array([[r, z]]))[0]
     if np.all(np.abs(place) < half):
         axes.plot(*(place / unit_for("length", 2 * half).size), "x", color=INK, ms=6, mew=1.2)
 
 
-def _half_width(load: LoadResult) -> float:
+def half_width(load: LoadResult) -> float:
     """Half of what the enlarged views show along the contact [m]."""
     profile = load.contact.profile
     return 4.2 * profile.std
 
 
-def _turned(seal_mesh: SealMesh, points: FloatArray) -> FloatArray:
+def turned(seal_mesh: SealMesh, points: FloatArray) -> FloatArray:
     """(r, z) in the frame of the contact: along the tangent, along the normal; shape (n, 2) [m]."""
     contact = seal_mesh.contact
     n_r, n_z = contact.normal(np.zeros(1))[:, 0]
@@ -132,7 +134,7 @@ def _turned(seal_mesh: SealMesh, points: FloatArray) -> FloatArray:
     return np.column_stack([r * n_z - z * n_r, r * n_r + z * n_z])
 
 
-def _near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
+def near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
     """Triangles of which a part may lie within `reach` of first touch."""
     corners = place[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -140,7 +142,17 @@ def _near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
     return np.asarray(triangles[inside.all(axis=1)])
 
 
-def _frame_zone(axes: Axes, reach: float, unit: str, title: str) -> None:
+def scale_of_colours(axes: Sequence[Axes], bands: ContourSet, text: str) -> None:
+    """The scale beside the last of the axes, which have `SCALE_ROOM` for its numbers."""
+    figure = axes[0].get_figure(root=True)
+    assert figure is not None
+    bar = figure.colorbar(bands, ax=axes, fraction=0.03, pad=0.015, aspect=28, format="%.3g")
+    bar.set_label(text)
+    bar.outline.set_linewidth(0.5)
+
+
+def frame_zone(axes: Axes, reach: float, unit: str, title: str) -> None:
+    """Limits and labels of a view of the contact zone."""
     axes.set_aspect("equal")
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-0.8 * reach, 0.8 * reach)

@@ -39,7 +39,8 @@ def leak_picture(result: SealResult) -> Picture | None:
     """
     # where the fluid has blown the seal open there is no finite rate to draw
     flowing = [load for load in result.loads if load.leak and np.isfinite(load.leak.leak_rate)]
-    loads = sorted(flowing, key=lambda load: load.fluid_pressure)
+    # along their path where a body yields: the same pressure leaks differently before and after a higher one
+    loads = flowing if result.unloaded else sorted(flowing, key=lambda load: load.fluid_pressure)
     if not loads:
         return None
     pressure = np.array([load.fluid_pressure for load in loads])

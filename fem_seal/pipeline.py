@@ -12,21 +12,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.case_flow import expected_forces
-from fem_seal.condensation import ContactModel, condense
+from fem_seal.condensation import ContactModel
 from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.contact_zone import solve_fitted
-from fem_seal.discretisation import COARSER, discretisation_error
+from fem_seal.discretisation import discretisation_error, on_coarser_mesh
 from fem_seal.errors import InputError
 from fem_seal.far_field import far_field
 from fem_seal.fluid_flow import flow_table, leak_of_profile
 from fem_seal.interface import exponential_law, rough_contact
 from fem_seal.inverse_questions import with_answers
 from fem_seal.laws import HardContact, Law
-from fem_seal.load_solver import LoadSolver, supports
+from fem_seal.load_solver import LoadSolver, condensed
 from fem_seal.loads import line_load
+from fem_seal.plastic_width import curves, for_yielding
 from fem_seal.results import InterfaceVariant, LoadResult, SealResult
+from fem_seal.solved_loads import SolvedLoads, solve_load, solve_loads
 from fem_seal.validity import contact_warnings
 from meshes import SealMesh, Sizing, build_contact
 
@@ -63,7 +65,8 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
     with clock.step("interface", "roughness and interface law"):
         surface = rough_contact(case)
         law = interface_law(case, surface)
-    seal_mesh, model, contacts = model_and_contacts(case, law, clock)
+    seal_mesh, model, solved = model_and_contacts(case, law, clock)
+    contacts = solved.contacts
     with clock.step("leak", "flow conductivity and leak rates"):
         flows = _leak_rates(case, surface, contacts)
     with clock.step("stress", "stress in both bodies"):
@@ -72,25 +75,15 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
             _load_result(*item) for item in zip(case.load.points, contacts, *flows, *separations, strict=True)
         )
     with clock.step("error", "estimating the discretisation error"):
-        highest = max(loads, key=lambda load: load.axial_force)
-        point = highest.fluid_pressure, highest.applied_force
-        coarse_mesh = build_contact(case.contact, seal_mesh.sizing.refined(1 / COARSER))
-        solver = LoadSolver(case, law, _condensed(case, coarse_mesh))
-        coarse = solver.solve(*point)
-        error = discretisation_error(solver.flow, highest.contact.profile, coarse.profile, point[0])
-        if case.contact.has_ready_mesh:
-            # A ready mesh cannot be made coarser, but finer.
-            fine_mesh = build_contact(case.contact.with_finer_meshes(), seal_mesh.sizing.refined(COARSER))
-            fine = LoadSolver(case, law, _condensed(case, fine_mesh)).solve(*point)
-            error = discretisation_error(
-                solver.flow, fine.profile, highest.contact.profile, point[0], of_coarse=True
-            )
+        highest = max(range(len(loads)), key=lambda n: loads[n].axial_force)
+        coarser = on_coarser_mesh(case, law, seal_mesh.sizing, highest)
+        error = discretisation_error(contacts[highest], coarser, seal_mesh.sizing)
     with clock.step("far field", "comparing sizes and supports far from the contact"):
-        far = far_field(solver, coarse, coarse_mesh, point)
+        far = far_field(coarser)
     with clock.step("questions", "blow-off and force for the target leak rate"):
         loads, unanswered = with_answers(LoadSolver(case, law, model), loads)
     with clock.step("variants", "comparing elastic and plastic interface law"):
-        variants = _interface_variants(case, surface, loads)
+        variants = _interface_variants(LoadSolver(case, law, model), surface, loads)
     result = SealResult(
         case,
         seal_mesh,
@@ -102,6 +95,7 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         (*contact_warnings(case, model, loads, error, surface), *unanswered),
         clock.timings,
         far_field=far,
+        unloaded=solved.unloaded,
     )
     return _with_uncertainty(_with_theory_variants(result, clock), clock)
 
@@ -209,15 +203,17 @@ def sizing_for(case: Case, law: Law, forces: Sequence[float]) -> Sizing:
     """The same for other forces F_N than those of the case [N]."""
     contact = case.contact
     line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in forces]
+    size = case.mesh.contact_size
     try:
-        return element_sizes(law, line_loads, contact, case.effective_modulus, case.mesh.contact_size)
+        elastic = element_sizes(law, line_loads, contact, case.effective_modulus, size)
     except InputError as error:
         raise error.in_file(case.file) from None
+    return for_yielding(elastic, case, line_loads, size_given=size is not None) if curves(case) else elastic
 
 
 def model_and_contacts(
     case: Case, law: Law, clock: Clock | None = None
-) -> tuple[SealMesh, ContactModel, Sequence[ContactSolution]]:
+) -> tuple[SealMesh, ContactModel, SolvedLoads]:
     """All loads of a case on a mesh whose zone and element sizes fit what was found on it.
 
     Parameters
@@ -234,29 +230,26 @@ def model_and_contacts(
     """
     clock = clock or Clock(lambda text: None)
     meshes: list[SealMesh] = []
+    solved: list[SolvedLoads] = []
 
     def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
         with clock.step("mesh", "meshing closure and seat"):
             meshes.append(build_contact(case.contact, sizing))
         with clock.step("condense", "condensing both bodies on the contact line"):
-            model = _condensed(case, meshes[-1])
-        with clock.step("contact", f"solving {len(case.load.fluid_pressure)} contacts"):
-            solver = LoadSolver(case, law, model)
-            return [solver.solve(*point) for point in case.load.points]
+            solver = LoadSolver(case, law, condensed(case, meshes[-1]))
+        along = ", one after the other in load steps, and unloading" if solver.yields else ""
+        with clock.step("contact", f"solving {len(case.load.fluid_pressure)} contacts{along}"):
+            solved.append(solve_loads(solver))
+        return solved[-1].contacts
 
-    size_given = case.mesh.contact_size is not None or case.contact.has_ready_mesh
+    size_given = case.mesh.contact_size is not None
     contacts = solve_fitted(sizing(case, law), case.contact, solve_on, size_given=size_given)
-    return meshes[-1], contacts[0].model, contacts
+    return meshes[-1], contacts[0].model, solved[-1]
 
 
 def condensed_on(case: Case, sizing: Sizing) -> ContactModel:
     """The bodies of a case, meshed with a sizing and condensed."""
-    return _condensed(case, build_contact(case.contact, sizing))
-
-
-def _condensed(case: Case, seal_mesh: SealMesh) -> ContactModel:
-    materials = {"closure": case.closure.material, "seat": case.seat.material}
-    return condense(seal_mesh, materials, supports(case))
+    return condensed(case, build_contact(case.contact, sizing))
 
 
 def _leak_rates(
@@ -361,18 +354,23 @@ def _largest_stress(contact: ContactSolution) -> tuple[float, tuple[str, float, 
 
 
 def _interface_variants(
-    case: Case, surface: RoughContact | None, loads: Sequence[LoadResult]
+    solver: LoadSolver, surface: RoughContact | None, loads: Sequence[LoadResult]
 ) -> tuple[InterfaceVariant, ...]:
     """The highest load with p(u) of the elastic and of the plastically smoothed surface."""
+    case = solver.case
     if surface is None or surface.hardness is None or case.interface.law != "persson":
         return ()
-    load = max(loads, key=lambda load: load.axial_force)
-    variants = []
+    highest = max(range(len(loads)), key=lambda n: loads[n].axial_force)
+    load, variants = loads[highest], []
     for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
         contact = load.contact
         if plastic != case.interface.plastic:
             law = surface.interface_law(plastic=plastic)
-            contact = solve(load.contact.model, law, axial_force=load.axial_force, loads=load.contact.loads)
+            if solver.yields:
+                contact = solve_load(replace(solver, law=law), highest)
+            else:
+                # what the fluid does between the surfaces stays as it is
+                contact = solve(solver.model, law, axial_force=load.axial_force, loads=contact.loads)
         leak = None
         if case.fluid is not None:
             table = conductivity_table(case, surface, [contact])

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal import __version__, report_case, report_tables, report_text, report_uncertainty
+from fem_seal import __version__, report_case, report_plastic, report_tables, report_text, report_uncertainty
 from fem_seal.atomic_files import write_text
 from fem_seal.closed_forms import Sizes, profile_sizes
 from fem_seal.derived import Derived, derive
@@ -17,6 +17,7 @@ from fem_seal.pictures import Picture, style
 from fem_seal.pictures_contact import gap_picture, profile_picture, size_picture
 from fem_seal.pictures_fields import mesh_picture, stress_picture
 from fem_seal.pictures_leak import leak_picture
+from fem_seal.pictures_plastic import imprint_picture
 from fem_seal.pictures_sketch import sketch
 from fem_seal.pictures_surface import law_picture, separation_picture, surface_picture
 from fem_seal.readable import given
@@ -83,6 +84,7 @@ def pictures(result: SealResult, derived: Derived, sizes: Mapping[str, Sizes]) -
             separation_picture(result),
             surface_picture(result, top),
             stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises)),
+            imprint_picture(result),
         )
     return [picture for picture in drawn if picture is not None]
 
@@ -106,6 +108,7 @@ def _words(result: SealResult, derived: Derived, sizes: Mapping[str, Sizes]) -> 
         "interval_note": report_uncertainty.interval_note(result),
         "theory": report_uncertainty.theory_table(result),
         "theory_note": report_uncertainty.theory_note(result),
+        "yielding": report_plastic.yielding_table(result),
         "accuracy": report_case.accuracy(result),
         "far_field": far_field_sentence(result.far_field),
         "timings": report_case.times(result),

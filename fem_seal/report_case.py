@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem_seal.case_dimensions import chosen_dimensions, dimensions
+from fem_seal.plastic_width import curves
 from fem_seal.readable import flow, given, number, percent, quantity, trimmed
+from fem_seal.report_plastic import curve_in_words, path_accuracy
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -114,6 +116,8 @@ def _material(material: Material) -> list[tuple[str, str]]:
     ]
     for name, value in (("hardness", material.hardness), ("yield stress", material.yield_stress)):
         rows.append((name, "not given" if value is None else given("contact pressure", value)))
+    if material.hardening is not None:
+        rows.append(("stress over plastic strain", curve_in_words(material.hardening)))
     return [*rows, ("source", material.source)] if material.source else rows
 
 
@@ -154,7 +158,9 @@ def _interface(result: SealResult) -> list[tuple[str, str]]:
 
 
 def _load(case: Case) -> list[tuple[str, str]]:
-    pressures = [given("fluid pressure", p) for p in sorted(case.load.fluid_pressure)]
+    # bodies that yield remember the order of the loads
+    order = case.load.fluid_pressure if curves(case) else sorted(case.load.fluid_pressure)
+    pressures = [given("fluid pressure", p) for p in order]
     shown = (
         ", ".join(pressures)
         if len(pressures) <= 3
@@ -209,7 +215,7 @@ def accuracy(result: SealResult) -> list[tuple[str, str]]:
         rows.append(("residual of the gap", f"{number(max(residuals), 1)} decay lengths"))
     force = max(abs(load.contact.force_error) for load in result.loads)
     rows.append(("error of the contact force", _error(force)))
-    return rows
+    return [*rows, *path_accuracy(result)]
 
 
 def _error(share: float) -> str:

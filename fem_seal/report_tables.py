@@ -119,6 +119,8 @@ def comparison_table(result: SealResult, sizes: Mapping[str, Sizes]) -> Readable
 def comparison_note(result: SealResult) -> str:
     """What to expect of the comparison with the closed forms; empty if nothing needs saying."""
     law = result.case.interface.law
+    if result.unloaded is not None:
+        return " The closed forms are for elastic bodies: the differences show what yielding does."
     if law == "smooth":
         return " Small differences to Hertz are those of the mesh and of the curved sealing line."
     if law == "exponential":

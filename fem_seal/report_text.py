@@ -11,7 +11,9 @@ import numpy as np
 
 from fem_seal.leakage import classes_in_words, in_words, leakage, nominal_size
 from fem_seal.readable import flow, given, number, percent, quantity, unit_for
+from fem_seal.report_plastic import imprint_in_words, what_yielded
 from fem_seal.validity import FLUID_OPENS
+from fem_seal.yielding import PlasticZone, yielding_of
 
 if TYPE_CHECKING:
     from fem_seal.derived import Derived
@@ -65,6 +67,8 @@ def facts(result: SealResult) -> list[Fact]:
     found.append(
         Fact("Largest stress in the bodies", quantity("contact pressure", load.max_von_mises), "von Mises")
     )
+    if imprint := imprint_in_words(result):
+        found.append(Fact("Lasting imprint", *imprint))
     if load.leak is not None:
         found.insert(0, Fact("Leak rate", flow(load.leak.leak_rate), per_day(load.leak.leak_rate)))
         read = leakage(result.case, load.fluid_pressure, load.leak.leak_rate)
@@ -134,7 +138,12 @@ def _flow_beside(leak_rate: float, other: float) -> str:
 def reasons(result: SealResult, derived: Derived) -> list[str]:
     """Why the result came out so: what sets the contact and what throttles the flow."""
     load = highest_load(result)
-    return [*_what_sets_the_width(result, derived, load), *_what_throttles(load), *_what_yields(result, load)]
+    return [
+        *_what_sets_the_width(result, derived, load),
+        *what_yielded(result, load),
+        *_what_throttles(load),
+        *_what_yields(result, load),
+    ]
 
 
 def _what_sets_the_width(result: SealResult, derived: Derived, load: LoadResult) -> Iterator[str]:
@@ -145,6 +154,13 @@ def _what_sets_the_width(result: SealResult, derived: Derived, load: LoadResult)
             "The faces fit each other along a stretch, so its width and its edges set the contact: it is "
             f"{quantity('length', profile.fwhm)} wide under {quantity('contact pressure', profile.peak_pressure)} peak "
             "pressure."
+        )
+        return
+    if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
+        yield (
+            f"Smooth elastic bodies would touch over {quantity('length', hertz.fwhm)} under "
+            f"{quantity('contact pressure', hertz.peak_pressure)}; with roughness and yielding bodies the contact is "
+            f"{quantity('length', profile.fwhm)} wide under {quantity('contact pressure', profile.peak_pressure)}."
         )
         return
     bulk = min((hertz.std / profile.std) ** 2, 1.0)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from fem_seal.errors import OutputError
 from fem_seal.report import write_report
 from fem_seal.summary import write_summary
-from fem_seal.tables import write_leak_csv, write_profile_csv
+from fem_seal.tables import write_imprint_csv, write_leak_csv, write_profile_csv
 from fem_seal.theory_variants import write_variants_csv
-from fem_seal.vtk import write_contact, write_contact_line
+from fem_seal.vtk import write_contact, write_contact_line, write_unloaded
 
 if TYPE_CHECKING:
     from fem_seal.results import SealResult
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 def write(result: SealResult, folder: Path) -> Path:
     """Write tables, summary, VTK files, mesh and report into a folder.
 
-    Each file is replaced in one step. VTK files and variants.csv that an earlier run left in the folder are removed;
-    everything else in it is left alone.
+    Each file is replaced in one step. VTK files, variants.csv and imprint.csv that an earlier run left in the folder
+    are removed; everything else in it is left alone.
 
     Parameters
     ----------
@@ -49,6 +49,8 @@ def write(result: SealResult, folder: Path) -> Path:
     write_profile_csv(result, folder / "profile.csv")
     write_contact(result, folder)
     write_contact_line(result, folder)
+    write_unloaded(result, folder)
+    write_imprint_csv(result, folder / "imprint.csv")
     if result.theory_variants:
         write_variants_csv(result, folder / "variants.csv")
     else:

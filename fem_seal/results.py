@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.condensation import ContactModel
     from fem_seal.contact_solution import ContactSolution
+    from fem_seal.elastoplastic_path import Unloaded
     from fem_seal.far_field import FarFieldChange
     from fem_seal.profile import PressureProfile
     from fem_seal.theory_variants import TheoryVariant
@@ -102,7 +103,8 @@ class DiscretisationError:
     """Estimated error of the highest load, from the same solve on elements twice as large.
 
     A third of the difference: what the finer solution's error would be if it fell with the second power of the
-    element size. It falls with the fourth, so that this is an upper estimate.
+    element size. It falls with the fourth, so that this is an upper estimate. Where a body yields, the load steps are
+    twice as large, too, and it is the whole difference: their error falls with the first power of their size.
 
     Parameters
     ----------
@@ -143,6 +145,8 @@ class SealResult:
         Leak rates with every reading of the theory, if asked for.
     far_field : tuple of FarFieldChange
         What another housing and another support of its wall do to the highest load.
+    unloaded : Unloaded or None
+        Residual stress and imprint after the last load; None if both bodies are elastic.
     """
 
     case: Case
@@ -157,6 +161,7 @@ class SealResult:
     uncertainty: LeakInterval | None = None
     theory_variants: tuple[TheoryVariant, ...] = ()
     far_field: tuple[FarFieldChange, ...] = ()
+    unloaded: Unloaded | None = None
 
     @cached_property
     def table(self) -> pd.DataFrame:

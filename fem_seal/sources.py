@@ -64,6 +64,14 @@ def _sources(result: SealResult) -> Iterator[Source]:
         "Hertzian line contact, for comparison",
         ("p = p₀ (1 − x²/a²)^½, p₀ = (E* f_N / (π R))^½, 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂",),
     )
+    if result.unloaded is not None:
+        yield Source(
+            "Simo & Taylor 1985",
+            "J. C. Simo, R. L. Taylor, Consistent tangent operators for rate-independent elastoplasticity, Comput. "
+            "Methods Appl. Mech. Eng. 48, 101 (1985); docs/theory_elastoplastic.md",
+            "bodies that yield: von Mises, isotropic hardening, radial return",
+            ("q = √(3/2 s:s) ≤ σ_y(p), dε_p = dp · 3 s / (2 q)",),
+        )
     if case.load.closing == "penetration":
         yield Source(
             "coupled fluid pressure",

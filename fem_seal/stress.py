@@ -14,8 +14,9 @@ from fem_seal.elasticity import lame_parameters
 if TYPE_CHECKING:
     from skfem import Basis, MeshTri
 
-    from fem_seal.condensation import CondensedBody
+    from fem_seal.condensation import CondensedBody, ContactModel
     from fem_seal.contact_solution import ContactSolution
+    from fem_seal.further_loads import FurtherLoads
     from fem_seal.materials import Material
 
 FloatArray = NDArray[np.float64]
@@ -75,28 +76,52 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     ----------
     solution : ContactSolution
     """
-    model = solution.model
+    model, loads = solution.model, solution.loads
     return {
-        "closure": _field("closure", model.closure, solution),
-        "seat": _field("seat", model.seat, solution),
+        name: _field(
+            name,
+            body,
+            body.displacement(solution.point_forces) + loads.displacement(body, model),
+            _at_contact(body, model, solution.pressure),
+        )
+        for name, body in (("closure", model.closure), ("seat", model.seat))
     }
 
 
-def _field(name: str, body: CondensedBody, solution: ContactSolution) -> BodyField:
-    points, triangles = quadratic_nodes(body.basis.mesh)
-    dofs = node_dofs(body.basis)
-    nodal = body.displacement(solution.point_forces) + solution.loads.displacement(body, solution.model)
-    nodes = body.contact_nodes
-    pressure = np.zeros(len(points))
+def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyField]:
+    """Fields of both bodies, "closure" and "seat", that do not touch.
+
+    Parameters
+    ----------
+    model : ContactModel
+    loads : FurtherLoads
+        What acts on them.
+    """
+    return {
+        name: _field(
+            name, body, loads.displacement(body, model), np.zeros(len(quadratic_nodes(body.basis.mesh)[0]))
+        )
+        for name, body in (("closure", model.closure), ("seat", model.seat))
+    }
+
+
+def _at_contact(body: CondensedBody, model: ContactModel, line_pressure: FloatArray) -> FloatArray:
+    """Contact pressure at the nodes of a body."""
+    pressure = np.zeros(len(quadratic_nodes(body.basis.mesh)[0]))
     with np.errstate(under="ignore"):
-        pressure[nodes] = np.interp(body.contact_x, solution.model.line.x, solution.pressure)
+        pressure[body.contact_nodes] = np.interp(body.contact_x, model.line.x, line_pressure)
+    return pressure
+
+
+def _field(name: str, body: CondensedBody, displacement: FloatArray, pressure: FloatArray) -> BodyField:
+    points, triangles = quadratic_nodes(body.basis.mesh)
     return BodyField(
         name,
         points,
         triangles,
-        nodal[dofs].T,
-        (body.stress_operator @ nodal).reshape(len(points), 4),
-        nodes,
+        displacement[node_dofs(body.basis)].T,
+        (body.stress_operator @ displacement).reshape(len(points), 4),
+        body.contact_nodes,
         body.contact_x,
         pressure,
     )

@@ -12,15 +12,18 @@ from fem_seal.atomic_files import write_text
 from fem_seal.case_dimensions import chosen_dimensions
 from fem_seal.console import as_json, derived_numbers
 from fem_seal.derived import derive
+from fem_seal.elastoplastic_contact import ElastoplasticContact
 from fem_seal.far_field import far_field_sentence
 from fem_seal.interface import exponential_law
 from fem_seal.leakage import leakage_table
 from fem_seal.sources import sources
 from fem_seal.tables import leak_rows
 from fem_seal.theory_variants import variant_rows
+from fem_seal.yielding import PlasticZone, YieldedZone, yielding_of
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
+    from fem_seal.elastoplastic_path import Unloaded
     from fem_seal.results import LoadResult, SealResult
     from fem_seal.uncertainty import LeakInterval
 
@@ -39,10 +42,11 @@ def summary(result: SealResult) -> dict[str, Any]:
     -------
     dict
         ``format_version``, ``program``, ``created``, ``title``, ``case_file``, ``input``, ``derived``, ``mesh``,
-        ``loads`` (rows of leak.csv), ``leakage`` (other units and classes, one entry per load), ``convergence`` (one
-        entry per load), ``discretisation_error``, ``far_field`` (relative changes, and what they say),
-        ``interface_variants``, ``uncertainty`` (null unless asked for), ``theory_variants`` (rows of variants.csv),
-        ``warnings``, ``wall_times_s``, ``sources``.
+        ``loads`` (rows of leak.csv), ``leakage`` (other units and classes, one entry per load), ``yielding`` (one entry
+        per load; null for a body that does not pass its yield stress), ``imprint`` (of each body that has yielded;
+        null if both bodies are elastic), ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
+        (relative changes, and what they say), ``interface_variants``, ``uncertainty`` (null unless asked for),
+        ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.
     """
     case = result.case
     return {
@@ -56,6 +60,8 @@ def summary(result: SealResult) -> dict[str, Any]:
         "mesh": mesh_numbers(result),
         "loads": leak_rows(result),
         "leakage": leakage_table(result),
+        "yielding": [_yielding(load) for load in result.loads],
+        "imprint": None if result.unloaded is None else _imprints(result.unloaded),
         "convergence": [_convergence(load) for load in result.loads],
         "discretisation_error": asdict(result.discretisation_error),
         "far_field": {
@@ -139,12 +145,53 @@ def interval_numbers(interval: LeakInterval) -> dict[str, Any]:
     }
 
 
+def _yielding(load: LoadResult) -> dict[str, Any]:
+    """Where the bodies yield or, solved as elastic, pass their yield stress."""
+    found = yielding_of(load.contact)
+    zones = {name: found.get(name) for name in ("closure", "seat")}
+    return {
+        "fluid_pressure_Pa": load.fluid_pressure,
+        **{name: None if zone is None else _zone(zone) for name, zone in zones.items()},
+    }
+
+
+def _zone(zone: YieldedZone | PlasticZone) -> dict[str, Any]:
+    worst: dict[str, Any] = (
+        {"solved_as": "elastoplastic", "max_accumulated_plastic_strain": zone.strain}
+        if isinstance(zone, PlasticZone)
+        else {"solved_as": "elastic", "von_mises_Pa": zone.von_mises, "over_yield_stress": zone.excess}
+    )
+    return {
+        "yield_stress_Pa": zone.yield_stress,
+        **worst,
+        "at_r_m": zone.place[0],
+        "at_z_m": zone.place[1],
+        "depth_m": zone.depth,
+        "yielded_down_to_m": zone.deepest,
+    }
+
+
+def _imprints(unloaded: Unloaded) -> dict[str, Any]:
+    return {
+        name: {
+            "depth_m": imprint.deepest,
+            "at_x_m": imprint.deepest_at,
+            "width_m": imprint.width,
+            "rim_m": imprint.rim,
+        }
+        for name, imprint in unloaded.imprints.items()
+    }
+
+
 def _convergence(load: LoadResult) -> dict[str, Any]:
     contact = load.contact
+    plastic = contact if isinstance(contact, ElastoplasticContact) else None
     return {
         "fluid_pressure_Pa": load.fluid_pressure,
         "iterations": contact.iterations,
         "residual": contact.residuals[-1] if contact.residuals else None,
         "force_error": contact.force_error,
         "approach_m": contact.approach,
+        "load_steps": None if plastic is None else plastic.load_steps,
+        "equilibrium_residual": None if plastic is None else plastic.equilibrium_residuals[-1],
     }

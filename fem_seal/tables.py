@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.atomic_files import write_bytes
+from fem_seal.elastoplastic_contact import ElastoplasticContact
+from fem_seal.elastoplastic_fields import ElastoplasticField
 from fem_seal.leakage import knudsen_number, leakage
 
 if TYPE_CHECKING:
@@ -42,6 +44,8 @@ LEAK_COLUMNS = (
     "applied_force_N",
     "effective_seal_radius_m",
     "force_for_target_leak_N",
+    "max_accumulated_plastic_strain",
+    "load_steps",
 )
 PROFILE_COLUMNS = (
     "fluid_pressure_Pa",
@@ -51,6 +55,8 @@ PROFILE_COLUMNS = (
     "gap_m",
     "fluid_pressure_in_gap_Pa",
 )
+
+IMPRINT_COLUMNS = ("body", "x_m", "depth_m")
 
 
 def leak_rows(result: SealResult) -> list[dict[str, float]]:
@@ -70,6 +76,7 @@ def leak_rows(result: SealResult) -> list[dict[str, float]]:
                     *_fluid_row(result, load),
                     *_lift_off_row(load),
                     *_force_row(load),
+                    *_plastic_row(load),
                 ),
                 strict=True,
             )
@@ -131,6 +138,20 @@ def _force_row(load: LoadResult) -> Iterator[float]:
     yield _or_nan(load.force_for_target)
 
 
+def _plastic_row(load: LoadResult) -> Iterator[float]:
+    """The largest accumulated plastic strain of both bodies, and the load steps since the load before."""
+    contact = load.contact
+    if not isinstance(contact, ElastoplasticContact):
+        yield from [math.nan] * 2
+        return
+    yield max(
+        float(field.accumulated_plastic_strain.max())
+        for field in contact.fields.values()
+        if isinstance(field, ElastoplasticField)
+    )
+    yield float(contact.load_steps)
+
+
 def leak_table(result: SealResult) -> pd.DataFrame:
     """One row per load with `LEAK_COLUMNS`, SI.
 
@@ -145,7 +166,8 @@ def leak_table(result: SealResult) -> pd.DataFrame:
     pressure that opens the seal at the force of the row, infinite if none does; ``force_for_target_leak_N`` the
     smallest force of spring or actuator for load.target_leak_rate. With leak.fluid_in_gap = "local" ``lift_off_x_m``
     and ``blow_off_pressure_Pa`` are where the fluid has lifted the surfaces off each other, and the pressure at which
-    it does so everywhere.
+    it does so everywhere. Where a body yields, ``max_accumulated_plastic_strain`` is the largest of both bodies, and
+    ``load_steps`` the number of steps from the load before.
 
     Parameters
     ----------
@@ -189,6 +211,18 @@ def profile_table(result: SealResult) -> pd.DataFrame:
 def write_leak_csv(result: SealResult, path: Path) -> Path:
     """Write leak.csv, atomically."""
     return _write_csv(path, LEAK_COLUMNS, [tuple(row.values()) for row in leak_rows(result)])
+
+
+def write_imprint_csv(result: SealResult, path: Path) -> Path | None:
+    """Write imprint.csv, atomically: body, x [m], depth [m]; None, and an old one is removed, if nothing yielded."""
+    imprints = {} if result.unloaded is None else result.unloaded.imprints
+    if not imprints:
+        path.unlink(missing_ok=True)
+        return None
+    lines = [",".join(IMPRINT_COLUMNS)]
+    for name, imprint in imprints.items():
+        lines += [f"{name},{x:.10g},{depth:.10g}" for x, depth in zip(imprint.x, imprint.depth, strict=True)]
+    return write_bytes(path, ("\n".join(lines) + "\n").encode("ascii"))
 
 
 def write_profile_csv(result: SealResult, path: Path) -> Path:

@@ -13,6 +13,7 @@ from fem_seal.atomic_files import write_text
 if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.contact_solution import ContactSolution
+    from fem_seal.laws import Law
     from fem_seal.results import SealResult
     from leak import RoughContact
 
@@ -74,7 +75,6 @@ def theory_variants(result: SealResult) -> tuple[TheoryVariant, ...]:
     tuple of TheoryVariant
         Empty if nothing leaks in the case for want of roughness or fluid.
     """
-    from fem_seal.contact import solve
     from fem_seal.pipeline import interface_law
 
     case, surface = result.case, result.surface
@@ -82,26 +82,30 @@ def theory_variants(result: SealResult) -> tuple[TheoryVariant, ...]:
         return ()
     variants: list[TheoryVariant] = []
     for plastic in _laws(result):
-        contacts = result.contact
+        contacts: Sequence[ContactSolution] = result.contact
         if plastic is not None and plastic != case.interface.plastic:
             changed = case.model_copy(
                 update={"interface": case.interface.model_copy(update={"plastic": plastic})}
             )
-            law = interface_law(changed, surface)
-            contacts = tuple(
-                solve(
-                    result.model,
-                    law,
-                    axial_force=load.axial_force,
-                    loads=load.contact.loads,
-                    start=load.contact,
-                )
-                for load in result.loads
-            )
+            contacts = _contacts(result, interface_law(changed, surface))
         variants += [
             _variant(case, surface, contacts, plastic, *flow) for flow in _flows(case, surface.peklenik)
         ]
     return tuple(variants)
+
+
+def _contacts(result: SealResult, law: Law) -> Sequence[ContactSolution]:
+    """The loads of a result with another interface law."""
+    from fem_seal.contact import solve
+    from fem_seal.load_solver import LoadSolver
+    from fem_seal.solved_loads import solve_loads
+
+    if result.unloaded is not None:
+        return solve_loads(LoadSolver(result.case, law, result.model)).contacts
+    return tuple(
+        solve(result.model, law, axial_force=load.axial_force, loads=load.contact.loads, start=load.contact)
+        for load in result.loads
+    )
 
 
 def _laws(result: SealResult) -> tuple[bool | None, ...]:

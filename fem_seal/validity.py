@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.elastoplastic_contact import yielding_bodies
+from fem_seal.yielding import PlasticZone, YieldedZone, yielding_of
+
 if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.condensation import ContactModel
@@ -17,6 +20,8 @@ if TYPE_CHECKING:
 # Pressure at the ends of the contact zone over the peak pressure above which contact is cut off.
 _CUT_OFF = 1e-6
 _LARGEST_ERROR = 2e-3
+# With load steps: what 16 of them leave on a perfectly plastic seat (docs/theory_elastoplastic.md).
+_LARGEST_ERROR_OF_PATH = 1e-2
 # The theory's own A/A0 beyond which its flow conductivity differs from direct numerical results by more than 30 %,
 # and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification.md).
 _FEW_CHANNELS = 0.15
@@ -25,6 +30,8 @@ _FACTORS = ((0.2, 1.7), (1.0, 3.3))
 _LONG_WAVES = 0.1
 # Fluid pressure over peak contact pressure from which on it opens the gap noticeably: a fifth more leaks at 0.1.
 FLUID_OPENS = 0.1
+# Plastic strain from which on small-strain theory is an estimate.
+_LARGE_STRAIN = 0.1
 # Beyond this share of the ball's radius the contact is no narrow line any more.
 _NARROW = 0.2
 
@@ -47,7 +54,7 @@ def contact_warnings(
     surface : RoughContact, optional
         The case's rough contact.
     """
-    bodies = (_yielding, _cut_off, _wide, _above_hardness)
+    bodies = (_yielding, _table_left, _cut_off, _wide, _above_hardness)
     interface = () if surface is None else (_sealed, _nearly_sealed, _range, _long_waves)
     flow = () if surface is None or case.fluid is None else (_molecules, _fluid_opens, _dense_gas)
     return (
@@ -59,23 +66,42 @@ def contact_warnings(
 
 
 def _yielding(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
-    for name, material in (("closure", case.closure.material), ("seat", case.seat.material)):
-        limit = material.yield_stress
-        if limit is None:
+    for name in ("closure", "seat"):
+        found = [(load, yielding_of(load.contact).get(name)) for load in loads]
+        over = [(load, zone) for load, zone in found if isinstance(zone, YieldedZone)]
+        if not over:
             continue
-        worst = [
-            (load, float(load.contact.fields[name].von_mises.max()))
-            for load in loads
-            if load.max_von_mises > limit
-        ]
-        over = [(load, stress) for load, stress in worst if stress > limit]
-        if over:
-            load, stress = max(over, key=lambda item: item[1])
-            first = min(load.fluid_pressure for load, _ in over)
+        load, zone = max(over, key=lambda item: item[1].von_mises)
+        first = min(load.fluid_pressure for load, _ in over)
+        r, z = zone.place
+        yield (
+            f"{name}: von Mises stress {zone.von_mises / 1e6:.4g} MPa at {load.fluid_pressure / 1e5:.4g} bar is "
+            f"{zone.excess:.3g} times the yield stress {zone.yield_stress / 1e6:.4g} MPa, at r = {r * 1e3:.4g} mm, "
+            f"z = {z * 1e3:.4g} mm, {zone.depth * 1e6:.3g} um from the contact line; it is passed down to "
+            f"{zone.deepest * 1e6:.3g} um (from {first / 1e5:.4g} bar on). The body is solved as elastic, the true "
+            "contact is wider and its peak pressure lower; a stress_strain curve in its material solves it as "
+            "elastoplastic"
+        )
+
+
+def _table_left(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
+    for name, body in (("closure", case.closure), ("seat", case.seat)):
+        curve = body.material.hardening
+        found = [(load, yielding_of(load.contact).get(name)) for load in loads]
+        zones = [(load, zone) for load, zone in found if isinstance(zone, PlasticZone)]
+        if curve is None or not zones:
+            continue
+        load, zone = max(zones, key=lambda item: item[1].strain)
+        if zone.strain > curve.last_strain:
             yield (
-                f"{name}: von Mises stress {stress / 1e6:.4g} MPa at {load.fluid_pressure / 1e5:.4g} bar exceeds the "
-                f"yield stress {limit / 1e6:.4g} MPa (from {first / 1e5:.4g} bar on); the bodies are solved as "
-                "elastic, the true contact is wider and its peak pressure lower"
+                f"{name}: plastic strain {100 * zone.strain:.3g} % at {load.fluid_pressure / 1e5:.4g} bar is beyond "
+                f"the end of its stress_strain curve, {100 * curve.last_strain:.3g} %; the stress stays at its last "
+                f"value, {curve.stress[-1] / 1e6:.4g} MPa, from there on"
+            )
+        if zone.strain > _LARGE_STRAIN:
+            yield (
+                f"{name}: plastic strain reaches {100 * zone.strain:.3g} % at {load.fluid_pressure / 1e5:.4g} bar; the "
+                f"theory is for small strains, and above {100 * _LARGE_STRAIN:g} % imprint and width are estimates"
             )
 
 
@@ -224,7 +250,13 @@ def _dense_gas(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -
 
 def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[str]:
     worst = max(error.peak_pressure, error.std, error.leak_rate or 0.0)
-    if worst > _LARGEST_ERROR:
+    if yielding_bodies(model):
+        if worst > _LARGEST_ERROR_OF_PATH:
+            yield (
+                f"the estimated error of elements and load steps is {100 * worst:.2g} %; loads between zero and the "
+                "highest one, and a smaller [mesh] contact_size reduce it"
+            )
+    elif worst > _LARGEST_ERROR:
         size = float(np.diff(model.line.vertices).min())
         yield (
             f"the estimated discretisation error is {100 * worst:.2g} %; a [mesh] contact_size below the present "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.elastoplastic_fields import ElastoplasticField
 from fem_seal.stress import BodyField
 from fem_seal.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_line, write_series
 
@@ -27,7 +28,9 @@ def write_contact(result: SealResult, folder: Path) -> list[Path]:
 
     Point data: ``displacement`` [m], the closure's rigid motion since first touch included, ``stress`` [Pa] as
     XX YY ZZ XY YZ XZ with x = r, y = z, z = hoop, ``von_mises`` [Pa], ``contact_pressure`` [Pa] on the contact
-    line, zero elsewhere. Cell data: ``body``, its number in the field data ``body_names``.
+    line, zero elsewhere. Where a body yields also ``plastic_strain``, as ``stress`` and as a tensor (XY is half the
+    engineering shear strain), and ``accumulated_plastic_strain``, zero in a body that is elastic. Cell data:
+    ``body``, its number in the field data ``body_names``.
 
     Returns
     -------
@@ -35,7 +38,10 @@ def write_contact(result: SealResult, folder: Path) -> list[Path]:
         The files written, contact.pvd first.
     """
     files = _names("contact", "vtu", len(result.loads))
-    written = [_write_bodies(load, folder / file) for load, file in zip(result.loads, files, strict=True)]
+    written = [
+        _write_bodies(load.contact.fields, load.contact.approach, _load_data(load), folder / file)
+        for load, file in zip(result.loads, files, strict=True)
+    ]
     series = write_series(folder / "contact.pvd", files, _times(result.loads))
     _remove_stale(folder, "contact", "vtu", files)
     return [series, *written]
@@ -67,8 +73,22 @@ def write_contact_line(result: SealResult, folder: Path) -> list[Path]:
     return [series, *written]
 
 
-def _write_bodies(load: LoadResult, path: Path) -> Path:
-    fields = load.contact.fields
+def write_unloaded(result: SealResult, folder: Path) -> Path | None:
+    """Write unloaded.vtu: both bodies after the last load, with residual stress and lasting displacement.
+
+    Point data as in `write_contact`; ``displacement`` is the lasting one, with that of a press fit. None, and an
+    unloaded.vtu of an earlier run is removed, if both bodies are elastic.
+    """
+    path = folder / "unloaded.vtu"
+    if result.unloaded is None:
+        path.unlink(missing_ok=True)
+        return None
+    return _write_bodies(result.unloaded.fields, 0.0, {}, path)
+
+
+def _write_bodies(
+    fields: Mapping[str, BodyField], approach: float, load: Mapping[str, NDArray[np.generic]], path: Path
+) -> Path:
     bodies = [fields[name] for name in BODIES]
     starts = np.cumsum([0, *(len(body.points) for body in bodies)])
     return write_grid(
@@ -77,20 +97,38 @@ def _write_bodies(load: LoadResult, path: Path) -> Path:
         np.concatenate([body.triangles6 + start for body, start in zip(bodies, starts, strict=False)]),
         QUADRATIC_TRIANGLE,
         point_data={
-            "displacement": _in_space(
-                np.concatenate([_displacement(body, load.contact.approach) for body in bodies])
-            ),
+            "displacement": _in_space(np.concatenate([_displacement(body, approach) for body in bodies])),
             "stress": _symmetric_tensor(np.concatenate([body.stress for body in bodies])),
             "von_mises": np.concatenate([body.von_mises for body in bodies]),
             "contact_pressure": np.concatenate([body.contact_pressure for body in bodies]),
+            **_plastic(bodies),
         },
         cell_data={
             "body": np.repeat(
                 np.arange(len(bodies), dtype=np.int32), [len(body.triangles6) for body in bodies]
             )
         },
-        field_data={"body_names": np.array(BODIES), **_load_data(load)},
+        field_data={"body_names": np.array(BODIES), **load},
     )
+
+
+def _plastic(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:
+    """Plastic strain of both bodies; nothing if both are elastic."""
+    if not any(isinstance(body, ElastoplasticField) for body in bodies):
+        return {}
+    strain, accumulated = [], []
+    for body in bodies:
+        if isinstance(body, ElastoplasticField):
+            strain.append(body.plastic_strain)
+            accumulated.append(body.accumulated_plastic_strain)
+        else:
+            strain.append(np.zeros_like(body.stress))
+            accumulated.append(np.zeros(len(body.points)))
+    tensor = np.concatenate(strain) * [1.0, 1.0, 1.0, 0.5]
+    return {
+        "plastic_strain": _symmetric_tensor(tensor),
+        "accumulated_plastic_strain": np.concatenate(accumulated),
+    }
 
 
 def _displacement(body: BodyField, approach: float) -> FloatArray:

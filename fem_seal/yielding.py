@@ -1,15 +1,24 @@
-"""Where an elastic result passes the yield stress, how far and how deep."""
+"""Where a body yields or, solved as elastic, passes its yield stress: how far and how deep."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.elastoplastic_fields import ElastoplasticField
 from fem_seal.stress import BodyField
 
+if TYPE_CHECKING:
+    from fem_seal.contact_solution import ContactSolution
+    from fem_seal.materials import Material
+
 FloatArray = NDArray[np.float64]
+
+# Plastic strain that counts as yielded, as a share of the elastic strain at yield.
+_COUNTS = 0.01
 
 
 @dataclass(frozen=True)
@@ -54,21 +63,91 @@ def yielded_zone(field: BodyField, yield_stress: float) -> YieldedZone | None:
     yield_stress : float
         [Pa]
     """
-    stress = field.von_mises
-    above = np.flatnonzero(stress > yield_stress)
+    found = _largest(field, field.von_mises, yield_stress)
+    return None if found is None else YieldedZone(field.name, yield_stress, *found)
+
+
+@dataclass(frozen=True)
+class PlasticZone:
+    """Where a body that was solved as elastoplastic has yielded.
+
+    Parameters
+    ----------
+    body : str
+        "closure" or "seat".
+    yield_stress : float
+        Of its curve [Pa].
+    strain : float
+        The largest accumulated plastic strain [-].
+    place : tuple of float
+        (r, z) of the largest [m].
+    depth : float
+        Distance of that place from the contact line [m].
+    deepest : float
+        Largest distance from the contact line at which it has yielded [m].
+    """
+
+    body: str
+    yield_stress: float
+    strain: float
+    place: tuple[float, float]
+    depth: float
+    deepest: float
+
+
+def plastic_zone(field: ElastoplasticField, material: Material) -> PlasticZone | None:
+    """Where a body has yielded; None if nowhere.
+
+    Parameters
+    ----------
+    field : ElastoplasticField
+    material : Material
+        With its hardening curve.
+
+    Notes
+    -----
+    Nodal values are averages over the triangles around, so that the edge of the zone is known to within a triangle. A
+    hundredth of the elastic strain at yield counts as yielded.
+    """
+    assert material.yield_stress is not None  # that of the curve
+    counts = _COUNTS * material.yield_stress / material.youngs_modulus
+    found = _largest(field, field.accumulated_plastic_strain, counts)
+    return None if found is None else PlasticZone(field.name, material.yield_stress, *found)
+
+
+def yielding_of(contact: ContactSolution) -> dict[str, YieldedZone | PlasticZone]:
+    """Where the bodies of a contact yield or, solved as elastic, would; by name, without those that do not.
+
+    Parameters
+    ----------
+    contact : ContactSolution
+    """
+    found: dict[str, YieldedZone | PlasticZone] = {}
+    for name, body in (("closure", contact.model.closure), ("seat", contact.model.seat)):
+        field, limit = contact.fields[name], body.material.yield_stress
+        if limit is None:
+            continue
+        zone = (
+            plastic_zone(field, body.material)
+            if isinstance(field, ElastoplasticField)
+            else yielded_zone(field, limit)
+        )
+        if zone is not None:
+            found[name] = zone
+    return found
+
+
+def _largest(
+    field: BodyField, values: FloatArray, limit: float
+) -> tuple[float, tuple[float, float], float, float] | None:
+    """Largest nodal value above a limit, its place and depth, and the largest depth at which the limit is passed."""
+    above = np.flatnonzero(values > limit)
     if len(above) == 0:
         return None
     depth = _distance(field.points[above], field.points[field.contact_nodes])
-    worst = int(np.argmax(stress[above]))
+    worst = int(np.argmax(values[above]))
     r, z = field.points[above[worst]].tolist()
-    return YieldedZone(
-        field.name,
-        yield_stress,
-        float(stress[above[worst]]),
-        (r, z),
-        float(depth[worst]),
-        float(depth.max()),
-    )
+    return float(values[above[worst]]), (r, z), float(depth[worst]), float(depth.max())
 
 
 def _distance(points: FloatArray, line: FloatArray) -> FloatArray:

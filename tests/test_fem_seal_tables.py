@@ -24,7 +24,8 @@ LEAK_HEADER = (
     "leak_rate_m3_per_s,leak_rate_elastic_m3_per_s,critical_separation_m,critical_separation_elastic_m,"
     "max_von_mises_Pa,leak_rate_low_m3_per_s,leak_rate_high_m3_per_s,"
     "leak_rate_kg_per_s,leak_rate_Pa_m3_per_s,leak_rate_standard_m3_per_s,knudsen_number,"
-    "lift_off_x_m,blow_off_pressure_Pa,applied_force_N,effective_seal_radius_m,force_for_target_leak_N"
+    "lift_off_x_m,blow_off_pressure_Pa,applied_force_N,effective_seal_radius_m,force_for_target_leak_N,"
+    "max_accumulated_plastic_strain,load_steps"
 )
 PROFILE_HEADER = "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa"
 
@@ -77,10 +78,12 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "blow_off_pressure_Pa",
         "effective_seal_radius_m",
         "force_for_target_leak_N",
+        "max_accumulated_plastic_strain",
+        "load_steps",
     ]
     assert table[missing].isna().all().all()
     assert table.drop(columns=missing).notna().all().all()
-    assert np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1).shape == (2, 23)
+    assert np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1).shape == (2, 25)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):
@@ -114,6 +117,8 @@ def test_summary_is_valid_json_and_complete(tmp_path):
         "mesh",
         "loads",
         "leakage",
+        "yielding",
+        "imprint",
         "convergence",
         "discretisation_error",
         "far_field",

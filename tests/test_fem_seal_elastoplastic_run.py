@@ -1,0 +1,300 @@
+"""A case whose seat yields, from the case file to the result files."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from sample_results import case as elastic_case
+
+import fem_seal
+import fem_seal.pipeline
+from fem_seal.case import Case, load_case
+from fem_seal.contact import solve
+from fem_seal.elastoplastic_contact import ElastoplasticContact
+from fem_seal.elastoplastic_fields import ElastoplasticField
+from fem_seal.elastoplastic_path import PathLoad, load_path
+from fem_seal.errors import InputError
+from fem_seal.further_loads import FurtherLoads
+from fem_seal.loads import closing_force
+from fem_seal.results import SealResult
+from fem_seal.stress import von_mises
+from fem_seal.summary import summary
+from fem_seal.yielding import yielding_of
+
+YIELD = 200e6
+CASE = """
+[closure]
+shape = "ball"
+radius = "10 mm"
+material = "tungsten carbide"
+
+[seat]
+shape = "cone"
+angle = "45 deg"
+wall = "fixed"
+interference = "2 um"
+
+[seat.material]
+name = "soft steel"
+youngs_modulus = "210 GPa"
+poissons_ratio = 0.3
+stress_strain = { file = "curve.csv" }
+
+[interface]
+law = "exponential"
+u0 = "0.5 um"
+p_c = "2 GPa"
+
+[load]
+fluid_pressure = ["300 bar", "50 bar"]
+
+[mesh]
+contact_size = "30 um"
+"""
+ROUGH = {
+    "roughness": {
+        "spectrum": {
+            "kind": "self-affine",
+            "rms_height": "1 um",
+            "hurst": 0.7,
+            "q_low": "5e3 1/m",
+            "q_rolloff": "5e4 1/m",
+            "q_high": "3e6 1/m",
+        }
+    },
+    "fluid": {"name": "water"},
+    "leak": {"plasticity": False},
+}
+CURVE = "plastic_strain, stress_MPa\n0, 200\n0.01, 240\n0.05, 300\n"
+
+
+@pytest.fixture(scope="module")
+def case_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("yields")
+    (folder / "curve.csv").write_text(CURVE)
+    (folder / "case.toml").write_text(CASE)
+    return folder / "case.toml"
+
+
+@pytest.fixture(scope="module")
+def result(case_file: Path) -> SealResult:
+    return fem_seal.run(load_case(case_file))
+
+
+@pytest.fixture(scope="module")
+def folder(result: SealResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return result.write(tmp_path_factory.mktemp("files"))
+
+
+# the solver and the case -----------------------------------------------------------------------------------------
+
+
+def test_a_run_is_the_load_path_of_the_case(result: SealResult) -> None:
+    """The same contacts as those of the solver called by hand on the same mesh; same code, so to round-off."""
+    case, law = result.case, fem_seal.pipeline.interface_law(result.case, None)
+    fit = FurtherLoads(seat={"wall": 2e-6})
+    forces = [closing_force(case.touch_radius, pressure) for pressure in (300e5, 50e5)]
+    path = load_path(result.model, law, [PathLoad(force, fit) for force in forces], at_rest=fit)
+    for load, contact in zip(result.loads, path.contacts, strict=True):
+        assert isinstance(load.contact, ElastoplasticContact)
+        assert load.axial_force == pytest.approx(contact.axial_force, rel=1e-14)
+        assert load.contact.profile.pressure == pytest.approx(contact.profile.pressure, rel=1e-9)
+    assert result.unloaded is not None
+    ours, theirs = result.unloaded.imprints["seat"], path.unloaded.imprints["seat"]
+    assert ours.depth == pytest.approx(theirs.depth, abs=1e-9 * theirs.deepest)
+
+
+def test_the_mesh_covers_the_contact_that_yielding_makes_wide(result: SealResult) -> None:
+    for contact in result.contact:
+        share = contact.pressure[[0, -1]] / contact.pressure.max()
+        assert share.max() < 1e-6
+
+
+def test_a_coined_seat_is_wider_than_a_new_one(result: SealResult) -> None:
+    """50 bar after 300 bar, against the same load on the elastic seat: that alone does not reach the yield stress."""
+    coined, law = result.loads[1].contact, fem_seal.pipeline.interface_law(result.case, None)
+    alone = solve(result.model, law, axial_force=coined.axial_force, loads=coined.loads)
+    assert alone.fields["seat"].von_mises.max() < YIELD
+    assert coined.profile.std > 1.02 * alone.profile.std
+    assert coined.profile.peak_pressure < 0.98 * alone.profile.peak_pressure
+
+
+def test_the_press_fit_is_no_imprint(result: SealResult) -> None:
+    """The fit moves the whole face; the imprint is what the loads have added, next to nothing far from the contact."""
+    assert result.unloaded is not None
+    imprint = result.unloaded.imprints["seat"]
+    fit = result.model.seat.held.retreat(result.unloaded.before["seat"].displacement)
+    assert np.abs(fit).min() > 3 * imprint.deepest
+    assert abs(imprint.depth[[0, -1]]).max() < 0.15 * imprint.deepest
+    assert 0 < imprint.width < 2 * result.loads[0].contact.profile.fwhm
+
+
+# files -------------------------------------------------------------------------------------------------------------
+
+
+def test_unloaded_vtu_has_residual_stress_and_imprint(result: SealResult, folder: Path) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    assert result.unloaded is not None
+    grid = pyvista.read(folder / "unloaded.vtu")
+    fields = result.unloaded.fields
+    closure, seat = fields["closure"], fields["seat"]
+    assert isinstance(seat, ElastoplasticField)
+    n = len(closure.points)
+    for name in ("displacement", "stress", "plastic_strain", "accumulated_plastic_strain"):
+        assert not np.any(grid[name][:n])  # the elastic ball comes back
+    np.testing.assert_array_equal(grid["displacement"][n:, :2], seat.displacement)
+    np.testing.assert_array_equal(grid["stress"][n:, :4], seat.stress)
+    np.testing.assert_array_equal(grid["von_mises"][n:], seat.von_mises)
+    # a tensor: half the engineering shear strain beside it
+    np.testing.assert_array_equal(grid["plastic_strain"][n:, :4], seat.plastic_strain * [1, 1, 1, 0.5])
+    np.testing.assert_array_equal(grid["accumulated_plastic_strain"][n:], seat.accumulated_plastic_strain)
+    assert not grid["contact_pressure"].any()
+    assert von_mises(seat.stress).max() > 0.1 * YIELD
+    # plastic flow keeps the volume
+    assert np.abs(seat.plastic_strain[:, :3].sum(axis=1)).max() < 1e-12
+
+
+def test_loaded_files_have_plastic_strain_and_elastic_ones_do_not(folder: Path, result: SealResult) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    grid = pyvista.read(folder / "contact_001.vtu")
+    largest = grid["accumulated_plastic_strain"].max()
+    assert largest == result.table.max_accumulated_plastic_strain.iloc[1] > 1e-4
+
+
+def test_imprint_csv(result: SealResult, folder: Path) -> None:
+    assert result.unloaded is not None
+    table = pd.read_csv(folder / "imprint.csv")
+    imprint = result.unloaded.imprints["seat"]
+    assert set(table.body) == {"seat"}
+    assert table.x_m.to_numpy() == pytest.approx(imprint.x, rel=1e-9, abs=1e-15)
+    assert table.depth_m.max() == pytest.approx(imprint.deepest, rel=1e-9)
+
+
+def test_what_an_elastic_run_leaves_is_no_imprint(folder: Path, tmp_path: Path) -> None:
+    for name in ("unloaded.vtu", "imprint.csv"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    result = low_yield_stress()
+    result.write(tmp_path)
+    assert not (tmp_path / "unloaded.vtu").exists()
+    assert not (tmp_path / "imprint.csv").exists()
+    assert result.table[["max_accumulated_plastic_strain", "load_steps"]].isna().all(axis=None)
+    assert summary(result)["imprint"] is None
+    assert "imprint" not in (tmp_path / "report.html").read_text()
+
+
+def test_summary_says_where_and_how_far(result: SealResult, folder: Path) -> None:
+    told = json.loads((folder / "summary.json").read_text())
+    seat = told["yielding"][0]["seat"]
+    assert seat["solved_as"] == "elastoplastic"
+    assert seat["yield_stress_Pa"] == YIELD
+    assert 0 <= seat["depth_m"] < seat["yielded_down_to_m"] < 1e-3
+    at = np.array([seat["at_r_m"], seat["at_z_m"]])
+    first = np.array([result.model.touch_radius, 0.0])
+    assert np.linalg.norm(at - first) < seat["yielded_down_to_m"]
+    # below the flow stress of the largest strain, above the elastic limit: the ball is harder and has no yield stress
+    assert told["yielding"][0]["closure"] is None
+    assert told["imprint"]["seat"]["depth_m"] > 0
+    assert told["convergence"][0]["equilibrium_residual"] < 1e-9
+    assert told["convergence"][0]["load_steps"] == told["loads"][0]["load_steps"] >= 16
+
+
+def test_report_shows_imprint_and_yielding(folder: Path) -> None:
+    page = (folder / "report.html").read_text()
+    for text in ('id="picture-imprint"', "Lasting imprint", "Yielding and imprint", "has yielded down to"):
+        assert text in page
+    assert "perfectly plastic" not in page
+    assert "Simo" in page
+
+
+# elastic cases -----------------------------------------------------------------------------------------------------
+
+
+@cache
+def low_yield_stress() -> SealResult:
+    """A smooth elastic contact far beyond its yield stress."""
+    soft = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "yield_stress": "100 MPa"}
+    return fem_seal.run(
+        elastic_case(
+            seat={"shape": "cone", "angle": "45 deg", "material": soft},
+            roughness=None,
+            fluid=None,
+            interface={"law": "smooth"},
+            leak={"plasticity": False},
+            load={"fluid_pressure": "20 bar"},
+        )
+    )
+
+
+def test_elastic_results_name_where_and_how_far_the_yield_stress_is_passed() -> None:
+    """Hertz' line contact under a load that exceeds it: place, size and depth from Johnson (1985), eq. 4.49."""
+    result = low_yield_stress()
+    (load,) = result.loads
+    assert not isinstance(load.contact, ElastoplasticContact)
+    profile = load.contact.profile
+    f, peak = load.line_load, profile.peak_pressure
+    a = 2 * f / (np.pi * peak)
+    z = a * np.linspace(0, 6, 6001)
+    root = np.sqrt(a**2 + z**2)
+    along, deep = -peak / a * ((a**2 + 2 * z**2) / root - 2 * z), -peak * a / root
+    stress = von_mises(np.column_stack([along, deep, 0.3 * (along + deep), 0 * z]))
+    zone = yielding_of(load.contact)["seat"]
+    # elements grow by a fifth of the depth: stress at their nodes is 2 % off, and the largest is picked
+    assert zone.excess == pytest.approx(stress.max() / 100e6, rel=0.03)  # type: ignore[union-attr]
+    assert zone.depth == pytest.approx(z[np.argmax(stress)], abs=0.2 * a)
+    assert zone.deepest > 0.9 * z[stress > 100e6].max()
+    (said,) = [text for text in result.warnings if text.startswith("seat: von Mises")]
+    assert f"is {zone.excess:.3g} times the yield stress 100 MPa" in said  # type: ignore[union-attr]
+    assert f"passed down to {zone.deepest * 1e6:.3g} um" in said
+    assert "stress_strain curve" in said
+    assert summary(result)["yielding"][0]["seat"]["solved_as"] == "elastic"
+
+
+# what cannot be asked ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("tables", "key", "said"),
+    [
+        (
+            {"load": {"closing": "penetration", "axial_force": "1 kN"}},
+            "load.closing",
+            r"seat: material\.stress_strain\) remembers its loads; use \"sealed-area\"",
+        ),
+        (
+            {"load": {"target_leak_rate": "1e-9 m^3/s"}},
+            "load.target_leak_rate",
+            r"list the forces in load\.axial_force",
+        ),
+        (
+            {"uncertainty": {"hurst": {"relative": 0.05}}},
+            "uncertainty",
+            r"solve each load on its own, .*remove the table",
+        ),
+        (
+            {"load": {"fluid_pressure": "3000 bar"}},
+            "load",
+            r"coins the body that yields over .* allows [\d.e+]+ N",
+        ),
+    ],
+)
+def test_refused_with_a_body_that_yields(
+    case_file: Path, tables: dict[str, object], key: str, said: str
+) -> None:
+    with pytest.raises(InputError, match=said) as failure:
+        load_case(case_file).replace(ROUGH, **tables)
+    assert failure.value.key == key
+    elastic = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "stress_strain": None}
+    if key != "load":
+        changed = load_case(case_file).replace({"seat.material": elastic})
+        assert isinstance(changed.replace(ROUGH, **tables), Case)
+
+
+def test_the_force_for_a_target_is_not_looked_for_either(case_file: Path) -> None:
+    case = load_case(case_file).replace(ROUGH)
+    with pytest.raises(InputError, match="is for elastic bodies, and one has a stress_strain curve"):
+        fem_seal.axial_force_for_leak(case, 1e-9)
