@@ -71,7 +71,7 @@ def leak_picture(result: SealResult) -> Picture | None:
     _mark_sealed(axes, pressure[rates == 0] / fluid.size)
     scales = [n for n, values in (("x", pressure), ("y", shown)) if spans_decades(values)]
     if "y" not in scales:
-        axes.set_ylim(0.0)
+        axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
     logarithmic(axes, *scales)
     axes.legend(loc="best")
     label(axes, "Leak rate", f"fluid pressure  [{fluid.name}]", f"leak rate  [{unit.name}]")

@@ -243,7 +243,8 @@ def test_elastic_results_name_where_and_how_far_the_yield_stress_is_passed() -> 
     along, deep = -peak / a * ((a**2 + 2 * z**2) / root - 2 * z), -peak * a / root
     stress = von_mises(np.column_stack([along, deep, 0.3 * (along + deep), 0 * z]))
     zone = yielding_of(load.contact)["seat"]
-    # elements grow by a fifth of the depth: stress at their nodes is 2 % off, and the largest is picked
+    # The hoop stress of the ring, which a half-space does not have, adds to the seat in proportion to the contact's
+    # width: 0.8 % at 0.2 bar, 2.3 % at 20 bar and 4.9 % at 200 bar. The elements' share is 0.3 %.
     assert zone.excess == pytest.approx(stress.max() / 100e6, rel=0.03)  # type: ignore[union-attr]
     assert zone.depth == pytest.approx(z[np.argmax(stress)], abs=0.2 * a)
     assert zone.deepest > 0.9 * z[stress > 100e6].max()
