@@ -24,10 +24,6 @@ _GROWTH_DEEP = 0.2
 
 _MOST_ELEMENTS = 1500
 
-# A face is steep where its normal has less than this share of the axial component at first touch; a rough layer carries
-# next to nothing beyond this many decay lengths.
-_STEEP, _JAMS = 0.3, 7.0
-
 # Elements over what is pressed flat of a rounded edge, and over its whole arc.
 _PER_EDGE, _PER_ARC = 5.0, 6.0
 _AT_CORNER = 10.0
@@ -180,7 +176,7 @@ def element_sizes(
         If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements, or if the
         closure jams at a steep end of a face.
     """
-    _refuse_jamming(law, max(line_loads), contact)
+    _refuse_jamming(law, min(line_loads), contact)
     opening = Opening.of(contact)
     widths = [contact_width(law, f, opening, effective_modulus) for f in line_loads]
     std = min(w.std for w in widths)
@@ -217,23 +213,26 @@ def element_sizes(
 
 
 def _refuse_jamming(law: Law, line_load: float, contact: ContactGeometry) -> None:
-    """Where the face is steep the approach along the axis hardly presses; a thick rough layer would carry there."""
+    """Refuse a rough layer that would carry more at a steep end of a face than at first touch.
+
+    Rigid surfaces that keep the gap u of the load apart at first touch, where the normal's axial component is n_0, are
+    g + u n/n_0 apart where the gap at first touch is g and the component n.
+    """
     if isinstance(law, HardContact):
         return
-    mean = math.log(line_load / (contact.reach[1] - contact.reach[0]))
-    layer = _JAMS * _decay_length(law, mean)
+    layer = _gap(law, math.log(line_load / (contact.reach[1] - contact.reach[0])))
     ends = np.array([0.0, *contact.reach])
     steepness, gap = contact.normal(ends)[1], contact.gap(ends)
     for n in (1, 2):
-        if steepness[n] < _STEEP * steepness[0] and gap[n] < layer:
+        needed = layer * (1 - steepness[n] / steepness[0])
+        if gap[n] < needed:
             raise InputError(
                 Problem(
                     "seat",
                     f"its face ends steeply at r = {float(contact.radius(ends[n])) * 1e3:.6g} mm, where the surfaces "
-                    f"stand only {gap[n] * 1e6:.3g} um apart at first touch, less than the rough layer of "
-                    f"{layer * 1e6:.3g} um "
-                    f"({_JAMS:g} decay lengths): the closure would jam there. Make the edge radius larger or the "
-                    "surfaces smoother",
+                    f"stand {gap[n] * 1e6:.3g} um apart at first touch; the rough layer, {layer * 1e6:.3g} um thick "
+                    f"under this load, needs {needed * 1e6:.3g} um there, or the closure jams. Make the edge radius "
+                    "larger or the surfaces smoother",
                 )
             )
 
