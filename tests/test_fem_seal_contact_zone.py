@@ -108,7 +108,7 @@ def test_no_convergence_is_tried_once_more_on_a_finer_mesh(expected: tuple[Sizin
 
 
 def test_a_rough_layer_that_jams_at_a_steep_end_is_refused() -> None:
-    """Fillet of 13 um at a bore, rough layer of 180 um: the ball would be wedged in the bore, not seated on its edge."""
+    """Fillet of 13 um at a bore, rough layer of 180 um: the ball would be wedged in the bore."""
     ball = Ball(5.75e-3)
     contact = ContactGeometry.of(ball.outline, SharpEdge.around(4.16e-3, ball, edge_radius=12.75e-6).outline)
     modulus = effective_modulus(STEEL, STEEL)
