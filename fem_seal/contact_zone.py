@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 from fem_seal.profile import PressureProfile
-from meshes import ContactGeometry, Sizing
+from meshes import ContactGeometry, MeshingError, Sizing
 
 FloatArray = NDArray[np.float64]
 
@@ -50,13 +50,21 @@ def solve_fitted(
     ------
     ConvergenceError
         If a contact does not converge on the finer mesh either.
+    MeshingError
+        If the first mesh cannot be made. A better one that cannot be made is left: the estimate of the discretisation
+        error says what the present one is worth.
     """
     # A mesh that is given cannot be made finer.
     size_given = size_given or contact.has_ready_mesh
     refined = False
+    solutions: Sequence[ContactSolution] | None = None
     for _ in range(_MOST_MESHES):
         try:
             solutions = solve_on(sizing)
+        except MeshingError:
+            if solutions is None:
+                raise
+            break
         except ConvergenceError:
             if refined or size_given:
                 raise
@@ -66,6 +74,7 @@ def solve_fitted(
         if better is None:
             break
         sizing = better
+    assert solutions is not None  # otherwise an error has been raised
     return solutions
 
 

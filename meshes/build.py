@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+# The condensed contact is a dense matrix of three points per element: a few hundred megabytes at this number.
+_MOST_VERTICES = 2500
+
 
 # Share of a face's length that is no length.
 _END = 1e-5
@@ -59,6 +62,12 @@ def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
     if isinstance(contact.seat, MeshedOutline):
         sizing = replace(sizing, zone=contact.seat.within(contact, sizing.zone))
     x = sizing.contact_vertices(contact.breaks)
+    if len(x) > _MOST_VERTICES:
+        raise MeshingError(
+            f"the contact line would need {len(x) - 1} elements, allowed are {_MOST_VERTICES - 1}: the smallest of "
+            f"{min([sizing.contact_size, *(s for _, s in sizing.spots)]) * 1e6:.3g} um is too fine for a zone of "
+            f"{(sizing.zone[1] - sizing.zone[0]) * 1e6:.4g} um; use a larger contact size or edge radius"
+        )
     # A break of the outline within half an element beyond the contact line would leave a sliver.
     stub = 0.5 * sizing.size(x[[0, -1]])
     outlines = tuple(

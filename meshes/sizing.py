@@ -9,9 +9,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, MeshingError
 
 FloatArray = NDArray[np.float64]
+
+# Far more than any contact that can be solved.
+_MOST = 100_000
 
 
 @dataclass(frozen=True)
@@ -106,6 +109,10 @@ class Sizing:
             [[0.0], np.cumsum(np.diff(x) * (density[:-1] + 4 * between + density[1:]) / 6)]
         )
         elements = max(1, math.ceil(count[-1] * (1 - 1e-9)))
+        if elements > _MOST:
+            raise MeshingError(
+                f"the contact line would need more than {_MOST} elements; use a larger contact size or edge radius"
+            )
         inner = np.interp(np.arange(1, elements) * count[-1] / elements, count, x)
         return np.append(inner, b)
 

@@ -175,3 +175,8 @@ def test_missing_system_library_names_the_packages(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(builtins, "__import__", broken)
     with pytest.raises(MeshingError, match=r"libGLU\.so\.1.*apt-get install .*libglu1-mesa"):
         make()
+
+
+def test_a_contact_line_of_too_many_elements_is_refused() -> None:
+    with pytest.raises(MeshingError, match=r"would need \d+ elements, allowed are 2499"):
+        make(sizing=Sizing(1e-7, 0.3e-3, (-0.8e-3, 0.8e-3), 0.1, 0.25, 2.5e-3))
