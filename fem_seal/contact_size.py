@@ -24,6 +24,9 @@ _GROWTH_DEEP = 0.2
 
 _MOST_ELEMENTS = 1500
 
+# Axial component of the normal below which a face goes over into the wall of a bore.
+_STEEP = 0.1
+
 # Elements over what is pressed flat of a rounded edge, and over its whole arc.
 _PER_EDGE, _PER_ARC = 5.0, 6.0
 _AT_CORNER = 10.0
@@ -225,7 +228,7 @@ def _refuse_jamming(law: Law, line_load: float, contact: ContactGeometry) -> Non
     steepness, gap = contact.normal(ends)[1], contact.gap(ends)
     for n in (1, 2):
         needed = layer * (1 - steepness[n] / steepness[0])
-        if gap[n] < needed:
+        if steepness[n] < _STEEP and gap[n] < needed:
             raise InputError(
                 Problem(
                     "seat",

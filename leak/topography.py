@@ -19,6 +19,8 @@ FEWEST_POINTS = 16
 # Bridged by straight lines, gaps in up to this share of a scan hardly change its spectrum; from the larger share
 # on there is no scan.
 _NARROW, _WIDE = 0.05, 0.2
+# Positions closer than this share of the length are the same place.
+_CLOSE = 1e-12
 # Positions this far off an even grid, in units of its spacing, move no height.
 _EVEN = 1e-3
 
@@ -142,6 +144,11 @@ def line_scan(x: ArrayLike, h: ArrayLike, *, name: str = "", tip_radius: float |
     x, h = _checked(x, h)
     n, length = x.size, float(x[-1] - x[0])
     steps = np.diff(x)
+    if steps.min() < _CLOSE * length:
+        raise ScanError(
+            f"two positions x lie only {steps.min():.3g} m apart in a length of {length:.4g} m: that is round-off, no "
+            "step of a scan"
+        )
     # the widest gaps left aside, as long as they are a small part of the length
     widest = np.sort(steps)[::-1]
     bridged = np.cumsum(widest)

@@ -282,3 +282,9 @@ def _read_or_refuse(path):
         assert str(error)
         return
     assert np.isfinite(surface.spectrum.rms_height)
+
+
+def test_positions_that_differ_by_round_off_are_refused():
+    x = np.sort([-1.1e-308, 2.2e-308, *np.linspace(-1, 1, 20)])
+    with pytest.raises(leak.ScanError, match="lie only"):
+        leak.PowerSpectrum.from_profile(x, np.sin(7 * x))
