@@ -13,7 +13,7 @@ from fem_seal.case_bodies import Table
 from fem_seal.case_fields import NominalSize, Number, OneOrMany, Pressures, Quantity
 
 if TYPE_CHECKING:
-    pass
+    from collections.abc import Collection
 
 SEPARATION = Quantity("length", "1e-3 nm", "1 mm")
 FLUID_PRESSURE = Quantity("pressure", "0 Pa", "10 GPa", exclusive=True)
@@ -89,6 +89,12 @@ class Load(Table):
         forces = self.axial_force
         each = forces if isinstance(forces, tuple) else (forces,) * len(self.fluid_pressure)
         return tuple(zip(self.fluid_pressure, each, strict=True))
+
+    def without(self, numbers: Collection[int]) -> Load:
+        """The same without some of the loads."""
+        left = [point for number, point in enumerate(self.points) if number not in numbers]
+        pressures, forces = zip(*left, strict=True)
+        return self.model_copy(update={"fluid_pressure": pressures, "axial_force": forces})
 
 
 class Leak(Table):

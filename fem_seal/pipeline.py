@@ -29,7 +29,7 @@ from fem_seal.loads import line_load
 from fem_seal.plastic_width import curves, for_yielding
 from fem_seal.results import InterfaceVariant, LoadResult, SealResult
 from fem_seal.solved_loads import SolvedLoads, solve_load, solve_loads
-from fem_seal.validity import contact_warnings
+from fem_seal.validity import contact_warnings, left_out
 from meshes import SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -51,9 +51,12 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
     Returns
     -------
     SealResult
+        Loads at which the fluid opens the seal are left out, with a warning each.
 
     Raises
     ------
+    InputError
+        If the fluid opens the seal at every load.
     GeometryError
         If the bodies do not fit together.
     MeshingError
@@ -66,7 +69,8 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         surface = rough_contact(case)
         law = interface_law(case, surface)
     seal_mesh, model, solved = model_and_contacts(case, law, clock)
-    contacts = solved.contacts
+    contacts, remarks = solved.contacts, tuple(left_out(case.load, solved.open_loads))
+    case = _closed_loads(case, solved)
     with clock.step("leak", "flow conductivity and leak rates"):
         flows = _leak_rates(case, surface, contacts)
     with clock.step("stress", "stress in both bodies"):
@@ -92,7 +96,7 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         loads,
         error,
         variants,
-        (*contact_warnings(case, model, loads, error, surface), *unanswered),
+        (*remarks, *contact_warnings(case, model, loads, error, surface), *unanswered),
         clock.timings,
         far_field=far,
         unloaded=solved.unloaded,
@@ -245,6 +249,13 @@ def model_and_contacts(
     size_given = case.mesh.contact_size is not None
     contacts = solve_fitted(sizing(case, law), case.contact, solve_on, size_given=size_given)
     return meshes[-1], contacts[0].model, solved[-1]
+
+
+def _closed_loads(case: Case, solved: SolvedLoads) -> Case:
+    """The case without the loads at which its seal is open."""
+    if not solved.open_loads:
+        return case
+    return case.model_copy(update={"load": case.load.without(solved.open_loads)})
 
 
 def condensed_on(case: Case, sizing: Sizing) -> ContactModel:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.elastoplastic_contact import PlasticSettings
 from fem_seal.elastoplastic_path import LoadPath, PathLoad, Unloaded, load_path
+from fem_seal.errors import InputError
 from fem_seal.further_loads import FurtherLoads
 from fem_seal.load_solver import LoadSolver, interference
 from fem_seal.loads import closing_force
@@ -15,7 +16,7 @@ from fem_seal.loads import closing_force
 
 @dataclass(frozen=True)
 class SolvedLoads:
-    """Contacts of all loads, and what is left after the last.
+    """Contacts of all loads under which the seal is closed, and what is left after the last.
 
     Parameters
     ----------
@@ -23,10 +24,13 @@ class SolvedLoads:
         In the order of the case.
     unloaded : Unloaded or None
         None where no body yields: elastic bodies come back.
+    open_loads : mapping
+        Number of each load that the fluid opens the seal at, with the reason.
     """
 
     contacts: Sequence[ContactSolution]
     unloaded: Unloaded | None = None
+    open_loads: Mapping[int, str] = field(default_factory=dict)
 
 
 def solve_loads(solver: LoadSolver) -> SolvedLoads:
@@ -39,13 +43,22 @@ def solve_loads(solver: LoadSolver) -> SolvedLoads:
     Raises
     ------
     InputError
-        If a load leaves the seal open.
+        If every load leaves the seal open.
     ConvergenceError
     """
     if solver.yields:
         path = _path(solver, len(solver.case.load.points))
         return SolvedLoads(path.contacts, path.unloaded)
-    return SolvedLoads([solver.solve(*point) for point in solver.case.load.points])
+    contacts: list[ContactSolution] = []
+    opened: dict[int, InputError] = {}
+    for number, point in enumerate(solver.case.load.points):
+        try:
+            contacts.append(solver.solve(*point))
+        except InputError as error:
+            opened[number] = error
+    if not contacts:
+        raise opened[0]
+    return SolvedLoads(contacts, open_loads={n: error.allowed for n, error in opened.items()})
 
 
 def solve_load(
@@ -65,8 +78,9 @@ def solve_load(
 
     Raises
     ------
-    InputError, ConvergenceError
-        See `solve_loads`.
+    InputError
+        If the load leaves the seal open.
+    ConvergenceError
     """
     if solver.yields:
         return _path(solver, number + 1, steps).contacts[-1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +13,7 @@ from fem_seal.yielding import PlasticZone, YieldedZone, yielding_of
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
+    from fem_seal.case_tables import Load
     from fem_seal.condensation import ContactModel
     from fem_seal.results import DiscretisationError, LoadResult
     from leak import RoughContact
@@ -63,6 +64,23 @@ def contact_warnings(
         *(text for check in (*interface, *flow) for text in check(case, surface, loads)),
         *_coarse(model, error),
     )
+
+
+def left_out(load: Load, open_loads: Mapping[int, str]) -> Iterator[str]:
+    """Which loads have no result since the fluid opens the seal, for each force of spring or actuator.
+
+    Parameters
+    ----------
+    load : Load
+    open_loads : mapping
+        Number of each load that is left out, with the reason.
+    """
+    for spring in dict.fromkeys(load.points[number][1] for number in open_loads):
+        numbers = [number for number in open_loads if load.points[number][1] == spring]
+        lowest = min(numbers, key=lambda number: load.fluid_pressure[number])
+        others = sorted({load.fluid_pressure[number] / 1e5 for number in numbers})[1:]
+        also = f"; so are those at {', '.join(f'{bar:.6g}' for bar in others)} bar" if others else ""
+        yield f"{open_loads[lowest]}. This load is left out{also}"
 
 
 def _yielding(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
