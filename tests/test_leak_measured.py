@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -202,6 +202,7 @@ def test_variance_of_several_scans_is_their_mean():
     st.floats(1e-12, 1e-3),
     st.floats(1e-9, 1e-2),
 )
+@example(points=17, seed=0, kind="wave", height=1e-3, spacing=0.0078125)
 def test_variance_is_kept_for_any_heights(points, seed, kind, height, spacing):
     random = np.random.default_rng(seed)
     h = {
@@ -213,7 +214,13 @@ def test_variance_is_kept_for_any_heights(points, seed, kind, height, spacing):
     }[kind]
     x = spacing * np.arange(points)
     alone = h - np.polynomial.Polynomial.fit(x, h, 1)(x)
-    surface = leak.measure(leak.line_scan(x, height * h))
+    try:
+        surface = leak.measure(leak.line_scan(x, height * h))
+    except leak.ScanError as refused:
+        # little but the wave itself, of which fewer than four to six fit in the scan: less than two octaves
+        assert kind == "wave" and points < 6 * 2 * np.pi / 0.7
+        assert "no shorter waves in the data" in str(refused)
+        return
     inside = 1.0 - surface.height_above
     assert surface.spectrum.rms_height**2 == pytest.approx(inside * np.var(height * alone), rel=1e-6)
     assert np.all(np.isfinite(surface.log_error))
