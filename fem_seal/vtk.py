@@ -30,7 +30,7 @@ def write_contact(result: SealResult, folder: Path) -> list[Path]:
     XX YY ZZ XY YZ XZ with x = r, y = z, z = hoop, ``von_mises`` [Pa], ``contact_pressure`` [Pa] on the contact
     line, zero elsewhere. Where a body yields also ``plastic_strain``, as ``stress`` and as a tensor (XY is half the
     engineering shear strain), and ``accumulated_plastic_strain``, zero in a body that is elastic. Cell data:
-    ``body``, its number in the field data ``body_names``.
+    ``body``, 0 for the closure and 1 for the seat.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def _write_bodies(
                 np.arange(len(bodies), dtype=np.int32), [len(body.triangles6) for body in bodies]
             )
         },
-        field_data={"body_names": np.array(BODIES), **load},
+        field_data=load,
     )
 
 

@@ -119,12 +119,6 @@ class _Appended:
     def _tag(self, kind: str, name: str, values: NDArray[np.generic]) -> str:
         if kind != "FieldData":
             return self.array(name, values)
-        if values.dtype.kind == "U":
-            codes = " ".join(f"{' '.join(str(byte) for byte in text.encode())} 0" for text in values.tolist())
-            return (
-                f'<DataArray type="String" Name={_quoted(name)} NumberOfTuples="{len(values)}" format="ascii">'
-                f"{codes}</DataArray>\n"
-            )
         # Without the number of tuples a reader cannot tell the length of an array that belongs to no point.
         return self.array(name, values).replace(
             "<DataArray ", f'<DataArray NumberOfTuples="{len(values)}" ', 1
