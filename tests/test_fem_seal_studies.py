@@ -4,6 +4,7 @@ import json
 import math
 import re
 import sqlite3
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -427,6 +428,23 @@ def test_resuming_calculates_only_what_is_missing(tmp_path, monkeypatch):
     pd.testing.assert_frame_equal(resumed.table, whole, check_exact=True)
 
 
+def test_failed_designs_are_calculated_again_on_request_alone(tmp_path, monkeypatch):
+    study = small()
+
+    def first_fails(recipe, chunk):
+        row, *others = work.calculate(recipe, chunk)
+        return [replace(row, reason="out of memory", outputs=(None,) * len(row.outputs)), *others]
+
+    with monkeypatch.context() as patch:
+        patch.setattr("fem_seal.studies.pools.calculate", first_fails)
+        failed = run_study(study, folder=tmp_path / "part", workers=0).counts["failed"]
+    assert failed > 0
+    assert run_study(study, folder=tmp_path / "part", workers=0, resume=True).counts["failed"] == failed
+    repaired = study.run(folder=tmp_path / "part", workers=0, resume=True, retry_failed=True)
+    whole = run_study(study, folder=tmp_path / "whole", workers=0)
+    pd.testing.assert_frame_equal(repaired.table, whole.table, check_exact=True)
+
+
 def test_a_larger_study_uses_the_rows_that_are_there(tmp_path):
     run_study(small(), folder=tmp_path, workers=0)
     larger = small(
@@ -558,6 +576,8 @@ def test_a_search_stays_within_its_constraint_and_resumes(tmp_path, monkeypatch)
     pd.testing.assert_frame_equal(resumed.table, whole.table, check_exact=True)
     with pytest.raises(InputError, match="search for something else"):
         run_study(search(seed=2), folder=tmp_path / "part", workers=0, resume=True)
+    with pytest.raises(InputError, match="learns from its failures"):
+        run_study(search(), folder=tmp_path / "part", workers=0, resume=True, retry_failed=True)
 
 
 def test_command_line(tmp_path, capsys):

@@ -58,6 +58,9 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the designs that are missing.")
     ] = False,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="With --resume: calculate designs that failed again.")
+    ] = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -74,6 +77,7 @@ def run(
         workers=workers,
         scheduler=scheduler,
         resume=resume,
+        retry_failed=retry_failed,
         progress=shown_progress(quiet),
     )
     result.report()

@@ -33,6 +33,7 @@ def run_study(
     workers: int | None = None,
     scheduler: str | None = None,
     resume: bool = False,
+    retry_failed: bool = False,
     progress: Progress | None = None,
 ) -> StudyResult:
     """Calculate the designs of a study that are not in its file yet.
@@ -40,7 +41,7 @@ def run_study(
     Parameters
     ----------
     study : Study
-    client, folder, workers, resume, progress
+    client, folder, workers, resume, retry_failed, progress
         See `fem_seal.studies.study.Study.run`; with ``workers=0`` this process calculates.
     scheduler : str, optional
         Address of a running dask scheduler.
@@ -52,8 +53,16 @@ def run_study(
     Raises
     ------
     InputError
-        If the folder holds a study already and `resume` was not asked for, or another one.
+        If the folder holds a study already and `resume` was not asked for, or another one; if the failed trials of a
+        search are to be repeated.
     """
+    if retry_failed and study.optimise is not None:
+        raise InputError(
+            Problem(
+                "--retry-failed",
+                "a search for the best design learns from its failures and goes on; use --resume alone",
+            )
+        )
     temporary = folder is None
     place = Path(tempfile.mkdtemp(prefix="fem-seal-study-")) if folder is None else Path(folder)
     if not resume and (place / FILE).exists():
@@ -67,6 +76,8 @@ def run_study(
         with alone(place):
             store = create(place / FILE, _column_types(study), study.output_names)
             try:
+                if retry_failed:
+                    store.forget_failures()
                 _calculate(study, store, client, workers, scheduler, progress or Silent())
                 _keep_fields(study, store, place)
             finally:

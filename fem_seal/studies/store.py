@@ -134,6 +134,11 @@ class Store:
         with self._connection:
             self._connection.executemany(f"INSERT OR IGNORE INTO point VALUES ({marks})", values)
 
+    def forget_failures(self) -> None:
+        """Drop the rows of designs that failed."""
+        with self._connection:
+            self._connection.execute("DELETE FROM point WHERE status = ?", (FAILED,))
+
     def key(self, number: int) -> str | None:
         """Key of a design that was calculated without failure, None of any other."""
         query = "SELECT key FROM design JOIN point USING (key) WHERE number = ? AND status = ?"

@@ -175,6 +175,7 @@ class Study:
         folder: str | Path | None = None,
         workers: int | None = None,
         resume: bool = False,
+        retry_failed: bool = False,
         progress: Progress | None = None,
     ) -> StudyResult:
         """Calculate all designs that are not calculated yet.
@@ -189,6 +190,8 @@ class Study:
             Processes of the local cluster; one per core unless given.
         resume : bool
             Whether `folder` may hold designs of this study already, which are then not calculated again.
+        retry_failed : bool
+            Whether those of them that failed are calculated again.
         progress : Progress, optional
             Told how far it is.
 
@@ -199,7 +202,15 @@ class Study:
         """
         from fem_seal.studies.session import run_study
 
-        return run_study(self, client, folder=folder, workers=workers, resume=resume, progress=progress)
+        return run_study(
+            self,
+            client,
+            folder=folder,
+            workers=workers,
+            resume=resume,
+            retry_failed=retry_failed,
+            progress=progress,
+        )
 
     def _check_designs(self) -> None:
         if self.design.invalid == "skip":
