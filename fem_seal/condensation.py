@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -216,15 +215,16 @@ def condense(
         raise ValueError(f'materials of {sorted(materials)}: needed are those of "closure" and "seat"')
     contact = seal_mesh.contact
     x, weight, vertices = _gauss_points(seal_mesh)
-    # SuperLU works without Python's lock, so the two bodies can be condensed side by side.
-    with ThreadPoolExecutor(2) as pool:
-        closure, seat = pool.map(
-            lambda name: _condense_body(held_body(seal_mesh, name, materials[name], x, supports)),
-            ("closure", "seat"),
-        )
+    radius = contact.radius(x)
+    area_weight = 2 * np.pi * radius * weight
+    # One after the other: SuperLU frees a factor only in the thread that made it, and two threads would leak every one.
+    closure, seat = (
+        _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports))
+        for name in ("closure", "seat")
+    )
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
     normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
-    line = ContactLine(x, contact.radius(x), weight, normal, contact.gap(x), vertices)
+    line = ContactLine(x, radius, weight, normal, contact.gap(x), vertices)
     compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import gc
+import mmap
+from pathlib import Path
+
 import numpy as np
 import pytest
+from conftest import STEEL
 from scipy.sparse import csc_matrix, diags, identity, kron
 
+import meshes
+from fem_seal.condensation import condense
 from fem_seal.restricted_inverse import restricted_inverse
 
 
@@ -39,3 +46,28 @@ def test_solver_of_the_same_factor(laplacian):
 def test_singular_matrix():
     with pytest.raises(RuntimeError):
         restricted_inverse(csc_matrix(diags([1.0, 0.0, 1.0])), [0])
+
+
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the memory in use is read from Linux's /proc")
+def test_condensed_bodies_leave_no_memory_behind():
+    """SuperLU keeps factors that another thread frees: every geometry of a study would cost 20 MB for good."""
+    ball = meshes.Ball(0.02)
+    built = meshes.build(
+        ball,
+        meshes.ConicalSeat.around(np.radians(45), ball),
+        meshes.Sizing(2e-5, 5e-4, (-1e-3, 1e-3), 0.1, 0.2, 2e-3),
+    )
+
+    def held_megabytes() -> float:
+        gc.collect()
+        return int(Path("/proc/self/statm").read_text().split()[1]) * mmap.PAGESIZE / 1e6
+
+    def condensed() -> None:
+        condense(built, {"closure": STEEL, "seat": STEEL})
+
+    condensed()
+    before = held_megabytes()
+    for _ in range(5):
+        condensed()
+    # one pair of factors is 15 MB; the allocator may keep a few for the next
+    assert held_megabytes() - before < 30
