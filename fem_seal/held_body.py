@@ -141,8 +141,8 @@ class HeldBody:
             displacement[self.free] = solve_free(forces[self.free])
             return displacement
 
-        unit = np.vstack([np.diag(component) for component in self.normal])
-        compliance = unit.T @ inverse @ unit
+        along = self.normal.ravel()[:, None] * inverse * self.normal.ravel()
+        compliance = along.reshape(*self.normal.shape, *self.normal.shape).sum(axis=(0, 2))
         if self.balance.any():
             share, balanced = self.normal[1], solve(self.balance)
             cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
@@ -151,7 +151,12 @@ class HeldBody:
 
 
 def held_body(
-    seal_mesh: SealMesh, name: str, material: Material, x: FloatArray, supports: Supports | None = None
+    seal_mesh: SealMesh,
+    name: str,
+    material: Material,
+    x: FloatArray,
+    area_weight: FloatArray,
+    supports: Supports | None = None,
 ) -> HeldBody:
     """One body of a seal: the seat stands on its bottom, the closure floats under its closing load.
 
@@ -163,6 +168,8 @@ def held_body(
     material : Material
     x : ndarray, shape (m,)
         Points of the contact line, arc length from first touch [m].
+    area_weight : ndarray, shape (m,)
+        Area of the seat that each of them stands for [m^2].
     supports : Supports, optional
     """
     contact = seal_mesh.contact
@@ -177,12 +184,14 @@ def held_body(
         further["outer"] += closing
         axial = node_dofs(basis)[1]
         balance = closing / closing[axial].sum()
-        # The contact line lies on the seat. Fluid on the closure begins where the line ends, not a gap's width off it:
-        # a force at the end of the line makes up for the ring between, and fluid all around lifts nothing.
+        # Between the surfaces fluid acts on both bodies as on the seat. What the closure, a gap's width off it, feels
+        # more or less belongs to the fluid at that end of the line, so that fluid all around lifts nothing.
+        on_line = node_dofs(basis)[:, nodes]
+        lacking = pressure_load(basis, "closure_contact")[on_line] - normal * (trace.T @ area_weight)
         areas = np.pi * contact.radius(contact_x[[0, -1]]) ** 2
         for side, end, area in (("inner", 0, areas[0]), ("outer", -1, -areas[1])):
-            missing = (area - further[side][axial].sum()) / normal[1, end]
-            further[side][node_dofs(basis)[:, nodes[end]]] += missing * normal[:, end]
+            further[side][on_line] += np.where(contact_x < 0 if end == 0 else contact_x > 0, lacking, 0.0)
+            further[side][on_line[1, end]] += area - further[side][axial].sum()
         held = np.append(_dofs(basis, "closure_axis", 1), _dofs(basis, "closure_top", 2)[0])
     else:
         # Towards the body's inside: up into the closure, down into the seat.
