@@ -104,14 +104,10 @@ def better_sizing(
 def _resolving(sizing: Sizing, profiles: Sequence[PressureProfile]) -> Sizing:
     """Smaller elements where a profile came out narrower, or farther from first touch, than expected."""
     narrowest = min(profiles, key=lambda profile: profile.std)
-    at, std = abs(narrowest.centroid), narrowest.std
-    if float(sizing.size(np.array(narrowest.centroid))) <= std / _FEWEST:
+    at, std = narrowest.centroid, narrowest.std
+    if float(sizing.size(np.array(at))) <= std / _FEWEST:
         return sizing
-    return replace(
-        sizing,
-        contact_size=min(sizing.contact_size, std / _PER_STD),
-        core=max(sizing.core, at + 3 * std),
-    )
+    return replace(sizing, spots=(*sizing.spots, (at, std / _PER_STD)))
 
 
 def _zone(
