@@ -22,8 +22,8 @@ _WIDER = 1.6
 # edge of a Hertz contact and at 0.1 in a soft one; more means a peak that was not expected, as at a rounded edge.
 _STEEPEST = 0.45
 _FINER = 3.0
-# Elements per standard deviation below which the mesh is made anew, and how many it then gets.
-_FEWEST, _PER_STD = 4.0, 6.0
+# Elements per standard deviation below which the mesh is made anew, and how many it then gets at the peak.
+_FEWEST, _PER_STD = 4.0, 10.0
 _MOST_MESHES = 6
 
 
