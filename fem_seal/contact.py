@@ -127,19 +127,23 @@ def _newton(
     settings: ContactSettings,
     state: State | None,
 ) -> tuple[State | None, list[float]]:
-    """Iterate to the tolerances; None instead of a state if that fails. Also the residual of every iteration."""
-    v, d = state or _first_guess(model, law, axial_force, gap0)
+    """Iterate to the tolerances; None instead of a state if that fails. Also the residual before every step."""
+    state = state or _first_guess(model, law, axial_force, gap0)
     residuals: list[float] = []
     for _ in range(settings.max_iterations):
         try:
             with np.errstate(over="raise", invalid="raise", under="ignore"):
-                v, d, residual, force_residual = _newton_step(model, law, axial_force, gap0, v, d, settings)
+                gap_residual, missing_force, worst = _unbalanced(
+                    model, law, axial_force, gap0, state, settings
+                )
+                residuals.append(worst)
+                balanced = abs(missing_force) < settings.force_tolerance * axial_force
+                if worst < settings.gap_tolerance and balanced:
+                    return state, residuals
+                state = _newton_step(model, law, state, gap_residual, missing_force)
         except (FloatingPointError, np.linalg.LinAlgError):
             residuals.append(np.inf)
             return None, residuals
-        residuals.append(residual)
-        if residual < settings.gap_tolerance and abs(force_residual) < settings.force_tolerance:
-            return (v, d), residuals
     return None, residuals
 
 
@@ -164,40 +168,46 @@ def _first_guess(
     return v, float(opening[centre] / line.normal[1, centre])
 
 
-def _newton_step(
+def _unbalanced(
     model: ContactModel,
     law: InterfaceLaw,
     axial_force: float,
     gap0: FloatArray,
-    v: FloatArray,
-    d: float,
+    state: State,
     settings: ContactSettings,
-) -> tuple[FloatArray, float, float, float]:
-    """One Newton step for (v, d); also the residuals at the state that it leaves."""
-    line, C = model.line, model.compliance
-    n_z = line.normal[1]
+) -> tuple[FloatArray, float, float]:
+    """How far the bodies are from the gap of the law [m], and the force from F_N [N]; the former in decay lengths."""
+    (v, d), line = state, model.line
     f = line.area_weight * np.exp(v)
-    decay = law.decay_length(v)
-    terms = (gap0, -d * n_z, C @ f, -law.gap(v))
+    terms = (gap0, -d * line.normal[1], model.compliance @ f, -law.gap(v))
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
-    force_residual = 1 - float(n_z @ f) / axial_force
+    # Lengths cancel in the gap: what is below their round-off is no residual.
+    round_off = _ROUND_OFF * sum(np.abs(term) for term in terms) / settings.gap_tolerance
+    worst = float(np.max((np.abs(gap_residual) / (law.decay_length(v) + round_off))[f > 0], initial=0.0))
+    return gap_residual, axial_force - float(line.normal[1] @ f), worst
+
+
+def _newton_step(
+    model: ContactModel, law: InterfaceLaw, state: State, gap_residual: FloatArray, missing_force: float
+) -> State:
+    """The state after one Newton step."""
+    (v, d), C, n_z = state, model.compliance, model.line.normal[1]
+    decay = law.decay_length(v)
     # Points that carry nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.
-    scale = np.sqrt(f / decay)
+    scale = np.sqrt(model.line.area_weight * np.exp(v) / decay)
     active = np.flatnonzero(scale**2 * np.diagonal(C) > 1e-18)
     # mostly all of them, and then nothing is copied
     columns = C if len(active) == len(v) else C[:, active]
     coupling = C if len(active) == len(v) else columns[active]
     D = scale[active]
-    matrix = np.eye(len(active)) + D[:, None] * coupling * D
+    matrix = coupling * D
+    matrix *= D[:, None]
+    matrix.flat[:: len(active) + 1] += 1.0
     right = np.column_stack([-gap_residual[active], n_z[active]]) * D[:, None]
-    eta = D[:, None] * cho_solve(
-        cho_factor(matrix, lower=True, check_finite=False), right, check_finite=False
-    )
-    step_d = (axial_force * force_residual - n_z[active] @ eta[:, 0]) / (n_z[active] @ eta[:, 1])
+    # symmetric: the transpose is the same matrix in LAPACK's order
+    factor = cho_factor(matrix.T, lower=True, overwrite_a=True, check_finite=False)
+    eta = D[:, None] * cho_solve(factor, right, check_finite=False)
+    step_d = (missing_force - n_z[active] @ eta[:, 0]) / (n_z[active] @ eta[:, 1])
     step_f = eta[:, 0] + step_d * eta[:, 1]
     step_v = (-gap_residual + step_d * n_z - columns @ step_f) / decay
-    # Lengths cancel in the gap: what is below their round-off is no residual.
-    round_off = _ROUND_OFF * sum(np.abs(term) for term in terms) / settings.gap_tolerance
-    worst = float(np.max((np.abs(gap_residual) / (decay + round_off))[f > 0], initial=0.0))
-    v_new = v + np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v)
-    return v_new, d + step_d, worst, force_residual
+    return v + np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v), d + step_d

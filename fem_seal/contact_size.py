@@ -19,8 +19,12 @@ FloatArray = NDArray[np.float64]
 # (tests/test_verification_contact.py). A soft interface spreads the pressure smoothly; the stiffer it is against the
 # bodies, the sharper the pressure ends, and the smaller the elements must be to follow its edge.
 _PER_STD_SOFT, _PER_STD_HARD = 6.0, 14.0
-_GROWTH_SOFT = 0.08
-_GROWTH_DEEP = 0.2
+_GROWTH_ALONG, _GROWTH_DEEP = 0.16, 0.2
+# Elements over the largest radius of the closure, far from the contact.
+_PER_LARGEST_RADIUS = 6
+# Standard deviations from first touch up to which the elements stay as small as the narrowest contact wants them, and
+# up to which any contact wants them small: Hertz's ends there.
+_CORE, _EDGE = 3.0, 2.0
 
 _MOST_ELEMENTS = 1500
 
@@ -183,20 +187,24 @@ def element_sizes(
     opening = Opening.of(contact)
     widths = [contact_width(law, f, opening, effective_modulus) for f in line_loads]
     std = min(w.std for w in widths)
-    far_size = contact.closure.largest_radius / 8
+    far_size = contact.closure.largest_radius / _PER_LARGEST_RADIUS
     size = min(min(w.std / w.per_std for w in widths), far_size)
     reach = [max(sides) for sides in zip(*(w.reach for w in widths), strict=True)]
     # Contact ends where one of the faces ends, whatever the law says.
     lower, upper = contact.reach
     zone = (max(-reach[0], lower), min(reach[1], upper))
+    spots = _edges(contact, zone, size, line_loads, widths, effective_modulus)
+    # A contact that ends beyond the core, or may have peaks at edges, wants small elements there as well.
+    uneven = bool(spots) or bool(np.any((contact.breaks > zone[0]) & (contact.breaks < zone[1])))
+    beyond = [1 / (_EDGE * w.per_std) for w in widths if uneven or _EDGE * w.std > _CORE * std]
     sizing = Sizing(
         contact_size=size,
-        core=3 * std,
+        core=_CORE * std,
         zone=zone,
-        growth_along=_GROWTH_SOFT * _PER_STD_SOFT / max(w.per_std for w in widths),
+        growth_along=min([_GROWTH_ALONG, *beyond]),
         growth_deep=_GROWTH_DEEP,
         far_size=far_size,
-        spots=_edges(contact, zone, size, line_loads, widths, effective_modulus),
+        spots=spots,
     )
     sizing = replace(sizing, zone=_without_stubs(sizing, contact))
     if contact_size is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from types import ModuleType
@@ -25,12 +26,14 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-# The condensed contact is a dense matrix of three points per element: a few hundred megabytes at this number.
-_MOST_VERTICES = 2500
-
+# The condensed contact is a dense matrix of two nodes per element and two components: a gigabyte at this number.
+_MOST_VERTICES = 1600
 
 # Share of a face's length that is no length.
 _END = 1e-5
+
+# gmsh's numbers of these elements.
+_LINE, _TRIANGLE = 1, 2
 
 
 def build(closure: Shape, seat: Shape, sizing: Sizing) -> SealMesh:
@@ -234,38 +237,57 @@ def _to_skfem(
     from skfem import MeshTri
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    index = np.full(int(tags.max()) + 1, -1)
-    points = scale * coordinates.reshape(-1, 3)[:, :2]
     triangles, subdomains, lines = [], {}, {}
     count = 0
     for outline, entities in zip(outlines, groups, strict=True):
         for name, curves in entities.items():
             if name == outline.name:
-                cells = _connectivity(gmsh, 2, curves)
+                cells = _connectivity(gmsh, _TRIANGLE, curves)
                 triangles.append(cells)
                 subdomains[name] = np.arange(count, count + len(cells))
                 count += len(cells)
             else:
-                lines[name] = _connectivity(gmsh, 1, curves)
+                lines[name] = _connectivity(gmsh, _LINE, curves)
+    # Nodes that belong to no triangle, such as centres of arcs, are left out.
     used = np.unique(np.vstack(triangles))
-    order = {int(tag): i for i, tag in enumerate(tags)}
-    rows = np.array([order[int(tag)] for tag in used])
-    index[used] = np.arange(len(used))
-    mesh = MeshTri(np.ascontiguousarray(points[rows].T), np.ascontiguousarray(index[np.vstack(triangles)].T))
-    facets = {tuple(sorted(pair)): i for i, pair in enumerate(mesh.facets.T.tolist())}
-    try:
-        boundaries = {
-            name: np.array([facets[tuple(sorted(pair))] for pair in index[pairs].tolist()])
-            for name, pairs in lines.items()
-        }
-    except KeyError as error:
-        raise MeshingError(
-            "gmsh merged neighbouring vertices of a boundary; the elements asked for there are too small against the "
-            "bodies, use a larger contact size or edge radius"
-        ) from error
+    row, index = np.full((2, int(tags.max()) + 1), -1)
+    row[tags], index[used] = np.arange(len(tags)), np.arange(len(used))
+    points = scale * coordinates.reshape(-1, 3)[row[used], :2]
+    mesh = MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(index[np.vstack(triangles)].T))
+    boundaries = facets_between(mesh, {name: index[pairs] for name, pairs in lines.items()})
     return mesh.with_boundaries(boundaries).with_subdomains(subdomains)
 
 
-def _connectivity(gmsh: ModuleType, dimension: int, entities: list[int]) -> NDArray[np.int64]:
-    parts = [gmsh.model.mesh.getElements(dimension, tag)[2][0] for tag in entities]
-    return np.concatenate(parts).astype(np.int64).reshape(-1, dimension + 1)
+def facets_between(mesh: MeshTri, lines: Mapping[str, NDArray[np.int64]]) -> dict[str, NDArray[np.int64]]:
+    """The facets of some lines.
+
+    Parameters
+    ----------
+    mesh : skfem.MeshTri
+    lines : mapping of ndarray of int, shape (n, 2)
+        Pairs of vertices.
+
+    Raises
+    ------
+    MeshingError
+        If there is no facet between a pair.
+    """
+
+    def numbers(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
+        return pairs.min(axis=1) * np.int64(mesh.nvertices) + pairs.max(axis=1)
+
+    # scikit-fem sorts the facets by their vertices, and so are these numbers.
+    known = numbers(mesh.facets.T)
+    facets = {name: np.searchsorted(known, numbers(pairs)) for name, pairs in lines.items()}
+    for name, pairs in lines.items():
+        if not np.array_equal(known.take(facets[name], mode="clip"), numbers(pairs)):
+            raise MeshingError(
+                "gmsh merged neighbouring vertices of a boundary; the elements asked for there are too small against "
+                "the bodies, use a larger contact size or edge radius"
+            )
+    return facets
+
+
+def _connectivity(gmsh: ModuleType, kind: int, entities: list[int]) -> NDArray[np.int64]:
+    parts = [gmsh.model.mesh.getElementsByType(kind, tag)[1] for tag in entities]
+    return np.concatenate(parts).astype(np.int64).reshape(-1, kind + 1)

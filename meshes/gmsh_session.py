@@ -28,7 +28,7 @@ _OPTIONS = {
     "Mesh.MeshSizeMin": 0.0,
     "Mesh.MeshSizeMax": 1e22,
     "Mesh.Optimize": 1,
-    "Mesh.Smoothing": 3,
+    "Mesh.Smoothing": 1,
     "Mesh.RandomSeed": 1,
     "Mesh.RandomFactor": 1e-9,
     "Mesh.RecombineAll": 0,

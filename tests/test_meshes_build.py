@@ -13,6 +13,7 @@ import pytest
 
 import meshes
 from meshes import Ball, ConicalSeat, GeometryError, MeshingError, SealMesh, Sizing
+from meshes.build import facets_between
 from meshes.seal_mesh import section_area
 
 SIZING = Sizing(20e-6, 0.3e-3, (-0.8e-3, 0.8e-3), 0.1, 0.25, 2.5e-3)
@@ -178,5 +179,16 @@ def test_missing_system_library_names_the_packages(monkeypatch: pytest.MonkeyPat
 
 
 def test_a_contact_line_of_too_many_elements_is_refused() -> None:
-    with pytest.raises(MeshingError, match=r"would need \d+ elements, allowed are 2499"):
+    with pytest.raises(MeshingError, match=r"would need \d+ elements, allowed are 1599"):
         make(sizing=Sizing(1e-7, 0.3e-3, (-0.8e-3, 0.8e-3), 0.1, 0.25, 2.5e-3))
+
+
+def test_an_edge_that_gmsh_left_out_is_told(seal_mesh: SealMesh) -> None:
+    body = seal_mesh.seat
+    edges = body.facets.T[::-1, ::-1]  # in any order and direction
+    np.testing.assert_array_equal(facets_between(body, {"all": edges})["all"], np.arange(body.nfacets)[::-1])
+    across = np.array(
+        [[0, int(np.setdiff1d(np.arange(body.nvertices), body.facets[:, (body.facets == 0).any(0)])[0])]]
+    )
+    with pytest.raises(MeshingError, match="gmsh merged neighbouring vertices"):
+        facets_between(body, {"all": edges, "across": across})

@@ -89,6 +89,27 @@ def test_newton_converges_in_a_few_iterations_and_quadratically(
         assert solution.residuals[-1] < 1e-10
 
 
+def test_a_solved_contact_takes_no_further_step(
+    default: tuple[ContactModel, list[ContactSolution]],
+) -> None:
+    model, solutions = default
+    solved = solutions[-1]
+    again = solve(model, LAW, axial_force=solved.axial_force, start=solved)
+    assert again.residuals == solved.residuals[-1:]
+    np.testing.assert_array_equal(again.log_pressure, solved.log_pressure)
+
+
+def test_one_mesh_resolves_the_widest_of_very_different_contacts() -> None:
+    """At a thousandfold load a stiff interface carries ten times as wide, with sharp ends far from first touch."""
+    law = ExponentialLaw(p_c=5e9, u0=0.02e-6)
+    model, forces = ball_on_cone(law, [2e5, 2e8])
+    finer, (force,) = ball_on_cone(law, [2e8], refine=2.0)
+    shared = solve(model, law, axial_force=forces[-1]).profile
+    exact = solve(finer, law, axial_force=force).profile
+    for name in ("peak_pressure", "fwhm", "std"):
+        assert getattr(shared, name) == pytest.approx(getattr(exact, name), rel=2e-4)
+
+
 def test_error_falls_with_fourth_order() -> None:
     """Quadratic elements: functionals of the solution converge with twice the order of the energy norm, h^4."""
 
