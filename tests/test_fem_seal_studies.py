@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import shutil
 import sqlite3
 from dataclasses import replace
 from pathlib import Path
@@ -13,11 +14,13 @@ import pytest
 
 import fem_seal
 from fem_seal import InputError, Study, load_study, pipeline
+from fem_seal.errors import Problem
 from fem_seal.studies import designs, store, work
 from fem_seal.studies.analysis import pareto_front
 from fem_seal.studies.distributions import LogNormal, Normal
 from fem_seal.studies.evaluate import FAST, responses
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError
+from fem_seal.studies.progress import Lines
 from fem_seal.studies.session import run_study
 from fem_seal.studies.study_tables import Design
 from fem_seal.tables import leak_rows
@@ -117,6 +120,10 @@ def test_expressions_calculate(text, value):
         "-" * 100 + "1",
         "a" * 600,
         "1e400 ** 'x'",
+        "a * 1e400",
+        "a / 9**9**9**9",
+        "log(-1) + a",
+        "a * 1" + "0" * 400,
     ],
 )
 def test_expressions_refuse_everything_else(text):
@@ -127,7 +134,12 @@ def test_expressions_refuse_everything_else(text):
 def test_undefined_is_nan_and_meets_nothing():
     assert math.isnan(Expression("1 / a")({"a": 0.0}))
     assert math.isnan(Expression("log(a)")({"a": -1.0}))
-    assert math.isnan(Expression("a ** 1000 ** 1000")({"a": 10.0}))
+    assert math.isnan(Expression("a ** 1000")({"a": 10.0}))
+    for text in ("min(a, b)", "max(a, b)"):
+        # Python's own min and max give the first of them where the other one is NaN
+        assert math.isnan(Expression(text)({"a": 1.0, "b": math.nan}))
+        assert math.isnan(Expression(text)({"a": math.nan, "b": 1.0}))
+    assert not Constraint("min(a, b) < 5").met({"a": 1.0, "b": math.nan})
     assert not Constraint("1 / a < 5").met({"a": 0.0})
     assert Constraint("1 / a < 5").violation({"a": 0.0}) == math.inf
 
@@ -192,6 +204,22 @@ def test_sensitivity_designs_have_the_size_of_their_method():
         assert designs.unit_points(Design(kind=kind, num=8), 2).shape == (count, 2)
 
 
+def test_morris_stays_in_the_central_part_of_what_has_no_ends():
+    study = small(
+        parameters={
+            "fluid.viscosity": {"distribution": "normal", "mean": "1 mPa s", "std": "0.05 mPa s"},
+            "seat.material.hardness": {"distribution": "lognormal", "median": "3 GPa", "relative": 0.1},
+            "load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "100 N"},
+        },
+        design={"kind": "morris", "num": 8},
+    )
+    viscosity, hardness, force = study.points.T
+    # quantile 0.995 of the standard normal distribution
+    assert (viscosity.max() - 1e-3) / 5e-5 == pytest.approx(2.5758, rel=1e-4)
+    assert np.log(hardness / 3e9).min() / 0.1 == pytest.approx(-2.5758, rel=1e-4)
+    assert (force.min(), force.max()) == (0, 100)
+
+
 def test_list_of_designs_from_csv(tmp_path):
     (tmp_path / "designs.csv").write_text(
         "seat.angle [deg],roughness.spectrum.rms_height,leak.conductivity\n"
@@ -226,6 +254,10 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"parameters": {}}, ["parameters", "empty"]),
         ({"parameters": {"seat.angle": "30 deg"}}, ["seat.angle", "[changes]"]),
         ({"parameters": {"output.folder": ["a"]}}, ["output.folder", "no entry"]),
+        ({"parameters": {"seat.shape": ["cone"]}}, ["seat.shape", "make one study for each"]),
+        ({"parameters": {"leak.plasticity": ["true"]}}, ["leak.plasticity", '"true"', "true or false"]),
+        ({"parameters": {"interface.law": [True]}}, ["interface.law", "text in quotes"]),
+        ({"parameters": {"load.axial_force": [["1 N", "2 N"]]}}, ["load.axial_force", "not a quantity"]),
         ({"parameters": {"interface.p_c": ["1 GPa"]}}, ["interface.p_c", "exponential"]),
         ({"parameters": {"seat.bore_radius": ["18 mm"]}}, ["design 0", "seat.bore_radius", "touch first"]),
         ({"parameters": {"seat.angle": {"start": "30 deg", "num": 3}}}, ["seat.angle", "lacks stop"]),
@@ -236,7 +268,11 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"design": {"kind": "sobl"}}, ["design.kind", "sobl", '"sobol"']),
         ({"design": {"kind": "sobol"}}, ["design.num", "missing"]),
         ({"design": {"kind": "sobol", "num": 0}}, ["design.num", "out of range"]),
-        ({"design": {"kind": "sobol", "num": 4}}, ["levels", "distribution"]),
+        ({"design": {"kind": "sobol", "num": 4}}, ["levels", "distribution", 'low = "1 µm", high = "3 µm"']),
+        ({"design": {"kind": "morris", "num": 1}}, ["design.num = 1", "at least 2"]),
+        ({"design": {"kind": "sobol-sensitivity", "num": 1}}, ["design.num = 1", "at least 2"]),
+        ({"run": {"keep_fields": [0, 6]}}, ["run.keep_fields = 6", "0 to 5"]),
+        ({"run": {"keep_fields": "best"}}, ["run.keep_fields", "goal"]),
         ({"design": {"kind": "list"}}, ["not with design.kind"]),
         ({"design": {"knd": "grid"}}, ["design.knd", "kind"]),
         ({"responses": ["leak_rate"]}, ["responses", "leak_rate_m3_per_s"]),
@@ -248,6 +284,11 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"derived": {"a": "leak_rat_m3_per_s"}}, ["derived.a", "leak_rate_m3_per_s"]),
         ({"derived": {"a": "open('x')"}}, ["derived.a", "unknown function"]),
         ({"constraints": {"a": "fwhm_m"}}, ["constraints.a", "no constraint"]),
+        ({"constraints": {"a": 'fwhm_m < "1 MPa"'}}, ["constraints.a", "in m with", "in Pa"]),
+        ({"constraints": {"a": '"1 N" > load_steps'}}, ["constraints.a", "in N with a plain number"]),
+        ({"constraints": {"a": 'load.axial_force < "1 MPa"'}}, ["constraints.a", "in N with", "in Pa"]),
+        ({"constraints": {"a": 'leak_rate_kg_per_s < "1 ml/min"'}}, ["constraints.a", "kg/s", "m^3/s"]),
+        ({"constraints": {"a": "peak_pressure_Pa < fwhm_m"}}, ["constraints.a", "in Pa with", "in m"]),
         ({"report": {"goals": {"nothing": "min"}}}, ["report.goals.nothing"]),
         ({"changes": {}}, ["20 fluid pressures", "[changes]"]),
         ({"changes": {"load.fluid_presure": "1 bar"}}, ["changes.load.fluid_presure", "fluid_pressure"]),
@@ -272,7 +313,7 @@ def test_mistakes_are_named_before_any_work(tables, named):
 
 def test_a_distribution_that_leaves_the_range_of_its_entry():
     wide = {"seat.angle": {"distribution": "normal", "mean": "80 deg", "std": "5 deg"}}
-    with pytest.raises(InputError, match=r"seat\.angle.*reaches.*below 90 deg"):
+    with pytest.raises(InputError, match=r'seat\.angle.*reaches "100 deg".*below 90 deg'):
         small(parameters=wide, design={"kind": "sobol", "num": 4})
 
 
@@ -289,11 +330,40 @@ def test_mistakes_in_files_name_the_file(tmp_path):
         ("seat.angle [deg]\n", "no designs"),
         ("seat.angle [mm]\n3\n", "row 2"),
         ("seat.angle [deg]\n3,4\n", "row 2 has 2 cells"),
+        ("seat.angel [deg]\n3\n", r'file = "designs.csv": column seat\.angel.*do you mean seat\.angle'),
+        ("seat.angle [deg];fluid.viscosity\n3;1 mPa s\n", "designs.csv.*separate the columns by commas"),
+        ("the angle\n3\n", r"designs.csv.*such as seat\.angle \[deg\]"),
     ):
         (tmp_path / "designs.csv").write_text(content)
         (tmp_path / "study.toml").write_text(LIST)
         with pytest.raises(InputError, match=words):
             load_study(tmp_path / "study.toml")
+
+
+def test_a_design_has_one_load(tmp_path):
+    base = fem_seal.load_case(CASE).replace(
+        {"load.fluid_pressure": ["1 bar", "2 bar"], "load.axial_force": ["10 N", "20 N"]}
+    )
+    heights = {"roughness.spectrum.rms_height": ["1 um", "2 um"]}
+    both = (
+        r'2 fluid pressures and 2 axial forces.*"load\.fluid_pressure" = .* and "load\.axial_force" = "0 N"'
+    )
+    with pytest.raises(InputError, match=both):
+        Study(base, parameters=heights)
+    for tables in (
+        {"parameters": heights, "changes": {"load.fluid_pressure": "10 bar"}},
+        {"parameters": {"load.fluid_pressure": ["5 bar", "10 bar"]}},
+    ):
+        with pytest.raises(
+            InputError, match=r'2 axial forces, .* write \[changes\] "load\.axial_force" = "0 N"'
+        ):
+            Study(base, **tables)
+    one = Study(
+        base, parameters=heights, changes={"load.fluid_pressure": "10 bar", "load.axial_force": "0 N"}
+    )
+    varied = Study(base, parameters={"load.axial_force": ["1 N"]}, changes={"load.fluid_pressure": "10 bar"})
+    assert one.case_of(one.points[0]).load.points == ((1e6, 0.0),)
+    assert varied.case_of(varied.points[0]).load.points == ((1e6, 1.0),)
 
 
 # ---------------------------------------------------------------- what comes out
@@ -375,6 +445,18 @@ def test_a_failed_design_is_a_row_with_its_reason(tmp_path):
     assert "1 failed" in result.report().read_text()
 
 
+def test_a_load_that_opens_the_seal_is_a_failed_design(tmp_path):
+    """With closing = "penetration" that is known only when it has been tried."""
+    study = small(
+        changes={**COARSE, "load.closing": "penetration", "load.pressure_side": "inner"},
+        parameters={"load.axial_force": ["100 N", "2 kN"]},
+        responses=["axial_force_N"],
+    )
+    result = run_study(study, folder=tmp_path, workers=0)
+    assert result.table["status"].tolist() == ["failed", "done"]
+    assert "the seal is open" in result.table.loc[0, "reason"]
+
+
 def test_designs_are_grouped_by_bodies_then_surfaces():
     study = small(
         parameters={
@@ -404,7 +486,80 @@ def test_keys_depend_on_everything_and_on_nothing_else(tmp_path):
     assert work.Recipe.of(study).key(study.points[2]) != key
 
 
+def test_keys_depend_on_the_contents_of_files(tmp_path):
+    for name in ("profile_from_drawing.toml", "seat.dxf"):
+        shutil.copy(CASE.parent / name, tmp_path)
+    drawing = tmp_path / "seat.dxf"
+
+    def keys():
+        studies = (
+            Study(tmp_path / "profile_from_drawing.toml", parameters={"load.axial_force": ["0 N"]}),
+            Study(tmp_path / "profile_from_drawing.toml", parameters={"seat.file": [str(drawing)]}),
+        )
+        return [work.Recipe.of(study).key(study.points[0]) for study in studies]
+
+    before = keys()
+    assert keys() == before
+    # a comment, which changes no line of the drawing
+    drawing.write_text("999\nedited\n" + drawing.read_text())
+    assert not set(keys()) & set(before)
+
+
 # ---------------------------------------------------------------- storage
+
+
+def no_scheduler(*options):
+    raise InputError(Problem("--scheduler", "there is no dask scheduler"))
+
+
+def test_nothing_is_changed_or_left_behind_if_nothing_calculates(tmp_path, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr("fem_seal.studies.session.pool", no_scheduler)
+        with pytest.raises(InputError, match="no dask scheduler"):
+            run_study(small(), folder=tmp_path / "new")
+        assert not (tmp_path / "new").exists()
+    skipped = {"parameters": {"seat.bore_radius": ["10 mm", "18 mm"]}, "design": {"invalid": "skip"}}
+    run_study(small(title="first", **skipped), folder=tmp_path, workers=0)
+    monkeypatch.setattr("fem_seal.studies.session.pool", no_scheduler)
+    with pytest.raises(InputError, match="no dask scheduler"):
+        run_study(small(title="second", **skipped), folder=tmp_path, resume=True, retry_failed=True)
+    file = store.open_to_read(tmp_path / store.FILE)
+    assert (file.about["title"], file.counts()["failed"]) == ("first", 1)
+    file.close()
+
+
+def test_true_and_false_stay_what_they_are(tmp_path):
+    xr = pytest.importorskip("xarray")
+    study = small(
+        parameters={"leak.plasticity": [True, False]},
+        responses=["leak_rate_m3_per_s", "leak_rate_elastic_m3_per_s"],
+        run={"keep_fields": [1]},
+    )
+    result = run_study(study, folder=tmp_path, workers=0)
+    table = result.table
+    assert table["leak.plasticity"].dtype == bool
+    assert table["leak.plasticity"].tolist() == [True, False]
+    assert (table["leak_rate_m3_per_s"] == table["leak_rate_elastic_m3_per_s"]).tolist() == [False, True]
+    kept = json.loads((tmp_path / "designs" / "000001" / "summary.json").read_text())
+    assert kept["input"]["leak"]["plasticity"] is False
+    assert pd.read_csv(result.export(tmp_path / "t.csv"))["leak.plasticity"].tolist() == [True, False]
+    assert pd.read_parquet(result.export(tmp_path / "t.parquet"))["leak.plasticity"].dtype == bool
+    with xr.open_dataset(result.export(tmp_path / "t.nc")) as data:
+        elastic = data["leak_rate_m3_per_s"].sel({"leak.plasticity": False})
+        assert float(elastic) == table.loc[1, "leak_rate_m3_per_s"]
+    assert result.report().exists()
+
+
+def test_a_failed_design_has_no_results_to_keep(tmp_path, capsys):
+    study = small(
+        parameters={"seat.bore_radius": ["10 mm", "18 mm"]},
+        design={"invalid": "skip"},
+        responses=["fwhm_m"],
+        run={"keep_fields": [1]},
+    )
+    run_study(study, folder=tmp_path, workers=0, progress=Lines())
+    assert "design 1 failed" in capsys.readouterr().err
+    assert not (tmp_path / "designs").exists()
 
 
 def test_resuming_calculates_only_what_is_missing(tmp_path, monkeypatch):
@@ -426,6 +581,25 @@ def test_resuming_calculates_only_what_is_missing(tmp_path, monkeypatch):
     resumed = run_study(study, folder=tmp_path / "part", workers=0, resume=True)
     assert sum(calls) == 3
     pd.testing.assert_frame_equal(resumed.table, whole, check_exact=True)
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        ["2 kN", "3 kN"],
+        {"start": "1 kN", "stop": "3 kN", "num": 3},
+        {"distribution": "normal", "mean": "2 kN", "std": "10 N"},
+    ],
+)
+def test_changes_may_need_what_the_parameters_bring(force):
+    """Fluid in the bore lifts the ball of the base case; the spring that holds it is what the study varies."""
+    changes = {**COARSE, "load.pressure_side": "inner"}
+    sampled = isinstance(force, dict) and "distribution" in force
+    design = {"kind": "sobol", "num": 4} if sampled else {"kind": "grid", "invalid": "skip"}
+    study = small(changes=changes, parameters={"load.axial_force": force}, design=design)
+    assert study.case_of(study.points[-1]).load.axial_force > 1.9e3
+    with pytest.raises(InputError, match=r"changes\.load\.axial_force = 0 N: the seal is open"):
+        small(changes=changes, parameters={"load.axial_force": ["1 N", "2 N"]})
 
 
 def test_failed_designs_are_calculated_again_on_request_alone(tmp_path, monkeypatch):
@@ -547,11 +721,12 @@ def test_sensitivity_finds_the_parameter_that_matters(tmp_path):
     # Q goes like 1/viscosity, and one newton in six hundred does nothing
     assert found.total[0] == pytest.approx(1, abs=0.1)
     assert abs(found.total[1]) < 0.01
-    assert "Sensitivity of leak_rate" in result.report().read_text()
+    assert "Sensitivity of leak rate" in result.report().read_text()
 
 
-def search(**optimise):
+def search(title="", **optimise):
     return small(
+        title=title,
         parameters={
             "load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "400 N"},
             "interface.law": ["persson"],
@@ -575,7 +750,14 @@ def test_a_search_stays_within_its_constraint_and_resumes(tmp_path, monkeypatch)
     resumed = run_study(search(), folder=tmp_path / "part", workers=0, resume=True)
     pd.testing.assert_frame_equal(resumed.table, whole.table, check_exact=True)
     with pytest.raises(InputError, match="search for something else"):
-        run_study(search(seed=2), folder=tmp_path / "part", workers=0, resume=True)
+        run_study(search("refused", seed=2), folder=tmp_path / "part", workers=0, resume=True)
+    other = search("refused")
+    other.case = other.case.replace({"fluid.viscosity": "2 mPa s"})
+    with pytest.raises(InputError, match="search for something else"):
+        run_study(other, folder=tmp_path / "part", workers=0, resume=True)
+    file = store.open_to_read(tmp_path / "part" / store.FILE)
+    assert file.about["title"] != "refused"
+    file.close()
     with pytest.raises(InputError, match="learns from its failures"):
         run_study(search(), folder=tmp_path / "part", workers=0, resume=True, retry_failed=True)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import socket
 import sqlite3
 import subprocess
 import sys
@@ -63,7 +64,8 @@ def study_file(tmp_path):
     return path
 
 
-def start(study_file, folder, *options):
+def start(study_file, folder, *options, quiet=True):
+    """A study in processes of their own, as a terminal starts it."""
     command = [
         sys.executable,
         "-m",
@@ -74,9 +76,9 @@ def start(study_file, folder, *options):
         str(folder),
         "--workers",
         "2",
-        "-q",
+        *(["-q"] if quiet else []),
     ]
-    return subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True, start_new_session=True)
 
 
 def rows(folder):
@@ -149,6 +151,31 @@ def test_killed_worker_and_killed_coordinator_change_nothing(study_file, tmp_pat
     whole = run_study(load_study(study_file), folder=tmp_path / "whole", workers=0)
     assert whole.counts == {"done": DESIGNS, "failed": 0, "open": 0}
     pd.testing.assert_frame_equal(StudyResult(folder).table, whole.table, check_exact=True)
+
+
+@pytest.mark.parametrize("calculating", [False, True], ids=["starting", "calculating"])
+def test_ctrl_c_ends_with_one_line(study_file, tmp_path, calculating):
+    """A terminal sends it to all processes: none of them complains, and no design fails of it."""
+    folder = tmp_path / "interrupted"
+    coordinator = start(study_file, folder, quiet=False)
+    try:
+        wait_for(lambda: rows(folder) if calculating else workers_of(coordinator.pid), coordinator)
+    finally:
+        os.killpg(coordinator.pid, signal.SIGINT)
+    told = coordinator.communicate(timeout=PATIENCE)[1]
+    assert coordinator.returncode == 130
+    assert "interrupted; the designs that are done are kept, --resume" in told.splitlines()[-1]
+    assert "Traceback" not in told
+    assert bool(rows(folder)) == calculating
+    if calculating:
+        assert StudyResult(folder).counts["failed"] == 0
+
+
+def test_a_port_that_is_taken_is_passed_over_in_silence(recwarn):
+    from fem_seal.studies.pools import local_client
+
+    with socket.create_server(("", 8787), reuse_port=True), local_client(1):
+        assert not [str(one.message) for one in recwarn if "8787" in str(one.message)]
 
 
 def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):

@@ -26,7 +26,7 @@ _AHEAD = 3
 _HEARTBEAT = 2.0
 # Longest wait for one answer of a cluster that is there [s].
 _ANSWER = 30.0
-_KEPT = "the designs that are done are kept, --resume (resume=True) continues"
+KEPT = "the designs that are done are kept, --resume (resume=True) continues"
 
 
 class Cluster:
@@ -161,12 +161,12 @@ class _OnTheWay:
             return None
         # a design that fails is a row: what ends up here is the worker's own fault
         message = f"a worker cannot calculate: {type(error).__name__}: {error}"
-        raise ClusterError(f"{message}. Install this version of fem-seal where workers run; {_KEPT}")
+        raise ClusterError(f"{message}. Install this version of fem-seal where workers run; {KEPT}")
 
     def _fallen(self) -> Any:
         """After a silence: a chunk that is not calculated any more although nobody said so; None if all are well."""
         if self._client.status == "closed":
-            raise ClusterError(f"the connection to the scheduler is lost; {_KEPT}")
+            raise ClusterError(f"the connection to the scheduler is lost; {KEPT}")
         self._workers.addresses()
         for future in self._sent:
             if future.status != "pending":
@@ -207,7 +207,7 @@ class _Workers:
         if self._addresses:
             self._last_seen, self._noted = now, False
         elif now - self._last_seen > self._patience:
-            raise ClusterError(f"there has been no worker for {self._patience:.0f} s; {_KEPT}")
+            raise ClusterError(f"there has been no worker for {self._patience:.0f} s; {KEPT}")
         elif now - self._last_seen > _ANSWER and not self._noted:
             self._noted = True
             self._note(f"no worker is there; waiting for one up to {duration(self._patience)}")

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from fem_seal.case_fields import Quantity, shown
 from fem_seal.errors import InputError, Problem
-from fem_seal.studies.entries import Value, entry_at
+from fem_seal.studies.distributions import LogNormal, Normal
+from fem_seal.studies.entries import Entry, Value, entry_at
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.study_tables import MOST_POINTS, Design
 
@@ -25,6 +26,8 @@ FloatArray = NDArray[np.float64]
 SAMPLED = ("latin-hypercube", "sobol", "sobol-sensitivity", "morris")
 # Levels of Morris's method, the usual choice.
 MORRIS_LEVELS = 4
+# Outermost levels of a distribution without ends: half of Morris's points lie on the outermost ones.
+MORRIS_SHARES = (0.005, 0.995)
 
 
 def points(design: Design, parameters: Sequence[Parameter]) -> FloatArray:
@@ -44,7 +47,15 @@ def points(design: Design, parameters: Sequence[Parameter]) -> FloatArray:
     if design.kind == "grid":
         return _grid(parameters)
     unit = unit_points(design, len(parameters))
-    return np.column_stack([one.values(unit[:, n]) for n, one in enumerate(parameters)])
+    return np.column_stack([one.values(_shares(design, one, unit[:, n])) for n, one in enumerate(parameters)])
+
+
+def _shares(design: Design, parameter: Parameter, unit: FloatArray) -> FloatArray:
+    """Shares of a distribution that coordinates of the unit cube stand for."""
+    if design.kind == "morris" and isinstance(parameter.distribution, (Normal, LogNormal)):
+        low, high = MORRIS_SHARES
+        return low + (high - low) * unit
+    return unit
 
 
 def _grid(parameters: Sequence[Parameter]) -> FloatArray:
@@ -66,11 +77,6 @@ def unit_points(design: Design, dimensions: int) -> FloatArray:
         sampler = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(design.seed))
         # drawn as a whole power of two, of which the first are used: balance is lost only beyond the last one
         return sampler.random_base2(max(num - 1, 0).bit_length())[:num]
-    # The ends of a distribution are no designs: a normal one is cut off there.
-    return np.clip(_sensitivity_points(design, dimensions), 1e-6, 1 - 1e-6)
-
-
-def _sensitivity_points(design: Design, dimensions: int) -> FloatArray:
     cube = {"num_vars": dimensions, "names": [f"x{n}" for n in range(dimensions)]}
     problem = {**cube, "bounds": [[0.0, 1.0]] * dimensions}
     if design.kind == "morris":
@@ -117,7 +123,7 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
     twice = [name for n, name in enumerate(paths) if name in paths[:n]]
     if twice:
         raise InputError(Problem("design.file", f"has two columns {twice[0]}; remove one", shown(path.name)))
-    entries = [entry_at(case, name) for name in paths]
+    entries = [_entry(case, name, path) for name in paths]
     columns: list[list[Value]] = [[] for _ in entries]
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(entries):
@@ -147,10 +153,20 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
 def _heading(cell: str, path: Path) -> tuple[str, str]:
     match = re.fullmatch(r"\s*([\w.]+)\s*(?:\[([^\]]*)\])?\s*", cell)
     if match is None:
+        separated = re.search(r"[;\t]", cell)
+        advice = "; separate the columns by commas" if separated else ", such as seat.angle [deg]"
         raise InputError(
-            Problem("design.file", "has a heading that is no path, such as seat.angle [deg]", shown(cell))
+            Problem("design.file", f"has a heading {shown(cell)} that is no path{advice}", shown(path.name))
         )
     return match[1], (match[2] or "").strip()
+
+
+def _entry(case: Case, name: str, path: Path) -> Entry:
+    try:
+        return entry_at(case, name)
+    except InputError as error:
+        what = f"column {name}: {error.problems[0].message}"
+        raise InputError(Problem("design.file", what, shown(path.name))) from None
 
 
 def _cell(text: str, unit: str, marker: object) -> object:

@@ -9,9 +9,10 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 from fem_seal.case_bodies import MaterialTable
-from fem_seal.case_fields import Number, Pressures, Quantity, shown
+from fem_seal.case_fields import Number, OneOrMany, Pressures, Quantity, shown
 from fem_seal.errors import InputError, Problem
 from fem_seal.materials import Material
+from fem_seal.readable import Unit, unit_for
 from fem_seal.units import DIMENSIONS
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ Value = float | str | bool
 
 # Tables of a case that say nothing about the seal.
 _NOT_VARIED = ("title", "output", "uncertainty")
+# Entries that decide which others there are, or that hold more than one value.
+_NO_VALUE = ("shape", "kind", "outline", "stress_strain", "files")
 
 
 @dataclass(frozen=True)
@@ -35,10 +38,13 @@ class Entry:
         Dotted key.
     marker : Quantity, Number or None
         What reads and bounds it; None for words, names and files.
+    truth : bool
+        Whether it is true or false.
     """
 
     path: str
     marker: Quantity | Number | None
+    truth: bool = False
 
     @property
     def unit(self) -> str:
@@ -54,9 +60,9 @@ class Entry:
         """Value in SI of what a user wrote; ValueError if it may not stand here."""
         if self.marker is not None:
             return self.marker.read(value)
-        if isinstance(value, (str, bool)):
+        if isinstance(value, (str, bool)) and isinstance(value, bool) == self.truth:
             return value
-        raise ValueError("must be a text in quotes, true or false")
+        raise ValueError("must be true or false" if self.truth else "must be a text in quotes")
 
     def check(self, value: float) -> None:
         """ValueError if an SI value is outside the range of the entry."""
@@ -70,16 +76,23 @@ class Entry:
 
     def shown(self, value: Value) -> str:
         """The value for people."""
-        if isinstance(self.marker, Quantity) and isinstance(value, float):
-            return _plain(value, self.unit)
-        return shown(value)
+        if not isinstance(self.marker, Quantity) or not isinstance(value, float):
+            return shown(value)
+        unit = self._usual_unit(value)
+        return f'"{unit.of(value):.6g} {unit.name}"'
 
-
-def _plain(value: float, unit: str) -> str:
-    """A quantity as people write it: angles in degrees, no more digits than they mean."""
-    if unit == "rad":
-        value, unit = math.degrees(value), "deg"
-    return f'"{value:.6g} {unit}"'
+    def _usual_unit(self, value: float) -> Unit:
+        """Unit in which people write a value of this entry."""
+        if self.unit == "rad":
+            return Unit("deg", math.pi / 180)
+        of_fluid = self.path.endswith("_pressure")
+        kinds = {
+            "m": "length",
+            "Pa": "fluid pressure" if of_fluid else "contact pressure",
+            "N": "force",
+            "Pa s": "viscosity",
+        }
+        return unit_for(kinds[self.unit], value) if self.unit in kinds else Unit(self.unit, 1.0)
 
 
 def entry_at(case: Case, path: str) -> Entry:
@@ -97,6 +110,8 @@ def entry_at(case: Case, path: str) -> Entry:
         If there is no such entry; it names the nearest ones.
     """
     *parents, last = path.split(".")
+    if last in _NO_VALUE:
+        raise InputError(Problem(path, "is the same in all designs of a study; make one study for each"))
     table: object = case
     for parent in parents:
         table = getattr(table, parent, None) if parent in _fields(table) else None
@@ -108,7 +123,7 @@ def entry_at(case: Case, path: str) -> Entry:
         hints = list(dict.fromkeys([*ends_alike[:2], *near]))[:3]
         listed = f"do you mean {' or '.join(hints)}? " if hints else ""
         raise InputError(Problem(path, f"is no entry of the case; {listed}known are {', '.join(known)}"))
-    return Entry(path, _marker(fields[last]))
+    return Entry(path, _marker(fields[last]), truth=fields[last].annotation is bool)
 
 
 def entry_paths(case: Case) -> Iterator[str]:
@@ -147,7 +162,7 @@ def _paths_below(path: str, value: object, field: Any) -> Iterator[str]:
         # a name from the library may be varied as a whole
         yield path
     for name, below in fields.items():
-        if name not in ("shape", "kind"):
+        if name not in _NO_VALUE:
             yield from _paths_below(f"{path}.{name}", getattr(value, name), below)
 
 
@@ -171,11 +186,9 @@ def _marker(field: Any) -> Quantity | Number | None:
     for marker in (*field.metadata, *nested):
         if isinstance(marker, Pressures):
             return marker.pressure
+        if isinstance(marker, OneOrMany):
+            # a design has one load
+            return Quantity(marker.dimension, marker.low, marker.high, marker.exclusive)
         if isinstance(marker, (Quantity, Number)):
             return marker
     return None
-
-
-def problem_at(path: str, value: object, error: ValueError) -> Problem:
-    """The problem of a value that does not fit its entry."""
-    return Problem(path, str(error), shown(value))

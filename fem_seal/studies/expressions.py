@@ -11,17 +11,24 @@ import difflib
 import math
 import operator
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 from fem_seal.errors import QuantityError
 from fem_seal.units import DIMENSIONS, parse_quantity
 
+
+def _unless_missing(choose: Callable[..., float]) -> Callable[..., float]:
+    """Smallest or largest of numbers that are all there: Python's own passes over a NaN unless it comes first."""
+    return lambda *numbers: math.nan if any(map(math.isnan, numbers)) else choose(numbers)
+
+
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "abs": abs,
-    "min": min,
-    "max": max,
+    "min": _unless_missing(min),
+    "max": _unless_missing(max),
     "sqrt": math.sqrt,
     "exp": math.exp,
     "log": math.log,
@@ -88,7 +95,7 @@ class Expression:
         return tuple(dict.fromkeys(_names(self._body)))
 
     def __call__(self, values: Mapping[str, float]) -> float:
-        """Value; NaN where it is not defined (division by zero, logarithm of a negative number)."""
+        """Value; NaN where it is not defined (division by zero, logarithm of a negative number) or not finite."""
         return _number(self._body, values)
 
 
@@ -121,6 +128,11 @@ class Constraint:
         """Columns and parameters that it needs."""
         return tuple(dict.fromkeys(_names(self._body)))
 
+    @property
+    def sides(self) -> tuple[ast.expr, ast.expr]:
+        """What is compared."""
+        return self._compare.left, self._compare.comparators[0]
+
     def met(self, values: Mapping[str, float]) -> bool:
         """Whether it holds; it does not where a value is missing."""
         left, right = self._sides(values)
@@ -141,7 +153,8 @@ class Constraint:
         return self._body
 
     def _sides(self, values: Mapping[str, float]) -> tuple[float, float]:
-        return _number(self._compare.left, values), _number(self._compare.comparators[0], values)
+        left, right = self.sides
+        return _number(left, values), _number(right, values)
 
 
 def unknown_name(name: str, known: list[str]) -> str:
@@ -159,6 +172,10 @@ def _parsed(text: str) -> ast.expr:
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise ExpressionError("is no formula; write for example leak_rate_m3_per_s * 6e7") from None
     _check(body, 0)
+    for node in ast.walk(body):
+        calculable = isinstance(node, (ast.Constant, ast.BinOp, ast.UnaryOp, ast.Call))
+        if isinstance(node, ast.expr) and calculable and not _names(node) and math.isnan(_number(node, {})):
+            raise ExpressionError(f"holds {ast.unparse(node):.60}, which is no finite number")
     return body
 
 
@@ -193,32 +210,39 @@ def _check(node: ast.expr, depth: int) -> None:
 
 def _constant(value: Any) -> float:
     if isinstance(value, str):
-        for dimension in DIMENSIONS:
-            try:
-                return parse_quantity(value, dimension)
-            except QuantityError:
-                continue
-        return _flow(value)
+        return _quantity(value)[0]
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ExpressionError(f"holds {value!r}, which is no number")
     try:
         return float(value)
     except OverflowError:
-        raise ExpressionError("holds a number beyond all bounds") from None
+        return math.inf
 
 
-def _flow(text: str) -> float:
-    """A volume flow, which no entry of a case file is: a volume over a time."""
-    volume, _, time = text.partition("/")
-    seconds = {"s": 1.0, "min": 60.0, "h": 3600.0}.get(time.strip())
-    parts = volume.split()
-    cubic = {"m^3": 1.0, "l": 1e-3, "ml": 1e-6, "cm^3": 1e-6, "mm^3": 1e-9, "ul": 1e-9}
-    if seconds is not None and len(parts) == 2 and parts[1] in cubic:
-        try:
-            return float(parts[0]) * cubic[parts[1]] / seconds
-        except ValueError:
-            pass
+@lru_cache(maxsize=1024)
+def _quantity(text: str) -> tuple[float, str]:
+    """Value and SI unit of a quantity."""
+    for dimension in DIMENSIONS.values():
+        with suppress(QuantityError):
+            return parse_quantity(text, dimension.name), dimension.si_unit
     raise ExpressionError(f'holds "{text}", which is no quantity, such as "1 GPa", "45 deg" or "2 ml/min"')
+
+
+def unit_of(node: ast.expr, units: Mapping[str, str]) -> str | None:
+    """SI unit of a single name or quantity, empty for a name that has none; None of anything else.
+
+    Parameters
+    ----------
+    node : ast.expr
+        Side of a `Constraint`.
+    units : mapping
+        SI units of the names.
+    """
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return _quantity(node.value)[1]
+    if isinstance(node, (ast.Name, ast.Attribute)):
+        return units.get(_dotted(node))
+    return None
 
 
 def _dotted(node: ast.expr) -> str:
@@ -248,9 +272,10 @@ def _names(node: ast.expr) -> list[str]:
 
 def _number(node: ast.expr, values: Mapping[str, float]) -> float:
     try:
-        return _evaluated(node, values)
+        value = _evaluated(node, values)
     except (ZeroDivisionError, ValueError, OverflowError):
         return math.nan
+    return value if math.isfinite(value) else math.nan
 
 
 def _evaluated(node: ast.expr, values: Mapping[str, float]) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,11 +37,6 @@ def search_space(study: Study) -> dict[str, BaseDistribution]:
     Parameters
     ----------
     study : Study
-
-    Raises
-    ------
-    InputError
-        If a parameter is spread by chance, which is nothing to choose.
     """
     from optuna.distributions import CategoricalDistribution, FloatDistribution
 
@@ -48,20 +44,14 @@ def search_space(study: Study) -> dict[str, BaseDistribution]:
     for one in study.parameters:
         if isinstance(one.distribution, (Uniform, LogUniform)):
             space[one.name] = FloatDistribution(*one.bounds, log=isinstance(one.distribution, LogUniform))
-        elif one.distribution is not None:
-            raise InputError(
-                Problem(
-                    f"parameters.{one.name}",
-                    'is spread by chance; an optimisation chooses from a list, or from distribution = "uniform" or '
-                    '"log-uniform"',
-                )
-            )
         else:
             space[one.name] = CategoricalDistribution(one.numbers.tolist())
     return space
 
 
-def optimise(study: Study, recipe: Recipe, store: Store, pool: Pool, progress: Progress) -> None:
+def optimise(
+    study: Study, recipe: Recipe, about: Mapping[str, Any], store: Store, pool: Pool, progress: Progress
+) -> None:
     """Try designs until there are as many as asked for.
 
     Parameters
@@ -69,19 +59,34 @@ def optimise(study: Study, recipe: Recipe, store: Store, pool: Pool, progress: P
     study : Study
         With [optimise].
     recipe : Recipe
+    about : dict
+        Description of the study, kept with its designs.
     store : Store
         Gets the rows; optuna keeps its own tables in the same file.
     pool : Pool
     progress : Progress
+
+    Raises
+    ------
+    InputError
+        If the file holds another search.
     """
     settings = study.optimise
     assert settings is not None
     space = search_space(study)
     search = _search(study, store)
-    progress.begin(settings.trials, sum(trial.state.is_finished() for trial in _trials(search)))
+    there = _trials(search)
+    # only the last one can have been cut short while it was proposed
+    proposed = [trial for trial in there if trial.params.keys() == space.keys()]
+    keys = [recipe.key(_point(trial, space)) for trial in proposed]
+    finished = [key for key, trial in zip(keys, proposed, strict=True) if trial.state.is_finished()]
+    if not set(finished) <= store.known(finished):
+        raise _another_search()
+    store.set_design(keys, **about)
+    progress.begin(settings.trials, len(finished))
     try:
         while batch := _batch(search, study, space):
-            points = np.array([[trial.params[name] for name in space] for trial in batch])
+            points = np.array([_point(trial, space) for trial in batch])
             rows = _rows(recipe, store, pool, points)
             store.append_design(batch[0].number, [recipe.key(point) for point in points])
             for trial, row in zip(batch, rows, strict=True):
@@ -124,6 +129,10 @@ def _suggested(trial: Trial, space: dict[str, BaseDistribution]) -> Trial:
     return trial
 
 
+def _point(trial: Trial | FrozenTrial, space: Iterable[str]) -> list[float]:
+    return [trial.params[name] for name in space]
+
+
 def _trials(search: OptunaStudy) -> list[FrozenTrial]:
     return search.get_trials(deepcopy=False)
 
@@ -154,11 +163,15 @@ def _search(study: Study, store: Store) -> OptunaStudy:
         ]
     )
     if search.user_attrs.get("asked", asked) != asked:
-        raise InputError(
-            Problem("optimise", "the folder holds a search for something else; choose another folder")
-        )
+        raise _another_search()
     search.set_user_attr("asked", asked)
     return search
+
+
+def _another_search() -> InputError:
+    return InputError(
+        Problem("optimise", "the folder holds a search for something else; choose another folder")
+    )
 
 
 def _sampler(seed: int, number: int) -> TPESampler:

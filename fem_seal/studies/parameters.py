@@ -169,8 +169,7 @@ def _distribution(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribut
         try:
             entry.check(bound)
         except ValueError as error:
-            reaches = f"{bound:.4g} {entry.unit}".strip()
-            raise InputError(Problem(key, f"reaches {reaches}, which is {error}")) from None
+            raise InputError(Problem(key, f"reaches {entry.shown(bound)}, which is {error}")) from None
     return made
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import logging
+import signal
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Protocol
 
 from fem_seal.errors import ClusterError, InputError, Problem
@@ -130,22 +131,45 @@ def local_client(workers: int) -> Iterator[Client]:
         # the death of a worker is told in the table and not in the terminal
         "logging.distributed": "error",
     }
-    with dask.config.set(settings):
-        try:
-            cluster = LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=True,
-                dashboard_address=None,
-                silence_logs=logging.CRITICAL,
-            )
-        except RuntimeError as error:
-            raise ClusterError(
-                f"the worker processes do not start ({error}). A script that runs a study needs "
-                'if __name__ == "__main__": around it; workers = 0 calculates without them'
-            ) from None
-        with cluster, Client(cluster) as client:
-            yield client
+    with dask.config.set(settings), ExitStack() as opened:
+        with _uninterrupted():
+            try:
+                cluster = LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=None,
+                    # what is left of the dashboard takes a port all the same, and warns if that is not free
+                    scheduler_kwargs={"dashboard_address": ":0"},
+                    silence_logs=logging.CRITICAL,
+                )
+            except RuntimeError as error:
+                raise ClusterError(
+                    f"the worker processes do not start ({error}). A script that runs a study needs "
+                    'if __name__ == "__main__": around it; workers = 0 calculates without them'
+                ) from None
+            client = opened.enter_context(Client(opened.enter_context(cluster)))
+        yield client
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits until the end of this; processes that are started here, and their successors, never hear it.
+
+    A terminal sends the signal to all of them, but it is the one that started them that ends them.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # not on this system: there the workers complain
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    # threads and processes inherit what is blocked, but where Python starts this helper, it is let through again
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _check_dask() -> None:

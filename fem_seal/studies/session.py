@@ -7,16 +7,18 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal import __version__
 from fem_seal.atomic_files import write_text
 from fem_seal.errors import InputError, Problem
+from fem_seal.studies.cluster import KEPT
 from fem_seal.studies.pools import Pool, pool
 from fem_seal.studies.progress import Progress, Silent
 from fem_seal.studies.results import StudyResult
-from fem_seal.studies.store import FILE, FORMAT_VERSION, Row, Store, alone, create
+from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, alone, create
 from fem_seal.studies.work import Chunk, Recipe, chunks
 
 if TYPE_CHECKING:
@@ -72,43 +74,39 @@ def run_study(
                 "holds a study already; continue it with --resume (resume=True), or choose another folder",
             )
         )
+    progress = progress or Silent()
+    started = time.perf_counter()
     try:
-        with alone(place):
+        # the folder comes last: nothing is left in it, and nothing in it changed, if there is no one to calculate
+        with (
+            pool(client, workers, scheduler, study.run_settings.retries, progress.note) as ready,
+            alone(place),
+        ):
             store = create(place / FILE, _column_types(study), study.output_names)
-            try:
+            with closing(store):
                 if retry_failed:
                     store.forget_failures()
-                _calculate(study, store, client, workers, scheduler, progress or Silent())
-                _keep_fields(study, store, place)
-            finally:
-                store.close()
-    except BaseException:
+                _calculate(study, store, ready, progress)
+                store.describe(last_run_seconds=time.perf_counter() - started)
+                _keep_fields(study, store, place, progress)
+    except BaseException as error:
         if temporary:
             shutil.rmtree(place, ignore_errors=True)
+        elif isinstance(error, KeyboardInterrupt):
+            progress.note(f"interrupted; {KEPT}")
         raise
     return StudyResult(place, temporary=temporary)
 
 
-def _calculate(
-    study: Study,
-    store: Store,
-    client: Client | None,
-    workers: int | None,
-    scheduler: str | None,
-    progress: Progress,
-) -> None:
-    recipe = Recipe.of(study)
-    store.describe(**description(study))
-    started = time.perf_counter()
-    with pool(client, workers, scheduler, study.run_settings.retries, progress.note) as ready:
-        if study.optimise is not None:
-            from fem_seal.studies.optimise import optimise
+def _calculate(study: Study, store: Store, ready: Pool, progress: Progress) -> None:
+    recipe, about = Recipe.of(study), description(study)
+    if study.optimise is not None:
+        from fem_seal.studies.optimise import optimise
 
-            optimise(study, recipe, store, ready, progress)
-        else:
-            store.set_design(recipe.key(point) for point in study.points)
-            _fill(recipe, store, ready, study, progress)
-    store.describe(last_run_seconds=time.perf_counter() - started)
+        optimise(study, recipe, about, store, ready, progress)
+    else:
+        store.set_design((recipe.key(point) for point in study.points), **about)
+        _fill(recipe, store, ready, study, progress)
 
 
 def _fill(recipe: Recipe, store: Store, ready: Pool, study: Study, progress: Progress) -> None:
@@ -138,7 +136,9 @@ def _missing(recipe: Recipe, store: Store, all_chunks: Iterable[Chunk]) -> Itera
 
 
 def _column_types(study: Study) -> dict[str, str]:
-    return {one.name: "REAL" if one.numeric else "TEXT" for one in study.parameters}
+    return {
+        one.name: "REAL" if one.numeric else TRUTH if one.entry.truth else "TEXT" for one in study.parameters
+    }
 
 
 def description(study: Study) -> dict[str, Any]:
@@ -176,7 +176,7 @@ def description(study: Study) -> dict[str, Any]:
     }
 
 
-def _keep_fields(study: Study, store: Store, folder: Path) -> None:
+def _keep_fields(study: Study, store: Store, folder: Path, progress: Progress) -> None:
     """Complete results of chosen designs, unless they are there already."""
     wanted = study.run_settings.keep_fields
     if wanted == "none":
@@ -187,9 +187,12 @@ def _keep_fields(study: Study, store: Store, folder: Path) -> None:
     numbers = Designs.read(store).best(1) if wanted == "best" else list(wanted)
     for number in numbers:
         key, place = store.key(number), folder / "designs" / f"{number:06d}"
+        if key is None:
+            progress.note(f"design {number} failed; run.keep_fields has no results of it to keep")
+            continue
         # written last: says that the folder is complete, and whose results it holds
         mark = place / "design.json"
-        if key is None or (mark.exists() and json.loads(mark.read_text())["key"] == key):
+        if mark.exists() and json.loads(mark.read_text())["key"] == key:
             continue
         inputs = dict(zip(study.names, store.rows([key])[key].inputs, strict=True))
         changes = {one.name: one.entry.written(inputs[one.name]) for one in study.parameters}

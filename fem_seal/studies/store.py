@@ -26,6 +26,7 @@ FILE = "study.sqlite"
 FORMAT_VERSION = 1
 _AT_ONCE = 500
 DONE, FAILED = "done", "failed"
+TRUTH = "BOOLEAN"
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,9 @@ class Store:
         self.path = path
         self.inputs = inputs
         self.outputs = outputs
+        types = _columns(connection)
+        # SQLite knows numbers and texts only
+        self._truths = tuple(types[name] == TRUTH for name in inputs)
 
     @property
     def about(self) -> dict[str, Any]:
@@ -82,16 +86,20 @@ class Store:
     def describe(self, **entries: Any) -> None:
         """Keep facts about the study, replacing those of the same names."""
         with self._connection:
-            self._connection.executemany(
-                "INSERT OR REPLACE INTO about VALUES (?, ?)",
-                [(name, json.dumps(entry)) for name, entry in entries.items()],
-            )
+            self._describe(entries)
 
-    def set_design(self, keys: Iterable[str]) -> None:
-        """Make these the designs of the study, in this order; rows that were calculated for others stay in the file."""
+    def set_design(self, keys: Iterable[str], **about: Any) -> None:
+        """Make these the designs of the study, in this order, and describe it; rows of others stay in the file."""
         with self._connection:
+            self._describe(about)
             self._connection.execute("DELETE FROM design")
             self._connection.executemany("INSERT INTO design VALUES (?, ?)", enumerate(keys))
+
+    def _describe(self, entries: Mapping[str, Any]) -> None:
+        self._connection.executemany(
+            "INSERT OR REPLACE INTO about VALUES (?, ?)",
+            [(name, json.dumps(entry)) for name, entry in entries.items()],
+        )
 
     def append_design(self, first: int, keys: Sequence[str]) -> None:
         """Add designs from a number on, replacing those that have the number already."""
@@ -121,7 +129,11 @@ class Store:
             query = f"SELECT {columns} FROM point WHERE key IN ({','.join('?' * len(part))})"
             for key, reason, seconds, *values in self._connection.execute(query, part):
                 split = len(self.inputs)
-                found[key] = Row(key, tuple(values[:split]), tuple(values[split:]), reason, seconds)
+                inputs = tuple(
+                    bool(value) if truth else value
+                    for value, truth in zip(values[:split], self._truths, strict=True)
+                )
+                found[key] = Row(key, inputs, tuple(values[split:]), reason, seconds)
         return found
 
     def write(self, rows: Sequence[Row]) -> None:
@@ -173,6 +185,9 @@ class Store:
         table = pd.read_sql_query(query, self._connection)
         outputs = list(self.outputs)
         table[outputs] = table[outputs].astype(float)
+        for name, truth in zip(self.inputs, self._truths, strict=True):
+            if truth:
+                table[name] = table[name].astype(bool)
         return table.set_index("number")
 
     def close(self) -> None:
@@ -187,7 +202,7 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
     ----------
     path : Path
     inputs : mapping
-        Column of each parameter and its type in SQL, REAL or TEXT.
+        Column of each parameter and its type in SQL: REAL, TEXT, or `TRUTH` for what is true or false.
     outputs : sequence of str
 
     Raises
@@ -216,7 +231,7 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
             )
     except sqlite3.Error as error:
         raise OutputError(f"{path}: cannot be written ({error})") from error
-    wanted, there = [*inputs, *outputs], _columns(connection)
+    wanted, there = [*inputs, *outputs], list(_columns(connection))
     if wanted != there:
         connection.close()
         raise InputError(
@@ -245,7 +260,7 @@ def open_to_read(path: Path) -> Store:
         raise InputError(
             Problem(str(path.parent), f"holds no study ({path.name} is missing or no study file)")
         ) from None
-    return Store(connection, path, inputs, tuple(_columns(connection)[len(inputs) :]))
+    return Store(connection, path, inputs, tuple(_columns(connection))[len(inputs) :])
 
 
 @contextmanager
@@ -285,8 +300,9 @@ def _connect(path: Path, mode: str) -> sqlite3.Connection:
     return sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, timeout=60.0)
 
 
-def _columns(connection: sqlite3.Connection) -> list[str]:
-    return [row[1] for row in connection.execute("PRAGMA table_info(point)")][4:]
+def _columns(connection: sqlite3.Connection) -> dict[str, str]:
+    """Columns of parameters and outputs, with their types."""
+    return {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)").fetchall()[4:]}
 
 
 def _quoted(name: str) -> str:

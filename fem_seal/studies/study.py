@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,10 +13,10 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from fem_seal.case import Case, load_case
-from fem_seal.case_fields import shown
 from fem_seal.case_messages import problems
 from fem_seal.errors import InputError, Problem
 from fem_seal.studies import designs
+from fem_seal.studies.checks import check_changes, check_design, check_designs, check_kept, check_load
 from fem_seal.studies.entries import Value, entry_at, with_open_materials
 from fem_seal.studies.expressions import Constraint, Expression
 from fem_seal.studies.formulas import needed_columns, read_constraints, read_formulas, read_goals
@@ -30,9 +31,6 @@ if TYPE_CHECKING:
     from fem_seal.studies.results import StudyResult
 
 FloatArray = NDArray[np.float64]
-
-# So many designs are built as cases before the study starts; of larger studies the extreme ones and a sample.
-_CHECKED = 300
 
 
 class Study:
@@ -75,7 +73,7 @@ class Study:
         self.file = file
         """Study file, None if made in code."""
         case = base if isinstance(base, Case) else load_case(folder / base)
-        case = _changed(case, _placed_files(read.changes, folder))
+        case = _changed(case, _placed_files(read.changes, folder), read.parameters)
         self._given = dict(tables)
         self.title: str = read.title or (file.stem if file else case.title)
         self.design: Design = read.design
@@ -93,7 +91,8 @@ class Study:
         self.goals = read_goals(self, read)
         self.responses: tuple[str, ...] = needed_columns(self, read.responses)
         """Columns of leak.csv that are calculated."""
-        self._check_designs()
+        check_kept(self)
+        check_designs(self)
 
     def _read_points(self, case: Case, read: StudyTables, folder: Path) -> None:
         self.case = case
@@ -115,22 +114,11 @@ class Study:
             self.parameters = tuple(_placed(one, folder) for one in self.parameters)
         else:
             self.parameters = _read_parameters(case, read.parameters, folder)
-            _check_design(design, self.parameters, read.optimise is not None)
+            check_design(design, self.parameters, read.optimise is not None)
             nothing = np.empty((0, len(self.parameters)))
             self.points = nothing if read.optimise else designs.points(design, self.parameters)
-        _check_changes(read.changes, self.names)
-        self._check_loads()
-
-    def _check_loads(self) -> None:
-        pressures = self.case.load.fluid_pressure
-        if len(pressures) > 1 and "load.fluid_pressure" not in self.names:
-            raise InputError(
-                Problem(
-                    "base",
-                    f"has {len(pressures)} fluid pressures, a design has one: write [changes] "
-                    '"load.fluid_pressure" = "10 bar", or make it a parameter',
-                )
-            )
+        check_changes(read.changes, self.names)
+        check_load(self.case, self.names)
 
     @property
     def names(self) -> list[str]:
@@ -212,43 +200,6 @@ class Study:
             progress=progress,
         )
 
-    def _check_designs(self) -> None:
-        if self.design.invalid == "skip":
-            return
-        for number in self._telling_designs():
-            point = self.points[number]
-            try:
-                self.case_of(point)
-            except InputError as error:
-                found = error.problems[0]
-                listed = ", ".join(
-                    f"{one.name} = {one.entry.shown(one.value(value))}"
-                    for one, value in zip(self.parameters, point, strict=True)
-                )
-                raise InputError(
-                    Problem(
-                        "design",
-                        f"design {number} ({listed}) is no valid case: {found}. Change the values, or set "
-                        'design.invalid = "skip" to leave such designs out',
-                    )
-                ) from None
-
-    def _telling_designs(self) -> Iterator[int]:
-        """Designs that are built before the study starts: all of a small one, else extremes, corners and a sample."""
-        count = len(self.points)
-        if count <= _CHECKED:
-            yield from range(count)
-            return
-        span = np.ptp(self.points, axis=0)
-        place = (self.points - self.points.min(axis=0)) / np.where(span > 0, span, 1.0)
-        chosen = {*place.argmin(axis=0).tolist(), *place.argmax(axis=0).tolist()}
-        dimensions = min(place.shape[1], 6)
-        for corner in np.ndindex(*([2] * dimensions)):
-            signs = 2.0 * np.array(corner) - 1.0
-            chosen.add(int(np.argmax(place[:, :dimensions] @ signs)))
-        chosen.update(np.linspace(0, count - 1, _CHECKED // 2).astype(int).tolist())
-        yield from sorted(chosen)
-
 
 def load_study(path: str | Path) -> Study:
     """Read and check a study file.
@@ -312,7 +263,8 @@ def _dotted(table: Any, heading: str) -> Any:
     return flat
 
 
-def _changed(case: Case, changes: Mapping[str, Any]) -> Case:
+def _changed(case: Case, changes: Mapping[str, Any], parameters: Mapping[str, Any]) -> Case:
+    """The base case with the changes; if these need it, with values of the parameters, which every design replaces."""
     if not changes:
         return case
     plain = {key: list(value) if isinstance(value, tuple) else value for key, value in changes.items()}
@@ -320,7 +272,22 @@ def _changed(case: Case, changes: Mapping[str, Any]) -> Case:
         return with_open_materials(case, list(plain)).replace(plain)
     except InputError as error:
         found = error.problems[0]
+        for end in (0, -1):
+            varied = {path: _ends(given)[end] for path, given in parameters.items()}
+            with suppress(InputError):
+                return with_open_materials(case, [*plain, *varied]).replace({**plain, **varied})
         raise InputError(Problem(f"changes.{found.key}", found.message, found.value)) from None
+
+
+def _ends(given: Any) -> tuple[Any, Any]:
+    """First and last value of a parameter as it was given."""
+    if isinstance(given, Mapping):
+        first, last = ("start", "low", "mean", "median"), ("stop", "high", "mean", "median")
+        start, stop = (
+            next((given[name] for name in names if name in given), None) for names in (first, last)
+        )
+        return start, stop
+    return (given[0], given[-1]) if given else (None, None)
 
 
 def _placed_files(changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -335,16 +302,6 @@ def _placed_files(changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         else:
             placed[key] = value
     return placed
-
-
-def _check_changes(changes: Mapping[str, Any], paths: Sequence[str]) -> None:
-    twice = [path for path in paths if path in changes]
-    if twice:
-        raise InputError(
-            Problem(
-                f"changes.{twice[0]}", "is a parameter as well, which would replace it; remove one of them"
-            )
-        )
 
 
 def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tuple[Parameter, ...]:
@@ -364,45 +321,6 @@ def _placed(parameter: Parameter, folder: Path) -> Parameter:
     if not parameter.name.endswith(".file"):
         return parameter
     return Parameter(parameter.entry, tuple(str(folder / str(level)) for level in parameter.levels))
-
-
-def _check_design(design: Design, parameters: tuple[Parameter, ...], optimise: bool) -> None:
-    if not parameters:
-        raise InputError(
-            Problem("parameters", 'is empty; name what varies, such as "seat.angle" = ["30 deg", "45 deg"]')
-        )
-    if design.file is not None:
-        raise InputError(Problem("design.file", 'only with kind = "list"; remove it', shown(design.file)))
-    if optimise:
-        return
-    if design.kind == "grid":
-        spread = [one.name for one in parameters if one.distribution is not None]
-        if spread:
-            raise InputError(
-                Problem(
-                    f"parameters.{spread[0]}",
-                    'is a distribution, which has no levels; write a list or a range, or design.kind = "sobol"',
-                )
-            )
-        if design.num is not None:
-            raise InputError(
-                Problem("design.num", "a grid has as many designs as its levels make; remove it")
-            )
-        return
-    if design.num is None:
-        raise InputError(
-            Problem("design.num", f'is missing; kind = "{design.kind}" needs a number of designs')
-        )
-    for one in parameters:
-        if one.distribution is None and one.numeric:
-            low, high = (one.entry.written(bound) for bound in one.bounds)
-            raise InputError(
-                Problem(
-                    f"parameters.{one.name}",
-                    f'has levels, but kind = "{design.kind}" draws from distributions; write {{ distribution = '
-                    f'"uniform", low = {shown(low)}, high = {shown(high)} }}, or design.kind = "grid"',
-                )
-            )
 
 
 def _first_row(path: Path) -> list[str]:

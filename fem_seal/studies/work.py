@@ -178,17 +178,12 @@ def _fingerprint(
     case: Case, columns: Sequence[str], derived: Mapping[str, Expression], interpolate: bool
 ) -> str:
     """Hash of the base case with the contents of its files, of what is calculated, and of the program's version."""
-    from fem_seal.interface import rough_contact
     from fem_seal.summary import input_tables
 
-    surface = rough_contact(case)
     tables = {name: entry for name, entry in input_tables(case).items() if name != "output"}
     about = {
         "version": __version__,
-        "case": _without_files(tables),
-        "spectrum": None
-        if surface is None
-        else [surface.spectrum.wavenumber.tolist(), surface.spectrum.density.tolist()],
+        "case": _with_contents(tables),
         "columns": list(columns),
         "derived": {name: formula.text for name, formula in derived.items()},
         "interpolate": interpolate,
@@ -198,22 +193,29 @@ def _fingerprint(
     ).hexdigest()
 
 
-def _without_files(entry: Any) -> Any:
+def _with_contents(entry: Any, name: str = "") -> Any:
     """Places of files do not matter, their contents do."""
     if isinstance(entry, Mapping):
-        return {key: _without_files(value) for key, value in entry.items() if key not in ("file", "files")}
+        return {key: _with_contents(value, key) for key, value in entry.items()}
     if isinstance(entry, (list, tuple)):
-        return [_without_files(value) for value in entry]
-    return entry
+        return [_with_contents(value, name) for value in entry]
+    return _contents(entry) if name in ("file", "files") and isinstance(entry, str) else entry
 
 
 def _content(name: str, value: float | str | bool) -> float | str | bool:
-    return _file_hash(str(value)) if name.endswith(".file") else value
+    return _contents(str(value)) if name.endswith(".file") else value
 
 
-@lru_cache(maxsize=1024)
-def _file_hash(path: str) -> str:
+def _contents(path: str) -> str:
+    """Hash of a file, its path if it is not there."""
     try:
-        return hashlib.blake2b(Path(path).read_bytes(), digest_size=16).hexdigest()
+        status = Path(path).stat()
+        return _hash_of(path, status.st_mtime_ns, status.st_size)
     except OSError:
         return path
+
+
+# The keys of all designs ask for the same few files.
+@lru_cache(maxsize=1024)
+def _hash_of(path: str, changed: int, size: int) -> str:
+    return hashlib.blake2b(Path(path).read_bytes(), digest_size=16).hexdigest()
