@@ -19,6 +19,9 @@ from meshes import GeometryError
 if TYPE_CHECKING:
     from fem_seal.case import Case
 
+# Interference of a press fit over the radius of the wall, up to which strains are small.
+_LARGEST_FIT = 0.01
+
 
 def contradictions(case: Case) -> list[Problem]:
     """Everything in a case that does not fit together."""
@@ -71,6 +74,19 @@ def _bodies(case: Case) -> Iterator[Problem]:
             "mesh.contact_size",
             f"too coarse for a contact circle of {_mm(r0)}; allowed is up to {_mm(r0 / 4)}",
             _mm(size),
+        )
+    yield from _press_fit(case)
+
+
+def _press_fit(case: Case) -> Iterator[Problem]:
+    """Around a small bore the strain is up to three times that of the wall, which must stay small, too."""
+    interference, wall = getattr(case.seat, "interference", None) or 0.0, case.contact.seat.largest_radius
+    if interference > _LARGEST_FIT * wall:
+        yield Problem(
+            "seat.interference",
+            f"is {100 * interference / wall:.2g} % of the radius of the wall, {_mm(wall)}; the theory is for small "
+            f"strains and allows up to {100 * _LARGEST_FIT:g} %, {_mm(_LARGEST_FIT * wall)}",
+            _mm(interference),
         )
 
 
@@ -166,7 +182,7 @@ def _load(case: Case) -> Iterator[Problem]:
         yield Problem(
             "load.axial_force",
             f"has {len(load.axial_force)} entries, but fluid_pressure has {len(load.fluid_pressure)}; give one for "
-            "each fluid pressure, or one for all",
+            "each fluid pressure, one for all, or a single fluid_pressure for all forces",
         )
     if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
         yield Problem(
@@ -189,11 +205,14 @@ def _closing(case: Case) -> Iterator[Problem]:
         # Where the fluid gets to is a result: only what no contact can hold is known before.
         open_at = [(p, spring) for p, spring in load.points if spring <= 0 and load.pressure_side == "inner"]
         if open_at:
+            worst, spring = max(open_at)
+            needed = -closing_force(r0, worst, 0.0, load.pressure_side)
             yield Problem(
                 "load.axial_force",
-                f"the fluid lifts the closure at {open_at[0][0] / 1e5:.6g} bar and no spring holds it; allowed is an "
-                "axial_force above 0 N",
-                f"{open_at[0][1]:.6g} N",
+                f"the fluid lifts the closure at {worst / 1e5:.6g} bar and no spring holds it; allowed is an "
+                f"axial_force above some {needed:.4g} N, with which it lifts the circle of first touch of radius "
+                f"{_mm(r0)}",
+                f"{spring:.6g} N",
             )
         else:
             expected = (expected_force(r0, p, s, load.pressure_side, load.closing) for p, s in load.points)

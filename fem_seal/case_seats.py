@@ -37,8 +37,8 @@ class Held(Body):
         "bottom is always held along the axis",
     )
     interference: Annotated[float, Quantity("length", "0 um", "10 mm")] | None = dimension(
-        'with wall = "fixed": how far the wall is moved inwards, radial interference of a pressed-in seat; none '
-        "unless given",
+        'with wall = "fixed": how far the wall is moved inwards, radial interference of a pressed-in seat, at '
+        "most a hundredth of the wall's radius; none unless given",
         "20 um",
     )
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from fem_seal.case_bodies import Table
 from fem_seal.case_fields import NominalSize, Number, OneOrMany, Pressures, Quantity
@@ -61,7 +61,7 @@ class Load(Table):
     axial_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = Field(
         0.0,
         description="force of spring or actuator on the closure, positive when it closes the seal: one, or a list "
-        "with one for each fluid pressure",
+        "with one for each fluid pressure; with a single fluid pressure a list of any length, one result each",
         examples=["250 N"],
         json_schema_extra={"default": "0 N"},
     )
@@ -82,6 +82,13 @@ class Load(Table):
         "pressure; of a gas the volume at 101325 Pa and its temperature",
         examples=["1e-3 cm^3/s"],
     )
+
+    @model_validator(mode="after")
+    def _one_pressure_under_all_forces(self) -> Load:
+        if isinstance(self.axial_force, tuple) and len(self.fluid_pressure) == 1:
+            # the only way into a frozen model, which is not handed out yet
+            object.__setattr__(self, "fluid_pressure", self.fluid_pressure * len(self.axial_force))
+        return self
 
     @property
     def points(self) -> tuple[tuple[float, float], ...]:

@@ -61,7 +61,7 @@ def show_leakage(case: Case, rows: Sequence[Mapping[str, float]]) -> None:
 
     from fem_seal.leakage import leakage_lines
 
-    row = max(rows, key=lambda row: row["fluid_pressure_Pa"])
+    row = max(rows, key=lambda row: (row["fluid_pressure_Pa"], row.get("axial_force_N", 0.0)))
     if not _filled(row.get("leak_rate_m3_per_s")):
         return
     console = Console(width=None if sys.stdout.isatty() else _WIDTH, highlight=False)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.condensation import ContactModel, condense
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.held_body import Supports
+from fem_seal.load_names import load_name
 from fem_seal.load_solver import interference, supports
 from meshes import ContactGeometry, GeometryError, MeshingError, SealMesh, build_contact
 
@@ -17,14 +18,17 @@ if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.contact_solution import ContactSolution
     from fem_seal.discretisation import CoarserLoad
+    from fem_seal.results import SealResult
 
 _LARGER = 2.0
+# Relative changes below this are not worth a number.
+_LEAST = 1e-5
 _LENGTHS = ("outer_radius", "height")
 
 
 @dataclass(frozen=True)
 class FarFieldChange:
-    """What a change far from the contact does to the highest load, relative.
+    """What a change far from the contact does to the load with the largest closing force, relative.
 
     Parameters
     ----------
@@ -61,16 +65,22 @@ def far_field(load: CoarserLoad) -> tuple[FarFieldChange, ...]:
     return tuple(changes)
 
 
-def far_field_sentence(changes: tuple[FarFieldChange, ...]) -> str:
+def far_field_sentence(result: SealResult) -> str:
     """The influence of the far field in one sentence; empty if nothing was compared."""
-    if not changes:
+    if not result.far_field:
         return ""
     told = [
-        f"{change.name} changes the peak pressure by {100 * change.peak_pressure:+.2g} %"
-        + ("" if change.leak_rate is None else f" and the leak rate by {100 * change.leak_rate:+.2g} %")
-        for change in changes
+        f"{change.name} changes the peak pressure by {_in_words(change.peak_pressure)}"
+        + ("" if change.leak_rate is None else f" and the leak rate by {_in_words(change.leak_rate)}")
+        for change in result.far_field
     ]
-    return f"Far from the contact: {'; '.join(told)}, at the highest load."
+    load = load_name(result.strongest, result.loads)
+    which = "" if len(result.loads) == 1 else ", the load with the largest closing force"
+    return f"Far from the contact, at {load}{which}: {'; '.join(told)}."
+
+
+def _in_words(change: float) -> str:
+    return f"{100 * change:+.2g} %" if abs(change) >= _LEAST else f"less than {100 * _LEAST:g} %"
 
 
 def _variations(case: Case, mesh: SealMesh) -> Iterator[tuple[str, ContactModel]]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.case_flow import CaseFlow
+from fem_seal.contact_solution import ContactSolution
 from fem_seal.contact_zone import solve_fitted
 from fem_seal.errors import InputError, Problem
 from fem_seal.interface import rough_contact
@@ -18,10 +19,11 @@ from fem_seal.load_solver import LoadSolver
 from fem_seal.loads import blow_off_of_sealed_area, closing_force, line_load
 from fem_seal.penetration import effective_radius
 from fem_seal.plastic_width import curves
+from fem_seal.results import TargetContact
+from fem_seal.validity import target_warnings
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from fem_seal.contact_solution import ContactSolution
     from fem_seal.laws import Law
     from fem_seal.results import LoadResult
     from meshes import Sizing
@@ -71,6 +73,11 @@ def axial_force_for_leak(case: Case, target_leak_rate: float | None = None) -> F
     >>> fem_seal.axial_force_for_leak(case, 1e-9)     # doctest: +SKIP
     array([312.6])
     """
+    return np.array([found.applied_force for found in _contacts_at_target(case, target_leak_rate)])
+
+
+def _contacts_at_target(case: Case, target_leak_rate: float | None = None) -> list[TargetContact]:
+    """Contact and force for which the leak rate is the target, at each fluid pressure; see `axial_force_for_leak`."""
     from fem_seal.pipeline import condensed_on, interface_law, sizing_for
 
     target = case.load.target_leak_rate if target_leak_rate is None else target_leak_rate
@@ -81,23 +88,21 @@ def axial_force_for_leak(case: Case, target_leak_rate: float | None = None) -> F
     if curves(case):
         raise _problem(case, "is for elastic bodies, and one has a stress_strain curve; leave it out", target)
     law = interface_law(case, rough_contact(case))
-    expected = [expected_contact_force(case, law, pressure, target) for pressure in case.load.fluid_pressure]
-    found: list[float] = []
+    # up and down again, or under several forces, a pressure may come more than once
+    pressures = dict.fromkeys(case.load.fluid_pressure)
+    expected = {pressure: expected_contact_force(case, law, pressure, target) for pressure in pressures}
+    found: dict[float, TargetContact] = {}
 
     def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
         solver = LoadSolver(case, law, condensed_on(case, sizing))
-        contacts = []
-        found.clear()
-        for pressure, force in zip(case.load.fluid_pressure, expected, strict=True):
-            contact, spring = _on_model(solver, pressure, force, target)
-            contacts.append(contact)
-            found.append(spring)
-        return contacts
+        for pressure, force in expected.items():
+            found[pressure] = _on_model(solver, pressure, force, target)
+        return [one.contact for one in found.values()]
 
-    forces = [share * force for force in expected for share in _MARGIN]
+    forces = [share * force for force in expected.values() for share in _MARGIN]
     size_given = case.mesh.contact_size is not None
     solve_fitted(sizing_for(case, law, forces), case.contact, solve_on, size_given=size_given)
-    return np.array(found)
+    return [found[pressure] for pressure in case.load.fluid_pressure]
 
 
 def blow_off_pressures(case: Case) -> FloatArray:
@@ -131,7 +136,7 @@ def blow_off_pressures(case: Case) -> FloatArray:
 def with_answers(
     solver: LoadSolver, loads: Sequence[LoadResult]
 ) -> tuple[tuple[LoadResult, ...], tuple[str, ...]]:
-    """Loads with effective radius, blow-off pressure and force for the target, and what could not be answered.
+    """Loads with effective radius, blow-off pressure and force for the target, and what to know before believing them.
 
     Parameters
     ----------
@@ -143,12 +148,15 @@ def with_answers(
     penetrates = case.load.closing == "penetration"
     asked = penetrates or case.load.pressure_side == "inner"
     forces: list[float | None] = [None] * len(loads)
-    unanswered: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
     if case.load.target_leak_rate is not None:
         try:
-            forces = axial_force_for_leak(case).tolist()
+            found = _contacts_at_target(case)
         except InputError as error:
-            unanswered = tuple(str(problem) for problem in error.problems)
+            remarks = tuple(str(problem) for problem in error.problems)
+        else:
+            forces = [one.applied_force for one in found]
+            remarks = tuple(target_warnings(case, _flow(solver).surface, found))
     springs = dict.fromkeys(load.applied_force for load in loads) if asked else ()
     opens = {spring: solver.blow_off_pressure(spring) for spring in springs}
     return tuple(
@@ -159,7 +167,7 @@ def with_answers(
             force_for_target=force,
         )
         for load, force in zip(loads, forces, strict=True)
-    ), unanswered
+    ), remarks
 
 
 def expected_contact_force(case: Case, law: Law, fluid_pressure: float, target: float) -> float:
@@ -247,12 +255,9 @@ def largest_force(case: Case) -> float:
     return f / line_load(1.0, r0, contact.angle)
 
 
-def _on_model(
-    solver: LoadSolver, fluid_pressure: float, expected: float, target: float
-) -> tuple[ContactSolution, float]:
-    """Contact that leaks as much as the target, and the spring force that it takes."""
-    flow = solver.flow
-    assert flow is not None
+def _on_model(solver: LoadSolver, fluid_pressure: float, expected: float, target: float) -> TargetContact:
+    """Contact that leaks as much as the target."""
+    flow = _flow(solver)
     known: dict[float, tuple[ContactSolution, float]] = {}
 
     def excess(log_force: float) -> float:
@@ -271,7 +276,14 @@ def _on_model(
         )
     if root not in known:
         excess(root)
-    return known[root]
+    contact, spring = known[root]
+    separation = float(flow.surface.critical_separation(contact.profile.peak_pressure))
+    return TargetContact(fluid_pressure, spring, contact, separation)
+
+
+def _flow(solver: LoadSolver) -> CaseFlow:
+    assert solver.flow is not None  # a target needs roughness and fluid
+    return solver.flow
 
 
 def _root_near(excess: Callable[[float], float], expected: float) -> float | None:

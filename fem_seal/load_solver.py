@@ -19,7 +19,7 @@ from fem_seal.further_loads import FurtherLoads
 from fem_seal.held_body import Supports
 from fem_seal.laws import Law
 from fem_seal.loads import blow_off_of_sealed_area, closing_force
-from fem_seal.penetration import solve_at_contact_force, solve_penetration
+from fem_seal.penetration import least_closing_force, solve_at_contact_force, solve_penetration
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -76,9 +76,11 @@ class LoadSolver:
                 self.seal, closing_force=axial_force, fluid_pressure=fluid_pressure, start=start
             )
         except OpenSealError as error:
+            least = least_closing_force(self.seal, fluid_pressure)
+            allowed = "" if least is None else f"; allowed is an axial_force above {least:.5g} N"
             problem = Problem(
                 "load.axial_force",
-                f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}",
+                f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",
                 f"{axial_force:.6g} N",
             )
             raise InputError(problem, file=self.case.file) from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,8 @@ FloatArray = NDArray[np.float64]
 
 # Share of spring and fluid force for which the first contact is solved where the fluid comes close to lifting it.
 _LEAST_CARRIED = 1e-4
+# Shares of the fluid's force that the solid contact carries on the way to an open seal.
+_SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)
 
 
 def solve_penetration(
@@ -80,6 +83,33 @@ def solve_at_contact_force(
     """
     unknowns = dry_unknowns(seal, contact_force, fluid_pressure, start)
     return coupled_contact(seal, lambda lift: (fluid_pressure, contact_force), unknowns, start)
+
+
+def least_closing_force(seal: Seal, fluid_pressure: float) -> float | None:
+    """Force of spring or actuator above which the seal is closed at a fluid pressure [N]; None if none was found.
+
+    Negative where the fluid itself closes the seal. A flow lets the contact vanish evenly: what holds it while it
+    carries 1e-4 of the fluid's force on the circle of first touch is the answer. Where it opens before, its force is
+    made less and less, and a closing force above the least that was met on this way holds.
+
+    Parameters
+    ----------
+    seal : Seal
+    fluid_pressure : float
+        [Pa]
+    """
+    fluid_force = math.pi * seal.model.touch_radius**2 * fluid_pressure
+    contact, met = None, []
+    for shares in (_SHARES[-1:], _SHARES):
+        with suppress(OpenSealError, ConvergenceError):
+            for share in shares:
+                contact = solve_at_contact_force(
+                    seal, contact_force=share * fluid_force, fluid_pressure=fluid_pressure, start=contact
+                )
+                met.append(contact.closing_force)
+        if met:
+            break
+    return min(met, default=None)
 
 
 def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:

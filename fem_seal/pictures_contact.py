@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.load_names import load_axis, load_name
 from fem_seal.pictures import (
     BLUE,
     GREEN,
@@ -23,7 +24,7 @@ from fem_seal.pictures import (
     spans_decades,
     svg,
 )
-from fem_seal.readable import given, quantity, unit_for
+from fem_seal.readable import quantity, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,7 +64,9 @@ def profile_picture(result: SealResult, derived: Derived) -> Picture:
     if len(order) > 1:
         _all_profiles(axes[0], [loads[n] for n in order], length.size, length.name)
     for view, n in zip(axes[-len(shown) :], shown, strict=True):
-        _against_closed_forms(view, loads[n], derived.loads[n], length.size, length.name)
+        _against_closed_forms(
+            view, loads[n], load_name(loads[n], loads), derived.loads[n], length.size, length.name
+        )
     return Picture(
         "profiles",
         svg(figure),
@@ -114,23 +117,22 @@ def _profile_caption(result: SealResult) -> str:
 def _all_profiles(axes: Axes, loads: Sequence[LoadResult], length: float, unit: str) -> None:
     pressure = unit_for("contact pressure", max(load.contact.profile.peak_pressure for load in loads))
     colour = load_colours(len(loads))
+    over = load_axis(loads)
     drawn = few(len(loads), _DRAWN_LOADS)
     named = [drawn[n] for n in few(len(drawn), _NAMED_LOADS if len(drawn) <= _NAMED_LOADS else 4)]
     for n in drawn:
-        load, profile = loads[n], loads[n].contact.profile
+        profile = loads[n].contact.profile
         axes.plot(
             profile.x / length,
             profile.pressure / pressure.size,
             color=colour(n),
             linewidth=1.2,
-            label=given("fluid pressure", load.fluid_pressure) if n in named else None,
+            label=over.names[n] if n in named else None,
         )
     reach = _reach(loads) / length
     axes.set_xlim(-reach, reach)
     axes.set_ylim(0.0)
-    axes.legend(
-        title="fluid pressure", title_fontsize=8.5, loc="upper right", handlelength=1.2, borderpad=0.1
-    )
+    axes.legend(title=over.name, title_fontsize=8.5, loc="upper right", handlelength=1.2, borderpad=0.1)
     title = (
         f"All {len(loads)} loads" if len(loads) <= _DRAWN_LOADS else f"{_DRAWN_LOADS} of {len(loads)} loads"
     )
@@ -138,7 +140,7 @@ def _all_profiles(axes: Axes, loads: Sequence[LoadResult], length: float, unit: 
 
 
 def _against_closed_forms(
-    axes: Axes, load: LoadResult, closed: DerivedLoad, length: float, unit: str
+    axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: float, unit: str
 ) -> None:
     reach = _reach([load])
     x = np.linspace(-reach, reach, 361)
@@ -146,21 +148,22 @@ def _against_closed_forms(
     # Hertz may be many times higher; drawn in full it would flatten everything else.
     top = 1.75 * profile.peak_pressure
     pressure = unit_for("contact pressure", top)
-    for key, (name, colour, dashes) in _CLOSED_FORMS.items():
+    for key, (form_name, colour, dashes) in _CLOSED_FORMS.items():
         form = getattr(closed, key)
         if form is not None:
             y = np.asarray(form.pressure(x)) / pressure.size
             cut = form.peak_pressure > top
-            text = f"{name}, peak {quantity('contact pressure', form.peak_pressure)}" if cut else name
-            axes.plot(x / length, y, color=colour, linestyle=dashes, linewidth=1.4, label=text, zorder=3)
+            peak = f", peak {quantity('contact pressure', form.peak_pressure)}" if cut else ""
+            axes.plot(
+                x / length, y, color=colour, linestyle=dashes, linewidth=1.4, label=form_name + peak, zorder=3
+            )
     axes.plot(
         profile.x / length, profile.pressure / pressure.size, color=BLUE, linewidth=2.4, label="calculated"
     )
     axes.set_xlim(-reach / length, reach / length)
     axes.set_ylim(0.0, top / pressure.size)
     axes.legend(loc="upper right", handlelength=1.9, borderpad=0.1)
-    title = f"{given('fluid pressure', load.fluid_pressure)} against closed forms"
-    label(axes, title, f"x  [{unit}]", f"contact pressure  [{pressure.name}]")
+    label(axes, f"{name}, closed forms", f"x  [{unit}]", f"contact pressure  [{pressure.name}]")
 
 
 def size_picture(result: SealResult, sizes: Mapping[str, Sizes]) -> Picture | None:
@@ -174,24 +177,18 @@ def size_picture(result: SealResult, sizes: Mapping[str, Sizes]) -> Picture | No
     """
     if len(result.loads) == 1:
         return None
-    order = np.argsort([load.fluid_pressure for load in result.loads])
-    pressures = np.array([load.fluid_pressure for load in result.loads])[order]
-    fluid = unit_for("fluid pressure", float(pressures.max()))
+    over = load_axis(result.loads)
+    order = np.argsort(over.values)
     figure, axes = panels(2, height=3.3)
-    _sizes(axes[0], pressures / fluid.size, order, sizes, "peak_pressure", "contact pressure")
-    _sizes(axes[1], pressures / fluid.size, order, sizes, "fwhm", "length")
+    _sizes(axes[0], over.shown[order], order, sizes, "peak_pressure", "contact pressure")
+    _sizes(axes[1], over.shown[order], order, sizes, "fwhm", "length")
     peak, width = (axis.get_ylabel() for axis in axes)
-    label(axes[0], "Peak contact pressure", f"fluid pressure  [{fluid.name}]", f"peak pressure  [{peak}]")
-    label(
-        axes[1],
-        "Width of the contact",
-        f"fluid pressure  [{fluid.name}]",
-        f"full width at half maximum  [{width}]",
-    )
+    label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak}]")
+    label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width}]")
     return Picture(
         "sizes",
         svg(figure),
-        "Peak contact pressure and full width at half maximum against fluid pressure, calculated and in closed form",
+        f"Peak contact pressure and full width at half maximum against {over.name}, calculated and in closed form",
         "Height and width of the pressure profile at every load. Where the calculated width follows Hertz, the "
         "elasticity of the bodies sets the contact; where it follows the Gaussian, the compliance of the roughness.",
     )
@@ -208,7 +205,7 @@ def _sizes(
             y = getattr(sizes[name], measure)[order] / unit.size
             axes.plot(x, y, color=colour, linestyle=dashes, label=text)
     axes.plot(x, calculated / unit.size, "o", color=BLUE, ms=4.5, label="calculated")
-    scales = ["x"] if spans_decades(x) else []
+    scales = ["x"] if x.min() > 0 and spans_decades(x) else []
     if measure == "peak_pressure" and spans_decades(calculated):
         scales.append("y")
     else:
@@ -227,7 +224,8 @@ def gap_picture(result: SealResult) -> Picture:
     result : SealResult
     """
     loads = sorted(result.loads, key=lambda load: load.line_load)
-    chosen = [loads[n] for n in few(len(loads), 4)]
+    over, drawn = load_axis(loads), few(len(loads), 4)
+    chosen = [loads[n] for n in drawn]
     flowing = [load for load in chosen if load.leak is not None and 0 < load.leak.leak_rate < np.inf]
     figure, axes = panels(2 if flowing else 1, height=3.3, width=10.4 if flowing else 5.6)
     colour = load_colours(len(chosen))
@@ -236,7 +234,7 @@ def gap_picture(result: SealResult) -> Picture:
     inside = [load.contact.profile.gap[np.abs(load.contact.profile.x) <= _reach(loads)] for load in chosen]
     gap = unit_for("length", max(float(part.max(initial=0.0)) for part in inside))
     for n, load in enumerate(chosen):
-        profile, name = load.contact.profile, given("fluid pressure", load.fluid_pressure)
+        profile, name = load.contact.profile, over.names[drawn[n]]
         axes[0].plot(profile.x / length.size, profile.gap / gap.size, color=colour(n), label=name)
         if load in flowing and load.leak is not None:
             share = load.leak.fluid_pressure / load.fluid_pressure
@@ -248,7 +246,7 @@ def gap_picture(result: SealResult) -> Picture:
         label(axes[1], "Fluid pressure in the gap", f"x  [{length.name}]", "share of the pressure drop  [%]")
     for view in axes:
         view.set_xlim(-reach, reach)
-        view.legend(title="fluid pressure", title_fontsize=8.5, loc="best", handlelength=1.4)
+        view.legend(title=over.name, title_fontsize=8.5, loc="best", handlelength=1.4)
     caption = (
         "Left: mean separation of the surfaces, u(x)."
         if flowing

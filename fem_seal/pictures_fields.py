@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.load_names import load_name
 from fem_seal.pictures import BLUE, INK, ORANGE, Picture, label, panels, svg
-from fem_seal.readable import given, number, quantity, unit_for
+from fem_seal.readable import number, quantity, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -105,7 +106,7 @@ def stress_picture(result: SealResult, load: LoadResult) -> Picture:
         svg(figure),
         f"Map of the von Mises stress around the contact; its largest value is "
         f"{quantity('contact pressure', load.max_von_mises)} in the {body}",
-        f"von Mises stress at {given('fluid pressure', load.fluid_pressure)}, closure above, seat below, undeformed "
+        f"von Mises stress at {load_name(load, result.loads)}, closure above, seat below, undeformed "
         f"shape. The largest value, {quantity('contact pressure', load.max_von_mises)}, lies in the {body} "
         f"{quantity('length', abs(depth))} {'below' if depth < 0 else 'above'} the contact line (cross). "
         "Asperities are not resolved here: they carry many times this stress and yield first.",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.load_names import load_axis, load_name
 from fem_seal.pictures import (
     BLUE,
     INK,
@@ -19,19 +20,19 @@ from fem_seal.pictures import (
     spans_decades,
     svg,
 )
-from fem_seal.readable import Unit, given, number, percent, quantity, unit_for
+from fem_seal.readable import Unit, number, percent, quantity, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from fem_seal.results import LoadResult, SealResult
+    from fem_seal.results import SealResult
 
 FloatArray = NDArray[np.float64]
 
 
 def leak_picture(result: SealResult) -> Picture | None:
-    """Leak rate against fluid pressure, with and without asperity plasticity; None if none was calculated.
+    """Leak rate of every load, with and without asperity plasticity; None if none was calculated.
 
     Parameters
     ----------
@@ -40,10 +41,14 @@ def leak_picture(result: SealResult) -> Picture | None:
     # where the fluid has blown the seal open there is no finite rate to draw
     flowing = [load for load in result.loads if load.leak and np.isfinite(load.leak.leak_rate)]
     # along their path where a body yields: the same pressure leaks differently before and after a higher one
-    loads = flowing if result.unloaded else sorted(flowing, key=lambda load: load.fluid_pressure)
+    loads = (
+        flowing
+        if result.unloaded
+        else sorted(flowing, key=lambda load: (load.fluid_pressure, load.applied_force))
+    )
     if not loads:
         return None
-    pressure = np.array([load.fluid_pressure for load in loads])
+    over = load_axis(loads)
     rates = np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
     elastic = np.array([load.leak_elastic.leak_rate if load.leak_elastic else np.nan for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
@@ -52,43 +57,39 @@ def leak_picture(result: SealResult) -> Picture | None:
         series.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
     shown = np.concatenate([rates for _, rates, _, _ in series])
     unit = unit_for("flow", float(rates.max() or np.nanmax(shown)))
-    fluid = unit_for("fluid pressure", float(pressure.max()))
     if len(loads) == 1:
         return _single_leak(
-            loads[0], [(name, float(values[0]), colour) for name, values, colour, _ in series], unit
+            load_name(loads[0], result.loads),
+            [(name, float(values[0]), colour) for name, values, colour, _ in series],
+            unit,
         )
     both = len(series) == 2 and bool(((rates > 0) & (elastic > 0)).any())
     figure, axes, factor = _leak_panels(2 if both else 1)
     for name, values, colour, width in series:
         positive = np.where(values > 0, values, np.nan) / unit.size
-        axes.plot(pressure / fluid.size, positive, "o-", color=colour, linewidth=width, ms=3.8, label=name)
+        axes.plot(over.shown, positive, "o-", color=colour, linewidth=width, ms=3.8, label=name)
     if result.uncertainty is not None:
         order = [result.loads.index(load) for load in loads]
         low, high = result.uncertainty.low[order], result.uncertainty.high[order]
         name = f"{percent(result.uncertainty.confidence)} interval of the result"
         band = (low / unit.size, high / unit.size)
-        axes.fill_between(pressure / fluid.size, *band, color=BLUE, alpha=0.15, linewidth=0, label=name)
-    _mark_sealed(axes, pressure[rates == 0] / fluid.size)
-    scales = [n for n, values in (("x", pressure), ("y", shown)) if spans_decades(values)]
+        axes.fill_between(over.shown, *band, color=BLUE, alpha=0.15, linewidth=0, label=name)
+    _mark_sealed(axes, over.shown[rates == 0])
+    scales = ["x"] if over.values.min() > 0 and spans_decades(over.values) else []
+    scales += ["y"] if spans_decades(shown) else []
     if "y" not in scales:
         axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
     logarithmic(axes, *scales)
     axes.legend(loc="best")
-    label(axes, "Leak rate", f"fluid pressure  [{fluid.name}]", f"leak rate  [{unit.name}]")
+    label(axes, "Leak rate", over.label, f"leak rate  [{unit.name}]")
     if factor is not None:
-        _reduction(factor, pressure / fluid.size, elastic, rates, "x" in scales)
-        label(
-            factor,
-            "Reduction by yielding asperities",
-            f"fluid pressure  [{fluid.name}]",
-            "elastic over yielded",
-        )
+        _reduction(factor, over.shown, elastic, rates, "x" in scales)
+        label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
     return Picture(
         "leak",
         svg(figure),
-        "Leak rate against fluid pressure"
-        + (", with yielding and with elastic asperities" if plastic else ""),
-        "Leak rate of the whole circumference at each fluid pressure."
+        f"Leak rate against {over.name}" + (", with yielding and with elastic asperities" if plastic else ""),
+        f"Leak rate of the whole circumference at each {over.name}."
         + (
             " Where asperities yield, the surfaces come closer and less leaks; the elastic curve is the same contact "
             "with asperities of unlimited strength."
@@ -98,7 +99,7 @@ def leak_picture(result: SealResult) -> Picture | None:
     )
 
 
-def _single_leak(load: LoadResult, series: list[tuple[str, float, str]], unit: Unit) -> Picture:
+def _single_leak(load: str, series: list[tuple[str, float, str]], unit: Unit) -> Picture:
     """Bars for a case with one load."""
     figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
     names = [name for name, _, _ in series]
@@ -112,13 +113,11 @@ def _single_leak(load: LoadResult, series: list[tuple[str, float, str]], unit: U
     for n, name in enumerate(names):
         axes.text(0.004, n - 0.31, name, transform=axes.get_yaxis_transform(), va="bottom")
     axes.set_ylim(len(series) - 0.6, -0.8)
-    pressure = given("fluid pressure", load.fluid_pressure)
-    label(axes, f"Leak rate at {pressure}", f"leak rate  [{unit.name}]", "")
+    label(axes, f"Leak rate at {load}", f"leak rate  [{unit.name}]", "")
     return Picture(
         "leak",
         svg(figure),
-        f"Leak rate at {pressure}: "
-        + ", ".join(f"{name} {quantity('flow', rate)}" for name, rate, _ in series),
+        f"Leak rate at {load}: " + ", ".join(f"{name} {quantity('flow', rate)}" for name, rate, _ in series),
         "Leak rate of the whole circumference.",
     )
 

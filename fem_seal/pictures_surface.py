@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.load_names import load_name
 from fem_seal.pictures import BLUE, GREY, ORANGE, PURPLE, Picture, inches, label, logarithmic, panels, svg
-from fem_seal.readable import given, number, percent, quantity, unit_for
+from fem_seal.readable import number, percent, quantity, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,7 +112,7 @@ def surface_picture(result: SealResult, load: LoadResult) -> Picture | None:
             if plastic
             else "; and spectrum"
         ),
-        f"At the peak pressure of {given('fluid pressure', load.fluid_pressure)}, "
+        f"At the peak pressure of {load_name(load, result.loads)}, "
         f"{quantity('contact pressure', peak)}. Left: the finer one looks (higher magnification, shorter wavelengths), "
         "the less area touches"
         + (

@@ -85,7 +85,7 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
     with clock.step("far field", "comparing sizes and supports far from the contact"):
         far = far_field(coarser)
     with clock.step("questions", "blow-off and force for the target leak rate"):
-        loads, unanswered = with_answers(LoadSolver(case, law, model), loads)
+        loads, of_answers = with_answers(LoadSolver(case, law, model), loads)
     with clock.step("variants", "comparing elastic and plastic interface law"):
         variants = _interface_variants(LoadSolver(case, law, model), surface, loads)
     result = SealResult(
@@ -96,7 +96,7 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         loads,
         error,
         variants,
-        (*remarks, *contact_warnings(case, model, loads, error, surface), *unanswered),
+        (*remarks, *contact_warnings(case, model, loads, error, surface), *of_answers),
         clock.timings,
         far_field=far,
         unloaded=solved.unloaded,

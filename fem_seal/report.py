@@ -8,11 +8,20 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal import __version__, report_case, report_plastic, report_tables, report_text, report_uncertainty
+from fem_seal import (
+    __version__,
+    report_case,
+    report_plastic,
+    report_tables,
+    report_text,
+    report_uncertainty,
+    report_valve,
+)
 from fem_seal.atomic_files import write_text
 from fem_seal.closed_forms import Sizes, profile_sizes
 from fem_seal.derived import Derived, derive
 from fem_seal.far_field import far_field_sentence
+from fem_seal.load_names import load_name
 from fem_seal.pictures import Picture, style
 from fem_seal.pictures_contact import gap_picture, profile_picture, size_picture
 from fem_seal.pictures_fields import mesh_picture, stress_picture
@@ -20,7 +29,6 @@ from fem_seal.pictures_leak import leak_picture
 from fem_seal.pictures_plastic import imprint_picture
 from fem_seal.pictures_sketch import sketch
 from fem_seal.pictures_surface import law_picture, separation_picture, surface_picture
-from fem_seal.readable import given
 from fem_seal.sources import sources
 
 if TYPE_CHECKING:
@@ -93,14 +101,15 @@ def _words(result: SealResult, derived: Derived, sizes: Mapping[str, Sizes]) -> 
     load = report_text.highest_load(result)
     return {
         "headline": report_text.headline(result),
-        "highest": given("fluid pressure", load.fluid_pressure),
-        "strongest": given("fluid pressure", report_text.strongest_load(result).fluid_pressure),
+        "highest": load_name(load, result.loads),
+        "strongest": load_name(result.strongest, result.loads),
         "facts": report_text.facts(result),
         "reasons": report_text.reasons(result, derived),
         "warnings": result.warnings,
         "seal_groups": report_case.seal_groups(result),
         "surface_groups": report_case.surface_groups(result),
         "loads": report_tables.load_table(result, sizes),
+        "valve": report_valve.valve_table(result),
         "comparison_note": report_tables.comparison_note(result),
         "comparison": report_tables.comparison_table(result, sizes),
         "variants": report_tables.variant_table(result),
@@ -110,7 +119,7 @@ def _words(result: SealResult, derived: Derived, sizes: Mapping[str, Sizes]) -> 
         "theory_note": report_uncertainty.theory_note(result),
         "yielding": report_plastic.yielding_table(result),
         "accuracy": report_case.accuracy(result),
-        "far_field": far_field_sentence(result.far_field),
+        "far_field": far_field_sentence(result),
         "timings": report_case.times(result),
         "definitions": report_text.DEFINITIONS,
     }

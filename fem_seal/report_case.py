@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.case_dimensions import chosen_dimensions, dimensions
 from fem_seal.plastic_width import curves
-from fem_seal.readable import flow, given, number, percent, quantity, trimmed
+from fem_seal.readable import given, number, percent, quantity, trimmed
 from fem_seal.report_plastic import curve_in_words, path_accuracy
 
 if TYPE_CHECKING:
@@ -172,7 +172,7 @@ def _load(case: Case) -> list[tuple[str, str]]:
         ("high pressure", f"on the {case.load.pressure_side} side"),
         ("closing force", _CLOSING[case.load.closing]),
         *(
-            [("target leak rate", flow(case.load.target_leak_rate))]
+            [("target leak rate", given("flow", case.load.target_leak_rate))]
             if case.load.target_leak_rate is not None
             else []
         ),

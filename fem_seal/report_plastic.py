@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.elastoplastic_contact import ElastoplasticContact
 from fem_seal.hardening import HardeningCurve
+from fem_seal.load_names import load_name
 from fem_seal.readable import given, number, percent, quantity
 from fem_seal.report_tables import ReadableTable
 from fem_seal.yielding import PlasticZone, yielding_of
@@ -60,9 +61,7 @@ def yielding_table(result: SealResult) -> ReadableTable:
                 if isinstance(zone, PlasticZone)
                 else ("none", "–", "–")
             )
-            rows.append(
-                (given("fluid pressure", load.fluid_pressure), name, *told, str(load.contact.load_steps))
-            )
+            rows.append((load_name(load, result.loads), name, *told, str(load.contact.load_steps)))
     return ReadableTable(headings, tuple(rows))
 
 

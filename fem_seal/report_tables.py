@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem_seal.readable import Unit, flow, given, number, quantity, trimmed, unit_for
+from fem_seal.load_names import load_name
+from fem_seal.readable import Unit, flow, number, quantity, trimmed, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.closed_forms import Sizes
@@ -33,46 +33,42 @@ def load_table(result: SealResult, sizes: Mapping[str, Sizes]) -> ReadableTable:
     """All loads, with one unit per column and without the columns that no load fills."""
     calculated, loads = sizes["calculated"], result.loads
     columns = [
-        _Column("fluid pressure", "fluid pressure", [load.fluid_pressure for load in loads]),
-        _Column("closing force", "force", [load.axial_force for load in loads]),
-        _Column("line load", "line load", [load.line_load for load in loads]),
-        _Column("peak pressure", "contact pressure", calculated.peak_pressure.tolist()),
-        _Column("width (FWHM)", "length", calculated.fwhm.tolist()),
-        _Column("std. deviation", "length", calculated.std.tolist(), unit_of="width (FWHM)"),
-        _Column("u_c", "length", [load.critical_separation for load in loads]),
-        _Column(
-            "u_c, elastic", "length", [load.critical_separation_elastic for load in loads], unit_of="u_c"
-        ),
-        _Column("leak rate", "flow", [_leak_rate(load.leak) for load in loads]),
-        _Column(
+        Column("fluid pressure", "fluid pressure", [load.fluid_pressure for load in loads]),
+        Column("closing force", "force", [load.axial_force for load in loads]),
+        Column("line load", "line load", [load.line_load for load in loads]),
+        Column("peak pressure", "contact pressure", calculated.peak_pressure.tolist()),
+        Column("width (FWHM)", "length", calculated.fwhm.tolist()),
+        Column("std. deviation", "length", calculated.std.tolist(), unit_of="width (FWHM)"),
+        Column("u_c", "length", [load.critical_separation for load in loads]),
+        Column("u_c, elastic", "length", [load.critical_separation_elastic for load in loads], unit_of="u_c"),
+        Column("leak rate", "flow", [_leak_rate(load.leak) for load in loads]),
+        Column(
             "leak rate, elastic",
             "flow",
             [_leak_rate(load.leak_elastic) for load in loads],
             unit_of="leak rate",
         ),
-        _Column("von Mises", "contact pressure", [load.max_von_mises for load in loads]),
-        _Column("radius of the fluid's force", "length", [load.effective_radius for load in loads]),
-        _Column("opens at", "fluid pressure", [_finite(load.blow_off_pressure) for load in loads]),
-        _Column("spring force for the target", "force", [load.force_for_target for load in loads]),
+        Column("von Mises", "contact pressure", [load.max_von_mises for load in loads]),
     ]
     if any(load.applied_force for load in loads):
-        columns.insert(1, _Column("spring force", "force", [load.applied_force for load in loads]))
+        columns.insert(1, Column("spring force", "force", [load.applied_force for load in loads]))
     if result.surface is None or result.surface.hardness is None:
         columns = [column for column in columns if not column.name.endswith("elastic")]
-    shown = [column for column in columns if any(value is not None for value in column.values)]
-    units = {column.name: unit_for(column.kind, column.largest) for column in shown}
-    return ReadableTable(
-        tuple(f"{column.name} [{units[column.unit_of or column.name].name}]" for column in shown),
-        tuple(
-            tuple(_cell(column, units[column.unit_of or column.name], n) for column in shown)
-            for n in range(len(loads))
-        ),
-    )
+    return columns_table(columns)
 
 
 @dataclass(frozen=True)
-class _Column:
-    """A column in SI; `unit_of` names the one whose unit it shares, so that the two can be compared."""
+class Column:
+    """A column in SI; `unit_of` names the one whose unit it shares, so that the two can be compared.
+
+    Parameters
+    ----------
+    name, kind : str
+        Heading without its unit, and what `fem_seal.readable.unit_for` calls the quantity.
+    values : list of float or None
+        One per row.
+    unit_of : str
+    """
 
     name: str
     kind: str
@@ -80,19 +76,39 @@ class _Column:
     unit_of: str = ""
 
     @property
+    def filled(self) -> bool:
+        """Whether any row has a value."""
+        return any(value is not None for value in self.values)
+
+    @property
     def largest(self) -> float:
+        """Largest absolute value."""
         return max(abs(value) for value in self.values if value is not None)
 
 
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
+def columns_table(columns: Sequence[Column]) -> ReadableTable:
+    """Columns side by side, one unit in each, without those that no row fills.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+    """
+    shown = [column for column in columns if column.filled]
+    units = {column.name: unit_for(column.kind, column.largest) for column in shown}
+    return ReadableTable(
+        tuple(f"{column.name} [{units[column.unit_of or column.name].name}]" for column in shown),
+        tuple(
+            tuple(_cell(column, units[column.unit_of or column.name], n) for column in shown)
+            for n in range(len(columns[0].values))
+        ),
+    )
 
 
 def _leak_rate(leak: LeakResult | None) -> float | None:
     return None if leak is None else leak.leak_rate
 
 
-def _cell(column: _Column, unit: Unit, n: int) -> str:
+def _cell(column: Column, unit: Unit, n: int) -> str:
     value = column.values[n]
     if value is None:
         return "–"
@@ -110,7 +126,7 @@ def comparison_table(result: SealResult, sizes: Mapping[str, Sizes]) -> Readable
         for measure in measures
     ]
     rows = tuple(
-        (given("fluid pressure", load.fluid_pressure), *(_difference(column[n]) for column in columns))
+        (load_name(load, result.loads), *(_difference(column[n]) for column in columns))
         for n, load in enumerate(result.loads)
     )
     return ReadableTable(("fluid pressure", *headings), rows)

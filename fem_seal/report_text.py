@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.leakage import classes_in_words, in_words, leakage, nominal_size
-from fem_seal.readable import flow, given, number, percent, quantity, unit_for
+from fem_seal.load_names import load_name
+from fem_seal.readable import flow, number, percent, quantity, unit_for
 from fem_seal.report_plastic import imprint_in_words, what_yielded
+from fem_seal.report_valve import opens_at, valve_facts, what_opens
 from fem_seal.validity import FLUID_OPENS
 from fem_seal.yielding import PlasticZone, yielding_of
 
@@ -42,16 +44,12 @@ def highest_load(result: SealResult) -> LoadResult:
     return max(result.loads, key=lambda load: (load.fluid_pressure, load.line_load))
 
 
-def strongest_load(result: SealResult) -> LoadResult:
-    """The load with the largest closing force; for it error and interface laws are compared."""
-    return max(result.loads, key=lambda load: load.axial_force)
-
-
 def facts(result: SealResult) -> list[Fact]:
     """The result in a few numbers, at the highest load."""
     load = highest_load(result)
     profile = load.contact.profile
     found = [
+        *(Fact(*told) for told in valve_facts(result, load)),
         Fact("Peak contact pressure", quantity("contact pressure", profile.peak_pressure)),
         Fact(
             "Width of the contact",
@@ -106,10 +104,16 @@ def per_day(leak_rate: float) -> str:
 
 
 def headline(result: SealResult) -> str:
-    """The answer in one sentence."""
-    loads = sorted(result.loads, key=lambda load: load.fluid_pressure)
+    """The answer in one or two sentences."""
+    opens = {opens_at(load) for load in result.loads}
+    (only,) = opens if len(opens) == 1 else (None,)
+    return _what_leaks(result) + (f" It opens at {only}." if only else "")
+
+
+def _what_leaks(result: SealResult) -> str:
+    loads = sorted(result.loads, key=lambda load: (load.fluid_pressure, load.applied_force))
     first, last = loads[0], loads[-1]
-    span = given("fluid pressure", last.fluid_pressure)
+    span = load_name(last, loads)
     if first.leak is None or last.leak is None:
         missing = "roughness" if result.surface is None else "fluid"
         profile = last.contact.profile
@@ -124,7 +128,7 @@ def headline(result: SealResult) -> str:
         return f"The seal leaks {flow(last.leak.leak_rate)} at {span}."
     rates = [first.leak.leak_rate, last.leak.leak_rate]
     return (
-        f"The seal leaks {_flow_beside(rates[0], rates[1])} at {given('fluid pressure', first.fluid_pressure)} and "
+        f"The seal leaks {_flow_beside(rates[0], rates[1])} at {load_name(first, loads)} and "
         f"{_flow_beside(rates[1], rates[0])} at {span}."
     )
 
@@ -141,6 +145,7 @@ def reasons(result: SealResult, derived: Derived) -> list[str]:
     return [
         *_what_sets_the_width(result, derived, load),
         *what_yielded(result, load),
+        *what_opens(result, load),
         *_what_throttles(load),
         *_what_yields(result, load),
     ]

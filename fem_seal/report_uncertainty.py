@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.readable import given, number, percent, trimmed, unit_for
+from fem_seal.load_names import load_name
+from fem_seal.readable import number, percent, trimmed, unit_for
 from fem_seal.report_tables import ReadableTable
 from fem_seal.theory_variants import ratio_to_case
 
@@ -47,7 +48,7 @@ def interval_table(result: SealResult) -> ReadableTable:
     )
     rows = tuple(
         (
-            given("fluid pressure", load.fluid_pressure),
+            load_name(load, result.loads),
             *(
                 number(unit.of(rate))
                 for rate in (load.leak.leak_rate if load.leak else None, interval.low[n], interval.high[n])
@@ -102,7 +103,7 @@ def theory_table(result: SealResult) -> ReadableTable:
     unit = unit_for("flow", largest)
     headings = ["p(u)", "channels", "P(u)", "percolation threshold"]
     for n in shown:
-        pressure = given("fluid pressure", result.loads[n].fluid_pressure)
+        pressure = load_name(result.loads[n], result.loads)
         headings += [f"leak rate at {pressure} [{unit.name}]", "over that of the case"]
     rows = []
     for variant in result.theory_variants:
@@ -125,7 +126,7 @@ def theory_note(result: SealResult) -> str:
         return ""
     load = max(range(len(result.loads)), key=lambda n: result.loads[n].fluid_pressure)
     rates = [variant.leak_rate[load] for variant in result.theory_variants]
-    pressure = given("fluid pressure", result.loads[load].fluid_pressure)
+    pressure = load_name(result.loads[load], result.loads)
     if min(rates) <= 0:
         return f"At {pressure} some readings of the theory say that the seal is tight, others that it leaks."
     return (

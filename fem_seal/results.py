@@ -78,6 +78,27 @@ class LoadResult:
         return self.contact.loads.gap_pressure if self.leak is None else self.leak.fluid_pressure
 
 
+@dataclass(frozen=True, eq=False)
+class TargetContact:
+    """The contact that leaks as much as the target, at one of the fluid pressures of a case.
+
+    Parameters
+    ----------
+    fluid_pressure : float
+        [Pa]
+    applied_force : float
+        Force of spring or actuator that it takes [N].
+    contact : ContactSolution
+    critical_separation : float
+        u_c at the peak pressure [m].
+    """
+
+    fluid_pressure: float
+    applied_force: float
+    contact: ContactSolution
+    critical_separation: float
+
+
 @dataclass(frozen=True)
 class InterfaceVariant:
     """What another choice of the interface law does to the highest load.
@@ -144,7 +165,7 @@ class SealResult:
     theory_variants : tuple of TheoryVariant
         Leak rates with every reading of the theory, if asked for.
     far_field : tuple of FarFieldChange
-        What another housing and another support of its wall do to the highest load.
+        What another housing and another support of its wall do to the strongest load.
     unloaded : Unloaded or None
         Residual stress and imprint after the last load; None if both bodies are elastic.
     """
@@ -169,6 +190,11 @@ class SealResult:
         from fem_seal.tables import leak_table
 
         return leak_table(self)
+
+    @property
+    def strongest(self) -> LoadResult:
+        """The load with the largest closing force; for it error, far field and interface laws are compared."""
+        return max(self.loads, key=lambda load: load.axial_force)
 
     @property
     def profiles(self) -> tuple[PressureProfile, ...]:

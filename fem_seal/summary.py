@@ -66,7 +66,7 @@ def summary(result: SealResult) -> dict[str, Any]:
         "discretisation_error": asdict(result.discretisation_error),
         "far_field": {
             "changes": [asdict(change) for change in result.far_field],
-            "says": far_field_sentence(result.far_field),
+            "says": far_field_sentence(result),
         },
         "interface_variants": [asdict(variant) for variant in result.interface_variants],
         "uncertainty": None if result.uncertainty is None else interval_numbers(result.uncertainty),

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from fem_seal.elastoplastic_contact import yielding_bodies
+from fem_seal.load_names import load_name
 from fem_seal.yielding import PlasticZone, YieldedZone, yielding_of
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.case_tables import Load
     from fem_seal.condensation import ContactModel
-    from fem_seal.results import DiscretisationError, LoadResult
+    from fem_seal.results import DiscretisationError, LoadResult, TargetContact
     from leak import RoughContact
+
+    Loaded: TypeAlias = LoadResult | TargetContact
 
 # Pressure at the ends of the contact zone over the peak pressure above which contact is cut off.
 _CUT_OFF = 1e-6
@@ -66,8 +69,29 @@ def contact_warnings(
     )
 
 
+def target_warnings(case: Case, surface: RoughContact, answers: Sequence[TargetContact]) -> Iterator[str]:
+    """What a user should know before believing the force for a target leak rate.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact
+        The case's rough contact.
+    answers : sequence of TargetContact
+        At least one.
+    """
+    model = answers[0].contact.model
+    ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
+    named = dict.fromkeys(f"{one.applied_force:.4g} N at {one.fluid_pressure / 1e5:.4g} bar" for one in ends)
+    for text in (
+        *(text for check in (_yielding, _wide, _above_hardness) for text in check(case, model, answers)),
+        *(text for check in (_nearly_sealed, _molecules) for text in check(case, surface, answers)),
+    ):
+        yield f"at the force for the target leak rate, {' to '.join(named)}: {text}"
+
+
 def left_out(load: Load, open_loads: Mapping[int, str]) -> Iterator[str]:
-    """Which loads have no result since the fluid opens the seal, for each force of spring or actuator.
+    """Which loads have no result since the fluid opens the seal: one sentence for each force, or for all of a path.
 
     Parameters
     ----------
@@ -75,28 +99,47 @@ def left_out(load: Load, open_loads: Mapping[int, str]) -> Iterator[str]:
     open_loads : mapping
         Number of each load that is left out, with the reason.
     """
-    for spring in dict.fromkeys(load.points[number][1] for number in open_loads):
-        numbers = [number for number in open_loads if load.points[number][1] == spring]
+    points = {number: load.points[number] for number in open_loads}
+    if len(set(load.fluid_pressure)) == 1 and points:
+        strongest = max(points, key=lambda number: points[number][1])
+        weaker = {force for _, force in points.values()} - {points[strongest][1]}
+        yield f"{open_loads[strongest]}. This load is left out{_others('with', weaker, 'N')}"
+        return
+    for spring in dict.fromkeys(force for _, force in points.values()):
+        numbers = [number for number, (_, force) in points.items() if force == spring]
         lowest = min(numbers, key=lambda number: load.fluid_pressure[number])
-        others = sorted({load.fluid_pressure[number] / 1e5 for number in numbers})[1:]
-        also = f"; so are those at {', '.join(f'{bar:.6g}' for bar in others)} bar" if others else ""
-        yield f"{open_loads[lowest]}. This load is left out{also}"
+        higher = {load.fluid_pressure[number] / 1e5 for number in numbers} - {
+            load.fluid_pressure[lowest] / 1e5
+        }
+        yield f"{open_loads[lowest]}. This load is left out{_others('at', higher, 'bar')}"
 
 
-def _yielding(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _others(how: str, values: Collection[float], unit: str) -> str:
+    return (
+        f"; so are those {how} {', '.join(f'{value:.6g}' for value in sorted(values))} {unit}"
+        if values
+        else ""
+    )
+
+
+def _order(load: Loaded) -> tuple[float, float]:
+    return load.fluid_pressure, load.applied_force
+
+
+def _yielding(case: Case, model: ContactModel, loads: Sequence[Loaded]) -> Iterator[str]:
     for name in ("closure", "seat"):
         found = [(load, yielding_of(load.contact).get(name)) for load in loads]
         over = [(load, zone) for load, zone in found if isinstance(zone, YieldedZone)]
         if not over:
             continue
         load, zone = max(over, key=lambda item: item[1].von_mises)
-        first = min(load.fluid_pressure for load, _ in over)
+        first = load_name(min((load for load, _ in over), key=_order), loads)
         r, z = zone.place
         yield (
-            f"{name}: von Mises stress {zone.von_mises / 1e6:.4g} MPa at {load.fluid_pressure / 1e5:.4g} bar is "
+            f"{name}: von Mises stress {zone.von_mises / 1e6:.4g} MPa at {load_name(load, loads)} is "
             f"{zone.excess:.3g} times the yield stress {zone.yield_stress / 1e6:.4g} MPa, at r = {r * 1e3:.4g} mm, "
             f"z = {z * 1e3:.4g} mm, {zone.depth * 1e6:.3g} um from the contact line; it is passed down to "
-            f"{zone.deepest * 1e6:.3g} um (from {first / 1e5:.4g} bar on). The body is solved as elastic, the true "
+            f"{zone.deepest * 1e6:.3g} um (from {first} on). The body is solved as elastic, the true "
             "contact is wider and its peak pressure lower; a stress_strain curve in its material solves it as "
             "elastoplastic"
         )
@@ -112,13 +155,13 @@ def _table_left(case: Case, model: ContactModel, loads: Sequence[LoadResult]) ->
         load, zone = max(zones, key=lambda item: item[1].strain)
         if zone.strain > curve.last_strain:
             yield (
-                f"{name}: plastic strain {100 * zone.strain:.3g} % at {load.fluid_pressure / 1e5:.4g} bar is beyond "
+                f"{name}: plastic strain {100 * zone.strain:.3g} % at {load_name(load, loads)} is beyond "
                 f"the end of its stress_strain curve, {100 * curve.last_strain:.3g} %; the stress stays at its last "
                 f"value, {curve.stress[-1] / 1e6:.4g} MPa, from there on"
             )
         if zone.strain > _LARGE_STRAIN:
             yield (
-                f"{name}: plastic strain reaches {100 * zone.strain:.3g} % at {load.fluid_pressure / 1e5:.4g} bar; the "
+                f"{name}: plastic strain reaches {100 * zone.strain:.3g} % at {load_name(load, loads)}; the "
                 f"theory is for small strains, and above {100 * _LARGE_STRAIN:g} % imprint and width are estimates"
             )
 
@@ -129,28 +172,28 @@ def _cut_off(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> It
         if max(shares) > _CUT_OFF:
             load = loads[shares.index(max(shares))]
             yield (
-                f"at {load.fluid_pressure / 1e5:.4g} bar the contact reaches the {side} end of the seat's face with "
+                f"at {load_name(load, loads)} the contact reaches the {side} end of the seat's face with "
                 f"{max(shares):.2g} of its peak pressure (x = {model.line.x[end] * 1e3:.4g} mm); it is cut off there"
             )
 
 
-def _wide(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _wide(case: Case, model: ContactModel, loads: Sequence[Loaded]) -> Iterator[str]:
     load = max(loads, key=lambda load: load.contact.profile.std)
     share = 2 * load.contact.profile.std / model.touch_radius
     if share > _NARROW:
         yield (
             f"the contact is wide: two standard deviations are {share:.2g} of its radius at "
-            f"{load.fluid_pressure / 1e5:.4g} bar; line loads and closed-form profiles assume a narrow line"
+            f"{load_name(load, loads)}; line loads and closed-form profiles assume a narrow line"
         )
 
 
-def _above_hardness(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _above_hardness(case: Case, model: ContactModel, loads: Sequence[Loaded]) -> Iterator[str]:
     hardness = case.hardness if case.leak.plasticity and case.roughness is not None else None
     load = max(loads, key=lambda load: load.contact.profile.peak_pressure)
     peak = load.contact.profile.peak_pressure
     if hardness is not None and peak > 0.3 * hardness:
         yield (
-            f"peak pressure {peak / 1e6:.4g} MPa at {load.fluid_pressure / 1e5:.4g} bar is {peak / hardness:.2g} of "
+            f"peak pressure {peak / 1e6:.4g} MPa at {load_name(load, loads)} is {peak / hardness:.2g} of "
             "the hardness; the theory of yielding asperities holds far below it"
         )
 
@@ -160,16 +203,16 @@ def _sealed(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> I
     if tight:
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
         peak = load.contact.profile.peak_pressure
-        first = min(load.fluid_pressure for load in tight)
+        first = load_name(min(tight, key=_order), loads)
         yield (
-            f"sealed: at {load.fluid_pressure / 1e5:.4g} bar the peak pressure {peak / 1e6:.4g} MPa is above "
+            f"sealed: at {load_name(load, loads)} the peak pressure {peak / 1e6:.4g} MPa is above "
             f"{surface.sealing_pressure / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
-            f"touches and no path is open (from {first / 1e5:.4g} bar on, of the loads calculated); a leak rate of "
+            f"touches and no path is open (from {first} on, of the loads calculated); a leak rate of "
             "zero is no better known than this percolation threshold"
         )
 
 
-def _nearly_sealed(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _nearly_sealed(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[str]:
     leaky = [load for load in loads if load.contact.profile.peak_pressure < surface.sealing_pressure]
     if not leaky:
         return
@@ -178,7 +221,7 @@ def _nearly_sealed(case: Case, surface: RoughContact, loads: Sequence[LoadResult
     if area > _FEW_CHANNELS:
         factor = next(factor for limit, factor in _FACTORS if area <= limit)
         yield (
-            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load.fluid_pressure / 1e5:.4g} bar; "
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}; "
             f"above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
             f"numerical results by up to a factor {factor:g} up or down"
         )
@@ -191,7 +234,7 @@ def _range(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> It
         yield (
             f"the roughness is known too short: its longest wave, 2 pi/q_low = {2 * np.pi / q_low * 1e6:.4g} um, is "
             f"shorter than 2 pi times the standard deviation of the contact, {std * 1e6:.4g} um at "
-            f"{load.fluid_pressure / 1e5:.4g} bar; longer waves fit into the contact, and if the surface has them it "
+            f"{load_name(load, loads)}; longer waves fit into the contact, and if the surface has them it "
             "leaks more. Let the spectrum begin below "
             f"q = {1 / std:.3g} 1/m"
         )
@@ -204,12 +247,12 @@ def _long_waves(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) 
     if 1 - above > _LONG_WAVES:
         yield (
             f"{100 * (1 - above):.2g} % of the height variance is in waves longer than 2 pi times the standard "
-            f"deviation of the contact, {std * 1e6:.4g} um at {load.fluid_pressure / 1e5:.4g} bar; they are waviness "
+            f"deviation of the contact, {std * 1e6:.4g} um at {load_name(load, loads)}; they are waviness "
             "along the contact rather than roughness inside it, and the contact pressure follows them"
         )
 
 
-def _molecules(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _molecules(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[str]:
     from leak.molecular_size import molecular_size
 
     assert case.fluid is not None
@@ -219,7 +262,7 @@ def _molecules(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -
         load = min(narrow, key=lambda load: load.critical_separation or 0.0)
         yield (
             f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
-            f"{load.fluid_pressure / 1e5:.4g} bar is below the size of a molecule of the fluid, {size * 1e9:.2g} nm; "
+            f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm; "
             "the theory takes the fluid as continuous, in truth the seal is tight there"
         )
 
@@ -232,12 +275,11 @@ def _fluid_opens(case: Case, surface: RoughContact, loads: Sequence[LoadResult])
     load = max(loads, key=lambda load: load.fluid_pressure / load.contact.profile.peak_pressure)
     share = load.fluid_pressure / load.contact.profile.peak_pressure
     if share > FLUID_OPENS:
+        most = f"about {1 + 1.7 * share:.2g} times as much" if share < 0.5 else "several times as much"
         yield (
             f"at {load.fluid_pressure / 1e5:.4g} bar the fluid pressure is {share:.2g} of the peak contact pressure; "
-            "it carries part of the load and opens the gap, which the leak rate does not take into account: expect "
-            "up to "
-            + (f"about {1 + 1.7 * share:.2g} times as much" if share < 0.5 else "several times as much")
-            + '; [load] closing = "penetration" calculates it'
+            'how it moves the surfaces is not taken into account. [load] closing = "penetration" calculates it; the '
+            f'upper bound, [leak] fluid_in_gap = "local", is {most}'
         )
 
 

@@ -155,7 +155,8 @@ def _resistances(
 
 
 def _inverse(sigma: FloatArray, radius: FloatArray) -> FloatArray:
-    with np.errstate(divide="ignore"):
+    # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
+    with np.errstate(divide="ignore", over="ignore"):
         return 1.0 / (2.0 * np.pi * radius * sigma)
 
 

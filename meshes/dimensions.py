@@ -70,8 +70,16 @@ class Partner:
 
     def touch_on(self, face: Curve) -> float:
         """Radius of first touch on a seat's face [m]."""
+        return self._touch(face)[1]
+
+    def curvature_on(self, face: Curve) -> float:
+        """Curvature of the closure where it first touches a seat's face [1/m], positive where it bulges."""
+        closure, touch = self._touch(face)
+        return closure.curvature(closure.project_radius(touch))
+
+    def _touch(self, face: Curve) -> tuple[Curve, float]:
         closure, seat = with_faces(self.outline, Outline("seat", face.reversed.segments))
-        return first_touch(closure.face, seat.face).radius
+        return closure.face, first_touch(closure.face, seat.face).radius
 
     def housing_radius(self, touch: float, face_end: float) -> float:
         """1.5 L wider than first touch: far enough to change a narrow contact's pressure by some 1e-5."""

@@ -133,16 +133,28 @@ class SphericalSeat:
             partner.housing_radius(touch, 1.1 * face) if outer_radius is None else outer_radius,
             partner.housing_height if height is None else height,
         )
-        if contact_angle is not None and not math.isclose(
-            partner.touch_on(seat.outline.face), touch, rel_tol=1e-6
-        ):
-            raise GeometryError(
-                f"seat contact_angle = {math.degrees(contact_angle):.6g} deg: at that angle, r = {touch:.6g} m, the "
-                f"closure does not touch the face of radius {radius:.6g} m first, but at r = "
-                f"{partner.touch_on(seat.outline.face):.6g} m; make the radius of the seat larger than that of the "
-                "closure there, or the face wider"
-            )
+        if contact_angle is not None:
+            seat._check_touch(partner, touch, f"seat contact_angle = {math.degrees(contact_angle):.6g} deg")
         return seat
+
+    def _check_touch(self, partner: Partner, touch: float, given: str) -> None:
+        """Refuse a face on which the closure first touches anywhere else than at r = `touch`."""
+        face = self.outline.face
+        found = partner.touch_on(face)
+        if math.isclose(found, touch, rel_tol=1e-6):
+            return
+        if math.isclose(self.radius * partner.curvature_on(face), 1, rel_tol=1e-6):
+            same_centre = abs(self.centre_offset) < 1e-6 * self.radius
+            remedy = "leave contact_angle out, or make" if same_centre else "make"
+            raise GeometryError(
+                f"{given}: the closure has the radius of the face, {self.radius:.6g} m, so that they fit each other "
+                f"and touch nowhere first; {remedy} the radius of the seat larger"
+            )
+        raise GeometryError(
+            f"{given}: at that angle, r = {touch:.6g} m, the closure does not touch the face of radius "
+            f"{self.radius:.6g} m first, but at r = {found:.6g} m; make the radius of the seat larger than that of "
+            "the closure there, or the face wider"
+        )
 
     @property
     def outline(self) -> Outline:

@@ -111,6 +111,18 @@ def test_fluid_pressures(case, entry, pressures):
     )
 
 
+def test_one_pressure_under_several_forces(case):
+    forces = ["100 N", "0 N", "400 N"]
+    for pressure in ("20 bar", ["20 bar"]):
+        load = case.replace({"load.fluid_pressure": pressure, "load.axial_force": forces}).load
+        assert load.points == ((20e5, 100.0), (20e5, 0.0), (20e5, 400.0))
+        assert load.fluid_pressure == (20e5,) * 3
+    # what was written is broadcast anew, not what came of it
+    one = case.replace({"load.fluid_pressure": "20 bar", "load.axial_force": forces})
+    assert one.replace({"load.axial_force": ["1 N", "2 N"]}).load.points == ((20e5, 1.0), (20e5, 2.0))
+    assert one.replace({"load.axial_force": "5 N"}).load.fluid_pressure == (20e5,)
+
+
 def test_replace_leaves_the_original_and_merges_tables(case):
     changed = case.replace({"seat.angle": "60 deg"}, closure={"radius": "10 mm"})
     assert case.seat.angle == pytest.approx(math.radians(45))

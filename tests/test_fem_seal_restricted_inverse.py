@@ -48,7 +48,9 @@ def test_singular_matrix():
         restricted_inverse(csc_matrix(diags([1.0, 0.0, 1.0])), [0])
 
 
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the memory in use is read from Linux's /proc")
+@pytest.mark.skipif(
+    not Path("/proc/self/statm").exists(), reason="the memory in use is read from Linux's /proc"
+)
 def test_condensed_bodies_leave_no_memory_behind():
     """SuperLU keeps factors that another thread frees: every geometry of a study would cost 20 MB for good."""
     ball = meshes.Ball(0.02)

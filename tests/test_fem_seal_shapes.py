@@ -113,6 +113,13 @@ def test_dimensions_that_are_left_open_are_listed() -> None:
         (
             "ball",
             "cone",
+            {"seat.wall": "fixed", "seat.interference": "0.5 mm", "seat.outer_radius": "40 mm"},
+            "seat.interference = 0.5 mm: is 1.2 % of the radius of the wall, 40 mm; the theory is for small strains "
+            "and allows up to 1 %, 0.4 mm",
+        ),
+        (
+            "ball",
+            "cone",
             {"closure.cavity_radius": "25 mm"},
             "closure.cavity_radius = 0.025 m: must be below",
         ),

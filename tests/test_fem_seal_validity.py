@@ -19,11 +19,14 @@ PAPER = leak.PowerSpectrum.self_affine(
 SURFACE = leak.RoughContact(PAPER, effective_modulus=115e9)
 
 
-def load(peak=50e6, std=0.15e-3, fluid_pressure=20e5, critical_separation=3e-6, leak_rate=1e-7):
+def load(
+    peak=50e6, std=0.15e-3, fluid_pressure=20e5, critical_separation=3e-6, leak_rate=1e-7, applied_force=0.0
+):
     """What the checks look at in a load."""
     profile = SimpleNamespace(peak_pressure=peak, std=std)
     return SimpleNamespace(
         fluid_pressure=fluid_pressure,
+        applied_force=applied_force,
         critical_separation=critical_separation,
         leak=SimpleNamespace(leak_rate=leak_rate),
         contact=SimpleNamespace(profile=profile),
@@ -48,6 +51,12 @@ def test_sealed():
     assert f"{SURFACE.sealing_pressure / 1e6:.4g} MPa" in words
     assert said(validity._sealed, [leaky, load(peak=0.99 * SURFACE.sealing_pressure)]) == ""
     assert said(validity._nearly_sealed, [tight]) == ""
+
+
+def test_loads_that_differ_in_their_force_alone_are_named_by_it():
+    tight = [load(peak=factor * SURFACE.sealing_pressure, applied_force=300 * factor) for factor in (3, 2)]
+    words = said(validity._sealed, [load(), *tight])
+    assert "at 20 bar with 900 N the peak" in words and "(from 20 bar with 600 N on" in words
 
 
 @pytest.mark.parametrize(

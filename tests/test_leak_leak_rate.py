@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -149,6 +151,14 @@ def test_sealed_contact_leaks_nothing():
     assert result.fluid_pressure[0] == 0.0
     assert result.fluid_pressure[-1] == 2e6
     assert leak.leak_rate(*gauss(81, p0=5e9), conductivity, 2e6, 0.0141421) == 0.0
+
+
+def test_next_to_nothing_gets_through_without_a_word():
+    """Just before it seals a contact may resist beyond all floats, which is no overflow to complain of."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        result = leak.leak_flow(*gauss(81), lambda p: np.full_like(p, 1e-310), 2e6, 0.0141421)
+    assert result.leak_rate == 0.0 and result.resistance == np.inf
 
 
 @settings(max_examples=15, deadline=None)

@@ -144,6 +144,18 @@ def test_sphere_of_the_balls_own_radius_is_refused_with_the_reason() -> None:
         SphericalSeat.around(19 * MM, BALL, contact_angle=45 * DEG)
 
 
+def test_a_sphere_that_fits_the_ball_needs_no_contact_angle() -> None:
+    with pytest.raises(GeometryError, match=r"fit each other .* leave contact_angle out") as caught:
+        SphericalSeat.around(20 * MM, BALL, contact_angle=45 * DEG)
+    assert "at r =" not in str(caught.value)
+    fitting = ContactGeometry.of(BALL.outline, SphericalSeat.around(20 * MM, BALL).outline)
+    assert math.isinf(fitting.relative_radius)
+    # a ring's section has its centre beside the axis: there a seat with its centre on the axis is no way out
+    ring = ToroidalEdge.of(14 * MM, 3 * MM)
+    with pytest.raises(GeometryError, match=r"fit each other .*; make the radius of the seat larger"):
+        SphericalSeat.around(3 * MM, ring, contact_angle=30 * DEG, bore_radius=14.3 * MM)
+
+
 def areas() -> list[tuple[str, Outline, float]]:
     """Exact areas [mm^2] from triangles, rectangles and what a rounding cuts off: e^2 (tan(t/2) - t/2) at turn t."""
 
