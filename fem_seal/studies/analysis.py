@@ -5,22 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.studies.expressions import Constraint, Expression
+from fem_seal.studies.store import FILE, Store, open_to_read
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from fem_seal.studies.store import Store
 
 FloatArray = NDArray[np.float64]
 
 LEAK_RATE = "leak_rate_m3_per_s"
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+# Columns that differ by less, relative to their size, are equal.
+_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,15 @@ class Designs:
 
     table: pd.DataFrame
     about: Mapping[str, Any]
+
+    @classmethod
+    def open(cls, folder: Path) -> Designs:
+        """The designs in the folder of a study; InputError if it holds none."""
+        store = open_to_read(folder / FILE)
+        try:
+            return cls.read(store)
+        finally:
+            store.close()
 
     @classmethod
     def read(cls, store: Store) -> Designs:
@@ -60,6 +71,34 @@ class Designs:
         names = list(self.about["constraints"])
         return self.done[self.done[names].all(axis=1)] if names else self.done
 
+    @cached_property
+    def violated(self) -> pd.Series:
+        """What each design that did not fail violates, in words; empty where it meets all constraints."""
+        import pandas as pd
+
+        texts = [f"{name}: {text}" for name, text in self.about["constraints"].items()]
+        met = self.done[list(self.about["constraints"])].to_numpy(dtype=bool)
+        words = [
+            ", ".join(text for text, kept in zip(texts, row, strict=True) if not kept) for row in met.tolist()
+        ]
+        return pd.Series(words, index=self.done.index, dtype=object)
+
+    @property
+    def some_violate(self) -> bool:
+        """Whether designs that did not fail violate constraints."""
+        return len(self.feasible) < len(self.done)
+
+    @property
+    def kind(self) -> str:
+        """How the designs were chosen: the kind of the design, or "search" for an optimisation."""
+        design = self.about["design"]
+        return "search" if design["optimise"] else str(design["kind"])
+
+    @property
+    def parameters(self) -> list[str]:
+        """What varies."""
+        return [str(one["name"]) for one in self.about["parameters"]]
+
     @property
     def numeric_parameters(self) -> list[str]:
         """Parameters that are numbers."""
@@ -71,20 +110,48 @@ class Designs:
         return [*self.about["responses"], *self.about["derived"]]
 
     @cached_property
-    def goals(self) -> pd.DataFrame:
-        """Goals of the feasible designs, one column each, to be small; NaN left out."""
+    def telling_outputs(self) -> list[str]:
+        """Outputs that vary by more than round-off and are no parameter under another name."""
+        inputs = [self.done[name].to_numpy(dtype=float) for name in self.numeric_parameters]
+        found = []
+        for name in self.outputs:
+            values = self.done[name].to_numpy(dtype=float)
+            finite = values[np.isfinite(values)]
+            varies = finite.size and np.ptp(finite) > _ROUND_OFF * np.abs(finite).max()
+            if varies and not any(np.allclose(values, one, rtol=_ROUND_OFF, atol=0.0) for one in inputs):
+                found.append(name)
+        return found
+
+    @cached_property
+    def goal_values(self) -> pd.DataFrame:
+        """Goals of the designs that did not fail, one column each, as the user wrote them; may hold NaN."""
         import pandas as pd
 
         formulas = {name: Expression(text) for name, text in self.about["goals"].items()}
-        rows = records(self.feasible)
-        values = {name: [one(row) for row in rows] for name, one in formulas.items()}
-        return pd.DataFrame(values, index=self.feasible.index, dtype=float).dropna()
+        rows = records(self.done)
+        values = {name: [self.sign(name) * one(row) for row in rows] for name, one in formulas.items()}
+        return pd.DataFrame(values, index=self.done.index, dtype=float)
+
+    def sign(self, goal: str) -> float:
+        """1 for a goal that is to be small, -1 for one that is to be large, which is kept with a minus sign."""
+        return 1.0 if self.about["goals"][goal] == goal else -1.0
+
+    @cached_property
+    def goals(self) -> pd.DataFrame:
+        """Goals of the feasible designs, one column each, to be small; NaN left out."""
+        signs = [self.sign(name) for name in self.about["goals"]]
+        return (self.goal_values.loc[self.feasible.index] * signs).dropna()
 
     def best(self, count: int) -> list[int]:
-        """Numbers of the best designs: by the only goal, or the Pareto front of two by the first one."""
+        """Numbers of the best designs: by the only goal, or the Pareto front of two by the first one.
+
+        Of equal designs, which some plans repeat, the first one counts.
+        """
         if self.goals.shape[1] == 0 or self.goals.empty:
             return []
-        goals = self.goals if self.goals.shape[1] == 1 else self.goals[pareto_front(self.goals.to_numpy())]
+        goals = self.goals[~self.done.loc[self.goals.index, self.parameters].duplicated()]
+        if goals.shape[1] == 2:
+            goals = goals[pareto_front(goals.to_numpy())]
         return [int(number) for number in goals.sort_values(list(goals.columns)).index[:count]]
 
 

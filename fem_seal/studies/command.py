@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +11,9 @@ from typer.core import TyperGroup
 
 if TYPE_CHECKING:
     from fem_seal.studies.results import StudyResult
+
+
+_BEST = 10
 
 
 class _RunUnlessNamed(TyperGroup):
@@ -113,30 +117,37 @@ def export(
 
 
 def _show(result: StudyResult, quiet: bool, json: bool) -> None:
-    from fem_seal import console
-
-    best = result.best()
     if json:
-        designs = best.reset_index().to_dict("records")
+        from fem_seal import console
+
+        designs = result.best().reset_index().to_dict("records")
         typer.echo(console.as_json({"folder": str(result.folder), **result.counts, "best": designs}))
         return
     for reason, times in result.reasons:
         typer.secho(f"warning: {times} failed: {reason}", err=True, fg=typer.colors.YELLOW)
     if quiet:
         return
-    if len(best):
-        from fem_seal.studies.analysis import records
-
-        shown = best.drop(columns=["status", "reason"])
-        rows = [
-            [str(number), *(_cell(value) for value in row.values())]
-            for number, row in zip(best.index, records(shown), strict=True)
-        ]
-        console.show_table("Best designs", ["design", *map(str, shown.columns)], rows)
+    _show_best(result.folder)
     counts = result.counts
     typer.echo(f"{counts['done']} designs done, {counts['failed']} failed, {counts['open']} open")
     typer.echo(f"Results in {result.folder}: study.sqlite, report.html")
 
 
-def _cell(value: Any) -> str:
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
+def _show_best(folder: Path) -> None:
+    """Print the best designs side by side, as many beside each other as fit; numbers are never cut."""
+    from fem_seal.studies.analysis import Designs
+    from fem_seal.studies.display import Display
+
+    numbers, columns = Display(Designs.open(folder)).best(_BEST)
+    if not numbers:
+        return
+    lines = {"design": [str(number) for number in numbers], **columns}
+    labels = max(map(len, lines))
+    cells = max(len(text) for line in lines.values() for text in line) + 2
+    fitting = max((shutil.get_terminal_size().columns - labels) // cells, 1)
+    typer.secho("Best designs", bold=True)
+    for first in range(0, len(numbers), fitting):
+        for label, line in lines.items():
+            shown = "".join(text.rjust(cells) for text in line[first : first + fitting])
+            typer.echo(label.ljust(labels) + shown)
+        typer.echo()

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from fem_seal.atomic_files import write_bytes
 from fem_seal.errors import InputError, Problem
 from fem_seal.studies.analysis import Designs
-from fem_seal.studies.store import FILE, open_to_read
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,11 +31,7 @@ def export(folder: Path, path: Path) -> Path:
     if write is None:
         known = ", ".join(_WRITERS)
         raise InputError(Problem("export", f"has an unknown ending; known are {known}", path.name))
-    store = open_to_read(folder / FILE)
-    try:
-        designs = Designs.read(store)
-    finally:
-        store.close()
+    designs = Designs.open(folder)
     try:
         return write(designs, path)
     except ImportError as error:
@@ -84,11 +79,10 @@ def dataset(designs: Designs) -> xr.Dataset:
     """
     import xarray as xr
 
-    parameters = [one["name"] for one in designs.about["parameters"]]
+    parameters = designs.parameters
     table = designs.table.copy()
     table["reason"] = table["reason"].fillna("").astype(str)
-    grid = designs.about["design"]["kind"] == "grid" and not designs.about["design"]["optimise"]
-    if grid and not table.duplicated(parameters).any() and len(table):
+    if designs.kind == "grid" and not table.duplicated(parameters).any() and len(table):
         # the number of a design stays with it
         data = xr.Dataset.from_dataframe(table.reset_index().set_index(parameters))
         for name in ("status", "reason"):

@@ -1,0 +1,253 @@
+"""Sections of a study's page, in their order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.readable import flow
+from fem_seal.studies import plots, plots_goals, plots_statistics
+from fem_seal.studies.analysis import LEAK_RATE, Designs, class_shares, quantiles
+from fem_seal.studies.display import Display, short
+from fem_seal.studies.plot_style import MOST_POINTS, drawn
+from fem_seal.studies.sensitivity import Sensitivity, sensitivities
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+FloatArray = NDArray[np.float64]
+
+_BEST = 20
+# A search crowds around its goal and Morris's method goes to the ends of all ranges: how many of their designs
+# leak how much says nothing about the seal.
+_WITHOUT_SHARES = ("search", "morris")
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with what stands below it."""
+
+    heading: str
+    note: str = ""
+    figure: Any = ""
+    columns: tuple[str, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
+
+
+def sections(designs: Designs) -> Iterator[Section]:
+    """All sections that a study has something to show in.
+
+    Parameters
+    ----------
+    designs : Designs
+    """
+    if designs.done.empty:
+        return
+    display = Display(designs)
+    yield from _best(display)
+    part = ""
+    if len(designs.done) > MOST_POINTS:
+        part = f"A regular part of the {len(designs.done)} designs is drawn, {len(drawn(designs.done))} of them. "
+    yield from _plotted(
+        "Pareto front",
+        "No other design that meets the constraints beats these in one goal without being worse in the other.",
+        plots_goals.pareto_plot(display),
+    )
+    yield from _plotted("Search", _search_note(designs), plots_goals.search_plot(display))
+    yield from _plotted("Map", _crosses(designs), plots.map_plot(display))
+    yield from _plotted("Responses over parameters", part + _hollow(designs), plots.response_plot(display))
+    yield from _plotted(
+        "All designs",
+        "Drag along an axis to pick designs, drag axes to sort them. " + part + _incomplete(designs),
+        plots.parallel_plot(display),
+    )
+    yield from _sensitivity(display)
+    if designs.kind not in _WITHOUT_SHARES and LEAK_RATE in designs.done:
+        yield from _distribution(display)
+        yield from _classes(designs)
+    yield _columns(display)
+
+
+def _plotted(heading: str, note: str, figure: Figure | None) -> Iterator[Section]:
+    if figure is not None:
+        yield Section(heading, note, _html(figure))
+
+
+def _html(figure: Figure) -> Any:
+    from markupsafe import Markup
+
+    return Markup(figure.to_html(full_html=False, include_plotlyjs=False, config={"displaylogo": False}))
+
+
+def _best(display: Display) -> Iterator[Section]:
+    designs = display.designs
+    if not designs.about["goals"]:
+        return
+    numbers, columns = display.best(_BEST)
+    if not numbers:
+        yield Section("Best designs", "No design meets all constraints.")
+        return
+    wanted = (
+        f"{'small' if designs.sign(name) > 0 else 'large'} {display.title(name)}"
+        for name in designs.about["goals"]
+    )
+    constraints = " and ".join(designs.about["constraints"].values())
+    yield Section(
+        "Best designs",
+        f"Goal: {' and '.join(wanted)}{', with ' + constraints if constraints else ''}.",
+        columns=("design", *columns),
+        rows=tuple(zip(map(str, numbers), *columns.values(), strict=True)),
+    )
+
+
+def _search_note(designs: Designs) -> str:
+    two = ", in each goal by itself" if designs.goals.shape[1] == 2 else ""
+    met = " of the trials that meet the constraints" if designs.some_violate else ""
+    return f"The line is the best so far{met}{two}."
+
+
+def _crosses(designs: Designs) -> str:
+    return "Designs at the crosses violate a constraint." if designs.some_violate else ""
+
+
+def _hollow(designs: Designs) -> str:
+    return "Hollow designs violate a constraint; point at one to see which." if designs.some_violate else ""
+
+
+def _incomplete(designs: Designs) -> str:
+    table = drawn(designs.done)
+    missing = len(table) - len(plots.complete(table, designs.telling_outputs))
+    return f"{missing} designs, which lack one of the columns, are not drawn. " if missing else ""
+
+
+def _sensitivity(display: Display) -> Iterator[Section]:
+    designs = display.designs
+    found = sensitivities(designs)
+    if not found and designs.kind in ("sobol-sensitivity", "morris"):
+        yield Section("Sensitivity", "Indices need all designs, and every one of them without failure.")
+    for one in found:
+        if one.output in designs.telling_outputs:
+            yield (_morris if one.method == "morris" else _sobol)(display, one)
+
+
+def _sobol(display: Display, found: Sensitivity) -> Section:
+    of, _, _ = plots_statistics.scale(display, found)
+    columns = [
+        _column(one, found.total) for one in (found.first, found.first_error, found.total, found.total_error)
+    ]
+    return Section(
+        f"Sensitivity of {display.title(found.output)}",
+        f"Sobol' indices of {of}: the share of its variance that a parameter explains by itself (first order) and "
+        "together with the others (total), over the distributions of the parameters; ± and bars are 95 % confidence "
+        f"intervals.{' ln is the natural logarithm.' if found.logarithmic else ''}",
+        _html(plots_statistics.sensitivity_plot(display, found)),
+        ("parameter", "first order", "±", "total", "±"),
+        _ordered(found, columns),
+    )
+
+
+def _morris(display: Display, found: Sensitivity) -> Section:
+    of, size, unit = plots_statistics.scale(display, found)
+    columns = [
+        _column(one / size, found.first / size) for one in (found.first, found.first_error, found.total)
+    ]
+    headings = [f"mean absolute effect{unit}", f"±{unit}", f"its spread{unit}"]
+    factor = ""
+    if found.logarithmic:
+        title = display.title(found.output)
+        factor = f" An effect x on {of}, the natural logarithm, multiplies or divides {title} by eˣ."
+        columns.append([f"× {short(one, 3)}" for one in np.exp(found.first).tolist()])
+        headings.append("mean effect as a factor")
+    return Section(
+        f"Sensitivity of {display.title(found.output)}",
+        f"Elementary effects (Morris) on {of}, over the whole range of each parameter: their mean absolute value, and "
+        "their spread, which is zero for a linear effect without interaction; ± and bars are 95 % confidence intervals."
+        + factor,
+        _html(plots_statistics.sensitivity_plot(display, found)),
+        ("parameter", *headings),
+        _ordered(found, columns),
+    )
+
+
+def _ordered(found: Sensitivity, columns: list[list[str]]) -> tuple[tuple[str, ...], ...]:
+    rows = list(zip(found.parameters, *columns, strict=True))
+    return tuple(rows[n] for n in plots_statistics.order(found))
+
+
+def _column(values: FloatArray, of: FloatArray) -> list[str]:
+    """Numbers as they are written, round-off beside the largest of another column as zero."""
+    return [short(value, 3) if abs(value) > 1e-9 * of.max() else "0" for value in values.tolist()]
+
+
+def _distribution(display: Display) -> Iterator[Section]:
+    figure = plots_statistics.distribution_plot(display)
+    if figure is None:
+        return
+    designs = display.designs
+    found = quantiles(designs.done[LEAK_RATE].dropna().to_numpy())
+    meaning = (
+        "a probability as far as the parameters were drawn from their distributions"
+        if any(one["distribution"] for one in designs.about["parameters"])
+        else "they were chosen and not drawn, so this is no probability"
+    )
+    yield Section(
+        "Distribution of the leak rate",
+        f"Share {_of_calculated(designs)}; {meaning}.",
+        _html(figure),
+        ("share of the designs below", "leak rate", "[m³/s]"),
+        tuple((f"{100 * share:g} %", flow(value), short(value)) for share, value in found.items()),
+    )
+
+
+def _classes(designs: Designs) -> Iterator[Section]:
+    if designs.done[LEAK_RATE].dropna().empty:
+        return
+    seal, standard, shares = designs.about["seal"], designs.about["standard"], class_shares(designs)
+    base = f"DN {1e3 * seal['nominal_size']:.4g} and {seal['fluid'] or 'the fluid'} of the base case"
+    if not shares:
+        yield Section(
+            "Leakage classes",
+            f"No class of {standard} can be judged for {base} by the leak rate alone: {_WHY_NONE}. Another standard "
+            "is chosen with report.standard in the study file.",
+        )
+        return
+    yield Section(
+        "Leakage classes",
+        f"Share {_of_calculated(designs)} that meet each class of {standard}, for {base}. Classes say what the "
+        "leak rate allows; the standard prescribes test pressure and fluid of its own.",
+        columns=("class", "allowed leak rate", "share of the designs"),
+        rows=tuple(
+            (name, flow(most) if most else "none", f"{100 * share:.4g} %") for name, most, share in shares
+        ),
+    )
+
+
+_WHY_NONE = (
+    "class V of a liquid depends on the pressure of each design, classes II to IV on the rated capacity of the valve, "
+    "and class VI is a test with gas"
+)
+
+
+def _of_calculated(designs: Designs) -> str:
+    """Which designs a share is a share of."""
+    failed = len(designs.table) - len(designs.done)
+    without = f"; {failed} failed {'one' if failed == 1 else 'ones'} not counted" if failed else ""
+    return f"of {designs.done[LEAK_RATE].notna().sum()} calculated designs{without}"
+
+
+def _columns(display: Display) -> Section:
+    about = display.designs.about
+    rows = [
+        (name, display.unit(name).name or "–", display.varied(name)) for name in display.designs.parameters
+    ]
+    rows += [(name, "", text) for name, text in {**about["derived"], **about["constraints"]}.items()]
+    return Section(
+        "Parameters and formulas",
+        "Formulas count in SI units." if len(rows) > len(about["parameters"]) else "",
+        columns=("column", "unit", "meaning"),
+        rows=tuple(rows),
+    )
