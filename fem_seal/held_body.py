@@ -188,7 +188,7 @@ def held_body(
         # more or less belongs to the fluid at that end of the line, so that fluid all around lifts nothing.
         on_line = node_dofs(basis)[:, nodes]
         lacking = pressure_load(basis, "closure_contact")[on_line] - normal * (trace.T @ area_weight)
-        areas = np.pi * contact.radius(contact_x[[0, -1]]) ** 2
+        areas = np.pi * contact.radius(np.array(seal_mesh.sizing.zone)) ** 2
         for side, end, area in (("inner", 0, areas[0]), ("outer", -1, -areas[1])):
             further[side][on_line] += np.where(contact_x < 0 if end == 0 else contact_x > 0, lacking, 0.0)
             further[side][on_line[1, end]] += area - further[side][axial].sum()

@@ -121,6 +121,20 @@ def test_fluid_all_around_leaves_a_closure_of_any_shape_under_even_pressure(clos
     assert off.mean() < 1e-3 * p
 
 
+def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lifts_nothing(tmp_path):
+    """A ready mesh keeps its facets: those of the closure reach beyond the contact line by up to 0.2 mm here."""
+    cone = {"shape": "cone", "angle": "45 deg"}
+    case, _ = wetted(BALL, cone, axial_force="1.5 kN")
+    coarse = meshes.Sizing(2e-4, 1e-3, (-2e-3, 2e-3), 0.1, 0.3, 2e-3)
+    build_contact(case.contact, coarse).write(tmp_path / "coarse.msh")
+    drawn = {"shape": "profile", "file": str(tmp_path / "coarse.msh")}
+    _, model = wetted(drawn, cone, axial_force="1.5 kN")
+    p = 10e5
+    loads = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p))
+    # round-off of 310 N on the ball's section; the strips beyond the line would be 5 N
+    assert abs(loads.lift(model)) < 1e-6
+
+
 @pytest.mark.parametrize("seat", [LAND, {"shape": "conical-land", "angle": "45 deg", "land_width": "2 mm"}])
 def test_a_poppet_on_its_land_opens_where_the_fluid_carries_the_spring(seat):
     case, _ = wetted(POPPET, seat, axial_force="1.5 kN")
