@@ -41,7 +41,8 @@ class Piece(Table):
     )
     name: Literal["face", "inner", "outer", "top", "axis", "cavity", "wall", "bottom"] | None = Field(
         None,
-        description="boundary that the piece belongs to; found by its place unless given",
+        description="boundary that the piece belongs to; found by its place unless given: the top, which is pushed, "
+        "is the highest piece that looks upwards with all that continue it without a corner of more than 40 deg",
         examples=["face"],
     )
 
@@ -65,7 +66,8 @@ class ProfileSource(Table):
     )
     axis: Literal["x", "y", "z"] = Field(
         "y",
-        description="coordinate of the file along the axis of the seal; r is the other one of the section",
+        description="coordinate of the file along the axis of the seal; r is the other one of the plane in which the "
+        "section lies; a .dxf is drawn in x and y",
     )
     length_unit: Literal["m", "cm", "mm", "um", "in"] | None = Field(
         None,
@@ -74,7 +76,9 @@ class ProfileSource(Table):
         examples=["mm"],
     )
     layer: str | None = Field(
-        None, description="layer of a .dxf with this body; all layers unless given", examples=["SEAT"]
+        None,
+        description="layer of a .dxf with this body; unless given, all that are not switched off or frozen",
+        examples=["SEAT"],
     )
     tolerance: Annotated[float, Quantity("length", "0.1 nm", "1 mm")] | None = dimension(
         "largest distance between splines or ellipses of a drawing and the arcs that stand for them; 10 nm unless "
@@ -101,6 +105,10 @@ class ProfileSource(Table):
             yield Problem(f"{name}.file", "is not there", f'"{self.file}"')
         if self.layer is not None and kind != ".dxf":
             yield Problem(f"{name}.layer", "only for a .dxf; remove it", f'"{self.layer}"')
+        if self.tolerance is not None and kind in _MESHES:
+            yield Problem(
+                f"{name}.tolerance", "a .msh has no curves; remove it", f"{1e9 * self.tolerance:g} nm"
+            )
         if self.length_unit is not None and kind in (".step", ".stp"):
             yield Problem(f"{name}.length_unit", "a .step says its unit; remove it", f'"{self.length_unit}"')
 

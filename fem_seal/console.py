@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.case_dimensions import dimensions
+from fem_seal.case_sections import in_words, section
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -123,6 +124,7 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
         "contact_angle_rad": case.contact.angle,
         "relative_radius_m": derived.relative_radius,
         "dimensions": {name: dimensions(case, name) for name in ("closure", "seat")},
+        "sections": {name: found for name in ("closure", "seat") if (found := section(case, name))},
         "effective_modulus_Pa": derived.effective_modulus,
         "hardness_Pa": derived.hardness,
         "rms_height_m": derived.rms_height,
@@ -186,7 +188,9 @@ def _dimension(key: str, value: float) -> str:
 def show_derived(numbers: Mapping[str, Any]) -> None:
     """Print the derived numbers of a case."""
     for body, lengths in numbers["dimensions"].items():
-        shown = (f"{key} {_dimension(key, value)}" for key, value in lengths.items())
+        shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
+        if body in numbers["sections"]:
+            shown += in_words(numbers["sections"][body]).values()
         print(f"  {body:10}" + ", ".join(shown))  # noqa: T201
     for column in _CHECK_LINES:
         value = numbers[column.key]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem_seal.case_dimensions import chosen_dimensions, dimensions
+from fem_seal.case_sections import in_words, section
 from fem_seal.plastic_width import curves
 from fem_seal.readable import given, number, percent, quantity, trimmed
 from fem_seal.report_plastic import curve_in_words, path_accuracy
@@ -90,6 +91,9 @@ def _dimensions(case: Case, name: str) -> Iterator[tuple[str, str]]:
     """All dimensions of a body; those that the case leaves open say so."""
     body = getattr(case, name)
     yield name, body.shape
+    drawn = section(case, name)
+    if drawn:
+        yield from ((f"{name}, {key}", text) for key, text in in_words(drawn).items())
     if name == "seat":
         held = "held radially" if body.wall == "fixed" else "free"
         yield "seat, outer wall", held

@@ -40,7 +40,7 @@ def _candidates(outline: Outline) -> list[Outline]:
         return [named_beside(outline)]
     chains: list[list[int]] = []
     for n, s in enumerate(outline.segments):
-        if s.name or not _faces_partner(outline.name, s):
+        if s.name or looks(s) != (-1 if outline.name == "closure" else 1):
             continue
         if chains and chains[-1][-1] == n - 1:
             chains[-1].append(n)
@@ -63,11 +63,11 @@ def _candidates(outline: Outline) -> list[Outline]:
     ]
 
 
-def _faces_partner(name: str, s: Segment) -> bool:
-    """Whether a piece of a counter-clockwise outline looks towards the other body."""
-    outwards = s.end[0] - s.start[0]
-    steep = abs(outwards) <= 1e-9 * (abs(s.end[1] - s.start[1]) + abs(outwards))
-    return not steep and (outwards > 0 if name == "closure" else outwards < 0)
+def looks(s: Segment) -> int:
+    """Whether a piece of a counter-clockwise outline looks upwards, 1, downwards, -1, or to the side, 0."""
+    inwards = s.start[0] - s.end[0]
+    steep = abs(inwards) <= 1e-9 * (abs(s.end[1] - s.start[1]) + abs(inwards))
+    return 0 if steep else 1 if inwards > 0 else -1
 
 
 def named_beside(outline: Outline) -> Outline:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import struct
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -15,7 +15,8 @@ from meshes.biarcs import through
 from meshes.errors import GeometryError
 from meshes.faces import named_beside
 from meshes.outline import Outline, Segment
-from meshes.profile import PARTS, Profile
+from meshes.profile import CORNER, PARTS, Profile
+from meshes.section_file import section_columns
 
 if TYPE_CHECKING:
     from skfem import MeshTri
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
     from meshes.contact_geometry import ContactGeometry
 
 FloatArray = NDArray[np.float64]
-
-# A larger change of direction between two facets of the face [rad] is a corner and not a coarse fillet.
-_CORNER = math.radians(40)
 
 
 @dataclass(frozen=True)
@@ -87,9 +85,10 @@ class MeshedOutline(Outline):
 
 @dataclass(frozen=True)
 class MeshedBody:
-    """Closure or seat read from a gmsh file, see `MeshedBody.read`."""
+    """Closure or seat read from a gmsh file, see `MeshedBody.read`; `file_unit` is the length of its unit [m]."""
 
     outline: MeshedOutline
+    file_unit: float
 
     @classmethod
     def read(cls, path: Path, name: str, *, axis: str = "y", length_unit: float = 1.0) -> MeshedBody:
@@ -103,8 +102,8 @@ class MeshedBody:
             missing. If there is a physical surface of the body's name, it alone is read.
         name : str
             "closure" or "seat".
-        axis : {"x", "y"}
-            Coordinate along the axis of the seal; the other one is r.
+        axis : {"x", "y", "z"}
+            Coordinate along the axis of the seal; r is the other one of the plane in which the mesh lies.
         length_unit : float
             Length of the file's unit [m].
 
@@ -114,22 +113,25 @@ class MeshedBody:
             If the file cannot be read, or the mesh is not that of a body.
         """
         points, triangles, lines = _read(path, name)
-        order = [1, 0] if axis == "x" else [0, 1]
-        p = length_unit * points[:, order].T
         used, t = np.unique(triangles, return_inverse=True)
+        columns = section_columns(np.abs(points[used]).max(axis=0).tolist(), axis, path)
+        p = length_unit * points[:, columns].T
         where = np.full(len(points), -1)
         where[used] = np.arange(len(used))
-        return cls(_outline(name, path, p[:, used], t.reshape(triangles.shape).T, where, lines))
+        outline = _outline(name, path, p[:, used], t.reshape(triangles.shape).T, where, lines)
+        return cls(outline, length_unit)
 
 
 def _read(path: Path, name: str) -> tuple[FloatArray, NDArray[np.int64], dict[str, NDArray[np.int64]]]:
     """Points, the body's triangles, and the lines of each of its parts."""
-    import meshio
+    from meshio import ReadError, gmsh
 
     try:
-        mesh = meshio.read(path, file_format="gmsh")
-    except (OSError, meshio.ReadError, ValueError, KeyError, SystemExit) as error:
-        raise GeometryError(f"{path.name}: cannot be read as gmsh mesh ({error})") from error
+        # The reader itself: `meshio.read` writes to the terminal and leaves the program.
+        mesh = gmsh.read(path)
+    except (OSError, ReadError, ValueError, LookupError, AssertionError, struct.error) as error:
+        reason = str(error) or "it is damaged or of another kind"
+        raise GeometryError(f"{path.name}: cannot be read as gmsh mesh ({reason})") from error
     groups = {key: (int(tag), int(dimension)) for key, (tag, dimension) in mesh.field_data.items()}
     physical = mesh.cell_data.get("gmsh:physical", [np.zeros(len(block.data)) for block in mesh.cells])
     body = groups.get(name, (None, 2))[0]
@@ -145,14 +147,22 @@ def _read(path: Path, name: str) -> tuple[FloatArray, NDArray[np.int64], dict[st
                 if dimension == 1 and part in PARTS[name] and np.any(tags == tag):
                     lines.setdefault(part, []).append(block.data[:, :2][tags == tag])
     if not triangles or not sum(map(len, triangles)):
-        raise GeometryError(f"{path.name}: holds no triangles of the {name}")
+        kinds = sorted({block.type for block in mesh.cells})
+        hint = (
+            f'; gmsh saves physical groups alone: make the surface one, "{name}", or set Mesh.SaveAll = 1'
+            if all(kind.startswith(("line", "vertex")) for kind in kinds)
+            else ""
+        )
+        raise GeometryError(
+            f"{path.name}: holds no triangles of the {name} but {', '.join(kinds) or 'nothing'}{hint}"
+        )
     if "face" not in lines:
         known = ", ".join(key for key, (_, dimension) in groups.items() if dimension == 1) or "none"
         raise GeometryError(
             f'{path.name}: needs a physical group of lines "{name}_face", where contact may happen; its groups are '
             f"{known}"
         )
-    return mesh.points[:, :2], np.vstack(triangles), {part: np.vstack(found) for part, found in lines.items()}
+    return mesh.points, np.vstack(triangles), {part: np.vstack(found) for part, found in lines.items()}
 
 
 def _outline(
@@ -191,7 +201,7 @@ def _outline(
     )
     face = profile.face
     nodes = np.array([*(s.start for s in face.segments), face.segments[-1].end])
-    smooth = profile.with_face(through(nodes, f"{name}_face", _CORNER).segments)
+    smooth = profile.with_face(through(nodes, f"{name}_face", CORNER).segments)
     return MeshedOutline(name, smooth.segments, named)
 
 

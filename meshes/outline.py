@@ -43,6 +43,18 @@ class Segment:
         a, b = np.subtract(self.start, self.centre), np.subtract(self.end, self.centre)
         return math.atan2(a[0] * b[1] - a[1] * b[0], float(a @ b))
 
+    @property
+    def corners(self) -> list[Point]:
+        """Ends, and places inside an arc where it runs along r or z: its extent is theirs."""
+        if self.centre is None:
+            return [self.start, self.end]
+        c, radius = self.centre, math.dist(self.start, self.centre)
+        a, b = np.subtract(self.start, c), np.subtract(self.end, c)
+        compass = ((1, 0), (0, 1), (-1, 0), (0, -1))
+        # On the arc are the directions that are no further from its middle than its ends are.
+        inside = [way for way in compass if float((a + b) @ way) * radius > float((a + b) @ a)]
+        return [self.start, self.end, *((c[0] + radius * r, c[1] + radius * z) for r, z in inside)]
+
     def shifted(self, dz: float) -> Segment:
         """The segment moved by dz [m] along the axis."""
 
@@ -113,6 +125,12 @@ class Outline:
     def shifted(self, dz: float) -> Outline:
         """The outline moved by dz [m] along the axis."""
         return Outline(self.name, tuple(s.shifted(dz) for s in self.segments))
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Smallest and largest r and z [m], arcs included."""
+        r, z = zip(*(p for s in self.segments for p in s.corners), strict=True)
+        return (min(r), max(r)), (min(z), max(z))
 
     @property
     def largest_radius(self) -> float:

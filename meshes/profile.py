@@ -12,6 +12,7 @@ import numpy as np
 
 from meshes.curve import Curve
 from meshes.errors import GeometryError
+from meshes.faces import looks
 from meshes.outline import Outline, Point, Segment
 
 # Names that a piece of a profile may be given, besides those found automatically.
@@ -19,6 +20,9 @@ PARTS = {
     "closure": ("face", "inner", "outer", "top", "axis", "cavity"),
     "seat": ("face", "inner", "outer", "wall", "bottom"),
 }
+
+# A larger change of direction between two pieces [rad] is a corner and not a fillet of coarse facets.
+CORNER = math.radians(40)
 
 # Relative to the size of the outline: points closer than this are one.
 _CLOSED = 1e-6
@@ -29,10 +33,11 @@ class Profile:
     """Body with any outline of lines and arcs.
 
     Boundaries without a name get one from their place. Closure: "axis" at r = 0, "top" (where the closing force acts)
-    the highest piece that looks upwards, "cavity" between two pieces of the axis, "inner" and "outer" the surface from
-    the axis to the top. Seat: "bottom" the lowest horizontal line, "wall" the pieces at the largest radius, "inner"
-    from the bottom's inner end upwards, "outer" from the wall inwards. The face, where contact may happen, is the chain
-    around first touch that runs outwards; it is found when both bodies are known, unless pieces are named "face".
+    the highest piece that looks upwards with all that continue it upwards-looking and without a corner, "cavity"
+    between two pieces of the axis, "inner" and "outer" the surface from the axis to the top. Seat: "bottom" the lowest
+    horizontal line, "wall" the pieces at the largest radius, "inner" from the bottom's inner end upwards, "outer" from
+    the wall inwards. The face, where contact may happen, is the chain around first touch that runs outwards; it is
+    found when both bodies are known, unless pieces are named "face".
 
     Parameters
     ----------
@@ -40,6 +45,8 @@ class Profile:
         "closure" or "seat".
     pieces : tuple of Segment
         Closed, in either sense; names among `PARTS`, or empty. No arc may span 180 degrees or more.
+    file_unit : float, optional
+        Length of the unit of the drawing that it comes from [m], for what is told about it.
 
     Raises
     ------
@@ -49,6 +56,7 @@ class Profile:
 
     name: str
     pieces: tuple[Segment, ...]
+    file_unit: float | None = None
 
     def __post_init__(self) -> None:
         self.outline  # noqa: B018  refuse what cannot be a body when it is made
@@ -169,11 +177,8 @@ def _named_closure(pieces: list[Segment]) -> list[Segment]:
             "pressure"
         )
     if not any(s.name == "closure_top" for s in pieces):
-        upwards = [n for n, s in enumerate(pieces) if not s.name and s.end[0] < s.start[0]]
-        if not upwards:
-            raise GeometryError('closure outline: nothing looks upwards; name the piece that is pushed "top"')
-        highest = max(upwards, key=lambda n: max(pieces[n].start[1], pieces[n].end[1]))
-        pieces[highest] = replace(pieces[highest], name="closure_top")
+        top = _top(pieces)
+        pieces = [replace(s, name="closure_top") if n in top else s for n, s in enumerate(pieces)]
     # Counter-clockwise from the lowest point of the axis: surface, axis, and perhaps a cavity and more of the axis.
     start = min(
         (n for n, s in enumerate(pieces) if s.name != "closure_axis" and s.start[0] == 0.0),
@@ -185,6 +190,28 @@ def _named_closure(pieces: list[Segment]) -> list[Segment]:
         *pieces[:surface],
         *(s if s.name else replace(s, name="closure_cavity") for s in pieces[surface:]),
     ]
+
+
+def _top(pieces: list[Segment]) -> set[int]:
+    """The highest piece that looks upwards and all that continue it, up to a corner or the widest place."""
+    upwards = {n for n, s in enumerate(pieces) if not s.name and looks(s) > 0}
+    if not upwards:
+        raise GeometryError('closure outline: nothing looks upwards; name the piece that is pushed "top"')
+    highest = max(upwards, key=lambda n: max(pieces[n].start[1], pieces[n].end[1]))
+    top = {highest}
+    for step in (1, -1):
+        n, beside = highest, (highest + step) % len(pieces)
+        while beside in upwards and _smooth(*(pieces[n], pieces[beside])[::step]):
+            top.add(beside)
+            n, beside = beside, (beside + step) % len(pieces)
+    return top
+
+
+def _smooth(before: Segment, after: Segment) -> bool:
+    """Whether there is no corner where one piece ends and the next begins."""
+    first = Curve((before,))
+    a, b = first.tangent(np.array(first.length)), Curve((after,)).tangent(np.array(0.0))
+    return float(a @ b) > math.cos(CORNER)
 
 
 def _named_seat(pieces: list[Segment]) -> list[Segment]:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
+from meshes.curve import Curve
 from meshes.errors import GeometryError
 from meshes.outline import Point, Segment
 from meshes.profile import Profile
@@ -37,7 +41,7 @@ def read_section(
     length_unit : float, optional
         Length of a DXF's unit [m]; what the file says unless given, millimetre if it says nothing. STEP always says it.
     layer : str, optional
-        Layer of a DXF that holds the outline; all layers unless given.
+        Layer of a DXF that holds the outline; unless given, all layers that are not switched off or frozen.
     tolerance : float
         Largest distance between splines or ellipses and the arcs that stand for them [m].
 
@@ -46,27 +50,58 @@ def read_section(
     GeometryError
         If the file cannot be read or does not hold one closed outline.
     """
+    unit = None
     kind = path.suffix.lower()
     if kind == ".dxf":
         from meshes.dxf_file import read_dxf
 
-        pieces = read_dxf(path, axis, length_unit, layer, tolerance)
+        pieces, unit = read_dxf(path, axis, length_unit, layer, tolerance)
     elif kind in (".step", ".stp"):
         from meshes.step_file import read_step
 
         pieces = read_step(path, axis, tolerance)
     else:
         raise GeometryError(f"{name} file {path.name}: must end with .dxf, .step, .stp or .msh")
-    return Profile(name, tuple(_loop(pieces, path)))
+    return Profile(name, tuple(_loop(pieces, path)), unit)
+
+
+def section_columns(reach: Sequence[float], axis: str, path: Path) -> list[int]:
+    """Which coordinates of a section in space are r and z.
+
+    Parameters
+    ----------
+    reach : sequence of float, length 3
+        Largest absolute value of each coordinate.
+    axis : {"x", "y", "z"}
+        Coordinate along the axis of the seal.
+    path : pathlib.Path
+        File, for the message.
+
+    Raises
+    ------
+    GeometryError
+        If the section does not lie in a plane through the axis.
+    """
+    names = "xyz"
+    z = names.index(axis)
+    across = [n for n in range(3) if n != z]
+    # The bounding boxes of OpenCASCADE are larger by its tolerance.
+    thick = [n for n in across if reach[n] >= 1e-4 * max(reach)]
+    if len(thick) != 1:
+        raise GeometryError(
+            f'{path.name}: axis = "{axis}": the section must lie in a plane through this axis, but it reaches '
+            f"{', '.join(f'{reach[n]:.4g} along {names[n]}' for n in across)}"
+        )
+    return [*thick, z]
 
 
 def _loop(pieces: list[Segment], path: Path) -> list[Segment]:
     """The pieces in order, each starting where the one before ends."""
-    if not pieces:
+    if all(s.start == s.end for s in pieces):
         raise GeometryError(f"{path.name}: holds no lines, arcs or curves")
     size = max(max(abs(c) for p in (s.start, s.end) for c in p) for s in pieces)
-    rest = list(pieces[1:])
-    loop = [pieces[0]]
+    first, *rest = _once(pieces, _JOINED * size)
+    loop = [first]
     while rest:
         at = loop[-1].end
         near = min(rest, key=lambda s: min(math.dist(at, s.start), math.dist(at, s.end)))
@@ -88,6 +123,21 @@ def _loop(pieces: list[Segment], path: Path) -> list[Segment]:
     if math.dist(loop[-1].end, loop[0].start) <= _JOINED * size:
         loop[-1] = replace(loop[-1], end=loop[0].start)
     return loop
+
+
+def _once(pieces: list[Segment], apart: float) -> list[Segment]:
+    """The pieces without mere points and without those that lie on one before, both of which drawings hold unseen."""
+    kept: list[tuple[Segment, Point]] = []
+    for s in (s for s in pieces if s.start != s.end):
+        curve = Curve((s,))
+        r, z = curve.point(np.array(0.5 * curve.length)).tolist()
+        if not any(
+            math.dist(middle, (r, z)) <= apart and max(map(math.dist, ends, (s.start, s.end))) <= apart
+            for one, middle in kept
+            for ends in ((one.start, one.end), (one.end, one.start))
+        ):
+            kept.append((s, (r, z)))
+    return [s for s, _ in kept]
 
 
 def arc_pieces(centre: Point, radius: float, start: float, sweep: float) -> list[Segment]:

@@ -12,7 +12,7 @@ from meshes.biarcs import FloatArray, fitted
 from meshes.errors import GeometryError
 from meshes.gmsh_session import gmsh_session
 from meshes.outline import Segment
-from meshes.section_file import arc_pieces
+from meshes.section_file import arc_pieces, section_columns
 
 _AXES = "xyz"
 
@@ -36,6 +36,12 @@ def read_step(path: Path, axis: str, tolerance: float) -> list[Segment]:
 
 def _edges(gmsh: ModuleType, path: Path, axis: str, tolerance: float) -> list[Segment]:
     occ = gmsh.model.occ
+    # OpenCASCADE would write its own complaint to the terminal.
+    text = path.read_bytes().lstrip()
+    if not (text.startswith(b"ISO-10303-21") and b"END-ISO-10303-21" in text):
+        raise GeometryError(
+            f"{path.name}: cannot be read as STEP (it must begin with ISO-10303-21 and end with END-ISO-10303-21)"
+        )
     try:
         shapes = occ.importShapes(str(path))
     except Exception as error:  # gmsh raises plain Exception
@@ -48,7 +54,8 @@ def _edges(gmsh: ModuleType, path: Path, axis: str, tolerance: float) -> list[Se
     faces = [shape for shape in shapes if shape[0] == 2]
     curves = gmsh.model.getBoundary(faces, combined=True, oriented=False) if faces else shapes
     tags = [abs(tag) for dimension, tag in curves if dimension == 1]
-    columns = _plane(gmsh, tags, axis, path)
+    box = np.abs([gmsh.model.getBoundingBox(1, tag) for tag in tags]).max(axis=0)
+    columns = section_columns(np.maximum(box[:3], box[3:]).tolist(), axis, path)
     return [s for tag in tags for s in _pieces(gmsh, tag, columns, tolerance)]
 
 
@@ -68,22 +75,6 @@ def _cut(gmsh: ModuleType, solids: list[tuple[int, int]], axis: str) -> list[tup
     section, _ = occ.intersect([(2, face)], solids)
     occ.synchronize()
     return [shape for shape in section if shape[0] == 2]
-
-
-def _plane(gmsh: ModuleType, tags: list[int], axis: str, path: Path) -> list[int]:
-    """Coordinates that are r and z."""
-    box = np.array([gmsh.model.getBoundingBox(1, tag) for tag in tags])
-    reach = np.maximum(np.abs(box[:, :3]).max(axis=0), np.abs(box[:, 3:]).max(axis=0))
-    z = _AXES.index(axis)
-    across = [n for n in range(3) if n != z]
-    # The bounding boxes of OpenCASCADE are larger by its tolerance.
-    flat = [n for n in across if reach[n] < 1e-4 * reach.max()]
-    if len(flat) != 1:
-        raise GeometryError(
-            f'{path.name}: axis = "{axis}": the section must lie in a plane through this axis, but it reaches '
-            f"{', '.join(f'{reach[n]:.4g} along {_AXES[n]}' for n in across)}"
-        )
-    return [next(n for n in across if n not in flat), z]
 
 
 def _pieces(gmsh: ModuleType, tag: int, columns: list[int], tolerance: float) -> list[Segment]:

@@ -10,6 +10,9 @@ import pytest
 from fem_seal import Case, InputError, load_case, run
 from fem_seal.case_dimensions import chosen_dimensions, dimensions
 from fem_seal.case_messages import choices, tables_of
+from fem_seal.console import derived_numbers, show_derived
+from fem_seal.derived import derive
+from fem_seal.report_case import seal_groups
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
 CLOSURES = {
@@ -177,3 +180,92 @@ def test_ready_mesh_is_used_as_it_is_and_its_error_is_estimated(tmp_path) -> Non
     exact = run(Case(**tables("ball", "cone"))).loads[0].contact.profile
     assert result.discretisation_error.std > 0
     assert abs(ours.std / exact.std - 1) < 3 * result.discretisation_error.std
+
+
+def highest_stress(result) -> float:
+    return float(result.table["max_von_mises_Pa"].iloc[0])
+
+
+def test_ball_of_splines_is_pushed_like_a_ball(tmp_path) -> None:
+    """A spline becomes many arcs, of which the last one is tiny: it must not carry the whole closing force."""
+    ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")
+    drawing = ezdxf.new(units=4)
+    space = drawing.modelspace()
+    angles = [math.radians(angle) for angle in range(-90, 91, 5)]
+    space.add_spline([(20 * math.cos(angle), 20 * math.sin(angle)) for angle in angles])
+    space.add_line((0, 20), (0, -20))
+    drawing.saveas(tmp_path / "ball.dxf")
+    solid = {"shape": "ball", "radius": "20 mm", "material": STEEL}
+    source = {"shape": "profile", "file": str(tmp_path / "ball.dxf"), "material": STEEL}
+    expected, found = (run(Case(**{**tables("ball", "cone"), "closure": body})) for body in (solid, source))
+    peaks = [result.loads[0].contact.profile.peak_pressure for result in (found, expected)]
+    # fit points leave the circle by micrometres; the force acts above the widest place and not above 120 degrees
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)
+    assert highest_stress(found) == pytest.approx(highest_stress(expected), rel=1e-2)
+
+
+def top_of(result) -> tuple[float, float]:
+    """Smallest and largest radius on which the closing force acts [m]."""
+    mesh = result.seal_mesh.closure
+    r = mesh.p[0, mesh.facets[:, mesh.boundaries["closure_top"]]]
+    return r.min(), r.max()
+
+
+@pytest.mark.parametrize("source", ["outline", "mesh"])
+def test_flat_top_in_pieces_is_pushed_as_a_whole(source, tmp_path) -> None:
+    coarse = {"contact_size": "100 um"}
+    known = Case(**tables("spherical-tip", "cone", mesh=coarse))
+    expected = run(known)
+    if source == "outline":
+        pieces = known.bodies[0].outline.segments
+        entries = [{"to": [f"{1e3 * c!r} mm" for c in pieces[0].start]}]
+        for s in pieces:
+            if s.name == "closure_top":
+                entries.append({"to": ["21.9 mm", f"{1e3 * s.end[1]!r} mm"]})
+            centre = {} if s.centre is None else {"centre": [f"{1e3 * c!r} mm" for c in s.centre]}
+            entries.append({"to": [f"{1e3 * c!r} mm" for c in s.end], **centre})
+        profile = {"outline": entries}
+    else:
+        path = expected.seal_mesh.write(tmp_path / "seal.msh")
+        text = path.read_text()
+        for part in ("top", "axis"):
+            text = text.replace(f'"closure_{part}"', f'"elsewhere_{part}"')
+        path.write_text(text)
+        profile = {"file": str(path)}
+    closure = {"shape": "profile", "material": STEEL, **profile}
+    found = run(Case(**{**tables("spherical-tip", "cone", mesh=coarse), "closure": closure}))
+    peaks = [result.loads[0].contact.profile.peak_pressure for result in (found, expected)]
+    assert top_of(found) == pytest.approx(top_of(expected), rel=1e-9)
+    # the same body, with other triangles around the new corner
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-4)
+    assert highest_stress(found) == pytest.approx(highest_stress(expected), rel=1e-3)
+
+
+def test_bodies_from_files_are_named_with_what_was_read(tmp_path, capsys) -> None:
+    ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")
+    drawing = ezdxf.new(units=1)
+    points = [(10, 0), (40, 0), (40, 30), (30, 30)]
+    drawing.modelspace().add_lwpolyline(
+        [(r / 25.4, z / 25.4) for r, z in points], close=True, dxfattribs={"layer": "RING"}
+    )
+    drawing.saveas(tmp_path / "seat.dxf")
+    seat = {"shape": "profile", "file": str(tmp_path / "seat.dxf"), "layer": "ring", "material": STEEL}
+    case = Case(**{**tables("profile", "cone"), "seat": seat})
+    numbers = derived_numbers(case, derive(case))
+    assert numbers["sections"]["seat"]["length_unit_m"] == 0.0254
+    # extents as drawn, an arc included
+    assert numbers["sections"]["closure"]["r_m"] == pytest.approx((0, 0.017))
+    assert numbers["sections"]["closure"]["file"] is None
+    show_derived(numbers | {"contact_size_m": None})
+    shown = capsys.readouterr().out
+    assert "  closure   r 0 to 17 mm, z 0 to 25 mm\n" in shown
+    assert "  seat      seat.dxf, layer ring, unit 25.4 mm, r 10 to 40 mm, z 0 to 30 mm\n" in shown
+    rows = dict(seal_groups(run(case))[0].rows)
+    assert rows["seat, file"] == "seat.dxf, layer ring, unit 25.4 mm"
+    assert rows["seat, extent"] == "r 10 to 40 mm, z 0 to 30 mm"
+
+
+def test_tolerance_of_a_mesh_is_refused(tmp_path) -> None:
+    seat = {"shape": "profile", "file": str(tmp_path / "seat.msh"), "tolerance": "10 nm", "material": STEEL}
+    with pytest.raises(InputError, match=r"seat.tolerance = 10 nm: a .msh has no curves"):
+        Case(**{**tables("ball", "cone"), "seat": seat})
