@@ -28,6 +28,8 @@ SMALL_LENGTH = Quantity("length", "0 um", "10 m")
 INCLINATION = Quantity("angle", "0 deg", "90 deg", exclusive=True)
 MODULUS = Quantity("pressure", "1 MPa", "2 TPa")
 STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
+# Up to whatever was meant as per cent: the hardening curve then says what is wrong.
+_STRAIN = Number(0, 100)
 
 
 class Table(BaseModel):
@@ -53,10 +55,12 @@ class StressStrain(Table):
         "and stress with its unit; relative to the case file",
         examples=["seat_curve.csv"],
     )
-    plastic_strain: Annotated[tuple[float, ...], Numbers(Number(0, 10))] | None = Field(
-        None, description="true plastic strain, beginning with 0", examples=[[0, 0.02, 0.1]]
+    plastic_strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = Field(
+        None,
+        description="true plastic strain as a number, 0.1 is 10 %, beginning with 0",
+        examples=[[0, 0.02, 0.1]],
     )
-    strain: Annotated[tuple[float, ...], Numbers(Number(0, 10))] | None = Field(
+    strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = Field(
         None,
         description="true strain, elastic and plastic together, beginning at the yield point, stress/E; instead of "
         "plastic_strain",

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ FloatArray = NDArray[np.float64]
 # How far the first point of a table of total strain may lie from the elastic line, as a strain: what is lost when
 # strains are written with four decimals.
 _YIELD_POINT = 1e-4
+# What no tensile test reaches: larger numbers are meant as per cent.
+_LARGEST_STRAIN = 2.0
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,7 @@ class HardeningCurve:
     Parameters
     ----------
     plastic_strain : tuple of float
-        Logarithmic (true) plastic strain [-], zero at first, increasing.
+        Logarithmic (true) plastic strain [-], zero at first, increasing, at most 2.
     stress : tuple of float
         True stress in tension [Pa], positive, nowhere falling; the first is the yield stress.
 
@@ -49,22 +52,7 @@ class HardeningCurve:
     stress: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        for number, (strain, stress) in enumerate(_rows(self.plastic_strain, self.stress), start=1):
-            if not (math.isfinite(strain) and math.isfinite(stress) and stress > 0):
-                raise _wrong(number, strain, stress, "strain and stress must be finite, the stress positive")
-            if number == 1 and strain != 0:
-                raise _wrong(
-                    number, strain, stress, "the first row is the yield point, its plastic strain must be 0"
-                )
-            if number > 1 and not strain > self.plastic_strain[number - 2]:
-                raise _wrong(number, strain, stress, "the plastic strain must increase from row to row")
-            if number > 1 and not stress >= self.stress[number - 2]:
-                raise _wrong(
-                    number,
-                    strain,
-                    stress,
-                    "the stress must not fall from row to row: a softening material has no unique solution",
-                )
+        _check(_rows(self.plastic_strain, self.stress), self.plastic_strain)
 
     @classmethod
     def from_total_strain(
@@ -87,17 +75,17 @@ class HardeningCurve:
         InputError
             If the table does not begin at the yield point, or is no hardening curve.
         """
-        rows = [(e, s) for e, s in _rows(strain, stress) if (e, s) != (0, 0)]
-        plastic = [e - s / youngs_modulus for e, s in rows]
-        if plastic and not abs(plastic[0]) <= _YIELD_POINT:
-            yield_strain = rows[0][1] / youngs_modulus
-            raise _wrong(
-                1,
-                *rows[0],
-                f"the first row must be the yield point, strain = stress/E = {yield_strain:.6g}; begin the table with "
-                f"it, or check youngs_modulus = {youngs_modulus / 1e9:.6g} GPa",
+        table = _rows(strain, stress)
+        rows = [row for row in table if (row.strain, row.stress) != (0, 0)] or table
+        plastic = [row.strain - row.stress / youngs_modulus for row in rows]
+        if not abs(plastic[0]) <= _YIELD_POINT:
+            raise rows[0].wrong(
+                f"this row must be the yield point, strain = stress/E = {rows[0].stress / youngs_modulus:.6g}; begin "
+                f"the table with it, or check youngs_modulus = {youngs_modulus / 1e9:.6g} GPa"
             )
-        return cls((0.0, *plastic[1:]), tuple(s for _, s in rows))
+        plastic[0] = 0.0
+        _check(rows, plastic)
+        return cls(tuple(plastic), tuple(row.stress for row in rows))
 
     @property
     def yield_stress(self) -> float:
@@ -138,7 +126,19 @@ class HardeningCurve:
         return np.array(self.plastic_strain), np.array(self.stress)
 
 
-def _rows(strain: Sequence[float], stress: Sequence[float]) -> list[tuple[float, float]]:
+class _Row(NamedTuple):
+    """A row of a table as the user wrote it: its strain may be the whole one."""
+
+    number: int
+    strain: float
+    stress: float
+
+    def wrong(self, message: str) -> InputError:
+        found = f"row {self.number} (strain {self.strain:.6g}, stress {self.stress / 1e6:.6g} MPa)"
+        return InputError(Problem("stress_strain", f"{found}: {message}"))
+
+
+def _rows(strain: Sequence[float], stress: Sequence[float]) -> list[_Row]:
     if len(strain) != len(stress) or not stress:
         raise InputError(
             Problem(
@@ -146,10 +146,25 @@ def _rows(strain: Sequence[float], stress: Sequence[float]) -> list[tuple[float,
                 f"needs as many stresses as strains, at least one, and has {len(stress)} and {len(strain)}",
             )
         )
-    return list(zip(strain, stress, strict=True))
+    return [_Row(n, *pair) for n, pair in enumerate(zip(strain, stress, strict=True), start=1)]
 
 
-def _wrong(row: int, strain: float, stress: float, message: str) -> InputError:
-    return InputError(
-        Problem("stress_strain", f"row {row} (strain {strain:.6g}, stress {stress / 1e6:.6g} MPa): {message}")
-    )
+def _check(rows: Sequence[_Row], plastic_strain: Sequence[float]) -> None:
+    """InputError if a row with this plastic strain does not belong into a hardening curve."""
+    for row, plastic in zip(rows, plastic_strain, strict=True):
+        if not (math.isfinite(plastic) and math.isfinite(row.stress) and row.stress > 0):
+            raise row.wrong("strain and stress must be finite, the stress positive")
+        if plastic > _LARGEST_STRAIN:
+            raise row.wrong(
+                f"strain is a number, 0.1 is 10 %; allowed is at most {_LARGEST_STRAIN:g} (a file may have a column "
+                '"plastic_strain [%]")'
+            )
+    if plastic_strain and plastic_strain[0] != 0:
+        raise rows[0].wrong("the first row is the yield point, its plastic strain must be 0")
+    for n in range(1, len(rows)):
+        if not plastic_strain[n] > plastic_strain[n - 1]:
+            raise rows[n].wrong("the plastic strain must increase from row to row")
+        if not rows[n].stress >= rows[n - 1].stress:
+            raise rows[n].wrong(
+                "the stress must not fall from row to row: a softening material has no unique solution"
+            )

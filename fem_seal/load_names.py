@@ -1,4 +1,4 @@
-"""How warnings, report and pictures call the loads of a result: by fluid pressure and, if that is not enough, force."""
+"""How warnings, report and pictures call the loads of a result: by fluid pressure and, if need be, force and number."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.elastoplastic_contact import ElastoplasticContact
 from fem_seal.readable import Unit, given, unit_for
 
 if TYPE_CHECKING:
@@ -18,7 +19,19 @@ FloatArray = NDArray[np.float64]
 
 
 def load_name(load: LoadResult | TargetContact, loads: Sequence[LoadResult | TargetContact]) -> str:
-    """What tells a load from the others: "20 bar", or "20 bar with 400 N" if more forces act at this pressure.
+    """What tells a load from the others: "20 bar", "20 bar with 400 N", or "20 bar (load 3)" where a path comes back.
+
+    Parameters
+    ----------
+    load : LoadResult or TargetContact
+    loads : sequence
+        All of them, in their order.
+    """
+    return load_values(load, loads) + _number(load, loads)
+
+
+def load_values(load: LoadResult | TargetContact, loads: Sequence[LoadResult | TargetContact]) -> str:
+    """Pressure of a load and, if more forces act at this pressure, its force: "20 bar", "20 bar with 400 N".
 
     Parameters
     ----------
@@ -29,6 +42,31 @@ def load_name(load: LoadResult | TargetContact, loads: Sequence[LoadResult | Tar
     pressure = given("fluid pressure", load.fluid_pressure)
     forces = {other.applied_force for other in loads if other.fluid_pressure == load.fluid_pressure}
     return pressure if len(forces) == 1 else f"{pressure} with {given('force', load.applied_force)}"
+
+
+def different(loads: Sequence[LoadResult]) -> list[int]:
+    """Numbers of the loads, the line load rising, without those to which elastic bodies come back exactly.
+
+    Parameters
+    ----------
+    loads : sequence of LoadResult
+        All of them, in their order.
+    """
+    order = sorted(range(len(loads)), key=lambda n: loads[n].line_load)
+    return list({(*_point(loads[n]), _number(loads[n], loads)): n for n in order}.values())
+
+
+def _number(load: LoadResult | TargetContact, loads: Sequence[LoadResult | TargetContact]) -> str:
+    again = _remembers(load) and [_point(other) for other in loads].count(_point(load)) > 1
+    return f" (load {loads.index(load) + 1})" if again else ""
+
+
+def _remembers(load: LoadResult | TargetContact) -> bool:
+    return isinstance(load.contact, ElastoplasticContact)
+
+
+def _point(load: LoadResult | TargetContact) -> tuple[float, float]:
+    return load.fluid_pressure, load.applied_force
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +81,24 @@ class LoadAxis:
         SI.
     names : tuple of str
         Of the loads, for a legend that is headed with `name`.
+    ordered : bool
+        Whether the order of the loads matters, because a body remembers them.
+    returns : bool
+        Whether they come back to one that is not the same any more.
     """
 
     name: str
     unit: Unit
     values: FloatArray
     names: tuple[str, ...]
+    ordered: bool
+    returns: bool
+
+    @property
+    def order_told(self) -> str:
+        """How a picture shows the order of the loads, a sentence for its caption; empty if it does not matter."""
+        numbers = ", which the numbers tell" if self.returns else ""
+        return f" The line joins the loads in their order{numbers}." if self.ordered else ""
 
     @property
     def label(self) -> str:
@@ -67,11 +117,15 @@ def load_axis(loads: Sequence[LoadResult]) -> LoadAxis:
     Parameters
     ----------
     loads : sequence of LoadResult
+        In their order.
     """
     pressures = np.array([load.fluid_pressure for load in loads])
     forces = np.array([load.applied_force for load in loads])
+    path = any(_remembers(load) for load in loads), any(_number(load, loads) for load in loads)
     if np.ptp(pressures) == 0 and np.ptp(forces) > 0:
-        names = tuple(given("force", force) for force in forces.tolist())
-        return LoadAxis("spring force", unit_for("force", float(np.abs(forces).max())), forces, names)
+        names = tuple(given("force", load.applied_force) + _number(load, loads) for load in loads)
+        return LoadAxis("spring force", unit_for("force", float(np.abs(forces).max())), forces, names, *path)
     names = tuple(load_name(load, loads) for load in loads)
-    return LoadAxis("fluid pressure", unit_for("fluid pressure", float(pressures.max())), pressures, names)
+    return LoadAxis(
+        "fluid pressure", unit_for("fluid pressure", float(pressures.max())), pressures, names, *path
+    )

@@ -14,8 +14,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-# What a column may be called, and its dimension; None for a plain number.
-Names = Mapping[str, tuple[str | None, tuple[str, ...]]]
+# What a column may be called, and its dimension: one of `fem_seal.units.DIMENSIONS`, or "strain".
+Names = Mapping[str, tuple[str, tuple[str, ...]]]
+
+# A strain is a plain number unless its header says otherwise.
+_STRAINS = {"": 1.0, "-": 1.0, "1": 1.0, "%": 0.01, "percent": 0.01}
 
 
 def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]:
@@ -37,7 +40,10 @@ def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]
     if not table.header:
         raise TextTableError(f"has no header; name the columns and their units, {example}")
     if len(table.header) != table.values.shape[1]:
-        raise TextTableError(f"has {len(table.header)} column names over {table.values.shape[1]} columns")
+        raise TextTableError(
+            f"has {len(table.header)} column names over {table.values.shape[1]} columns; name every column, and write "
+            "numbers with a decimal point, not a comma"
+        )
     words = [name_and_unit(header)[0] for header in table.header]
     places = {
         role: next((n for n, word in enumerate(words) if word in known), None)
@@ -46,7 +52,7 @@ def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]
     return {role: place for role, place in places.items() if place is not None}
 
 
-def column(table: TextTable, place: int, dimension: str | None) -> NDArray[np.float64]:
+def column(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
     """Column of a table in SI.
 
     Raises
@@ -55,9 +61,14 @@ def column(table: TextTable, place: int, dimension: str | None) -> NDArray[np.fl
         If its header has no unit of this dimension.
     """
     header, values = table.header[place], table.values[:, place]
-    if dimension is None:
-        return values
     unit = name_and_unit(header)[1]
+    if dimension == "strain":
+        if unit.lower() not in _STRAINS:
+            raise TextTableError(
+                f'column "{header}": unit "{unit}" does not fit a strain; write a plain number without unit, 0.1, or '
+                "per cent, [%]"
+            )
+        return values * _STRAINS[unit.lower()]
     if not unit:
         example = "mm" if dimension == "length" else "MPa"
         raise TextTableError(
@@ -80,6 +91,8 @@ def name_and_unit(header: str) -> tuple[str, str]:
 
 
 def _is_unit(text: str) -> bool:
+    if text.lower() in ("%", "percent"):
+        return True
     for dimension in ("length", "pressure"):
         try:
             parse_quantity(f"1 {text}", dimension)

@@ -25,6 +25,8 @@ FILL = "#dfe8f2"
 WIDTH = 10.4
 # Room for tick labels and axis labels [inch].
 _LEFT, _BOTTOM = 0.68, 0.52
+# Dots that get a number, and how far apart two numbers must be [pt].
+_NUMBERED_DOTS, _NUMBERS_APART = 12, 10.0
 # Fonts that every desktop has at least one of; the first is what matplotlib measures the text with.
 _FONTS = "'DejaVu Sans', Verdana, 'Segoe UI', Arial, Helvetica, sans-serif"
 
@@ -198,6 +200,23 @@ def load_colours(count: int) -> Callable[[int], Any]:
 
     ramp = LinearSegmentedColormap.from_list("loads", ["#9cc3e6", BLUE, "#0b2545"])
     return lambda n: ramp(1.0 if count == 1 else n / (count - 1))
+
+
+def number_dots(axes: Axes, x: ArrayLike, y: ArrayLike, numbers: Sequence[int]) -> None:
+    """Numbers beside some of the dots of finished axes, "1, 3" where two of them would lie on each other."""
+    places = np.column_stack([x, y])
+    axes.autoscale_view()
+    drawn = 72 * axes.transLimits.transform(axes.transScale.transform(places)) * inches(axes)
+    texts: dict[int, str] = {}
+    for n in few(len(numbers), _NUMBERED_DOTS):
+        if np.isfinite(drawn[n]).all():
+            near = (m for m in texts if np.abs(drawn[m] - drawn[n]).max() < _NUMBERS_APART)
+            at = next(near, n)
+            texts[at] = f"{texts[at]}, {numbers[n]}" if at in texts else str(numbers[n])
+    for n, text in texts.items():
+        axes.annotate(
+            text, places[n], (0, 5), textcoords="offset points", ha="center", fontsize=8, color=BLUE, zorder=4
+        )
 
 
 def few(count: int, most: int = 5) -> list[int]:

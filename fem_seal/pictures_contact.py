@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.load_names import load_axis, load_name
+from fem_seal.load_names import LoadAxis, different, load_axis, load_name
 from fem_seal.pictures import (
     BLUE,
     GREEN,
@@ -20,6 +20,7 @@ from fem_seal.pictures import (
     label,
     load_colours,
     logarithmic,
+    number_dots,
     panels,
     spans_decades,
     svg,
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from fem_seal.results import LoadResult, SealResult
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # More lines than this get a scale of colours instead of names.
 _NAMED_LOADS = 6
@@ -57,12 +57,12 @@ def profile_picture(result: SealResult, derived: Derived) -> Picture:
         Closed forms of the case.
     """
     loads = result.loads
-    order = sorted(range(len(loads)), key=lambda n: loads[n].line_load)
+    order = different(loads)
     shown = [order[-1]] if len(order) == 1 else [order[0], order[-1]]
     figure, axes = panels(len(shown) + (len(order) > 1), height=3.7)
     length = unit_for("length", _reach(loads))
     if len(order) > 1:
-        _all_profiles(axes[0], [loads[n] for n in order], length.size, length.name)
+        _all_profiles(axes[0], loads, order, length.size, length.name)
     for view, n in zip(axes[-len(shown) :], shown, strict=True):
         _against_closed_forms(
             view, loads[n], load_name(loads[n], loads), derived.loads[n], length.size, length.name
@@ -114,27 +114,29 @@ def _profile_caption(result: SealResult) -> str:
     )
 
 
-def _all_profiles(axes: Axes, loads: Sequence[LoadResult], length: float, unit: str) -> None:
+def _all_profiles(
+    axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], length: float, unit: str
+) -> None:
     pressure = unit_for("contact pressure", max(load.contact.profile.peak_pressure for load in loads))
-    colour = load_colours(len(loads))
+    colour = load_colours(len(order))
     over = load_axis(loads)
-    drawn = few(len(loads), _DRAWN_LOADS)
+    drawn = few(len(order), _DRAWN_LOADS)
     named = [drawn[n] for n in few(len(drawn), _NAMED_LOADS if len(drawn) <= _NAMED_LOADS else 4)]
     for n in drawn:
-        profile = loads[n].contact.profile
+        profile = loads[order[n]].contact.profile
         axes.plot(
             profile.x / length,
             profile.pressure / pressure.size,
             color=colour(n),
             linewidth=1.2,
-            label=over.names[n] if n in named else None,
+            label=over.names[order[n]] if n in named else None,
         )
     reach = _reach(loads) / length
     axes.set_xlim(-reach, reach)
     axes.set_ylim(0.0)
     axes.legend(title=over.name, title_fontsize=8.5, loc="upper right", handlelength=1.2, borderpad=0.1)
     title = (
-        f"All {len(loads)} loads" if len(loads) <= _DRAWN_LOADS else f"{_DRAWN_LOADS} of {len(loads)} loads"
+        f"All {len(loads)} loads" if len(order) <= _DRAWN_LOADS else f"{_DRAWN_LOADS} of {len(order)} loads"
     )
     label(axes, title, f"x  [{unit}]", f"contact pressure  [{pressure.name}]")
 
@@ -178,10 +180,9 @@ def size_picture(result: SealResult, sizes: Mapping[str, Sizes]) -> Picture | No
     if len(result.loads) == 1:
         return None
     over = load_axis(result.loads)
-    order = np.argsort(over.values)
     figure, axes = panels(2, height=3.3)
-    _sizes(axes[0], over.shown[order], order, sizes, "peak_pressure", "contact pressure")
-    _sizes(axes[1], over.shown[order], order, sizes, "fwhm", "length")
+    _sizes(axes[0], over, sizes, "peak_pressure", "contact pressure")
+    _sizes(axes[1], over, sizes, "fwhm", "length")
     peak, width = (axis.get_ylabel() for axis in axes)
     label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak}]")
     label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width}]")
@@ -190,21 +191,22 @@ def size_picture(result: SealResult, sizes: Mapping[str, Sizes]) -> Picture | No
         svg(figure),
         f"Peak contact pressure and full width at half maximum against {over.name}, calculated and in closed form",
         "Height and width of the pressure profile at every load. Where the calculated width follows Hertz, the "
-        "elasticity of the bodies sets the contact; where it follows the Gaussian, the compliance of the roughness.",
+        "elasticity of the bodies sets the contact; where it follows the Gaussian, the compliance of the roughness."
+        + over.order_told,
     )
 
 
-def _sizes(
-    axes: Axes, x: FloatArray, order: IntArray, sizes: Mapping[str, Sizes], measure: str, kind: str
-) -> None:
+def _sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str, kind: str) -> None:
     """One measure of the profiles; leaves its unit as label of the y axis."""
-    calculated = getattr(sizes["calculated"], measure)[order]
+    x, order = over.shown, np.argsort(over.values)
+    calculated = getattr(sizes["calculated"], measure)
     unit = unit_for(kind, float(calculated.max()))
     for name, (text, colour, dashes) in _CLOSED_FORMS.items():
         if name in sizes:
             y = getattr(sizes[name], measure)[order] / unit.size
-            axes.plot(x, y, color=colour, linestyle=dashes, label=text)
-    axes.plot(x, calculated / unit.size, "o", color=BLUE, ms=4.5, label="calculated")
+            axes.plot(x[order], y, color=colour, linestyle=dashes, label=text)
+    dots = "o-" if over.ordered else "o"
+    axes.plot(x, calculated / unit.size, dots, color=BLUE, linewidth=0.8, ms=4.5, label="calculated")
     scales = ["x"] if x.min() > 0 and spans_decades(x) else []
     if measure == "peak_pressure" and spans_decades(calculated):
         scales.append("y")
@@ -212,6 +214,8 @@ def _sizes(
         # A closed form far outside its range must not flatten the rest.
         axes.set_ylim(0.0, min(axes.get_ylim()[1], 5 * float(calculated.max()) / unit.size))
     logarithmic(axes, *scales)
+    if over.returns:
+        number_dots(axes, x, calculated / unit.size, range(1, len(x) + 1))
     axes.legend(loc="best")
     axes.set_ylabel(unit.name)
 
@@ -223,8 +227,8 @@ def gap_picture(result: SealResult) -> Picture:
     ----------
     result : SealResult
     """
-    loads = sorted(result.loads, key=lambda load: load.line_load)
-    over, drawn = load_axis(loads), few(len(loads), 4)
+    loads, order = result.loads, different(result.loads)
+    over, drawn = load_axis(loads), [order[n] for n in few(len(order), 4)]
     chosen = [loads[n] for n in drawn]
     flowing = [load for load in chosen if load.leak is not None and 0 < load.leak.leak_rate < np.inf]
     figure, axes = panels(2 if flowing else 1, height=3.3, width=10.4 if flowing else 5.6)

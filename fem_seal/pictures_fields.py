@@ -26,7 +26,9 @@ IntArray = NDArray[np.int64]
 QUARTERS = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
 _BANDS = 12
 # For the numbers and the name beside a scale of colours [inch].
-SCALE_ROOM = 0.7
+SCALE_ROOM = 0.8
+# Of a view of the contact zone, over its width.
+HEIGHT = 0.8
 
 
 def mesh_picture(result: SealResult, load: LoadResult) -> Picture:
@@ -143,11 +145,14 @@ def near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
     return np.asarray(triangles[inside.all(axis=1)])
 
 
-def scale_of_colours(axes: Sequence[Axes], bands: ContourSet, text: str) -> None:
-    """The scale beside the last of the axes, which have `SCALE_ROOM` for its numbers."""
+def scale_of_colours(axes: Sequence[Axes], bands: ContourSet, text: str, *, lowest: str = "") -> None:
+    """The scale beside the last of the axes, which have `SCALE_ROOM` for its numbers; `lowest` instead of the first."""
     figure = axes[0].get_figure(root=True)
     assert figure is not None
     bar = figure.colorbar(bands, ax=axes, fraction=0.03, pad=0.015, aspect=28, format="%.3g")
+    if lowest:
+        ticks = bar.get_ticks().tolist()
+        bar.set_ticks(ticks, labels=[lowest, *(f"{tick:.3g}" for tick in ticks[1:])])
     bar.set_label(text)
     bar.outline.set_linewidth(0.5)
 
@@ -156,7 +161,7 @@ def frame_zone(axes: Axes, reach: float, unit: str, title: str) -> None:
     """Limits and labels of a view of the contact zone."""
     axes.set_aspect("equal")
     axes.set_xlim(-reach, reach)
-    axes.set_ylim(-0.8 * reach, 0.8 * reach)
+    axes.set_ylim(-HEIGHT * reach, HEIGHT * reach)
     axes.grid(False)
     label(axes, title, f"along the contact, outwards  [{unit}]", f"along the normal  [{unit}]")
 

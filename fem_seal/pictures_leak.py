@@ -16,6 +16,7 @@ from fem_seal.pictures import (
     Picture,
     label,
     logarithmic,
+    number_dots,
     panels,
     spans_decades,
     svg,
@@ -67,7 +68,8 @@ def leak_picture(result: SealResult) -> Picture | None:
     figure, axes, factor = _leak_panels(2 if both else 1)
     for name, values, colour, width in series:
         positive = np.where(values > 0, values, np.nan) / unit.size
-        axes.plot(over.shown, positive, "o-", color=colour, linewidth=width, ms=3.8, label=name)
+        thin = 0.8 if over.ordered else width
+        axes.plot(over.shown, positive, "o-", color=colour, linewidth=thin, ms=3.8, label=name)
     if result.uncertainty is not None:
         order = [result.loads.index(load) for load in loads]
         low, high = result.uncertainty.low[order], result.uncertainty.high[order]
@@ -80,6 +82,8 @@ def leak_picture(result: SealResult) -> Picture | None:
     if "y" not in scales:
         axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
     logarithmic(axes, *scales)
+    if over.returns:
+        number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
     axes.legend(loc="best")
     label(axes, "Leak rate", over.label, f"leak rate  [{unit.name}]")
     if factor is not None:
@@ -89,7 +93,7 @@ def leak_picture(result: SealResult) -> Picture | None:
         "leak",
         svg(figure),
         f"Leak rate against {over.name}" + (", with yielding and with elastic asperities" if plastic else ""),
-        f"Leak rate of the whole circumference at each {over.name}."
+        f"Leak rate of the whole circumference at each {over.name}.{over.order_told}"
         + (
             " Where asperities yield, the surfaces come closer and less leaks; the elastic curve is the same contact "
             "with asperities of unlimited strength."

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.elastoplastic_fields import ElastoplasticField
 from fem_seal.pictures import BLUE, INK, ORANGE, Picture, label, panels, svg
-from fem_seal.pictures_fields import QUARTERS, SCALE_ROOM, frame_zone, near, scale_of_colours, turned
+from fem_seal.pictures_fields import HEIGHT, QUARTERS, SCALE_ROOM, frame_zone, near, scale_of_colours, turned
 from fem_seal.readable import percent, quantity, unit_for
 from fem_seal.yielding import plastic_zone
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from fem_seal.results import SealResult
 
 _COLOURS = {"seat": BLUE, "closure": ORANGE}
-# Widths of the imprint that are shown to each side, and depths of the yielded zone.
-_WIDTHS, _DEPTHS = 1.6, 1.25
+# Widths of the imprint that are shown to each side, and depths of the yielded zone to above and below.
+_WIDTHS, _DEPTHS = 1.6, 1.5
 _BANDS = 10
 
 
@@ -74,9 +74,12 @@ def _strains(axes: Axes, result: SealResult, unloaded: Unloaded) -> str:
     found = {name: plastic_zone(field, materials[name]) for name, field in fields.items()}
     zones = {name: zone for name, zone in found.items() if zone is not None}
     widest = max(imprint.width for imprint in unloaded.imprints.values())
-    reach = max(_WIDTHS * widest, *(_DEPTHS * zone.deepest for zone in zones.values()))
+    reach = max(_WIDTHS * widest, *(_DEPTHS / HEIGHT * zone.deepest for zone in zones.values()))
     length = unit_for("length", 2 * reach)
-    largest = 100 * max(float(field.accumulated_plastic_strain.max()) for field in fields.values())
+    largest = max(float(field.accumulated_plastic_strain.max()) for field in fields.values())
+    # few digits, so that the numbers of the scale find room
+    size, unit = (1e-2, "%") if largest > 1e-3 else (1e-6, "10⁻⁶")
+    largest /= size
     ticks = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, largest)
     levels = [largest / 100, *ticks[1:]]  # what has not yielded stays white
     bands = None
@@ -85,12 +88,12 @@ def _strains(axes: Axes, result: SealResult, unloaded: Unloaded) -> str:
         if name in fields:
             triangles = near(place, field.triangles6[:, QUARTERS].reshape(-1, 3), reach)
             grid = Triangulation(place[:, 0] / length.size, place[:, 1] / length.size, triangles)
-            values = 100 * fields[name].accumulated_plastic_strain
+            values = fields[name].accumulated_plastic_strain / size
             bands = axes.tricontourf(grid, values, levels=levels, cmap="YlOrRd")
         axes.plot(*(place[field.contact_nodes] / length.size).T, color=INK, linewidth=0.8)
     frame_zone(axes, reach / length.size, length.name, "Plastic strain")
     if bands is not None:
-        scale_of_colours([axes], bands, "accumulated plastic strain  [%]")
+        scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
     return " ".join(
         f"The largest in the {name}, {percent(zone.strain)}, lies {quantity('length', zone.depth)} from the contact "
         f"line; it has yielded down to {quantity('length', zone.deepest)}."

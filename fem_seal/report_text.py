@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.leakage import classes_in_words, in_words, leakage, nominal_size
-from fem_seal.load_names import load_name
+from fem_seal.load_names import load_values
 from fem_seal.readable import flow, number, percent, quantity, unit_for
 from fem_seal.report_plastic import imprint_in_words, what_yielded
 from fem_seal.report_valve import opens_at, valve_facts, what_opens
@@ -63,7 +63,11 @@ def facts(result: SealResult) -> list[Fact]:
             Fact("Narrowest place on the leak path", narrow, "critical separation at the peak pressure")
         )
     found.append(
-        Fact("Largest stress in the bodies", quantity("contact pressure", load.max_von_mises), "von Mises")
+        Fact(
+            "Largest stress in the bodies",
+            quantity("contact pressure", load.max_von_mises),
+            f"von Mises, in the {load.max_von_mises_at[0]}",
+        )
     )
     if imprint := imprint_in_words(result):
         found.append(Fact("Lasting imprint", *imprint))
@@ -111,31 +115,44 @@ def headline(result: SealResult) -> str:
 
 
 def _what_leaks(result: SealResult) -> str:
-    loads = sorted(result.loads, key=lambda load: (load.fluid_pressure, load.applied_force))
-    first, last = loads[0], loads[-1]
-    span = load_name(last, loads)
-    if first.leak is None or last.leak is None:
+    loads = result.loads
+    highest = max(loads, key=_size)
+    last = loads[-1]
+    # a body that yields is another one after the highest load
+    changed = result.unloaded is not None and _size(last) != _size(highest)
+    lowest = min(loads[: loads.index(highest) + 1] if changed else loads, key=_size)
+    shown = [highest] if lowest is highest else [lowest, highest]
+    if changed:
+        shown.append(last)
+    span = load_values(highest, loads)
+    rates = [load.leak.leak_rate for load in shown if load.leak is not None]
+    if not rates:
         missing = "roughness" if result.surface is None else "fluid"
-        profile = last.contact.profile
-        return (
-            f"At {span} the contact is {quantity('length', profile.fwhm)} wide under "
-            f"{quantity('contact pressure', profile.peak_pressure)} peak pressure. No leak rate: the case "
-            f"has no {missing}."
-        )
+        then = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
+        return f"At {span} the contact is {_contact(highest)}{then}. No leak rate: the case has no {missing}."
     if all(load.leak is not None and load.leak.leak_rate == 0 for load in loads):
         return f"Sealed at every load up to {span}: so much of the nominal area touches that no leak path is open."
-    if len(loads) == 1:
-        return f"The seal leaks {flow(last.leak.leak_rate)} at {span}."
-    rates = [first.leak.leak_rate, last.leak.leak_rate]
-    return (
-        f"The seal leaks {_flow_beside(rates[0], rates[1])} at {load_name(first, loads)} and "
-        f"{_flow_beside(rates[1], rates[0])} at {span}."
-    )
+    told = [
+        f"{_flow_beside(rate, rates)} at {load_values(load, loads)}"
+        for rate, load in zip(rates, shown, strict=True)
+    ]
+    then = f"; after {span}, {told.pop()}" if changed else ""
+    return f"The seal leaks {' and '.join(told)}{then}."
 
 
-def _flow_beside(leak_rate: float, other: float) -> str:
-    """A leak rate in a unit that suits another one too, as long as it stays readable."""
-    unit = unit_for("flow", max(leak_rate, other))
+def _size(load: LoadResult) -> tuple[float, float]:
+    return load.fluid_pressure, load.applied_force
+
+
+def _contact(load: LoadResult) -> str:
+    profile = load.contact.profile
+    width, peak = quantity("length", profile.fwhm), quantity("contact pressure", profile.peak_pressure)
+    return f"{width} wide under {peak} peak pressure"
+
+
+def _flow_beside(leak_rate: float, others: Sequence[float]) -> str:
+    """A leak rate in a unit that suits others too, as long as it stays readable."""
+    unit = unit_for("flow", max(others))
     return flow(leak_rate) if unit.of(leak_rate) < 0.01 else f"{number(unit.of(leak_rate))} {unit.name}"
 
 
@@ -161,15 +178,21 @@ def _what_sets_the_width(result: SealResult, derived: Derived, load: LoadResult)
             "pressure."
         )
         return
+    expected = (
+        f"the pressure would peak at {quantity('contact pressure', hertz.peak_pressure)} and be "
+        f"{quantity('length', hertz.fwhm)} wide at half of that"
+    )
+    found = (
+        f"it peaks at {quantity('contact pressure', profile.peak_pressure)} and is {quantity('length', profile.fwhm)} "
+        "wide"
+    )
+    smooth = result.case.interface.law == "smooth"
     if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
-        yield (
-            f"Smooth elastic bodies would touch over {quantity('length', hertz.fwhm)} under "
-            f"{quantity('contact pressure', hertz.peak_pressure)}; with roughness and yielding bodies the contact is "
-            f"{quantity('length', profile.fwhm)} wide under {quantity('contact pressure', profile.peak_pressure)}."
-        )
+        why = "yielding" if smooth else "roughness and yielding"
+        yield f"Between smooth elastic bodies {expected}; with {why} {found}."
         return
     bulk = min((hertz.std / profile.std) ** 2, 1.0)
-    if result.case.interface.law == "smooth":
+    if smooth:
         yield (
             "The surfaces are smooth, so the elasticity of the bodies alone sets the contact; Hertz' line contact "
             f"gives {quantity('contact pressure', hertz.peak_pressure)} peak pressure, the calculation "
@@ -182,11 +205,7 @@ def _what_sets_the_width(result: SealResult, derived: Derived, load: LoadResult)
         dominant = "The elasticity of the bodies, not the roughness, sets the width of the contact"
     else:
         dominant = "Roughness and elasticity of the bodies both set the width of the contact"
-    yield (
-        f"{dominant}: perfectly smooth bodies would touch over {quantity('length', hertz.fwhm)} under "
-        f"{quantity('contact pressure', hertz.peak_pressure)}, the rough ones touch over "
-        f"{quantity('length', profile.fwhm)} under {quantity('contact pressure', profile.peak_pressure)}."
-    )
+    yield f"{dominant}: between perfectly smooth bodies {expected}, between the rough ones {found}."
 
 
 def _what_throttles(load: LoadResult) -> Iterator[str]:

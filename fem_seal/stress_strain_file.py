@@ -10,10 +10,11 @@ from fem_seal.text_table import TextTableError, read_text_table
 
 if TYPE_CHECKING:
     from fem_seal.named_columns import Names
+    from fem_seal.text_table import TextTable
 
 _NAMES: Names = {
-    "strain": (None, ("strain", "total_strain", "true_strain", "epsilon")),
-    "plastic_strain": (None, ("plastic_strain", "true_plastic_strain", "epsilon_p", "ep")),
+    "strain": ("strain", ("strain", "total_strain", "true_strain", "epsilon")),
+    "plastic_strain": ("strain", ("plastic_strain", "true_plastic_strain", "epsilon_p", "ep")),
     "stress": ("pressure", ("stress", "true_stress", "flow_stress", "sigma")),
 }
 
@@ -25,7 +26,7 @@ def read_stress_strain(file: str | Path) -> tuple[str, tuple[float, ...], tuple[
     ----------
     file : path
         Text with a header and the columns ``plastic_strain`` or ``strain`` (elastic and plastic together), true, as
-        numbers, and ``stress_MPa``, true.
+        numbers or in ``[%]``, and ``stress_MPa``, true.
 
     Returns
     -------
@@ -36,9 +37,15 @@ def read_stress_strain(file: str | Path) -> tuple[str, tuple[float, ...], tuple[
     Raises
     ------
     TextTableError
-        If the file is not such a table.
+        If the file is not such a table; the message names it.
     """
-    table = read_text_table(file)
+    try:
+        return _read(read_text_table(file))
+    except TextTableError as error:
+        raise TextTableError(f"{file} {error}") from None
+
+
+def _read(table: TextTable) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
     places = find_columns(table, _NAMES, 'such as "plastic_strain, stress_MPa"')
     kinds = [kind for kind in ("plastic_strain", "strain") if kind in places]
     if len(kinds) != 1 or "stress" not in places:

@@ -62,6 +62,11 @@ def read_text_table(file: str | Path) -> TextTable:
     rows = lines[1:] if header else lines
     if not rows:
         raise TextTableError("has a header but no rows of numbers")
+    for number, line in rows:
+        if _has_decimal_commas(line):
+            raise TextTableError(
+                f'line {number} ("{line[:40]}") has decimal commas; write decimal points, such as 0.1; 200.5'
+            )
     values = [_numbers(line) for _, line in rows]
     columns = len(values[0]) or len(header)
     for (number, line), row in zip(rows, values, strict=True):
@@ -91,6 +96,11 @@ def _cells(line: str, *, keep_spaces: bool = False) -> tuple[str, ...]:
     separated = keep_spaces and re.search(r"[,;\t]", line)
     cells = re.split(r"\s*[,;\t]\s*" if separated else r"\s*[,;\t]\s*|\s+", line)
     return tuple(cell.strip().strip('"') for cell in cells)
+
+
+def _has_decimal_commas(line: str) -> bool:
+    """Whether commas stand between digits although something else separates the columns."""
+    return bool(re.search(r"\d,\d", line) and re.search(r"\d\s*[;\s]\s*[-+.\d]", line))
 
 
 def _numbers(line: str) -> list[float]:

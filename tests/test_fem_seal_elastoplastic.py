@@ -67,6 +67,7 @@ def test_table_of_total_strain_loses_its_elastic_part() -> None:
         ((0.0, 0.1), (250e6, 200e6), r"row 2 \(strain 0.1, stress 200 MPa\): .*must not fall"),
         ((0.0, 0.1, 0.1), (1e8, 2e8, 3e8), r"row 3 .*must increase"),
         ((0.0, math.nan), (250e6, 300e6), r"row 2 .*finite"),
+        ((0.0, 10.0), (250e6, 300e6), r"row 2 .*strain is a number, 0\.1 is 10 %; allowed is at most 2"),
         ((0.0,), (-1.0,), r"row 1 .*positive"),
         ((0.0, 0.1), (250e6,), r"as many stresses as strains"),
         ((), (), r"at least one"),
@@ -80,6 +81,16 @@ def test_wrong_tables_name_the_row(strain: tuple, stress: tuple, message: str) -
 def test_total_strain_must_begin_at_the_yield_point() -> None:
     with pytest.raises(InputError, match=r"strain = stress/E = 0\.00119048; .*youngs_modulus = 210 GPa"):
         HardeningCurve.from_total_strain((0.002, 0.1), (250e6, 300e6), E)
+
+
+def test_rows_of_total_strain_are_those_of_the_table() -> None:
+    """A row (0, 0) is counted, and the strain that is shown is the one that stands there."""
+    with pytest.raises(
+        InputError, match=r"row 2 \(strain 0\.002, stress 250 MPa\): this row must be the yield"
+    ):
+        HardeningCurve.from_total_strain((0.0, 0.002, 0.1), (0.0, 250e6, 300e6), E)
+    with pytest.raises(InputError, match=r"row 3 \(strain 0\.1, stress 200 MPa\): the stress must not fall"):
+        HardeningCurve.from_total_strain((0.0, 250e6 / E, 0.1), (0.0, 250e6, 200e6), E)
 
 
 def test_material_yields_where_its_curve_begins() -> None:
@@ -413,11 +424,30 @@ def test_stress_strain_in_the_case_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("header", "written"),
+    [
+        ("plastic strain [%]", 5),
+        ("plastic_strain (percent)", 5),
+        ("plastic_strain_percent", 5),
+        ("plastic_strain %", 5),
+        ("plastic_strain [-]", 0.05),
+        ("plastic_strain", 0.05),
+    ],
+)
+def test_strain_is_a_number_or_per_cent(tmp_path: Path, header: str, written: float) -> None:
+    (tmp_path / "curve.csv").write_text(f"{header}, stress_MPa\n0, 250\n{written}, 310\n")
+    curve = seat_material(tmp_path, '{ file = "curve.csv" }').hardening
+    assert curve is not None
+    assert curve.plastic_strain == pytest.approx((0, 0.05), rel=1e-15)
+
+
+@pytest.mark.parametrize(
     ("table", "message"),
     [
         ('{ stress = ["250 MPa"] }', r"seat\.material\.stress_strain: needs file"),
         ('{ file = "a.csv", plastic_strain = [0] }', r"needs file"),
-        ('{ file = "none.csv" }', r"cannot be read"),
+        ('{ file = "none.csv" }', r"none\.csv cannot be read"),
+        ('{ plastic_strain = [0, 10], stress = ["1 GPa", "2 GPa"] }', r"row 2 .*0\.1 is 10 %"),
         ('{ plastic_strain = [0, "2 %"], stress = ["1 GPa", "2 GPa"] }', r'entry 2, "2 %", is not a number'),
         ('{ plastic_strain = [0], stress = ["250"] }', r"has no unit"),
         ('{ plastic_strain = [0, 0.1], stress = ["2 GPa", "1 GPa"] }', r"row 2 .*must not fall"),
@@ -435,6 +465,15 @@ def test_wrong_stress_strain_in_the_case_file(tmp_path: Path, table: str, messag
         ("0, 250\n0.1, 300\n", r'has no header; .*"plastic_strain, stress_MPa"'),
         ("plastic_strain, stress\n0, 250\n", r'column "stress" has no unit'),
         ("depth_mm, stress_MPa\n0, 250\n", r"either a column plastic_strain or a column strain"),
+        ("plastic_strain [mm], stress_MPa\n0, 250\n", r'"mm" does not fit a strain; write a plain number'),
+        ("plastic_strain_mm, stress_MPa\n0, 250\n", r'"mm" does not fit a strain'),
+        ("plastic_strain, stress_MPa\n0, 250\n10, 300\n", r"row 2 .*0\.1 is 10 %"),
+        ("plastic_strain; stress_MPa\n0,0;250,0\n", r'curve\.csv line 2 \("0,0;250,0"\) has decimal commas'),
+        ("plastic_strain stress_MPa\n0 250\n0,1 300\n", r"line 3 .*has decimal commas; write decimal points"),
+        (
+            "plastic_strain, stress_MPa\n0,05,210,5\n",
+            r"2 column names over 4 columns; .*decimal point, not a comma",
+        ),
     ],
 )
 def test_wrong_stress_strain_files(tmp_path: Path, text: str, message: str) -> None:

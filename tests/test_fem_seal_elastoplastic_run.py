@@ -3,28 +3,38 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from sample_results import case as elastic_case
 
 import fem_seal
 import fem_seal.pipeline
+from fem_seal import pictures_contact, pictures_leak, pictures_plastic, report_text
 from fem_seal.case import Case, load_case
+from fem_seal.closed_forms import profile_sizes
 from fem_seal.contact import solve
+from fem_seal.derived import derive
 from fem_seal.elastoplastic_contact import ElastoplasticContact
 from fem_seal.elastoplastic_fields import ElastoplasticField
 from fem_seal.elastoplastic_path import PathLoad, load_path
 from fem_seal.errors import InputError
 from fem_seal.further_loads import FurtherLoads
+from fem_seal.load_names import different, load_axis, load_name
 from fem_seal.loads import closing_force
+from fem_seal.pictures import style
 from fem_seal.results import SealResult
 from fem_seal.stress import von_mises
 from fem_seal.summary import summary
-from fem_seal.yielding import yielding_of
+from fem_seal.yielding import plastic_zone, yielding_of
 
 YIELD = 200e6
 CASE = """
@@ -209,6 +219,123 @@ def test_report_shows_imprint_and_yielding(folder: Path) -> None:
         assert text in page
     assert "perfectly plastic" not in page
     assert "Simo" in page
+
+
+# a path up and down -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def proof(case_file: Path) -> SealResult:
+    """The working pressure before and after a proof test."""
+    loads = {"fluid_pressure": ["50 bar", "300 bar", "50 bar"]}
+    return fem_seal.run(load_case(case_file).replace(ROUGH, load=loads))
+
+
+def drawn(monkeypatch: pytest.MonkeyPatch, module: ModuleType, picture: Callable[[], object]) -> Figure:
+    """The figure behind a picture."""
+    figures: list[Figure] = []
+    monkeypatch.setattr(module, "svg", lambda figure: figures.append(figure) or b"")
+    with style():
+        picture()
+    (figure,) = figures
+    return figure
+
+
+def test_a_load_that_comes_back_has_a_number(proof: SealResult) -> None:
+    loads = proof.loads
+    assert [load_name(load, loads) for load in loads] == ["50 bar (load 1)", "300 bar", "50 bar (load 3)"]
+    assert different(loads) == [0, 2, 1]
+    assert load_axis(loads).names == tuple(load_name(load, loads) for load in loads)
+
+
+def test_the_headline_says_what_leaks_after_the_highest_load(proof: SealResult, result: SealResult) -> None:
+    before, highest, after = (f"{load.leak.leak_rate * 6e7:#.3g}" for load in proof.loads if load.leak)
+    assert before != after
+    assert report_text.headline(proof) == (
+        f"The seal leaks {before} ml/min at 50 bar and {highest} ml/min at 300 bar; after 300 bar, "
+        f"{after} ml/min at 50 bar."
+    )
+    up = replace(proof, loads=proof.loads[1:] + proof.loads[1:2])
+    assert (
+        report_text.headline(up)
+        == f"The seal leaks {after} ml/min at 50 bar and {highest} ml/min at 300 bar."
+    )
+    # down from the highest load: there is nothing before it
+    coined = result.loads[1].contact.profile
+    said = report_text.headline(result)
+    assert said.startswith("At 300 bar the contact is ")
+    assert f"; after 300 bar, {coined.fwhm * 1e3:.3f} mm wide under " in said
+    down = replace(proof, loads=proof.loads[1:])
+    assert report_text.headline(down) == (
+        f"The seal leaks {highest} ml/min at 300 bar; after 300 bar, {after} ml/min at 50 bar."
+    )
+
+
+def test_pictures_follow_the_path(proof: SealResult, monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes = profile_sizes(proof, derive(proof.case))
+    figure = drawn(monkeypatch, pictures_contact, lambda: pictures_contact.size_picture(proof, sizes))
+    for axes in figure.axes:
+        (line,) = [line for line in axes.lines if line.get_label() == "calculated"]
+        assert line.get_linestyle() == "-"
+        assert np.asarray(line.get_xdata()).tolist() == [50, 300, 50]
+    width = [text.get_text() for text in figure.axes[1].texts]
+    assert width == ["1", "2", "3"]
+    figure = drawn(monkeypatch, pictures_leak, lambda: pictures_leak.leak_picture(proof))
+    assert "".join(text.get_text() for text in figure.axes[0].texts).count("3") == 1
+
+
+def test_profiles_of_a_path_are_told_apart(proof: SealResult, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ["50 bar (load 1)", "50 bar (load 3)", "300 bar"]
+    derived = derive(proof.case)
+    profiles = [load.contact.profile for load in (proof.loads[0], proof.loads[2], proof.loads[1])]
+    for picture, values in (
+        (lambda: pictures_contact.profile_picture(proof, derived), [p.pressure / 1e6 for p in profiles]),
+        (lambda: pictures_contact.gap_picture(proof), [p.gap / 1e-6 for p in profiles]),
+    ):
+        axes = drawn(monkeypatch, pictures_contact, picture).axes[0]
+        legend = axes.get_legend()
+        assert legend is not None and [text.get_text() for text in legend.get_texts()] == names
+        for line, y in zip(axes.lines, values, strict=True):
+            np.testing.assert_allclose(np.asarray(line.get_ydata()), y, rtol=1e-12)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.02])
+def test_plastic_strain_is_drawn_whole_with_a_readable_scale(
+    proof: SealResult, monkeypatch: pytest.MonkeyPatch, share: float
+) -> None:
+    """Also for strains so small that per cent would need many digits."""
+    assert proof.unloaded is not None
+    state = proof.unloaded.states["seat"]
+    less = replace(state, plastic=replace(state.plastic, accumulated=share * state.plastic.accumulated))
+    unloaded = replace(proof.unloaded, states={"seat": less})
+    weaker = replace(proof, unloaded=unloaded)
+    figure = drawn(monkeypatch, pictures_plastic, lambda: pictures_plastic.imprint_picture(weaker))
+    FigureCanvasAgg(figure).draw()
+    _, view, scale = figure.axes
+    field = unloaded.fields["seat"]
+    assert isinstance(field, ElastoplasticField)
+    zone = plastic_zone(field, proof.case.seat.material)
+    assert zone is not None
+    unit = {"mm": 1e-3, "µm": 1e-6}[view.get_ylabel().split("[")[1].rstrip("]")]
+    assert -view.get_ylim()[0] * unit > 1.45 * zone.deepest
+    labels = [label.get_text() for label in scale.get_yticklabels()]
+    assert labels[0] == "0" and max(map(len, labels)) <= 5
+    assert [float(text) for text in labels[1:]] == pytest.approx(scale.get_yticks()[1:])
+    assert scale.yaxis.label.get_window_extent().x1 < figure.bbox.x1 - 1
+
+
+def test_the_report_says_what_it_compares(proof: SealResult) -> None:
+    (fact,) = [fact for fact in report_text.facts(proof) if fact.name == "Largest stress in the bodies"]
+    body = proof.loads[1].max_von_mises_at[0]
+    assert body == "closure"  # the seat cannot carry it
+    assert fact.remark == "von Mises, in the closure"
+    derived = derive(proof.case)
+    (said,) = [text for text in report_text.reasons(proof, derived) if "smooth elastic" in text]
+    hertz, profile = derived.loads[1].hertz, proof.loads[1].contact.profile
+    assert hertz is not None
+    # Hertz' bodies touch over 2 a; half of the peak is reached over sqrt(3) a
+    assert f"{np.sqrt(3) * hertz.half_width * 1e3:.3f} mm wide at half of that" in said
+    assert f"{profile.fwhm * 1e3:.3f} mm wide" in said and "touch" not in said
 
 
 # elastic cases -----------------------------------------------------------------------------------------------------

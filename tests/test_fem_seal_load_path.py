@@ -20,8 +20,10 @@ from fem_seal.errors import InputError
 from fem_seal.far_field import far_field_sentence
 from fem_seal.further_loads import FurtherLoads
 from fem_seal.held_body import Supports
+from fem_seal.load_names import different, load_axis, load_name
 from fem_seal.loads import closing_force
 from fem_seal.report import report
+from fem_seal.report_text import headline
 from fem_seal.stress import node_dofs, quadratic_nodes
 from fem_seal.summary import summary
 
@@ -49,6 +51,20 @@ def test_loads_keep_their_order_and_elastic_bodies_come_back():
     up, down = table.iloc[:2], table.iloc[:2:-1]
     for column in ("axial_force_N", "peak_pressure_Pa", "leak_rate_m3_per_s", "effective_seal_radius_m"):
         assert down[column].to_numpy() == pytest.approx(up[column].to_numpy(), rel=1e-7)
+
+
+def test_loads_that_come_back_are_told_once():
+    loads = valve().loads
+    assert [load_name(load, loads) for load in loads] == ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"]
+    assert [loads[n].fluid_pressure for n in different(loads)] == [20e5, 15e5, 5e5]
+    over = load_axis(loads)
+    assert not over.ordered and not over.returns and over.order_told == ""
+    assert "after 20 bar" not in headline(valve())
+    pictures = [
+        base64.b64decode(code).decode() for code in re.findall(r"svg\+xml;base64,([\w+/=]+)", report(valve()))
+    ]
+    (profiles,) = [text for text in pictures if "All 5 loads" in text]
+    assert profiles.count(">15 bar<") == 1
 
 
 def test_spring_and_fluid_are_what_the_contact_carries():
