@@ -57,7 +57,10 @@ def show_leak_table(rows: Sequence[Mapping[str, float]], title: str) -> None:
 
 
 def show_leakage(case: Case, rows: Sequence[Mapping[str, float]]) -> None:
-    """Print the leak rate of the highest fluid pressure in the units of leak testing, and its classes."""
+    """Print the leak rate of the highest fluid pressure in the units of leak testing, and its classes.
+
+    Of several forces at this pressure it is the one that closes most.
+    """
     from rich.console import Console
 
     from fem_seal.leakage import leakage_lines
@@ -66,7 +69,10 @@ def show_leakage(case: Case, rows: Sequence[Mapping[str, float]]) -> None:
     if not _filled(row.get("leak_rate_m3_per_s")):
         return
     console = Console(width=None if sys.stdout.isatty() else _WIDTH, highlight=False)
-    for line in leakage_lines(case, row["fluid_pressure_Pa"], row["leak_rate_m3_per_s"]):
+    pressure = row["fluid_pressure_Pa"]
+    forces = {one.get("applied_force_N") for one in rows if one["fluid_pressure_Pa"] == pressure}
+    force = row.get("applied_force_N") if len(forces) > 1 else None
+    for line in leakage_lines(case, pressure, row["leak_rate_m3_per_s"], force):
         console.print(line, markup=False, soft_wrap=True)
 
 

@@ -88,8 +88,9 @@ def solve(
                 break
         if state is not None:
             v, d = state
+            # the last residual is that of the solution, after which no step is taken
             return ContactSolution(
-                model, axial_force, d, v, law.gap(v), len(residuals), tuple(residuals), loads
+                model, axial_force, d, v, law.gap(v), len(residuals) - 1, tuple(residuals), loads
             )
     raise ConvergenceError(
         f"contact at axial force {axial_force:.6g} N (line load {model.line_load(axial_force):.6g} N/m) did not "

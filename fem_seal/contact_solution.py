@@ -52,7 +52,7 @@ class ContactSolution:
         Separation [m].
     iterations : int
     residuals : tuple of float
-        Largest gap residual over decay length, one per iteration.
+        Largest gap residual over decay length, before each iteration and at the end.
     loads : FurtherLoads
         What acts on the bodies besides the contact pressure.
     """

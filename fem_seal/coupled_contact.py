@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fem_seal.condensation import ContactModel
 from fem_seal.contact import solve
-from fem_seal.contact_solution import ContactSettings, ContactSolution
+from fem_seal.contact_solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.fixed_point import first_fixed_point, fixed_point
 from fem_seal.fluid_paths import FluidPath
@@ -39,14 +39,12 @@ class Seal:
         How the fluid gets between the surfaces.
     interference : float
         Of the press fit, see `FurtherLoads.press_fit` [m].
-    settings : ContactSettings, optional
     """
 
     model: ContactModel
     law: Law
     path: FluidPath
     interference: float = 0.0
-    settings: ContactSettings | None = None
 
     def loads(self, fluid_pressure: float, unknowns: FloatArray) -> FurtherLoads:
         """Fluid on the wetted surfaces and in the gap, and the press fit."""
@@ -92,14 +90,12 @@ def coupled_contact(
             seal.law,
             axial_force=force,
             loads=seal.loads(pressure, at),
-            settings=seal.settings,
             start=solution,
         )
         return seal.path.found(solution.profile, pressure)
 
     low, high = seal.path.bounds(seal.model.line)
-    loose = 0.0 if seal.settings is None else 10 * seal.settings.gap_tolerance
-    tolerance = max(_TOLERANCE, loose) * (high - low)
+    tolerance = _TOLERANCE * (high - low)
     try:
         if unknowns.size == 1:
             # The place up to which the fluid gets moves from element to element.
@@ -138,5 +134,5 @@ def dry_unknowns(
 ) -> FloatArray:
     """Unknowns of the fluid that belong to a contact which no fluid opens, under a force F_N [N]."""
     loads = FurtherLoads.press_fit(seal.interference)
-    contact = solve(seal.model, seal.law, axial_force=force, loads=loads, settings=seal.settings, start=start)
+    contact = solve(seal.model, seal.law, axial_force=force, loads=loads, start=start)
     return seal.path.found(contact.profile, fluid_pressure)

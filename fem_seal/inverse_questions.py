@@ -234,7 +234,7 @@ def target_remarks(case: Case) -> tuple[str, ...]:
     law, target = interface_law(case, rough_contact(case)), case.load.target_leak_rate
     assert target is not None
     remarks = []
-    for pressure in case.load.fluid_pressure:
+    for pressure in dict.fromkeys(case.load.fluid_pressure):
         try:
             expected_contact_force(case, law, pressure, target)
         except InputError as error:

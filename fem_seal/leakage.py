@@ -196,10 +196,14 @@ def classes_in_words(found: Leakage) -> str:
     return "; ".join([*([", ".join(met)] if met else []), *missed])
 
 
-def leakage_lines(case: Case, fluid_pressure: float, leak_rate: float) -> list[str]:
-    """Two lines for the command line about one load."""
+def leakage_lines(
+    case: Case, fluid_pressure: float, leak_rate: float, applied_force: float | None = None
+) -> list[str]:
+    """Two lines for the command line about one load, which is named by its force as well if one is given."""
     found = leakage(case, fluid_pressure, leak_rate)
     at = given("fluid pressure", fluid_pressure)
+    if applied_force is not None:
+        at = f"{at} with {given('force', applied_force)}"
     return [
         f"Leak rate at {at}: {in_words(found)}",
         f"Leakage class for {nominal_size(case)}: {classes_in_words(found)}",

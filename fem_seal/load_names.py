@@ -53,20 +53,16 @@ def different(loads: Sequence[LoadResult]) -> list[int]:
         All of them, in their order.
     """
     order = sorted(range(len(loads)), key=lambda n: loads[n].line_load)
-    return list({(*_point(loads[n]), _number(loads[n], loads)): n for n in order}.values())
+    return list({(*loads[n].point, _number(loads[n], loads)): n for n in order}.values())
 
 
 def _number(load: LoadResult | TargetContact, loads: Sequence[LoadResult | TargetContact]) -> str:
-    again = _remembers(load) and [_point(other) for other in loads].count(_point(load)) > 1
+    again = _remembers(load) and [other.point for other in loads].count(load.point) > 1
     return f" (load {loads.index(load) + 1})" if again else ""
 
 
 def _remembers(load: LoadResult | TargetContact) -> bool:
     return isinstance(load.contact, ElastoplasticContact)
-
-
-def _point(load: LoadResult | TargetContact) -> tuple[float, float]:
-    return load.fluid_pressure, load.applied_force
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,11 +42,7 @@ def leak_picture(result: SealResult) -> Picture | None:
     # where the fluid has blown the seal open there is no finite rate to draw
     flowing = [load for load in result.loads if load.leak and np.isfinite(load.leak.leak_rate)]
     # along their path where a body yields: the same pressure leaks differently before and after a higher one
-    loads = (
-        flowing
-        if result.unloaded
-        else sorted(flowing, key=lambda load: (load.fluid_pressure, load.applied_force))
-    )
+    loads = flowing if result.unloaded else sorted(flowing, key=lambda load: load.point)
     if not loads:
         return None
     over = load_axis(loads)

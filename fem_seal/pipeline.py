@@ -79,9 +79,9 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
             _load_result(*item) for item in zip(case.load.points, contacts, *flows, *separations, strict=True)
         )
     with clock.step("error", "estimating the discretisation error"):
-        highest = max(range(len(loads)), key=lambda n: loads[n].axial_force)
-        coarser = on_coarser_mesh(case, law, seal_mesh.sizing, highest)
-        error = discretisation_error(contacts[highest], coarser, seal_mesh.sizing)
+        strongest = _strongest(loads)
+        coarser = on_coarser_mesh(case, law, seal_mesh.sizing, strongest)
+        error = discretisation_error(contacts[strongest], coarser, seal_mesh.sizing)
     with clock.step("far field", "comparing sizes and supports far from the contact"):
         far = far_field(coarser)
     with clock.step("questions", "blow-off and force for the target leak rate"):
@@ -364,21 +364,26 @@ def _largest_stress(contact: ContactSolution) -> tuple[float, tuple[str, float, 
     return float(worst.von_mises[node]), (worst.name, r, z)
 
 
+def _strongest(loads: Sequence[LoadResult]) -> int:
+    """Number of the load with the largest closing force."""
+    return max(range(len(loads)), key=lambda n: loads[n].axial_force)
+
+
 def _interface_variants(
     solver: LoadSolver, surface: RoughContact | None, loads: Sequence[LoadResult]
 ) -> tuple[InterfaceVariant, ...]:
-    """The highest load with p(u) of the elastic and of the plastically smoothed surface."""
+    """The load with the largest closing force with p(u) of the elastic and of the plastically smoothed surface."""
     case = solver.case
     if surface is None or surface.hardness is None or case.interface.law != "persson":
         return ()
-    highest = max(range(len(loads)), key=lambda n: loads[n].axial_force)
-    load, variants = loads[highest], []
+    strongest = _strongest(loads)
+    load, variants = loads[strongest], []
     for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
         contact = load.contact
         if plastic != case.interface.plastic:
             law = surface.interface_law(plastic=plastic)
             if solver.yields:
-                contact = solve_load(replace(solver, law=law), highest)
+                contact = solve_load(replace(solver, law=law), strongest)
             else:
                 # what the fluid does between the surfaces stays as it is
                 contact = solve(solver.model, law, axial_force=load.axial_force, loads=contact.loads)

@@ -60,7 +60,8 @@ def read_profiles(file: str | Path) -> tuple[ImportedProfile, ...]:
     file : path
         Text file with a header. Columns: arc length (``x_m``, ``x [mm]``, ...) and contact pressure
         (``contact_pressure_Pa``, ``p [MPa]``, ...), or any two columns in this order with their units;
-        optionally radius (``r_m``) and fluid pressure (``fluid_pressure_Pa``), one profile for each.
+        optionally radius (``r_m``) and fluid pressure (``fluid_pressure_Pa``), one profile for each, and one more
+        where a load at the same pressure begins again at the first x.
 
     Returns
     -------
@@ -92,10 +93,9 @@ def _columns(table: TextTable) -> dict[str, FloatArray]:
 
 
 def _profiles(table: TextTable, columns: dict[str, FloatArray]) -> Iterator[ImportedProfile]:
-    rows = np.arange(len(table.lines))
     loads = columns.get("fluid_pressure")
-    for load in [None] if loads is None else list(dict.fromkeys(loads.tolist())):
-        own = rows if load is None else rows[loads == load]
+    for own in _blocks(columns["x"], loads):
+        load = None if loads is None else float(loads[own[0]])
         x, pressure = columns["x"][own], columns["pressure"][own]
         _check(x, pressure, [table.lines[row] for row in own])
         radius = columns["radius"][own] if "radius" in columns else None
@@ -106,6 +106,18 @@ def _profiles(table: TextTable, columns: dict[str, FloatArray]) -> Iterator[Impo
         if load is not None and not load > 0:
             raise TextTableError(f"fluid pressure must be positive, it holds {load:g} Pa")
         yield ImportedProfile(x, pressure, radius, load)
+
+
+def _blocks(x: FloatArray, loads: FloatArray | None) -> list[NDArray[np.int64]]:
+    """Rows of each profile: one for each fluid pressure, and one more where a pressure begins anew at its first x."""
+    rows = np.arange(len(x))
+    if loads is None:
+        return [rows]
+    blocks = []
+    for load in dict.fromkeys(loads.tolist()):
+        own = rows[loads == load]
+        blocks += np.split(own, np.flatnonzero(x[own] <= x[own[0]])[1:])
+    return sorted(blocks, key=lambda own: int(own[0]))
 
 
 def _check(x: FloatArray, pressure: FloatArray, lines: list[int]) -> None:

@@ -66,7 +66,7 @@ def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[di
         _row(case, surface, profile, (plastic, elastic), fluid_pressure)
         for profile in profiles
         for fluid_pressure in (
-            [profile.fluid_pressure] if profile.fluid_pressure else case.load.fluid_pressure
+            [profile.fluid_pressure] if profile.fluid_pressure else dict.fromkeys(case.load.fluid_pressure)
         )
     ]
 

@@ -165,6 +165,8 @@ def _load(case: Case) -> list[tuple[str, str]]:
     # bodies that yield remember the order of the loads
     order = case.load.fluid_pressure if curves(case) else sorted(case.load.fluid_pressure)
     pressures = [given("fluid pressure", p) for p in order]
+    if len(set(pressures)) == 1:
+        pressures = pressures[:1]
     shown = (
         ", ".join(pressures)
         if len(pressures) <= 3

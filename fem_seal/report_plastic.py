@@ -47,7 +47,7 @@ def what_yielded(result: SealResult, load: LoadResult) -> Iterator[str]:
 
 def yielding_table(result: SealResult) -> ReadableTable:
     """Where and how far each body has yielded at each load; no rows if all bodies are elastic."""
-    headings = ("fluid pressure", "body", "plastic strain", "largest at", "yielded down to", "load steps")
+    headings = ("load", "body", "plastic strain", "largest at", "yielded down to", "load steps")
     if result.unloaded is None:
         return ReadableTable(headings, ())
     rows = []

@@ -129,7 +129,7 @@ def comparison_table(result: SealResult, sizes: Mapping[str, Sizes]) -> Readable
         (load_name(load, result.loads), *(_difference(column[n]) for column in columns))
         for n, load in enumerate(result.loads)
     )
-    return ReadableTable(("fluid pressure", *headings), rows)
+    return ReadableTable(("load", *headings), rows)
 
 
 def comparison_note(result: SealResult) -> str:
@@ -153,7 +153,7 @@ def _difference(share: float) -> str:
 
 
 def variant_table(result: SealResult) -> ReadableTable:
-    """What the choice of the interface law does to the highest load; no rows if there was no choice."""
+    """What the interface law does to the load with the largest closing force; no rows if there was no choice."""
     rows = [
         (
             variant.name

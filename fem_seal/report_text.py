@@ -116,11 +116,11 @@ def headline(result: SealResult) -> str:
 
 def _what_leaks(result: SealResult) -> str:
     loads = result.loads
-    highest = max(loads, key=_size)
+    highest = max(loads, key=lambda load: load.point)
     last = loads[-1]
     # a body that yields is another one after the highest load
-    changed = result.unloaded is not None and _size(last) != _size(highest)
-    lowest = min(loads[: loads.index(highest) + 1] if changed else loads, key=_size)
+    changed = result.unloaded is not None and last.point != highest.point
+    lowest = min(loads[: loads.index(highest) + 1] if changed else loads, key=lambda load: load.point)
     shown = [highest] if lowest is highest else [lowest, highest]
     if changed:
         shown.append(last)
@@ -138,10 +138,6 @@ def _what_leaks(result: SealResult) -> str:
     ]
     then = f"; after {span}, {told.pop()}" if changed else ""
     return f"The seal leaks {' and '.join(told)}{then}."
-
-
-def _size(load: LoadResult) -> tuple[float, float]:
-    return load.fluid_pressure, load.applied_force
 
 
 def _contact(load: LoadResult) -> str:

@@ -40,7 +40,7 @@ def interval_table(result: SealResult) -> ReadableTable:
     unit = unit_for("flow", float(interval.high.max()))
     span = percent(interval.confidence)
     headings = (
-        "fluid pressure",
+        "load",
         f"leak rate [{unit.name}]",
         f"{span}: from [{unit.name}]",
         f"to [{unit.name}]",
@@ -96,7 +96,7 @@ def theory_table(result: SealResult) -> ReadableTable:
     """Leak rate at the lowest and highest fluid pressure with every reading of the theory; maybe no rows."""
     if not result.theory_variants:
         return ReadableTable((), ())
-    order = sorted(range(len(result.loads)), key=lambda n: result.loads[n].fluid_pressure)
+    order = sorted(range(len(result.loads)), key=lambda n: result.loads[n].point)
     shown = list(dict.fromkeys((order[0], order[-1])))
     of_case = [load.leak.leak_rate if load.leak else 0.0 for load in result.loads]
     largest = max(variant.leak_rate[n] for variant in result.theory_variants for n in shown)
@@ -124,7 +124,7 @@ def theory_note(result: SealResult) -> str:
     """How far the readings lie apart; empty without them."""
     if not result.theory_variants:
         return ""
-    load = max(range(len(result.loads)), key=lambda n: result.loads[n].fluid_pressure)
+    load = max(range(len(result.loads)), key=lambda n: result.loads[n].point)
     rates = [variant.leak_rate[load] for variant in result.theory_variants]
     pressure = load_name(result.loads[load], result.loads)
     if min(rates) <= 0:

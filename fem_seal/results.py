@@ -73,6 +73,11 @@ class LoadResult:
     force_for_target: float | None = None
 
     @property
+    def point(self) -> tuple[float, float]:
+        """Fluid pressure [Pa] and force of spring or actuator [N]."""
+        return self.fluid_pressure, self.applied_force
+
+    @property
     def gap_pressure(self) -> NDArray[np.float64] | None:
         """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
         return self.contact.loads.gap_pressure if self.leak is None else self.leak.fluid_pressure
@@ -98,10 +103,15 @@ class TargetContact:
     contact: ContactSolution
     critical_separation: float
 
+    @property
+    def point(self) -> tuple[float, float]:
+        """Fluid pressure [Pa] and force of spring or actuator [N]."""
+        return self.fluid_pressure, self.applied_force
+
 
 @dataclass(frozen=True)
 class InterfaceVariant:
-    """What another choice of the interface law does to the highest load.
+    """What another choice of the interface law does to the load with the largest closing force.
 
     Parameters
     ----------
@@ -121,7 +131,7 @@ class InterfaceVariant:
 
 @dataclass(frozen=True)
 class DiscretisationError:
-    """Estimated error of the highest load, from the same solve on elements twice as large.
+    """Estimated error of the load with the largest closing force, from the same solve on elements twice as large.
 
     A third of the difference: what the finer solution's error would be if it fell with the second power of the
     element size. It falls with the fourth, so that this is an upper estimate. Where a body yields, the load steps are
@@ -148,6 +158,7 @@ class SealResult:
     Parameters
     ----------
     case : Case
+        Without the loads at which the fluid opens the seal.
     seal_mesh : SealMesh
     model : ContactModel
     surface : RoughContact or None

@@ -122,10 +122,6 @@ def _others(how: str, values: Collection[float], unit: str) -> str:
     )
 
 
-def _order(load: Loaded) -> tuple[float, float]:
-    return load.fluid_pressure, load.applied_force
-
-
 def _yielding(case: Case, model: ContactModel, loads: Sequence[Loaded]) -> Iterator[str]:
     for name in ("closure", "seat"):
         found = [(load, yielding_of(load.contact).get(name)) for load in loads]
@@ -133,7 +129,7 @@ def _yielding(case: Case, model: ContactModel, loads: Sequence[Loaded]) -> Itera
         if not over:
             continue
         load, zone = max(over, key=lambda item: item[1].von_mises)
-        first = load_name(min((load for load, _ in over), key=_order), loads)
+        first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
         r, z = zone.place
         yield (
             f"{name}: von Mises stress {zone.von_mises / 1e6:.4g} MPa at {load_name(load, loads)} is "
@@ -203,7 +199,7 @@ def _sealed(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> I
     if tight:
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
         peak = load.contact.profile.peak_pressure
-        first = load_name(min(tight, key=_order), loads)
+        first = load_name(min(tight, key=lambda load: load.point), loads)
         yield (
             f"sealed: at {load_name(load, loads)} the peak pressure {peak / 1e6:.4g} MPa is above "
             f"{surface.sealing_pressure / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
@@ -277,7 +273,7 @@ def _fluid_opens(case: Case, surface: RoughContact, loads: Sequence[LoadResult])
     if share > FLUID_OPENS:
         most = f"about {1 + 1.7 * share:.2g} times as much" if share < 0.5 else "several times as much"
         yield (
-            f"at {load.fluid_pressure / 1e5:.4g} bar the fluid pressure is {share:.2g} of the peak contact pressure; "
+            f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure; "
             'how it moves the surfaces is not taken into account. [load] closing = "penetration" calculates it; the '
             f'upper bound, [leak] fluid_in_gap = "local", is {most}'
         )
@@ -286,9 +282,9 @@ def _fluid_opens(case: Case, surface: RoughContact, loads: Sequence[LoadResult])
 def _blown_open(loads: Sequence[LoadResult]) -> Iterator[str]:
     blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
     if blown:
-        load = min(blown, key=lambda load: load.fluid_pressure)
+        load = min(blown, key=lambda load: load.point)
         yield (
-            f"at {load.fluid_pressure / 1e5:.4g} bar the fluid pressure is not below the peak contact pressure, "
+            f"at {load_name(load, loads)} the fluid pressure is not below the peak contact pressure, "
             f"{load.contact.profile.peak_pressure / 1e6:.4g} MPa: the fluid lifts the seal open, no finite leak rate "
             "exists"
         )

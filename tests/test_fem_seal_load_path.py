@@ -20,12 +20,16 @@ from fem_seal.errors import InputError
 from fem_seal.far_field import far_field_sentence
 from fem_seal.further_loads import FurtherLoads
 from fem_seal.held_body import Supports
+from fem_seal.inverse_questions import target_remarks
+from fem_seal.leakage import leakage_lines
 from fem_seal.load_names import different, load_axis, load_name
 from fem_seal.loads import closing_force
+from fem_seal.profile_file import read_profiles
 from fem_seal.report import report
 from fem_seal.report_text import headline
 from fem_seal.stress import node_dofs, quadratic_nodes
 from fem_seal.summary import summary
+from fem_seal.tables import write_profile_csv
 
 VALVE = {
     "fluid_pressure": ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"],
@@ -310,11 +314,42 @@ def test_a_path_of_forces_is_told_by_its_forces():
     leaks = result.table.leak_rate_m3_per_s.to_numpy()
     assert (np.diff(leaks) < 0).all()
     page = report(result)
+    assert "5 bar, 5 bar" not in page
     assert "at 5 bar with 0 N and " in page and "At 5 bar with 1000 N:" in page
     pictures = [base64.b64decode(code).decode() for code in re.findall(r"svg\+xml;base64,([\w+/=]+)", page)]
     over_force = [text for text in pictures if "spring force [N]" in " ".join(text.split())]
     # peak pressure and width, and the leak rate
     assert len(over_force) == 2
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"fluid_pressure": "5 bar", "axial_force": ["0 N", "200 N", "1 kN"]},
+        {"fluid_pressure": ["5 bar", "20 bar", "5 bar"]},
+    ],
+)
+def test_profiles_of_loads_at_the_same_pressure_are_read_back_one_by_one(load, tmp_path):
+    result = fem_seal.run(case(load=load))
+    profiles = read_profiles(write_profile_csv(result, tmp_path / "profile.csv"))
+    assert [one.fluid_pressure for one in profiles] == [one.fluid_pressure for one in result.loads]
+    for found, one in zip(profiles, result.profiles, strict=True):
+        np.testing.assert_allclose(found.x, one.x, rtol=1e-9)
+        np.testing.assert_allclose(found.pressure, one.pressure, rtol=1e-9)
+
+
+def test_a_single_pressure_under_several_forces_is_told_once():
+    several = case(
+        load={
+            "fluid_pressure": "5 bar",
+            "axial_force": ["0 N", "200 N", "1 kN"],
+            "target_leak_rate": "1e3 m^3/s",
+        }
+    )
+    # that any force meets it is one remark and not three
+    assert len(target_remarks(several)) == 1
+    (lines, _) = leakage_lines(several, 5e5, 1e-9, 200.0)
+    assert lines.startswith("Leak rate at 5 bar with 200 N:")
 
 
 # ---------------------------------------------------------------- press fit and far field

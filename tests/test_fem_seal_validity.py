@@ -27,6 +27,7 @@ def load(
     return SimpleNamespace(
         fluid_pressure=fluid_pressure,
         applied_force=applied_force,
+        point=(fluid_pressure, applied_force),
         critical_separation=critical_separation,
         leak=SimpleNamespace(leak_rate=leak_rate),
         contact=SimpleNamespace(profile=profile),
