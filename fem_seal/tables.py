@@ -47,6 +47,16 @@ LEAK_COLUMNS = (
     "max_accumulated_plastic_strain",
     "load_steps",
 )
+# Endings of these columns and their SI units, as `fem_seal.units.DIMENSIONS` writes them; longer endings come first.
+_UNITS = {
+    "_Pa_m3_per_s": "Pa m^3/s",
+    "_m3_per_s": "m^3/s",
+    "_kg_per_s": "kg/s",
+    "_N_per_m": "N/m",
+    "_Pa": "Pa",
+    "_N": "N",
+    "_m": "m",
+}
 PROFILE_COLUMNS = (
     "fluid_pressure_Pa",
     "x_m",
@@ -57,6 +67,24 @@ PROFILE_COLUMNS = (
 )
 
 IMPRINT_COLUMNS = ("body", "x_m", "depth_m")
+
+
+def split_unit(column: str) -> tuple[str, str]:
+    """What a column of leak.csv is called without its unit, and its SI unit, empty for a plain number.
+
+    Parameters
+    ----------
+    column : str
+
+    Examples
+    --------
+    >>> split_unit("leak_rate_Pa_m3_per_s")
+    ('leak_rate', 'Pa m^3/s')
+    """
+    for ending, unit in _UNITS.items():
+        if column.endswith(ending):
+            return column.removesuffix(ending), unit
+    return column, ""
 
 
 def leak_rows(result: SealResult) -> list[dict[str, float]]:
@@ -194,18 +222,6 @@ def profile_array(result: SealResult) -> NDArray[np.float64]:
             np.column_stack([pressure, profile.x, profile.radius, profile.pressure, profile.gap, fluid])
         )
     return np.concatenate(blocks)
-
-
-def profile_table(result: SealResult) -> pd.DataFrame:
-    """The pressure profiles of all loads under each other, with `PROFILE_COLUMNS`, SI.
-
-    Parameters
-    ----------
-    result : SealResult
-    """
-    import pandas as pd
-
-    return pd.DataFrame(profile_array(result), columns=list(PROFILE_COLUMNS))
 
 
 def write_leak_csv(result: SealResult, path: Path) -> Path:

@@ -13,11 +13,13 @@ from fem_seal.studies import plots, plots_goals, plots_statistics
 from fem_seal.studies.analysis import LEAK_RATE, Designs
 from fem_seal.studies.designs import unit_points
 from fem_seal.studies.display import Display, short
+from fem_seal.studies.exports import dataset
 from fem_seal.studies.expressions import Constraint
 from fem_seal.studies.page import page
 from fem_seal.studies.sections import sections
 from fem_seal.studies.sensitivity import sensitivities
 from fem_seal.studies.study_tables import Design
+from fem_seal.tables import LEAK_COLUMNS
 
 CASE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"
 PRESSURE, ML = "peak_pressure_Pa", 1e-6 / 60
@@ -232,6 +234,53 @@ def test_ticks_stay_within_the_designs_that_did_not_fail():
     designs = made([ANGLE], dict(angles().table[["seat.angle", LEAK_RATE]]), failed=(2,))
     axis = plots.parallel_plot(Display(designs)).data[0].dimensions[0]
     assert axis.ticktext == ("30", "45")
+
+
+UNITS = {
+    "fluid_pressure_Pa": "Pa",
+    "axial_force_N": "N",
+    "line_load_N_per_m": "N/m",
+    "peak_pressure_Pa": "Pa",
+    "contact_radius_m": "m",
+    "fwhm_m": "m",
+    "std_m": "m",
+    "leak_rate_m3_per_s": "m^3/s",
+    "leak_rate_elastic_m3_per_s": "m^3/s",
+    "critical_separation_m": "m",
+    "critical_separation_elastic_m": "m",
+    "max_von_mises_Pa": "Pa",
+    "leak_rate_low_m3_per_s": "m^3/s",
+    "leak_rate_high_m3_per_s": "m^3/s",
+    "leak_rate_kg_per_s": "kg/s",
+    "leak_rate_Pa_m3_per_s": "Pa m^3/s",
+    "leak_rate_standard_m3_per_s": "m^3/s",
+    "knudsen_number": "1",
+    "lift_off_x_m": "m",
+    "blow_off_pressure_Pa": "Pa",
+    "applied_force_N": "N",
+    "effective_seal_radius_m": "m",
+    "force_for_target_leak_N": "N",
+    "max_accumulated_plastic_strain": "1",
+    "load_steps": "1",
+}
+
+
+def test_every_response_has_its_unit_in_exports_and_on_the_page():
+    pytest.importorskip("xarray")
+    target = parameter("load.target_leak_rate", "m^3/s", [1e-9, 2e-9])
+    columns = {"load.target_leak_rate": target["levels"], **{name: [1.0, 2.0] for name in LEAK_COLUMNS}}
+    designs = made([target], columns)
+    data = dataset(designs)
+    assert {name: data[name].attrs["units"] for name in LEAK_COLUMNS} == UNITS
+    assert data["load.target_leak_rate"].attrs["units"] == UNITS["leak_rate_m3_per_s"]
+    display = Display(designs)
+    labels = ("leak_rate_Pa_m3_per_s", "leak_rate_kg_per_s", "line_load_N_per_m", "load_steps")
+    assert [display.label(name) for name in labels] == [
+        "leak rate pV [mbar l/s]",
+        "leak rate by mass [g/h]",
+        "line load [N/m]",
+        "load steps",
+    ]
 
 
 def test_numbers_are_short_and_never_in_computer_notation():

@@ -17,7 +17,7 @@ from fem_seal.atomic_files import write_bytes, write_text
 from fem_seal.errors import OutputError
 from fem_seal.readable import flow, given, number, percent, quantity, trimmed, unit_for
 from fem_seal.summary import summary, write_summary
-from fem_seal.tables import leak_table, profile_table, write_leak_csv, write_profile_csv
+from fem_seal.tables import PROFILE_COLUMNS, leak_table, profile_array, write_leak_csv, write_profile_csv
 
 LEAK_HEADER = (
     "fluid_pressure_Pa,axial_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
@@ -91,7 +91,8 @@ def test_profile_csv_gives_the_line_load_back(tmp_path):
     path = write_profile_csv(result, tmp_path / "profile.csv")
     assert path.read_text().splitlines()[0] == PROFILE_HEADER
     profiles = pd.read_csv(path)
-    pd.testing.assert_frame_equal(profiles, profile_table(result), rtol=1e-9, atol=0, check_dtype=False)
+    expected = pd.DataFrame(profile_array(result), columns=list(PROFILE_COLUMNS))
+    pd.testing.assert_frame_equal(profiles, expected, rtol=1e-9, atol=0, check_dtype=False)
     for (pressure, rows), load in zip(profiles.groupby("fluid_pressure_Pa"), result.loads, strict=True):
         assert pressure == load.fluid_pressure
         # trapezoids through Gauss points: good to a few 1e-3

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem_seal.case_fields import shown
 from fem_seal.errors import InputError, Problem
+from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.distributions import LogNormal, Normal
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ def _check_sampled(design: Design, parameters: Sequence[Parameter]) -> None:
         raise InputError(
             Problem("design.num", f'is missing; kind = "{design.kind}" needs a number of designs')
         )
-    if design.kind in ("sobol-sensitivity", "morris") and design.num < 2:
+    if design.kind in SENSITIVITY and design.num < 2:
         raise InputError(
             Problem("design.num", f'kind = "{design.kind}" needs at least 2 to compare', str(design.num))
         )

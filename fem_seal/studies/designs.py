@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-SAMPLED = ("latin-hypercube", "sobol", "sobol-sensitivity", "morris")
+# Kinds whose designs are points for sensitivity indices.
+SENSITIVITY = ("sobol-sensitivity", "morris")
 # Levels of Morris's method, the usual choice.
 MORRIS_LEVELS = 4
 # Outermost levels of a distribution without ends: half of Morris's points lie on the outermost ones.

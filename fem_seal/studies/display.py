@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem_seal.readable import Unit, number, unit_for
 from fem_seal.studies.analysis import Designs
+from fem_seal.tables import split_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,17 +24,6 @@ _NONE = Unit("", 1.0)
 _DEGREE = Unit("°", math.pi / 180)
 _CELSIUS = Unit("°C", 1.0)
 _FREEZING = 273.15
-# Endings of the columns of leak.csv and what they are quantities of.
-_ENDINGS: dict[str, str | Unit] = {
-    "_standard_m3_per_s": "flow",
-    "_Pa_m3_per_s": Unit("mbar l/s", 0.1),
-    "_kg_per_s": Unit("g/h", 1e-3 / 3600),
-    "_m3_per_s": "flow",
-    "_N_per_m": "line load",
-    "_Pa": "contact pressure",
-    "_N": "force",
-    "_m": "length",
-}
 _TITLES = {
     "fwhm_m": "width at half maximum",
     "std_m": "standard deviation of the pressure profile",
@@ -48,6 +38,9 @@ _SI_UNITS: dict[str, str | Unit] = {
     "N": "force",
     "Pa s": "viscosity",
     "m^3/s": "flow",
+    "Pa m^3/s": Unit("mbar l/s", 0.1),
+    "kg/s": Unit("g/h", 1e-3 / 3600),
+    "N/m": "line load",
     "rad": _DEGREE,
     "K": _CELSIUS,
 }
@@ -72,8 +65,7 @@ class Display:
         """What a column is called: a parameter by its path, which the user wrote; a response without its SI unit."""
         if name not in self.designs.about["responses"]:
             return name
-        ending = _ending(name)
-        return _TITLES.get(name) or name.removesuffix(ending or "").replace("_", " ")
+        return _TITLES.get(name) or split_unit(name)[0].replace("_", " ")
 
     def label(self, name: str) -> str:
         """What a column is called, with its unit."""
@@ -185,17 +177,16 @@ class Display:
     def _suitable(self, name: str) -> Unit:
         if not self._numeric(name):
             return _NONE
-        kind: str | Unit | None = None
         if name in self._parameters:
             si = self._parameters[name]["unit"]
-            kind = _SI_UNITS.get(si, Unit(si, 1.0))
         elif name in self.designs.about["responses"]:
-            kind = _ENDINGS.get(_ending(name) or "")
-        elif name not in self.designs.done:
+            si = split_unit(name)[1]
+        else:
             # nobody wrote what a formula is a quantity of
-            kind = Unit("SI", 1.0)
-        if not isinstance(kind, str):
-            return kind or _NONE
+            si = "" if name in self.designs.done else "SI"
+        kind = _SI_UNITS.get(si, Unit(si, 1.0))
+        if isinstance(kind, Unit):
+            return kind
         if kind == "contact pressure" and any(word in name for word in _OF_FLUID):
             kind = "fluid pressure"
         values = self.numbers(name).to_numpy(dtype=float)
@@ -231,10 +222,6 @@ def _by_factors(parameter: dict[str, Any]) -> bool:
 def _even(values: FloatArray) -> bool:
     steps = np.diff(values)
     return bool(np.ptp(steps) < 1e-6 * steps.max())
-
-
-def _ending(name: str) -> str | None:
-    return next((ending for ending in _ENDINGS if name.endswith(ending)), None)
 
 
 def _word(value: object) -> str:

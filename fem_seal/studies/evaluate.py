@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from leak import LeakResult, RoughContact
     from meshes import Sizing
 
-# Residuals are those of the state before the last step; Newton's error behind it is their square.
+# The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
+# leaves. Mostly Newton's last step falls far below it.
 _SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
 
 
@@ -45,7 +46,9 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         With one fluid pressure.
     columns : sequence of str
         Names of `fem_seal.tables.LEAK_COLUMNS`. Those in `FAST` cost milliseconds once geometry and surface are known;
-        any other takes a complete run of the case.
+        any other (leak_rate_low_m3_per_s, leak_rate_high_m3_per_s, knudsen_number, max_accumulated_plastic_strain,
+        load_steps) takes a complete run of the case. So does any column of a case with load.closing = "penetration",
+        load.target_leak_rate, leak.fluid_in_gap = "local", seat.wall = "fixed" or a stress-strain curve.
     interpolate : bool
         Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
         see `fem_seal.studies.surface_family`.

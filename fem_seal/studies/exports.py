@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from fem_seal.atomic_files import write_bytes
 from fem_seal.errors import InputError, Problem
 from fem_seal.studies.analysis import Designs
+from fem_seal.tables import split_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -94,20 +95,8 @@ def dataset(designs: Designs) -> xr.Dataset:
         if one["unit"] and one["name"] in data:
             data[one["name"]].attrs["units"] = one["unit"]
     for name in designs.about["responses"]:
-        data[name].attrs["units"] = _unit(name)
+        # a plain number has the unit 1 in the conventions of netCDF
+        data[name].attrs["units"] = split_unit(name)[1] or "1"
     for name, text in designs.about["derived"].items():
         data[name].attrs["formula"] = text
     return data.assign_attrs(title=designs.about["title"], source=f"fem-seal {designs.about['version']}")
-
-
-def _unit(column: str) -> str:
-    """Unit in the name of a column of leak.csv, ``leak_rate_m3_per_s`` or ``fwhm_m``."""
-    units = {
-        "_m3_per_s": "m3 s-1",
-        "_kg_per_s": "kg s-1",
-        "_N_per_m": "N m-1",
-        "_Pa": "Pa",
-        "_N": "N",
-        "_m": "m",
-    }
-    return next((unit for ending, unit in units.items() if column.endswith(ending)), "1")

@@ -8,23 +8,13 @@ from typing import TYPE_CHECKING
 from fem_seal.case_fields import shown
 from fem_seal.errors import InputError, Problem
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unit_of, unknown_name
-from fem_seal.tables import LEAK_COLUMNS
+from fem_seal.tables import LEAK_COLUMNS, split_unit
 
 if TYPE_CHECKING:
     from fem_seal.studies.study import Study
     from fem_seal.studies.study_tables import StudyTables
 
 _INTERVAL = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
-# Endings of the columns of leak.csv and their SI units, as `fem_seal.units.DIMENSIONS` writes them.
-_UNITS = {
-    "_Pa_m3_per_s": "Pa m^3/s",
-    "_m3_per_s": "m^3/s",
-    "_kg_per_s": "kg/s",
-    "_N_per_m": "N/m",
-    "_Pa": "Pa",
-    "_N": "N",
-    "_m": "m",
-}
 # Columns of the study's own table.
 RESERVED = ("number", "status", "reason", "seconds", "key")
 
@@ -51,9 +41,7 @@ def read_formulas(study: Study, given: Mapping[str, str], responses: Sequence[st
     return found
 
 
-def read_constraints(
-    study: Study, given: Mapping[str, str], responses: Sequence[str]
-) -> dict[str, Constraint]:
+def read_constraints(study: Study, given: Mapping[str, str]) -> dict[str, Constraint]:
     """Constraints over all columns.
 
     Raises
@@ -153,17 +141,12 @@ def _check_known(key: str, text: str, names: Iterable[str], known: list[str], st
 
 def _check_units(key: str, constraint: Constraint, study: Study) -> None:
     """Two quantities that are compared as they are have to be of one kind."""
-    units = {name: _unit(name) for name in LEAK_COLUMNS}
+    units = {name: split_unit(name)[1] for name in LEAK_COLUMNS}
     units |= {one.name: one.entry.unit for one in study.parameters}
     left, right = (unit_of(side, units) for side in constraint.sides)
     if None not in (left, right) and left != right:
         kinds = " with ".join(f"a quantity in {unit}" if unit else "a plain number" for unit in (left, right))
         raise InputError(Problem(key, f"compares {kinds}", shown(constraint.text)))
-
-
-def _unit(column: str) -> str:
-    """SI unit in the name of a column of leak.csv, empty if it has none."""
-    return next((unit for ending, unit in _UNITS.items() if column.endswith(ending)), "")
 
 
 def _check_possible(key: str, name: str, study: Study) -> None:

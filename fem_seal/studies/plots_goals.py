@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.studies.analysis import pareto_front
 from fem_seal.studies.display import Display
-from fem_seal.studies.plot_style import GREY, LAYOUT, MOST_POINTS, ORANGE, by_verdict, drawn
+from fem_seal.studies.plot_style import GREY, LAYOUT, ORANGE, by_verdict, drawn
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -22,8 +22,7 @@ def pareto_plot(display: Display) -> Figure | None:
     names = list(goals.columns)
     on_front = pareto_front(goals.to_numpy())
     front = goals[on_front].sort_values(names).index
-    others = goals.index[~on_front]
-    others = others[:: max(1, -(-len(others) // MOST_POINTS))]
+    others = drawn(goals[~on_front]).index
 
     def points(rows: Any, **look: Any) -> dict[str, Any]:
         return {

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fem_seal.readable import flow
 from fem_seal.studies import plots, plots_goals, plots_statistics
 from fem_seal.studies.analysis import LEAK_RATE, Designs, class_shares, quantiles
+from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.display import Display, short
 from fem_seal.studies.plot_style import MOST_POINTS, drawn
 from fem_seal.studies.sensitivity import Sensitivity, sensitivities
@@ -127,7 +128,7 @@ def _incomplete(designs: Designs) -> str:
 def _sensitivity(display: Display) -> Iterator[Section]:
     designs = display.designs
     found = sensitivities(designs)
-    if not found and designs.kind in ("sobol-sensitivity", "morris"):
+    if not found and designs.kind in SENSITIVITY:
         yield Section("Sensitivity", "Indices need all designs, and every one of them without failure.")
     for one in found:
         if one.output in designs.telling_outputs:

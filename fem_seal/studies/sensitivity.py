@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.studies.designs import MORRIS_LEVELS, unit_points
+from fem_seal.studies.designs import MORRIS_LEVELS, SENSITIVITY, unit_points
 from fem_seal.studies.study_tables import Design
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def sensitivities(designs: Designs) -> list[Sensitivity]:
     W. Usher, J. Open Source Softw. 2, 97 (2017).
     """
     about = designs.about
-    if about["design"]["kind"] not in ("sobol-sensitivity", "morris") or about["design"]["optimise"]:
+    if about["design"]["kind"] not in SENSITIVITY or about["design"]["optimise"]:
         return []
     names = tuple(one["name"] for one in about["parameters"])
     design = Design(**{key: value for key, value in about["design"].items() if key != "optimise"})

@@ -56,7 +56,7 @@ def shared_model(case: Case, sizing: Sizing, *, stress: bool) -> ContactModel:
 
 
 def rounded(sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = False) -> Sizing:
-    """Sizing with rounded numbers: never coarser, never narrower.
+    """Sizing with rounded numbers: never coarser, never narrower; a spot moves by half an element at most.
 
     Parameters
     ----------
@@ -76,7 +76,20 @@ def rounded(sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = Fals
         core=size * _up(sizing.core / size, _STEP),
         zone=(max(-start, lower), min(end, upper)),
         growth_along=_down(sizing.growth_along, _STEP),
+        spots=_rounded_spots(sizing, contact),
     )
+
+
+def _rounded_spots(sizing: Sizing, contact: ContactGeometry) -> tuple[tuple[float, float], ...]:
+    """Spots with rounded sizes, at multiples of them; edges and ends of the faces stay where they are."""
+    lower, upper = contact.reach
+    edges = {lower, upper, *contact.breaks.tolist()}
+    found = set()
+    for place, wanted in sizing.spots:
+        size = _down(wanted, _STEP)
+        near = min(max(size * round(place / size), lower), upper)
+        found.add((place if place in edges else near, size))
+    return tuple(sorted(found))
 
 
 def _elastic(material: Material) -> Material:

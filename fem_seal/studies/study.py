@@ -85,7 +85,7 @@ class Study:
         """Designs, shape (designs, parameters), as the numbers of `Parameter.value`; none of an optimisation."""
         self._read_points(with_open_materials(case, list(read.parameters)), read, folder)
         self.derived: dict[str, Expression] = read_formulas(self, read.derived, read.responses)
-        self.constraints: dict[str, Constraint] = read_constraints(self, read.constraints, read.responses)
+        self.constraints: dict[str, Constraint] = read_constraints(self, read.constraints)
         self.goals: dict[str, Expression]
         """What is minimised: the goals of the optimisation, or of the report; large ones with a minus sign."""
         self.goals = read_goals(self, read)

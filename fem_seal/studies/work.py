@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 # A chunk is what is lost when a worker dies and what travels at once: about a second of work, by these estimates of
-# what new bodies, a new surface and a further design cost [s].
-_BODIES, _SURFACE, _DESIGN, _CHUNK = 0.6, 0.02, 0.008, 1.0
+# what new bodies, a new surface and a further design cost [s]; a cone takes less, a land with its edges more.
+_BODIES, _SURFACE, _DESIGN, _CHUNK = 0.3, 0.02, 0.008, 1.0
 
 # Materials enter the bodies by their elastic constants, the surface by their hardness.
 _BODY_TABLES = ("closure.", "seat.", "mesh.")
