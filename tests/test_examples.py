@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fem_seal import load_case
+from fem_seal import load_case, run
 from fem_seal.derived import derive
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -48,6 +48,18 @@ def test_case_is_valid_and_says_what_it_is(path):
     assert case.title
     assert tomllib.loads(path.read_text())["title"] == case.title
     assert all(load.closing_force > 0 for load in derive(case).loads)
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
+def test_case_runs_and_is_resolved(path, tmp_path):
+    result = run(load_case(path))
+    assert len(result.loads) == len(result.case.load.points)
+    for load in result.loads:
+        assert abs(load.contact.force_error) < 1e-9
+        assert load.leak is None or 0 <= load.leak.leak_rate < float("inf")
+    # the load steps of a body that yields leave a per cent, elements a few parts in ten thousand
+    assert result.discretisation_error.peak_pressure < (1e-2 if result.unloaded else 5e-4)
+    assert (result.write(tmp_path) / "report.html").exists()
 
 
 def test_the_main_example_is_the_case_of_the_paper():
