@@ -75,7 +75,9 @@ def facts(result: SealResult) -> list[Fact]:
         found.insert(0, Fact("Leak rate", flow(load.leak.leak_rate), per_day(load.leak.leak_rate)))
         read = leakage(result.case, load.fluid_pressure, load.leak.leak_rate)
         if load.leak.leak_rate > 0:
-            found.insert(1, Fact("In other units", *in_words(read).split(" = ", 1)))
+            # the first of these units may be the one that stands there already
+            others = [part for part in in_words(read).split(" = ") if part != found[0].value]
+            found.insert(1, Fact("In other units", others[0], " = ".join(others[1:])))
         size = nominal_size(result.case)
         best = next((one for one in read.classes if one.name), read.classes[0])
         found.append(
