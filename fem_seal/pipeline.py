@@ -27,7 +27,7 @@ from fem_seal.laws import HardContact, Law
 from fem_seal.load_solver import LoadSolver, condensed
 from fem_seal.loads import line_load
 from fem_seal.plastic_width import curves, for_yielding
-from fem_seal.results import InterfaceVariant, LoadResult, SealResult
+from fem_seal.results import InterfaceVariant, LoadResult, SealResult, strongest_load
 from fem_seal.solved_loads import SolvedLoads, solve_load, solve_loads
 from fem_seal.validity import contact_warnings, left_out
 from meshes import SealMesh, Sizing, build_contact
@@ -79,7 +79,7 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
             _load_result(*item) for item in zip(case.load.points, contacts, *flows, *separations, strict=True)
         )
     with clock.step("error", "estimating the discretisation error"):
-        strongest = _strongest(loads)
+        strongest = strongest_load(loads)
         coarser = on_coarser_mesh(case, law, seal_mesh.sizing, strongest)
         error = discretisation_error(contacts[strongest], coarser, seal_mesh.sizing)
     with clock.step("far field", "comparing sizes and supports far from the contact"):
@@ -364,11 +364,6 @@ def _largest_stress(contact: ContactSolution) -> tuple[float, tuple[str, float, 
     return float(worst.von_mises[node]), (worst.name, r, z)
 
 
-def _strongest(loads: Sequence[LoadResult]) -> int:
-    """Number of the load with the largest closing force."""
-    return max(range(len(loads)), key=lambda n: loads[n].axial_force)
-
-
 def _interface_variants(
     solver: LoadSolver, surface: RoughContact | None, loads: Sequence[LoadResult]
 ) -> tuple[InterfaceVariant, ...]:
@@ -376,7 +371,7 @@ def _interface_variants(
     case = solver.case
     if surface is None or surface.hardness is None or case.interface.law != "persson":
         return ()
-    strongest = _strongest(loads)
+    strongest = strongest_load(loads)
     load, variants = loads[strongest], []
     for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
         contact = load.contact

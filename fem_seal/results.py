@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
     import pandas as pd
     from numpy.typing import NDArray
@@ -81,6 +83,11 @@ class LoadResult:
     def gap_pressure(self) -> NDArray[np.float64] | None:
         """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
         return self.contact.loads.gap_pressure if self.leak is None else self.leak.fluid_pressure
+
+
+def strongest_load(loads: Sequence[LoadResult]) -> int:
+    """Number of the load with the largest closing force F_N."""
+    return max(range(len(loads)), key=lambda n: loads[n].axial_force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +212,7 @@ class SealResult:
     @property
     def strongest(self) -> LoadResult:
         """The load with the largest closing force; for it error, far field and interface laws are compared."""
-        return max(self.loads, key=lambda load: load.axial_force)
+        return self.loads[strongest_load(self.loads)]
 
     @property
     def profiles(self) -> tuple[PressureProfile, ...]:
