@@ -1,9 +1,9 @@
 """Both bodies condensed on the contact line: factorise once, then every load is a small dense problem.
 
-The pressure acts at quadrature points of the contact line along the seat's normal n; the same point forces,
+The pressure acts at quadrature points of the contact line along the contact normal n; the same point forces,
 with opposite sign, act on both bodies. A body answers with the normal displacement of its quadratic trace, so
 the compliance between quadrature points is T S T^T with T the trace and S the compliance of the trace's
-nodes. On a curved line the normal is that of the trace's nodes, interpolated by T like the displacement. The closure
+nodes. Where the normal turns it is that of the trace's nodes, interpolated by T like the displacement. The closure
 floats: its axial rigid motion is an unknown of the contact problem, and its closing force is a pressure on its top
 that balances whatever acts elsewhere. Fluid on the wetted surfaces and a housing pressed into a bore are further
 columns of the same factorisation.
@@ -49,9 +49,14 @@ class ContactLine:
     arc_weight : ndarray, shape (m,)
         Quadrature weights over x [m].
     normal : ndarray, shape (2, m)
-        Unit normal (n_r, n_z) of the seat, towards the closure.
+        Unit contact normal (n_r, n_z), towards the closure, see `meshes.ContactGeometry`.
+    facing : ndarray, shape (m,)
+        Cosine of the angle between contact normal and seat.
     initial_gap : ndarray, shape (m,)
         Exact gap g0(x) at first touch [m].
+    slide : ndarray, shape (m,)
+        How much more the gap opens when the closure is lifted along the normal of first touch than when it is lifted
+        along the axis until it has opened as much at first touch [-]; zero where the contact normal does not turn.
     vertices : ndarray
         x of the element ends between which the points lie [m], increasing.
     """
@@ -60,13 +65,15 @@ class ContactLine:
     radius: FloatArray
     arc_weight: FloatArray
     normal: FloatArray
+    facing: FloatArray
     initial_gap: FloatArray
+    slide: FloatArray
     vertices: FloatArray
 
     @property
     def area_weight(self) -> FloatArray:
-        """Area that each point stands for, 2 pi r dx [m^2]."""
-        return 2 * np.pi * self.radius * self.arc_weight
+        """Area across the contact normal that each point stands for, 2 pi r facing dx [m^2]."""
+        return 2 * np.pi * self.radius * self.facing * self.arc_weight
 
 
 @dataclass(frozen=True)
@@ -216,7 +223,8 @@ def condense(
     contact = seal_mesh.contact
     x, weight, vertices = _gauss_points(seal_mesh)
     radius = contact.radius(x)
-    area_weight = 2 * np.pi * radius * weight
+    facing = contact.facing(x)
+    area_weight = 2 * np.pi * radius * facing * weight
     # One after the other: SuperLU frees a factor only in the thread that made it, and two threads would leak every one.
     closure, seat = (
         _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports))
@@ -224,7 +232,9 @@ def condense(
     )
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
     normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
-    line = ContactLine(x, radius, weight, normal, contact.gap(x), vertices)
+    n_r, n_z = -math.sin(contact.angle), math.cos(contact.angle)
+    slide = n_r * normal[0] + (n_z - 1 / n_z) * normal[1]
+    line = ContactLine(x, radius, weight, normal, facing, contact.gap(x), slide, vertices)
     compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,

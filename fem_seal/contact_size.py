@@ -28,9 +28,6 @@ _CORE, _EDGE = 3.0, 2.0
 
 _MOST_ELEMENTS = 1500
 
-# Axial component of the normal below which a face goes over into the wall of a bore.
-_STEEP = 0.1
-
 # Elements over what is pressed flat of a rounded edge, and over its whole arc.
 _PER_EDGE, _PER_ARC = 5.0, 6.0
 _AT_CORNER = 10.0
@@ -180,10 +177,8 @@ def element_sizes(
     Raises
     ------
     InputError
-        If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements, or if the
-        closure jams at a steep end of a face.
+        If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements.
     """
-    _refuse_jamming(law, min(line_loads), contact)
     opening = Opening.of(contact)
     widths = [contact_width(law, f, opening, effective_modulus) for f in line_loads]
     std = min(w.std for w in widths)
@@ -221,31 +216,6 @@ def element_sizes(
             )
         )
     return replace(sizing, contact_size=contact_size)
-
-
-def _refuse_jamming(law: Law, line_load: float, contact: ContactGeometry) -> None:
-    """Refuse a rough layer that would carry more at a steep end of a face than at first touch.
-
-    Rigid surfaces that keep the gap u of the load apart at first touch, where the normal's axial component is n_0, are
-    g + u n/n_0 apart where the gap at first touch is g and the component n.
-    """
-    if isinstance(law, HardContact):
-        return
-    layer = _gap(law, math.log(line_load / (contact.reach[1] - contact.reach[0])))
-    ends = np.array([0.0, *contact.reach])
-    steepness, gap = contact.normal(ends)[1], contact.gap(ends)
-    for n in (1, 2):
-        needed = layer * (1 - steepness[n] / steepness[0])
-        if steepness[n] < _STEEP and gap[n] < needed:
-            raise InputError(
-                Problem(
-                    "seat",
-                    f"its face ends steeply at r = {float(contact.radius(ends[n])) * 1e3:.6g} mm, where the surfaces "
-                    f"stand {gap[n] * 1e6:.3g} um apart at first touch; the rough layer, {layer * 1e6:.3g} um thick "
-                    f"under this load, needs {needed * 1e6:.3g} um there, or the closure jams. Make the edge radius "
-                    "larger or the surfaces smoother",
-                )
-            )
 
 
 def _without_stubs(sizing: Sizing, contact: ContactGeometry) -> tuple[float, float]:

@@ -176,26 +176,29 @@ def held_body(
     basis = displacement_basis(seal_mesh.closure if name == "closure" else seal_mesh.seat)
     nodes, trace = trace_matrix(basis, f"{name}_contact", contact.coordinate, x)
     contact_x = contact.coordinate(*quadratic_nodes(basis.mesh)[0][nodes].T)
-    normal = contact.normal(contact_x)
+    # Towards the body's inside: up into the closure, down into the seat.
+    normal = contact.normal(contact_x) * (1.0 if name == "closure" else -1.0)
     balance, wall = np.zeros(basis.N), np.zeros(0, dtype=np.int64)
     further = {side: pressure_load(basis, f"{name}_{side}") for side in ("inner", "outer")}
+    # Between the surfaces fluid acts on both bodies along the contact normal. What a face that leans away from it feels
+    # more or less belongs to the fluid at that end of the line, so that fluid all around is even pressure.
+    on_line = node_dofs(basis)[:, nodes]
+    lacking = pressure_load(basis, f"{name}_contact")[on_line] - normal * (trace.T @ area_weight)
+    for side, beyond in (("inner", contact_x < 0), ("outer", contact_x > 0)):
+        further[side][on_line] += np.where(beyond, lacking, 0.0)
     if name == "closure":
         closing = pressure_load(basis, "closure_top")
         further["outer"] += closing
         axial = node_dofs(basis)[1]
         balance = closing / closing[axial].sum()
-        # Between the surfaces fluid acts on both bodies as on the seat. What the closure, a gap's width off it, feels
-        # more or less belongs to the fluid at that end of the line, so that fluid all around lifts nothing.
-        on_line = node_dofs(basis)[:, nodes]
-        lacking = pressure_load(basis, "closure_contact")[on_line] - normal * (trace.T @ area_weight)
-        areas = np.pi * contact.radius(np.array(seal_mesh.sizing.zone)) ** 2
-        for side, end, area in (("inner", 0, areas[0]), ("outer", -1, -areas[1])):
-            further[side][on_line] += np.where(contact_x < 0 if end == 0 else contact_x > 0, lacking, 0.0)
+        # The closure stands a gap's width off the seat; fluid all around must lift nothing, and that up to first touch
+        # acts on the area of its circle.
+        in_gap = area_weight * contact.normal(x)[1]
+        sealed = np.pi * contact.touch_radius**2
+        for side, end, area in (("inner", 0, sealed - in_gap[x < 0].sum()), ("outer", -1, -sealed - in_gap[x > 0].sum())):
             further[side][on_line[1, end]] += area - further[side][axial].sum()
         held = np.append(_dofs(basis, "closure_axis", 1), _dofs(basis, "closure_top", 2)[0])
     else:
-        # Towards the body's inside: up into the closure, down into the seat.
-        normal = -normal
         held = _dofs(basis, "seat_bottom", 2)
         if supports is not None and supports.wall == "fixed":
             wall = _dofs(basis, "seat_wall", 1)

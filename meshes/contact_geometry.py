@@ -18,13 +18,21 @@ from meshes.touch import at_a_corner, first_touch
 
 FloatArray = NDArray[np.float64]
 
+# Points of the seat's face between which the contact normal turns evenly, and rounds in which it settles.
+_PER_FACE, _ROUNDS = 400, 4
+# Cosine between contact normal and seat below which the seat has turned away from the closure.
+_GRAZING = 0.1
+
 
 @dataclass(frozen=True)
 class ContactGeometry:
     """Closure and seat in first touch, z = 0 on the circle of touch.
 
     The contact line is the seat's face. x is the arc length on it, zero at first touch, positive towards larger r.
-    Every point of it meets the point of the closure in front of it along the seat's normal.
+    Every point of it meets the point of the closure in front of it along the contact normal, which is the common one
+    at first touch and turns with the less curved face: with the seat where the closure bends more, not at all where one
+    face is straight or they bend away from each other. Along it the distance of the faces is that of a parabola on a
+    plane however far they stand apart; along the normal of a small edge radius it is not.
 
     Parameters
     ----------
@@ -114,12 +122,36 @@ class ContactGeometry:
         return self.seat_face.curvature(self._origin)
 
     @cached_property
+    def closure_curvature(self) -> float:
+        """Curvature of the closure at first touch [1/m], positive where it bulges."""
+        return self.closure_face.curvature(
+            float(self.closure_face.project(np.array(self.touch_radius), np.array(0.0)))
+        )
+
+    @cached_property
     def relative_radius(self) -> float:
         """R_rel of the line contact [m]: 1/R_rel = 1/R_closure + 1/R_seat, hollow negative; inf if they fit."""
-        s = float(self.closure_face.project(np.array(self.touch_radius), np.array(0.0)))
-        bend = self.closure_face.curvature(s) - self.seat_curvature
+        bend = self.closure_curvature - self.seat_curvature
         size = min(self.closure_face.length, self.seat_face.length)
         return 1 / bend if bend * size > 1e-9 else math.inf
+
+    @cached_property
+    def _turning(self) -> tuple[FloatArray, FloatArray] | None:
+        """Arc lengths on the seat [m] and angles of the contact normal there [rad]; None if it does not turn."""
+        seat, closure = self.seat_face, self.closure_face
+        first = _angles(seat, np.array([self._origin]))
+        if seat.is_straight or closure.is_straight:
+            return None
+        s = np.unique(np.append(seat.dense(_PER_FACE), self._origin))
+        own, turned = _angles(seat, s), np.full(len(s), first[0])
+        # A turn of the rays moves where they meet the closure by that turn of a small gap: it settles at once.
+        for _ in range(_ROUNDS):
+            arc = closure.hits(seat.point(s), _normals(turned))[1]
+            facing = _angles(closure, np.where(np.isnan(arc), 0.0, arc))
+            steps = _smaller(np.diff(own), np.where(np.isnan(np.diff(arc)), 0.0, np.diff(facing)))
+            turned = np.concatenate([[0.0], np.cumsum(steps)])
+            turned += first[0] - np.interp(self._origin, s, turned)
+        return None if np.ptp(turned) < 1e-12 else (s, turned)
 
     @cached_property
     def reach(self) -> tuple[float, float]:
@@ -131,11 +163,11 @@ class ContactGeometry:
         return self._last_in_front(start + slack), self._last_in_front(end - slack)
 
     def _last_in_front(self, end: float) -> float:
-        """How far towards x = `end` [m] every normal of the seat meets the closure."""
+        """How far towards x = `end` [m] every contact normal leaves the seat and meets the closure."""
         near = 0.0
         for _ in range(3):
             x = np.linspace(near, end, 41)
-            missed = np.isnan(self.gap(x))
+            missed = np.isnan(self.gap(x)) | (self.facing(x) < _GRAZING)
             if not missed.any():
                 return end
             first = int(np.argmax(missed))
@@ -162,15 +194,24 @@ class ContactGeometry:
         return self.point(x)[1]
 
     def normal(self, x: FloatArray) -> FloatArray:
-        """Unit normal (n_r, n_z) of the seat, towards the closure; shape (2, ...) over x."""
-        return self.seat_face.normal(np.asarray(x) + self._origin)
+        """Unit contact normal (n_r, n_z), from seat to closure; shape (2, ...) over x."""
+        s = np.asarray(x, dtype=float) + self._origin
+        if self._turning is None:
+            first = self.seat_face.normal(np.array(self._origin))
+            return np.broadcast_to(first.reshape(2, *(1,) * s.ndim), (2, *s.shape)).copy()
+        return _normals(np.interp(s, *self._turning))
+
+    def facing(self, x: FloatArray) -> FloatArray:
+        """Cosine of the angle between the seat's own normal and the contact normal, over x."""
+        own = self.seat_face.normal(np.asarray(x, dtype=float) + self._origin)
+        return np.sum(own * self.normal(x), axis=0)
 
     def gap(self, x: FloatArray) -> FloatArray:
-        """Gap g0(x) along the seat's normal at first touch [m], exact; nan outside `reach`."""
+        """Gap g0(x) along the contact normal at first touch [m], exact; nan outside `reach`."""
         return self._in_front(x)[0]
 
     def closure_arc(self, x: FloatArray) -> FloatArray:
-        """Arc length on the closure's face of the point in front of x [m]; nan outside `reach`."""
+        """Arc length on the closure's face of the point in front of x at first touch [m]; nan outside `reach`."""
         return self._in_front(x)[1]
 
     def seat_arc(self, x: FloatArray) -> FloatArray:
@@ -184,5 +225,35 @@ class ContactGeometry:
         return gap.reshape(x.shape), arc.reshape(x.shape)
 
     def coordinate(self, r: FloatArray, z: FloatArray) -> FloatArray:
-        """x of a point (r, z) [m] of either face: the foot of its perpendicular on the seat."""
-        return self.seat_face.project(r, z) - self._origin
+        """x of a point (r, z) [m] of either face in first touch: where the contact normal through it leaves the seat.
+
+        Points beside the contact line get the foot of their perpendicular on the seat.
+        """
+        r, z = np.broadcast_arrays(np.asarray(r, dtype=float), np.asarray(z, dtype=float))
+        points = np.stack([r.ravel(), z.ravel()])
+        foot = self.seat_face.project(*points)
+        if self.seat_face.is_straight:
+            return foot.reshape(r.shape) - self._origin
+        # Nodes of a chord lie a sag below the face.
+        above = 1e-3 * self.seat_face.length
+        for _ in range(1 if self._turning is None else _ROUNDS):
+            normal = self.normal(foot - self._origin)
+            hit = self.seat_face.hits(points + above * normal, -normal)[1]
+            foot = np.where(np.isnan(hit), foot, hit)
+        return foot.reshape(r.shape) - self._origin
+
+
+def _angles(face: Curve, s: FloatArray) -> FloatArray:
+    """Direction of a face at increasing arc lengths [rad], without jumps."""
+    t = face.tangent(s)
+    return np.unwrap(np.arctan2(t[1], t[0]))
+
+
+def _normals(angle: FloatArray) -> FloatArray:
+    """Unit normals to the left of directions [rad], shape (2, ...)."""
+    return np.stack([-np.sin(angle), np.cos(angle)])
+
+
+def _smaller(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Of two turns the smaller one; none if they turn against each other."""
+    return np.where(a * b > 0, np.copysign(np.minimum(np.abs(a), np.abs(b)), a), 0.0)

@@ -72,6 +72,20 @@ class Curve:
         """Length of the chain [m]."""
         return float(self.breaks[-1])
 
+    @cached_property
+    def is_straight(self) -> bool:
+        """Whether the whole chain is one straight line."""
+        ends = np.array([self.segments[0].start, self.segments[-1].end])
+        turned = self.tangent(self.breaks[:-1]) - ((ends[1] - ends[0]) / math.dist(*ends))[:, None]
+        return not self._curvature.any() and bool(np.abs(turned).max() < 1e-12)
+
+    def dense(self, number: int) -> FloatArray:
+        """Arc lengths [m] of some `number` points, several on every segment, breaks among them."""
+        each = max(4, math.ceil(number / len(self.segments)))
+        between = np.linspace(0.0, 1.0, each, endpoint=False)
+        inner = self.breaks[:-1, None] + self._lengths[:, None] * between
+        return np.append(inner.ravel(), self.breaks[-1])
+
     def _locate(self, s: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
         index = np.clip(np.searchsorted(self.breaks, s, side="right") - 1, 0, len(self.segments) - 1)
         return index, s - self.breaks[index]
