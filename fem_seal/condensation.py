@@ -54,9 +54,6 @@ class ContactLine:
         Cosine of the angle between contact normal and seat.
     initial_gap : ndarray, shape (m,)
         Exact gap g0(x) at first touch [m].
-    slide : ndarray, shape (m,)
-        How much more the gap opens when the closure is lifted along the normal of first touch than when it is lifted
-        along the axis until it has opened as much at first touch [-]; zero where the contact normal does not turn.
     vertices : ndarray
         x of the element ends between which the points lie [m], increasing.
     """
@@ -67,7 +64,6 @@ class ContactLine:
     normal: FloatArray
     facing: FloatArray
     initial_gap: FloatArray
-    slide: FloatArray
     vertices: FloatArray
 
     @property
@@ -232,9 +228,7 @@ def condense(
     )
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
     normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
-    n_r, n_z = -math.sin(contact.angle), math.cos(contact.angle)
-    slide = n_r * normal[0] + (n_z - 1 / n_z) * normal[1]
-    line = ContactLine(x, radius, weight, normal, facing, contact.gap(x), slide, vertices)
+    line = ContactLine(x, radius, weight, normal, facing, contact.gap(x), vertices)
     compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,

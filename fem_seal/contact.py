@@ -63,10 +63,8 @@ def solve(
     Notes
     -----
     Unknowns are v = ln p at the points and the approach d:
-    u(v) = g0 + u_t s - d n_z + C (w e^v),  sum(n_z w e^v) = F_N,
-    with the opening by further loads as a part of g0. The circle of first touch is where the surfaces are closest as
-    they stand: the interface lifts the closure along the normal there, by its separation u_t at the highest pressure.
-    Where the contact normal turns, s is what that differs from a lift along the axis.
+    u(v) = g0 - d n_z + C (w e^v),  sum(n_z w e^v) = F_N,
+    with the opening by further loads as a part of g0.
     Increments of v are applied as they are where they fall and as log(1 + dv) where they rise: the pressure
     then never rises faster than linear extrapolation says, and the exponential cannot run away.
     """
@@ -167,9 +165,7 @@ def _first_guess(
         v += np.log(axial_force / float(share @ np.exp(v)))
         s = float(law.decay_length(np.array([v.max()]))[0]) + softest
     centre = int(np.argmax(v))
-    separations = law.gap(v)
-    opening = model.compliance @ (line.area_weight * np.exp(v)) + gap0 - separations
-    opening += separations[centre] * line.slide
+    opening = model.compliance @ (line.area_weight * np.exp(v)) + gap0 - law.gap(v)
     return v, float(opening[centre] / line.normal[1, centre])
 
 
@@ -184,9 +180,7 @@ def _unbalanced(
     """How far the bodies are from the gap of the law [m], and the force from F_N [N]; the former in decay lengths."""
     (v, d), line = state, model.line
     f = line.area_weight * np.exp(v)
-    separations = law.gap(v)
-    standing = gap0 + separations[np.argmax(v)] * line.slide
-    terms = (standing, -d * line.normal[1], model.compliance @ f, -separations)
+    terms = (gap0, -d * line.normal[1], model.compliance @ f, -law.gap(v))
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     # Lengths cancel in the gap: what is below their round-off is no residual.
     round_off = _ROUND_OFF * sum(np.abs(term) for term in terms) / settings.gap_tolerance
@@ -197,7 +191,7 @@ def _unbalanced(
 def _newton_step(
     model: ContactModel, law: InterfaceLaw, state: State, gap_residual: FloatArray, missing_force: float
 ) -> State:
-    """The state after one Newton step; that the slide follows the highest pressure is left out of the derivative."""
+    """The state after one Newton step."""
     (v, d), C, n_z = state, model.compliance, model.line.normal[1]
     decay = law.decay_length(v)
     # Points that carry nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.

@@ -257,8 +257,8 @@ def _edges(
             spots.append((edge, wanted))
     # At the end of a face that carries pressure there is a corner of the body, and the pressure rises towards it.
     closed = max(width.closed_gap for width in widths)
-    for at, end in zip(zone, contact.reach, strict=True):
-        if at == end and float(contact.gap(np.array(end))) <= closed:
+    for at, end, goes_on in zip(zone, contact.reach, contact.turned_away, strict=True):
+        if at == end and not goes_on and float(contact.gap(np.array(end))) <= closed:
             spots.append((end, size / _AT_CORNER))
     return tuple(spots)
 

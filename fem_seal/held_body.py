@@ -191,12 +191,16 @@ def held_body(
         further["outer"] += closing
         axial = node_dofs(basis)[1]
         balance = closing / closing[axial].sum()
-        # The closure stands a gap's width off the seat; fluid all around must lift nothing, and that up to first touch
-        # acts on the area of its circle.
-        in_gap = area_weight * contact.normal(x)[1]
-        sealed = np.pi * contact.touch_radius**2
-        for side, end, area in (("inner", 0, sealed - in_gap[x < 0].sum()), ("outer", -1, -sealed - in_gap[x > 0].sum())):
-            further[side][on_line[1, end]] += area - further[side][axial].sum()
+        # Fluid all around must lift nothing, and that up to first touch acts on the area of its circle. What is left to
+        # that is the node there, which stands on both sides, or of a ready mesh its facets across the ends of the line.
+        in_gap, sealed = area_weight * (trace @ normal[1]), np.pi * contact.touch_radius**2
+        middle = int(np.argmin(np.abs(contact_x)))
+        for side, end, area in (
+            ("inner", 0, sealed - in_gap[x < 0].sum()),
+            ("outer", -1, -sealed - in_gap[x > 0].sum()),
+        ):
+            node = on_line[1, end if contact.has_ready_mesh else middle]
+            further[side][node] += area - further[side][axial].sum()
         held = np.append(_dofs(basis, "closure_axis", 1), _dofs(basis, "closure_top", 2)[0])
     else:
         held = _dofs(basis, "seat_bottom", 2)

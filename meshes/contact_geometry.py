@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 # Points of the seat's face between which the contact normal turns evenly, and rounds in which it settles.
 _PER_FACE, _ROUNDS = 400, 4
 # Cosine between contact normal and seat below which the seat has turned away from the closure.
-_GRAZING = 0.1
+_GRAZING = 0.25
 
 
 @dataclass(frozen=True)
@@ -147,8 +147,11 @@ class ContactGeometry:
         # A turn of the rays moves where they meet the closure by that turn of a small gap: it settles at once.
         for _ in range(_ROUNDS):
             arc = closure.hits(seat.point(s), _normals(turned))[1]
-            facing = _angles(closure, np.where(np.isnan(arc), 0.0, arc))
-            steps = _smaller(np.diff(own), np.where(np.isnan(np.diff(arc)), 0.0, np.diff(facing)))
+            faced = ~np.isnan(arc[1:] + arc[:-1])
+            facing = np.diff(_angles(closure, np.where(np.isnan(arc), 0.0, arc)))
+            share = _smaller(np.diff(own), facing) / np.where(np.diff(own) == 0, 1.0, np.diff(own))
+            # Beside the closure the normal goes on turning as it does at its end.
+            steps = np.interp(s[1:], s[1:][faced], share[faced]) * np.diff(own)
             turned = np.concatenate([[0.0], np.cumsum(steps)])
             turned += first[0] - np.interp(self._origin, s, turned)
         return None if np.ptp(turned) < 1e-12 else (s, turned)
@@ -161,6 +164,12 @@ class ContactGeometry:
         # Where the last ray grazes the end of the face it may miss by round-off; the face is long enough without.
         slack = 1e-6 * (end - start)
         return self._last_in_front(start + slack), self._last_in_front(end - slack)
+
+    @cached_property
+    def turned_away(self) -> tuple[bool, bool]:
+        """Whether the seat goes on at the ends of `reach`, turned away from the closure."""
+        start, end = (self.facing(np.array(self.reach)) < 1.05 * _GRAZING).tolist()
+        return start, end
 
     def _last_in_front(self, end: float) -> float:
         """How far towards x = `end` [m] every contact normal leaves the seat and meets the closure."""

@@ -123,8 +123,9 @@ def test_fluid_all_around_leaves_a_closure_of_any_shape_under_even_pressure(clos
     # elements are large, of second order in the mean.
     assert off.max() < 2e-2
     assert off.mean() < 1e-3
-    assert finer.max() < 0.7 * off.max()
-    assert finer.mean() < 0.4 * off.mean()
+    # Under a straight face nothing is left but round-off.
+    assert finer.max() < max(0.7 * off.max(), 1e-9)
+    assert finer.mean() < max(0.4 * off.mean(), 1e-10)
 
 
 def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lifts_nothing(tmp_path):

@@ -7,6 +7,7 @@ The closed solutions are those of half-planes; a contact that is narrow against 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -19,16 +20,22 @@ from fem_seal.contact_size import element_sizes
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.contact_zone import solve_fitted
 from fem_seal.laws import HardContact, Law
+from fem_seal.loads import line_load
 from fem_seal.materials import Material, effective_modulus
+from fem_seal.profile import PressureProfile
 from leak import ExponentialLaw, crossover_line, hertz_line
 from meshes import (
     Ball,
+    ConicalLand,
     ConicalSeat,
     ContactGeometry,
+    Disc,
     FlatSeat,
     Profile,
+    RoundedCone,
     Segment,
     Shape,
+    SharpEdge,
     Sizing,
     SphericalSeat,
     ToroidalEdge,
@@ -219,3 +226,101 @@ def test_nearly_fitting_sphere_meets_an_independent_program() -> None:
     away = np.abs(x) < 0.97 * profile.x[-1]
     assert ours[away] == pytest.approx(pressure[away], abs=1e-3 * pressure.max())
     assert ours[~away] == pytest.approx(pressure[~away], abs=1e-2 * pressure.max())
+
+
+# ---------------------------------------------------------------- faces that bend within the thickness of the layer
+
+# Two programs that had no part in this one: two-body finite elements with the contact along the closure's normal, and
+# CalculiX. They differ from each other by 0.3 %.
+POPPET = RoundedCone.of(45 * DEG, mean_radius=12 * MM, outer_radius=14 * MM)
+NARROW_LAND = {"land_width": 0.6 * MM, "land_radius": 12 * MM, "edge_radius": 30e-6}
+
+
+def poppet_on_land(law: Law, fluid_pressures: list[float]) -> list[PressureProfile]:
+    land = ConicalLand.around(45 * DEG, POPPET, **NARROW_LAND)
+    loads = [0.5 * 12 * MM * p / math.cos(45 * DEG) for p in fluid_pressures]
+    return [pressed(POPPET, land, law, f).profile for f in loads]
+
+
+@pytest.mark.parametrize("p_c", [50e6, 5e9, 1e12])
+def test_poppet_on_a_land_meets_two_other_programs_whatever_p_c_is(p_c: float) -> None:
+    light, heavy = poppet_on_land(ExponentialLaw(p_c=p_c, u0=0.5e-6), [20e5, 100e5])
+    assert light.peak_pressure == pytest.approx(31.55e6, rel=3e-3)
+    assert heavy.peak_pressure == pytest.approx(203.8e6, rel=3e-3)
+
+
+def edges_and_rings() -> Iterator[tuple[str, Shape, Shape]]:
+    """Pairs with a small radius somewhere."""
+    small, large = Ball(6 * MM), Ball(20 * MM)
+    cone = RoundedCone.of(30 * DEG, mean_radius=5 * MM, outer_radius=7 * MM)
+    disc, rim = Disc.of(20 * MM), ToroidalEdge.of(6 * MM, 0.2 * MM)
+    yield "ball on edge", small, SharpEdge.around(4 * MM, small, edge_radius=0.1 * MM)
+    yield "cone on edge", cone, SharpEdge.around(5 * MM, cone, edge_radius=0.3 * MM)
+    yield "ball on ring", large, ToroidalSeat.around(14 * MM, 0.3 * MM, large)
+    yield "disc on ring", disc, ToroidalSeat.around(14 * MM, 0.3 * MM, disc)
+    yield (
+        "ball on land",
+        large,
+        ConicalLand.around(45 * DEG, large, land_width=0.2 * MM, edge_radius=0.1 * MM),
+    )
+    yield "rim on cone", rim, ConicalSeat.around(45 * DEG, rim)
+    yield "rim on ring", rim, ToroidalSeat.around(6.2 * MM, 0.2 * MM, rim)
+
+
+@pytest.mark.parametrize(
+    ("closure", "seat"), [pytest.param(*pair, id=name) for name, *pair in edges_and_rings()]
+)
+@pytest.mark.parametrize("fluid_pressure", [2e5, 100e5])
+def test_p_c_only_shifts_the_approach_on_every_curved_face(
+    closure: Shape, seat: Shape, fluid_pressure: float
+) -> None:
+    """p_c from 50 MPa to 1000 GPa moves the surfaces 5 um apart, and does nothing else (theory_geometry.md)."""
+    contact = ContactGeometry.of(closure.outline, seat.outline)
+    f = line_load(math.pi * contact.touch_radius**2 * fluid_pressure, contact.touch_radius, contact.angle)
+    found = [pressed(closure, seat, ExponentialLaw(p_c=p_c, u0=0.5e-6), f).profile for p_c in (50e6, 1e12)]
+    for size in ("peak_pressure", "fwhm", "std"):
+        assert getattr(found[0], size) == pytest.approx(getattr(found[1], size), rel=1e-5)
+
+
+def half_planes(gap: FloatArray, t: FloatArray, f: float, modulus: float, law: ExponentialLaw) -> FloatArray:
+    """Pressure of half-planes with any gap over even points t: boundary elements of constant pressure, Newton."""
+    h = t[1] - t[0]
+    between = np.subtract.outer(t, t)
+    # opening under an even pressure on a strip: -(2/(pi E*)) int ln|t - t'| dt'
+    near, far = between - h / 2, between + h / 2
+    C = -(2 / (math.pi * modulus)) * (far * np.log(np.abs(far)) - near * np.log(np.abs(near)) - h)
+    v, d = -gap / law.u0, 0.0
+    v += math.log(f / (h * np.exp(v).sum()))
+    for _ in range(100):
+        p = np.exp(v)
+        residual = np.append(gap - d + C @ p + law.u0 * (v - math.log(law.p_c)), h * p.sum() - f)
+        jacobian = np.block(
+            [[C * p + law.u0 * np.eye(len(t)), -np.ones((len(t), 1))], [h * p[None], np.zeros((1, 1))]]
+        )
+        step = np.linalg.solve(jacobian, -residual)
+        v, d = v + np.clip(step[:-1], -1, 1), d + step[-1]
+        if np.abs(step[:-1]).max() < 1e-11:
+            return np.exp(v)
+    raise AssertionError("no convergence")
+
+
+@pytest.mark.parametrize("c", [0.02, 0.1])
+def test_edge_under_a_straight_face_feels_the_exact_distance_to_it(c: float) -> None:
+    """The distance to the cone is rho - sqrt(rho^2 - t^2), no parabola: 0.7 % in peak and width at u0/rho = 0.02.
+
+    c = f/(pi E* u0) is small, so that an edge is as stiff as a half-plane; what it is not changes the peak by less than
+    1e-3, which is the tolerance. With the distance along the seat's own normal the peak is off by 3 % and more.
+    """
+    rho, u0 = 0.1 * MM, 2e-6
+    cone = RoundedCone.of(45 * DEG, mean_radius=5 * MM, outer_radius=7 * MM)
+    seat = SharpEdge.around(5 * MM, cone, edge_radius=rho)
+    law, modulus = ExponentialLaw(p_c=5e9, u0=u0), effective_modulus(STEEL, STEEL)
+    f = c * math.pi * modulus * u0
+    profile = pressed(cone, seat, law, f).profile
+    t = np.linspace(-0.7 * rho, 0.7 * rho, 1401)
+    exact = half_planes(rho - np.sqrt(rho**2 - t**2), t, f, modulus, law)
+    assert profile.peak_pressure == pytest.approx(exact.max(), rel=1e-3)
+    across = rho * np.sin(profile.x / rho)
+    assert np.interp(across, t, exact) == pytest.approx(profile.pressure, abs=2e-3 * exact.max())
+    parabola = crossover_line(f, rho, modulus, u0).peak_pressure
+    assert abs(profile.peak_pressure / parabola - 1) > 4e-3
