@@ -113,7 +113,7 @@ def test_a_layer_as_thick_as_the_edge_radius_wedges_nothing() -> None:
     contact = ContactGeometry.of(ball.outline, SharpEdge.around(4.16e-3, ball, edge_radius=12.75e-6).outline)
     law, materials = ExponentialLaw(p_c=5e9, u0=13e-6), {"closure": STEEL, "seat": STEEL}
     sizing = element_sizes(law, [10.0], contact, effective_modulus(STEEL, STEEL))
-    model = condense(build_contact(contact, sizing), materials)
+    model = condense(meshes.build_contact(contact, sizing), materials)
     profile = solve(model, law, axial_force=1.0).profile
     assert abs(profile.x[np.argmax(profile.pressure)]) < 1e-6
     assert profile.std < 13e-6
