@@ -172,6 +172,19 @@ def test_a_library_that_never_comes_back_ends_the_process_and_not_the_study(tmp_
     assert result.table["status"][2] == "failed"
 
 
+def test_what_takes_minutes_travels_one_design_at_a_time():
+    """So that a worker that dies or hangs loses that design alone."""
+    from fem_seal.studies.work import Recipe, chunks
+
+    def sizes(**tables):
+        plan = study(**tables)
+        return [len(chunk.points) for chunk in chunks(Recipe.of(plan), plan.points)]
+
+    assert sizes() == [4]
+    assert sizes(responses=["knudsen_number"]) == [1, 1, 1, 1]
+    assert sizes(changes={**COARSE, "leak.fluid_in_gap": "local"}) == [1, 1, 1, 1]
+
+
 def _plugin():
     distributed = pytest.importorskip("distributed")
 

@@ -198,15 +198,18 @@ def _reason(error: BaseException) -> str:
 
 def chunks(recipe: Recipe, points: FloatArray) -> Iterator[Chunk]:
     """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other."""
+    from fem_seal.studies.evaluate import takes_complete_run
+
     if len(points) == 0:
         return
+    design = _CHUNK if takes_complete_run(recipe.case, recipe.columns) else _DESIGN
     ranks = np.array([_rank(one.name) for one in recipe.parameters])
     # lexsort takes the most important column last
     ordered = points[np.lexsort(points[:, np.argsort(ranks, kind="stable")[::-1]].T)]
     changed = np.vstack([np.ones(ordered.shape[1], dtype=bool), ordered[1:] != ordered[:-1]])
     ordered, changed = ordered[changed.any(axis=1)], changed[changed.any(axis=1)]
     new_bodies, new_surface = (changed[:, ranks <= rank].any(axis=1) for rank in (0, 1))
-    costs = _DESIGN + _SURFACE * new_surface + _BODIES * new_bodies
+    costs = design + _SURFACE * new_surface + _BODIES * new_bodies
     start, cost = 0, 0.0
     for place, step in enumerate(np.asarray(costs).tolist()):
         if place > start and cost + step > _CHUNK:
