@@ -368,7 +368,7 @@ def test_rows_that_are_in_the_log_only_are_read_where_nothing_can_be_written(tmp
     file.close()
 
 
-def scanned(tmp_path):
+def scanned(tmp_path, **tables):
     """A study over a spectrum from a file and, as a parameter, over others."""
     for name in ("a.csv", "b.csv"):
         shutil.copy(EXAMPLES / "studies" / "spectrum.csv", tmp_path / name)
@@ -377,6 +377,7 @@ def scanned(tmp_path):
         changes={**COARSE, "roughness.spectrum": {"kind": "table", "file": str(tmp_path / "a.csv")}},
         parameters={"load.axial_force": ["0 N", "1 N", "2 N", "3 N"]},
         responses=["leak_rate_m3_per_s"],
+        **tables,
     )
 
 
@@ -436,6 +437,36 @@ def test_a_data_file_of_a_parameter_is_watched_only_by_its_designs(tmp_path):
     assert done.reason is None
     with pytest.raises(InputError, match=r"b\.csv: was changed"):
         calculate(recipe, type(whole)(whole.points[1:]))
+
+
+@pytest.mark.parametrize("search", [False, True], ids=["grid", "search"])
+def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeypatch, search):
+    """And is no failure of the designs that miss it."""
+
+    def removed(case, columns, *, interpolate=True):
+        if case.load.axial_force == 2.0:
+            (tmp_path / "a.csv").unlink(missing_ok=True)
+            raise OSError("no such file")
+        return {"leak_rate_m3_per_s": 1e-6 + 1e-9 * case.load.axial_force}
+
+    monkeypatch.setattr(evaluate, "responses", removed)
+    plan = scanned(
+        tmp_path, **({"optimise": {"maximise": "leak_rate_m3_per_s", "trials": 9}} if search else {})
+    )
+    with pytest.raises(InputError, match=r"a\.csv: was changed or removed"):
+        run_study(plan, folder=tmp_path / "out", workers=0)
+    assert StudyResult(tmp_path / "out").counts["failed"] == 0
+
+
+def test_a_worker_on_another_machine_need_not_have_what_it_does_not_read(tmp_path):
+    from dataclasses import replace
+
+    from fem_seal.studies.work import Recipe, calculate, chunks
+
+    plan = study()
+    recipe = replace(Recipe.of(plan), files={str(tmp_path / "curve.csv"): "its contents at home"})
+    (whole,) = chunks(recipe, plan.points)
+    assert [row.reason for row in calculate(recipe, whole)] == [None] * 4
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ import numpy as np
 
 from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.studies.distributions import LogUniform, Uniform
-from fem_seal.studies.work import Chunk, Recipe
+from fem_seal.studies.work import Chunk, Recipe, check_unchanged
 
 if TYPE_CHECKING:
     from optuna import Study as OptunaStudy
@@ -208,6 +208,7 @@ def _rows(recipe: Recipe, store: Store, pool: Pool, points: Any) -> list[Row]:
     known = store.known(keys)
     fresh = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
     for rows in pool.results(recipe, [Chunk(point[None]) for point in fresh.values()]):
+        check_unchanged(recipe.files)
         store.write(rows)
     found = store.rows(keys)
     return [found[key] for key in keys]

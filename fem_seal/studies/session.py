@@ -21,7 +21,7 @@ from fem_seal.studies.progress import Progress, Silent
 from fem_seal.studies.results import StudyResult
 from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, create
 from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
-from fem_seal.studies.work import Chunk, Recipe, chunks
+from fem_seal.studies.work import Chunk, Recipe, check_unchanged, chunks
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -135,6 +135,7 @@ def _fill(recipe: Recipe, store: Store, ready: Pool, study: Study, progress: Pro
     progress.begin(len(study.points), len(study.points) - counts["open"])
     try:
         for rows in ready.results(recipe, _missing(recipe, store, chunks(recipe, study.points))):
+            check_unchanged(recipe.files)
             keep(store, rows, progress)
     finally:
         progress.end()

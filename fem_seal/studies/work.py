@@ -149,7 +149,7 @@ def calculate(recipe: Recipe, chunk: Chunk) -> list[Row]:
 def _row(recipe: Recipe, point: Sequence[float]) -> Row:
     start = time.perf_counter()
     files = recipe.files_of(point)
-    check_unchanged(files)
+    check_unchanged(files, all_there=False)
     failure = None
     outputs: tuple[float | None, ...] = (None,) * (len(recipe.columns) + len(recipe.derived))
     try:
@@ -157,7 +157,7 @@ def _row(recipe: Recipe, point: Sequence[float]) -> Row:
     except Exception as error:  # whatever it is, it is the end of this design and not of the study
         failure = _reason(error)
     # a design reads its files when it needs them: only now is it sure what it has read
-    check_unchanged(files)
+    check_unchanged(files, all_there=False)
     return Row(recipe.key(point), recipe.inputs(point), outputs, failure, time.perf_counter() - start)
 
 
@@ -269,10 +269,19 @@ def contents_of_files(case: Case, parameters: Sequence[Parameter]) -> dict[str, 
     return {path: _contents(path) for path in (*case.named_files, *levels)}
 
 
-def check_unchanged(files: Mapping[str, str]) -> None:
-    """InputError if a file has other contents than it had."""
+def check_unchanged(files: Mapping[str, str], *, all_there: bool = True) -> None:
+    """InputError if a file has other contents than it had.
+
+    Parameters
+    ----------
+    files : mapping
+        Path and contents, see `contents_of_files`.
+    all_there : bool
+        Whether a file that is not there any more has changed, too. On another machine it may never have been.
+    """
     for path, held in files.items():
-        if _contents(path) != held:
+        found = _contents(path)
+        if found != held and (all_there or found != path):
             raise InputError(
                 Problem(
                     "",
