@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -118,6 +118,11 @@ class Case(Table):
         """File the case was read from, None if made in code."""
         return self._file
 
+    @property
+    def named_files(self) -> tuple[str, ...]:
+        """Absolute paths of the files that the tables name."""
+        return tuple(dict.fromkeys(str(Path(file).absolute()) for file in _named_files(self._input)))
+
     def replace(self, changes: Mapping[str, Any] | None = None, /, **tables: Any) -> Case:
         """A changed copy, checked like a new case.
 
@@ -190,6 +195,17 @@ def _place_files(tables: dict[str, Any], path: Path) -> None:
     output = tables.setdefault("output", {})
     if isinstance(output, dict) and isinstance(output.get("folder", ""), str):
         output["folder"] = str(folder / output.get("folder", f"{path.stem}.out"))
+
+
+def _named_files(entry: Any, name: str = "") -> Iterator[str]:
+    if isinstance(entry, Mapping):
+        for key, value in entry.items():
+            yield from _named_files(value, key)
+    elif isinstance(entry, (list, tuple)):
+        for value in entry:
+            yield from _named_files(value, name)
+    elif name in ("file", "files") and isinstance(entry, str):
+        yield entry
 
 
 def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:

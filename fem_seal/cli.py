@@ -70,13 +70,16 @@ def run(
         case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
     from fem_seal import pipeline
+    from fem_seal.folder_lock import alone
     from fem_seal.tables import leak_rows
 
     _load_meanwhile("matplotlib.backends.backend_svg", "matplotlib.figure", "jinja2")
-    with _progress(quiet) as progress:
+    with alone(folder), _progress(quiet) as progress:
         result = pipeline.run(case, progress=progress)
         progress("writing results")
-        result.write(folder)
+        from fem_seal import result_files
+
+        result_files.write(result, folder)
     _warn(result.warnings)
     rows = leak_rows(result)
     if json:
@@ -137,9 +140,14 @@ def mesh(
     case = load_case(case_file)
     folder = _results_folder(output, case)
     from fem_seal import pipeline
+    from fem_seal.folder_lock import alone
+    from fem_seal.results_folder import replaced_together
 
     seal_mesh = pipeline.build_mesh(case)
-    path = seal_mesh.write(folder / "mesh.msh")
+    path = folder / "mesh.msh"
+    with alone(folder), replaced_together(folder, whole=False) as draft:
+        seal_mesh.write(draft / path.name)
+    _warn_of_mixture(folder)
     quality = asdict(seal_mesh.quality)
     if json:
         typer.echo(console.as_json({"file": str(path), **quality}))
@@ -167,14 +175,18 @@ def leak(
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
     from fem_seal import console
     from fem_seal.case import load_case
+    from fem_seal.folder_lock import alone
     from fem_seal.profile_file import read_profiles
     from fem_seal.profile_leak import leak_of_profiles, write_rows
+    from fem_seal.results_folder import replaced_together
 
     case = load_case(case_file)
     profiles = read_profiles(profile_file)
     folder = _made(output or profile_file.with_suffix(".leak"))
     rows = leak_of_profiles(case, profiles)
-    write_rows(rows, folder / "leak.csv")
+    with alone(folder), replaced_together(folder, whole=False) as draft:
+        write_rows(rows, draft / "leak.csv")
+    _warn_of_mixture(folder)
     if json:
         typer.echo(console.as_json({"folder": str(folder), "loads": rows}))
     elif not quiet:
@@ -216,6 +228,8 @@ def surface(
     """What measured scans say about a surface: key figures, power spectrum, picture."""
     from fem_seal import console
     from fem_seal.case_roughness import scan_case
+    from fem_seal.folder_lock import alone
+    from fem_seal.results_folder import replaced_together
     from fem_seal.surface_files import surface_lines, surface_numbers, write_surface
 
     entries = {
@@ -231,7 +245,8 @@ def surface(
     }
     measured = scan_case([str(file) for file in files], entries).measured()
     folder = _made(output or files[0].with_suffix(".surface"))
-    write_surface(measured, folder)
+    with alone(folder), replaced_together(folder, whole=False) as draft:
+        write_surface(measured, draft)
     _warn(measured.warnings)
     if json:
         typer.echo(console.as_json({"folder": str(folder), **surface_numbers(measured)}))
@@ -282,8 +297,15 @@ def _remarks(case: Case) -> list[str]:
     return remarks
 
 
+def _warn_of_mixture(folder: Path) -> None:
+    from fem_seal.results_folder import unfinished
+
+    said = unfinished(folder)
+    _warn([f"{folder}: {said}"] if said else [])
+
+
 def _list_files(folder: Path) -> None:
-    names = sorted(path.name for path in folder.iterdir() if path.is_file())
+    names = sorted(path.name for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
     steps = [name for name in names if name.endswith((".vtu", ".vtp"))]
     others = [name for name in names if name not in steps]
     listed = ", ".join(others) + (f" and {len(steps)} VTK files" if steps else "")

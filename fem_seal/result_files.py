@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.errors import OutputError
 from fem_seal.report import write_report
+from fem_seal.results_folder import replaced_together
 from fem_seal.summary import write_summary
 from fem_seal.tables import write_imprint_csv, write_leak_csv, write_profile_csv
 from fem_seal.theory_variants import write_variants_csv
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 def write(result: SealResult, folder: Path) -> Path:
-    """Write tables, summary, VTK files, mesh and report into a folder.
+    """Write tables, summary, VTK files, mesh and report into a folder, all of them or none.
 
-    Each file is replaced in one step. VTK files, variants.csv and imprint.csv that an earlier run left in the folder
-    are removed; everything else in it is left alone.
+    They take the places of those of an earlier run together; everything else in the folder is left alone. The caller
+    sees to it that nobody else writes there, see `fem_seal.folder_lock`.
 
     Parameters
     ----------
@@ -39,22 +39,16 @@ def write(result: SealResult, folder: Path) -> Path:
         If a file cannot be written.
     """
     folder = Path(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        result.seal_mesh.write(folder / "mesh.msh")
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise OutputError(f"{folder}: cannot be written ({reason})") from error
-    write_leak_csv(result, folder / "leak.csv")
-    write_profile_csv(result, folder / "profile.csv")
-    write_contact(result, folder)
-    write_contact_line(result, folder)
-    write_unloaded(result, folder)
-    write_imprint_csv(result, folder / "imprint.csv")
-    if result.theory_variants:
-        write_variants_csv(result, folder / "variants.csv")
-    else:
-        (folder / "variants.csv").unlink(missing_ok=True)
-    write_report(result, folder / "report.html")
-    write_summary(result, folder / "summary.json")
+    with replaced_together(folder) as draft:
+        result.seal_mesh.write(draft / "mesh.msh")
+        write_leak_csv(result, draft / "leak.csv")
+        write_profile_csv(result, draft / "profile.csv")
+        write_contact(result, draft)
+        write_contact_line(result, draft)
+        write_unloaded(result, draft)
+        write_imprint_csv(result, draft / "imprint.csv")
+        if result.theory_variants:
+            write_variants_csv(result, draft / "variants.csv")
+        write_report(result, draft / "report.html")
+        write_summary(result, draft / "summary.json", folder)
     return folder

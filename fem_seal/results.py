@@ -225,13 +225,25 @@ class SealResult:
         return tuple(load.contact for load in self.loads)
 
     def write(self, folder: str | os.PathLike[str]) -> Path:
-        """Write tables, summary, VTK files, mesh and report into a folder, each file atomically.
+        """Write tables, summary, VTK files, mesh and report into a folder, all of them or none.
+
+        They take the places of those of an earlier run together; a file ``UNFINISHED.txt`` stands in the folder
+        meanwhile, and stays there only if the process is killed in these milliseconds.
 
         Parameters
         ----------
         folder : path
             Made if it does not exist.
+
+        Raises
+        ------
+        InputError
+            If another process writes into the folder.
+        OutputError
+            If a file cannot be written.
         """
+        from fem_seal.folder_lock import alone
         from fem_seal.result_files import write
 
-        return write(self, Path(folder))
+        with alone(Path(folder)):
+            return write(self, Path(folder))

@@ -77,10 +77,18 @@ def summary(result: SealResult) -> dict[str, Any]:
     }
 
 
-def write_summary(result: SealResult, path: Path) -> Path:
-    """Write summary.json, atomically; numbers that JSON does not know (NaN, infinity) are null."""
+def write_summary(result: SealResult, path: Path, folder: Path | None = None) -> Path:
+    """Write summary.json, atomically; numbers that JSON does not know (NaN, infinity) are null.
+
+    Parameters
+    ----------
+    result : SealResult
+    path : pathlib.Path
+    folder : pathlib.Path, optional
+        Where the results will stand; that of `path` unless given.
+    """
     content = summary(result)
-    content["input"]["output"]["folder"] = str(path.parent.absolute())
+    content["input"]["output"]["folder"] = str((folder or path.parent).absolute())
     return write_text(path, as_json(content) + "\n")
 
 

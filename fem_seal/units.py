@@ -79,6 +79,7 @@ DIMENSIONS = {
         Dimension("force", "N", ("250 N", "1.2 kN", "50 lbf")),
         Dimension("viscosity", "Pa s", ("1 mPa s", "46 cP")),
         Dimension("wavenumber", "1/m", ("1e3 1/m", "3.1 1/um")),
+        Dimension("time", "s", ("20 s", "2 min")),
         Dimension("angle", "rad", ("45 deg", "0.785 rad")),
         Dimension("temperature", "K", ("20 degC", "293.15 K")),
         Dimension("spectral density", "m^4", ("1e-18 m^4", "1e6 nm^4")),

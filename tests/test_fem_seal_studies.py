@@ -15,6 +15,7 @@ import pytest
 import fem_seal
 from fem_seal import InputError, Study, load_study, pipeline
 from fem_seal.errors import Problem
+from fem_seal.folder_lock import alone
 from fem_seal.studies import designs, evaluate, shared_models, store, work
 from fem_seal.studies.analysis import pareto_front
 from fem_seal.studies.distributions import LogNormal, Normal
@@ -713,7 +714,7 @@ def test_another_study_is_not_mixed_in(tmp_path):
     run_study(small(), folder=tmp_path, workers=0)
     with pytest.raises(InputError, match="other columns"):
         run_study(small(responses=["fwhm_m"]), folder=tmp_path, workers=0, resume=True)
-    with store.alone(tmp_path), pytest.raises(InputError, match="another fem-seal process"):
+    with alone(tmp_path), pytest.raises(InputError, match="another fem-seal process"):
         run_study(small(), folder=tmp_path, workers=0, resume=True)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
@@ -9,16 +10,24 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from queue import Empty, SimpleQueue
+from threading import Event
 from typing import TYPE_CHECKING, Any
+from uuid import uuid4
 
-from fem_seal.errors import ClusterError
+import numpy as np
+
+from fem_seal.errors import ClusterError, InputError
 from fem_seal.studies.progress import duration
-from fem_seal.studies.work import Chunk, Recipe, calculate, failed_row
+from fem_seal.studies.time_limit import slow_line, watched
+from fem_seal.studies.work import Chunk, Recipe, calculate, failed_row, overtime_row
 
 if TYPE_CHECKING:
-    from dask.distributed import Client
+    from dask.distributed import Client, Worker
+    from numpy.typing import NDArray
 
     from fem_seal.studies.store import Row
+
+    FloatArray = NDArray[np.float64]
 
 # Chunks on the way per worker: enough that none waits for the next one, few enough that memory stays flat.
 _AHEAD = 3
@@ -26,6 +35,8 @@ _AHEAD = 3
 _HEARTBEAT = 2.0
 # Longest wait for one answer of a cluster that is there [s].
 _ANSWER = 30.0
+# Between the last words of a worker and its end [s].
+_FAREWELL = 2.0
 KEPT = "the designs that are done are kept, --resume (resume=True) continues"
 
 
@@ -56,15 +67,26 @@ class Cluster:
 
         Only a few chunks per worker are on the way at a time. When workers die, dask gives their chunks to others. The
         designs of a chunk that dask gives up are tried at the end, one by one with nothing else on the way: one design
-        that kills every worker then costs nothing but itself.
+        that kills every worker then costs nothing but itself. A design that reaches its time limit is known by name: it
+        is a failed row, its worker ends itself, and the rest of its chunk is calculated like any other.
 
         Raises
         ------
         ClusterError
             If the scheduler is gone, no worker comes, or workers cannot calculate at all.
+        InputError
+            If a file of the designs has changed.
         """
         workers = _Workers(self._client, self._patience, self._note)
-        on_the_way = _OnTheWay(self._client, recipe, workers)
+        on_the_way = _OnTheWay(self._client, recipe, workers, self._note)
+        try:
+            yield from self._results(recipe, chunks, workers, on_the_way)
+        finally:
+            on_the_way.close()
+
+    def _results(
+        self, recipe: Recipe, chunks: Iterable[Chunk], workers: _Workers, on_the_way: _OnTheWay
+    ) -> Iterator[list[Row]]:
         shares = _Shares(list(chunks), workers.addresses())
         suspects = deque[tuple[Chunk, int]]()
         while True:
@@ -81,6 +103,10 @@ class Cluster:
             sent, rows = on_the_way.next()
             if rows is not None:
                 yield rows
+            elif any(late := on_the_way.late(sent.chunk)):
+                yield [overtime_row(recipe, point) for point in sent.chunk.points[late]]
+                if not all(late):
+                    shares.give_back(sent.worker, Chunk(sent.chunk.points[np.logical_not(late)]))
             elif sent.attempt < self._retries or len(sent.chunk.points) > 1:
                 suspects.extend((Chunk(point[None]), sent.attempt + 1) for point in sent.chunk.points)
             else:
@@ -97,20 +123,75 @@ class _Sent:
     attempt: int
 
 
+def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> list[Row]:
+    """What a worker does: `calculate`, and tell the coordinator of designs that take long."""
+    from distributed import get_worker
+
+    # the limit is that of designs, not of loading what calculates them
+    import fem_seal.studies.evaluate  # noqa: F401
+
+    worker = get_worker()
+    return [row for point in chunk.points for row in _calculate_one(recipe, point, worker, topic)]
+
+
+def _calculate_one(recipe: Recipe, point: FloatArray, worker: Worker, topic: str) -> list[Row]:
+    # a worker without a nanny has no successor, and may be a thread of the user's own process
+    replaceable = worker.nanny is not None
+
+    def slow(seconds: float) -> None:
+        worker.log_event(topic, {"slow": slow_line(recipe.named(point), seconds, recipe.time_limit)})
+
+    def over(ended: Event) -> None:
+        worker.log_event(
+            topic, {"over": point.tolist(), "worker": worker.address, "replaceable": replaceable}
+        )
+        # nothing less ends a design that is deep in a library; first what was told has to reach the coordinator
+        if not ended.wait(_FAREWELL) and replaceable:
+            os._exit(1)
+
+    with watched(recipe.time_limit, slow, over):
+        return calculate(recipe, Chunk(point[None]))
+
+
+@dataclass(frozen=True)
+class _Over:
+    """A worker says that it has reached the time limit of a design."""
+
+    point: tuple[float, ...]
+    worker: str
+    replaceable: bool
+
+
 class _OnTheWay:
     """Chunks that workers have been given and have not given back."""
 
-    def __init__(self, client: Client, recipe: Recipe, workers: _Workers) -> None:
+    def __init__(
+        self, client: Client, recipe: Recipe, workers: _Workers, note: Callable[[str], None]
+    ) -> None:
         self._client = client
         self._recipe = recipe
         self._workers = workers
+        self._note = note
+        self._late = set[tuple[float, ...]]()
+        # of this study alone, on a scheduler that may have several
+        self._topic = f"fem-seal-{uuid4().hex}"
+        client.subscribe_topic(self._topic, self._hear)
         self._sent: dict[Any, _Sent] = {}
         self._settled = SimpleQueue[Any]()
         # chunks that the scheduler did not calculate any more when it was asked last
         self._doubtful = set[str]()
 
+    def close(self) -> None:
+        """Listen to workers no longer."""
+        if self._client.status == "running":
+            self._client.unsubscribe_topic(self._topic)
+
     def __bool__(self) -> bool:
         return bool(self._sent)
+
+    def late(self, chunk: Chunk) -> list[bool]:
+        """Which of its designs have reached their time limit."""
+        return [tuple(point) in self._late for point in chunk.points.tolist()]
 
     def with_room(self) -> Iterator[str | None]:
         """A worker for each chunk that may be sent; None, for whichever comes, while there is no worker."""
@@ -125,9 +206,10 @@ class _OnTheWay:
     def send(self, chunk: Chunk, worker: str | None, attempt: int = 0) -> None:
         """Give a chunk to a worker, or to another one if that is busy or gone."""
         future = self._client.submit(
-            calculate,
+            _calculate_watched,
             self._recipe,
             chunk,
+            self._topic,
             pure=False,
             workers=None if worker is None else [worker],
             allow_other_workers=worker is not None,
@@ -136,12 +218,15 @@ class _OnTheWay:
         future.add_done_callback(self._settled.put)
 
     def next(self) -> tuple[_Sent, list[Row] | None]:
-        """Wait for one: what it was, and its rows; None if its workers died."""
+        """Wait for one: what it was, and its rows; None if its workers died or one of its designs is late."""
         future = None
         while future is None:
             with suppress(Empty):
                 future = self._settled.get(timeout=_HEARTBEAT)
-            future = future if future in self._sent else self._fallen()
+            if isinstance(future, _Over):
+                future = self._given_up(future)
+            else:
+                future = future if future in self._sent else self._fallen()
         sent = self._sent.pop(future)
         try:
             return sent, self._rows(future)
@@ -159,9 +244,34 @@ class _OnTheWay:
         error = future.exception(timeout=_ANSWER) if future.status == "error" else None
         if error is None or isinstance(error, KilledWorker):
             return None
+        if isinstance(error, InputError):
+            raise error
         # a design that fails is a row: what ends up here is the worker's own fault
         message = f"a worker cannot calculate: {type(error).__name__}: {error}"
         raise ClusterError(f"{message}. Install this version of fem-seal where workers run; {KEPT}")
+
+    def _hear(self, event: tuple[float, dict[str, Any]]) -> None:
+        """What a worker says; called from the client's own thread."""
+        _, said = event
+        if "slow" in said:
+            self._note(said["slow"])
+        else:
+            self._settled.put(_Over(tuple(said["over"]), said["worker"], said["replaceable"]))
+
+    def _given_up(self, over: _Over) -> Any:
+        """The chunk of a design that has reached its time limit; None if it is not on the way any more."""
+        self._late.add(over.point)
+        meant = [
+            future
+            for future, sent in self._sent.items()
+            if any(tuple(point) == over.point for point in sent.chunk.points.tolist())
+        ]
+        # or dask would give it to another worker
+        self._client.cancel(meant)
+        if not over.replaceable:
+            # what it is busy with never ends: it gets nothing more
+            _asked(self._client, self._client.scheduler.retire_workers, workers=[over.worker])
+        return meant[0] if meant else None
 
     def _fallen(self) -> Any:
         """After a silence: a chunk that is not calculated any more although nobody said so; None if all are well."""
@@ -240,3 +350,7 @@ class _Shares:
             for _ in range(-(-len(largest) // 2)):
                 own.appendleft(largest.pop())
         return own.popleft() if own else None
+
+    def give_back(self, worker: str | None, chunk: Chunk) -> None:
+        """A chunk that is to be calculated again, by this worker or another one."""
+        self._parts.setdefault(worker, deque()).appendleft(chunk)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -83,17 +85,32 @@ def run(
         resume=resume,
         retry_failed=retry_failed,
         progress=shown_progress(quiet),
+        leave=_leave,
     )
     result.report()
     _show(result, quiet, json)
 
 
+def _leave() -> None:
+    """End the process at once, from whatever thread: one that never comes back cannot be waited for."""
+    sys.stdout.flush()
+    os._exit(1)
+
+
 @app.command()
-def report(folder: StudyFolder, quiet: Quiet = False, debug: Debug = False) -> None:
+def report(
+    folder: StudyFolder,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", show_default="DIR/report.html", help="The page."),
+    ] = None,
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
     """Write report.html anew, also while the study is running."""
     from fem_seal.studies.results import StudyResult
 
-    path = StudyResult(folder).report()
+    path = StudyResult(folder).report(output)
     if not quiet:
         typer.echo(f"Page in {path}")
 

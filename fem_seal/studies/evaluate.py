@@ -57,10 +57,15 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     ------
     ConvergenceError, GeometryError, MeshingError
     """
-    if not (set(columns) <= set(FAST) and _plain(case)):
+    if takes_complete_run(case, columns):
         return _complete_run(case, columns)
     design = _Design(case, "max_von_mises_Pa" in columns, interpolate)
     return {column: FAST[column](design) for column in columns}
+
+
+def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
+    """Whether columns of a case take seconds or minutes, see `responses`."""
+    return not (set(columns) <= set(FAST) and _plain(case))
 
 
 def _plain(case: Case) -> bool:

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.studies.distributions import LogUniform, Uniform
-from fem_seal.studies.work import Chunk, Recipe
+from fem_seal.studies.work import Chunk, Recipe, check_unchanged
 
 if TYPE_CHECKING:
     from optuna import Study as OptunaStudy
@@ -70,7 +70,22 @@ def optimise(
     ------
     InputError
         If the file holds another search.
+    OutputError
+        If the file cannot be written.
     """
+    from optuna.exceptions import StorageInternalError
+    from sqlalchemy.exc import SQLAlchemyError
+
+    try:
+        _optimise(study, recipe, about, store, pool, progress)
+    except (StorageInternalError, SQLAlchemyError) as error:
+        store.check_place()
+        raise OutputError(f"{store.path}: cannot be written ({error.__cause__ or error})") from error
+
+
+def _optimise(
+    study: Study, recipe: Recipe, about: Mapping[str, Any], store: Store, pool: Pool, progress: Progress
+) -> None:
     settings = study.optimise
     assert settings is not None
     space = search_space(study)
@@ -86,6 +101,7 @@ def optimise(
     progress.begin(settings.trials, len(finished))
     try:
         while batch := _batch(search, study, space):
+            store.check_place()
             points = np.array([_point(trial, space) for trial in batch])
             rows = _rows(recipe, store, pool, points)
             store.append_design(batch[0].number, [recipe.key(point) for point in points])
@@ -192,6 +208,7 @@ def _rows(recipe: Recipe, store: Store, pool: Pool, points: Any) -> list[Row]:
     known = store.known(keys)
     fresh = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
     for rows in pool.results(recipe, [Chunk(point[None]) for point in fresh.values()]):
+        check_unchanged(recipe.files)
         store.write(rows)
     found = store.rows(keys)
     return [found[key] for key in keys]
@@ -215,7 +232,11 @@ def _tell(search: OptunaStudy, study: Study, trial: Trial, row: Row) -> None:
     if not all(math.isfinite(goal) for goal in goals):
         search.tell(trial, state=TrialState.FAIL)
         return
+    told = (
+        trial.constraints
+    )  # some, of a search that was killed in these lines; optuna warns of the second time
     for name, one in study.constraints.items():
-        # infinite where a value is missing; optuna's storage takes finite numbers only
-        trial.set_constraint(name, min(one.violation(values), 1e12))
+        if name not in told:
+            # infinite where a value is missing; optuna's storage takes finite numbers only
+            trial.set_constraint(name, min(one.violation(values), 1e12))
     search.tell(trial, goals)

@@ -10,13 +10,19 @@ from typing import TYPE_CHECKING, Protocol
 
 from fem_seal.errors import ClusterError, InputError, Problem
 from fem_seal.studies.cluster import Cluster
-from fem_seal.studies.work import Chunk, Recipe, calculate
+from fem_seal.studies.time_limit import OvertimeError, ended_after, slow_line
+from fem_seal.studies.work import Chunk, Recipe, calculate, overtime_row
 
 if TYPE_CHECKING:
+    import numpy as np
     from dask.distributed import Client
+    from numpy.typing import NDArray
 
     from fem_seal.studies.store import Row
 
+    FloatArray = NDArray[np.float64]
+
+_HERE = "127.0.0.1"
 # Longest wait for a worker [s]: a process that died has its successor in seconds, a batch job waits for its turn.
 _OWN_PATIENCE, _FOREIGN_PATIENCE = 120.0, 12 * 3600.0
 
@@ -30,13 +36,43 @@ class Pool(Protocol):
 
 
 class OwnProcess:
-    """Calculates here, one design after the other."""
+    """Calculates here, one design after the other.
+
+    Parameters
+    ----------
+    note : callable
+        Told of designs that take long.
+    stuck : callable
+        Given the row of a design that reached its time limit and does not stop.
+    """
+
+    def __init__(
+        self, note: Callable[[str], None] = lambda text: None, stuck: Callable[[Row], None] = lambda row: None
+    ) -> None:
+        self._note = note
+        self._stuck = stuck
 
     def results(self, recipe: Recipe, chunks: Iterable[Chunk]) -> Iterator[list[Row]]:
         """See `Pool`."""
+        # the limit is that of designs, not of loading what calculates them
+        import fem_seal.studies.evaluate  # noqa: F401
+
         for chunk in chunks:
             for point in chunk.points:
-                yield calculate(recipe, Chunk(point[None]))
+                yield self._rows(recipe, point)
+
+    def _rows(self, recipe: Recipe, point: FloatArray) -> list[Row]:
+        def slow(seconds: float) -> None:
+            self._note(slow_line(recipe.named(point), seconds, recipe.time_limit))
+
+        def stuck() -> None:
+            self._stuck(overtime_row(recipe, point))
+
+        try:
+            with ended_after(recipe.time_limit, slow, stuck):
+                return calculate(recipe, Chunk(point[None]))
+        except OvertimeError:
+            return [overtime_row(recipe, point)]
 
 
 @contextmanager
@@ -46,6 +82,7 @@ def pool(
     scheduler: str | None,
     retries: int,
     note: Callable[[str], None] = lambda text: None,
+    stuck: Callable[[Row], None] = lambda row: None,
 ) -> Iterator[Pool]:
     """The pool asked for; a cluster or a connection made for it is closed at the end.
 
@@ -59,6 +96,8 @@ def pool(
         Address of a running scheduler, ``tcp://...``.
     retries, note
         See `fem_seal.studies.cluster.Cluster`.
+    stuck
+        See `OwnProcess`.
 
     Raises
     ------
@@ -81,7 +120,7 @@ def pool(
         with _connected(scheduler) as own:
             yield Cluster(own, retries, _FOREIGN_PATIENCE, note)
     elif workers == 0:
-        yield OwnProcess()
+        yield OwnProcess(note, stuck)
     else:
         with local_client(workers or _cores()) as own:
             yield Cluster(own, retries, _OWN_PATIENCE, note)
@@ -138,9 +177,11 @@ def local_client(workers: int) -> Iterator[Client]:
                     n_workers=workers,
                     threads_per_worker=1,
                     processes=True,
+                    # whoever reaches a scheduler can have it run anything: nobody but this machine does
+                    host=_HERE,
                     dashboard_address=None,
                     # what is left of the dashboard takes a port all the same, and warns if that is not free
-                    scheduler_kwargs={"dashboard_address": ":0"},
+                    scheduler_kwargs={"dashboard_address": f"{_HERE}:0"},
                     silence_logs=logging.CRITICAL,
                 )
             except RuntimeError as error:

@@ -6,7 +6,7 @@ import json
 import shutil
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING, Any
 from fem_seal import __version__
 from fem_seal.atomic_files import write_text
 from fem_seal.errors import InputError, Problem
+from fem_seal.folder_lock import alone
 from fem_seal.studies.cluster import KEPT
 from fem_seal.studies.pools import Pool, pool
 from fem_seal.studies.progress import Progress, Silent
 from fem_seal.studies.results import StudyResult
-from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, alone, create
-from fem_seal.studies.work import Chunk, Recipe, chunks
+from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, create
+from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
+from fem_seal.studies.work import Chunk, Recipe, check_unchanged, chunks
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -37,6 +39,7 @@ def run_study(
     resume: bool = False,
     retry_failed: bool = False,
     progress: Progress | None = None,
+    leave: Callable[[], None] = lambda: None,
 ) -> StudyResult:
     """Calculate the designs of a study that are not in its file yet.
 
@@ -47,6 +50,9 @@ def run_study(
         See `fem_seal.studies.study.Study.run`; with ``workers=0`` this process calculates.
     scheduler : str, optional
         Address of a running dask scheduler.
+    leave : callable
+        Called, from another thread, if this process calculates a design that has reached its time limit and does not
+        stop; its row is written then, and there is nothing left but to end the process.
 
     Returns
     -------
@@ -55,8 +61,10 @@ def run_study(
     Raises
     ------
     InputError
-        If the folder holds a study already and `resume` was not asked for, or another one; if the failed trials of a
-        search are to be repeated.
+        If the folder holds a study already and `resume` was not asked for, or another one; if another process writes
+        it; if the failed trials of a search are to be repeated; if a file of the designs changes meanwhile.
+    OutputError
+        If the folder cannot be written, or is deleted meanwhile.
     """
     if retry_failed and study.optimise is not None:
         raise InputError(
@@ -76,10 +84,23 @@ def run_study(
         )
     progress = progress or Silent()
     started = time.perf_counter()
+
+    def stuck(row: Row | None) -> None:
+        # from another thread, while this one's connection waits for the design
+        if row is not None:
+            with closing(create(place / FILE, _column_types(study), study.output_names)) as store:
+                store.write([row])
+        progress.note(
+            "a design does not stop at its time limit, because a library that it uses never comes back; it is taken "
+            f"for failed. End this process; {KEPT}"
+        )
+        progress.end()
+        leave()
+
     try:
         # the folder comes last: nothing is left in it, and nothing in it changed, if there is no one to calculate
         with (
-            pool(client, workers, scheduler, study.run_settings.retries, progress.note) as ready,
+            pool(client, workers, scheduler, study.run_settings.retries, progress.note, stuck) as ready,
             alone(place),
         ):
             store = create(place / FILE, _column_types(study), study.output_names)
@@ -88,7 +109,7 @@ def run_study(
                     store.forget_failures()
                 _calculate(study, store, ready, progress)
                 store.describe(last_run_seconds=time.perf_counter() - started)
-                _keep_fields(study, store, place, progress)
+                _keep_fields(study, store, place, progress, lambda: stuck(None))
     except BaseException as error:
         if temporary:
             shutil.rmtree(place, ignore_errors=True)
@@ -114,6 +135,7 @@ def _fill(recipe: Recipe, store: Store, ready: Pool, study: Study, progress: Pro
     progress.begin(len(study.points), len(study.points) - counts["open"])
     try:
         for rows in ready.results(recipe, _missing(recipe, store, chunks(recipe, study.points))):
+            check_unchanged(recipe.files)
             keep(store, rows, progress)
     finally:
         progress.end()
@@ -176,7 +198,9 @@ def description(study: Study) -> dict[str, Any]:
     }
 
 
-def _keep_fields(study: Study, store: Store, folder: Path, progress: Progress) -> None:
+def _keep_fields(
+    study: Study, store: Store, folder: Path, progress: Progress, stuck: Callable[[], None]
+) -> None:
     """Complete results of chosen designs, unless they are there already."""
     wanted = study.run_settings.keep_fields
     if wanted == "none":
@@ -197,5 +221,11 @@ def _keep_fields(study: Study, store: Store, folder: Path, progress: Progress) -
         inputs = dict(zip(study.names, store.rows([key])[key].inputs, strict=True))
         changes = {one.name: one.entry.written(inputs[one.name]) for one in study.parameters}
         mark.unlink(missing_ok=True)
-        run(study.case.replace(changes)).write(place)
+        limit = study.run_settings.time_limit
+        try:
+            with ended_after(limit, stuck=stuck):
+                run(study.case.replace(changes)).write(place)
+        except OvertimeError:
+            progress.note(f"complete results of design {number}: {overtime_reason(limit)}; none are kept")
+            continue
         write_text(mark, json.dumps({"number": number, "key": key, "inputs": inputs}, indent=2) + "\n")

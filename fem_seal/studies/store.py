@@ -8,12 +8,13 @@ process that is killed leaves whole rows or none.
 from __future__ import annotations
 
 import json
-import os
+import shutil
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import InputError, OutputError, Problem
@@ -72,6 +73,8 @@ class Store:
         self.path = path
         self.inputs = inputs
         self.outputs = outputs
+        status = path.stat()
+        self._file = (status.st_dev, status.st_ino)
         types = _columns(connection)
         # SQLite knows numbers and texts only
         self._truths = tuple(types[name] == TRUTH for name in inputs)
@@ -85,15 +88,37 @@ class Store:
 
     def describe(self, **entries: Any) -> None:
         """Keep facts about the study, replacing those of the same names."""
-        with self._connection:
+        with self._transaction():
             self._describe(entries)
 
     def set_design(self, keys: Iterable[str], **about: Any) -> None:
         """Make these the designs of the study, in this order, and describe it; rows of others stay in the file."""
-        with self._connection:
+        with self._transaction():
             self._describe(about)
             self._connection.execute("DELETE FROM design")
             self._connection.executemany("INSERT INTO design VALUES (?, ?)", enumerate(keys))
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        self.check_place()
+        try:
+            with self._connection:
+                yield
+        except sqlite3.Error as error:
+            raise OutputError(f"{self.path}: cannot be written ({error})") from error
+
+    def check_place(self) -> None:
+        """OutputError if the file is no longer where it was opened: what is written then is lost."""
+        try:
+            status = self.path.stat()
+            there = (status.st_dev, status.st_ino) == self._file
+        except OSError:
+            there = False
+        if not there:
+            raise OutputError(
+                f"{self.path}: was deleted or moved while the study ran, which stops here. If the folder was moved, "
+                "--resume (resume=True) with its new place goes on"
+            )
 
     def _describe(self, entries: Mapping[str, Any]) -> None:
         self._connection.executemany(
@@ -103,7 +128,7 @@ class Store:
 
     def append_design(self, first: int, keys: Sequence[str]) -> None:
         """Add designs from a number on, replacing those that have the number already."""
-        with self._connection:
+        with self._transaction():
             self._connection.executemany(
                 "INSERT OR REPLACE INTO design VALUES (?, ?)", enumerate(keys, start=first)
             )
@@ -143,12 +168,12 @@ class Store:
             (row.key, FAILED if row.reason else DONE, row.reason, row.seconds, *row.inputs, *row.outputs)
             for row in rows
         ]
-        with self._connection:
+        with self._transaction():
             self._connection.executemany(f"INSERT OR IGNORE INTO point VALUES ({marks})", values)
 
     def forget_failures(self) -> None:
         """Drop the rows of designs that failed."""
-        with self._connection:
+        with self._transaction():
             self._connection.execute("DELETE FROM point WHERE status = ?", (FAILED,))
 
     def key(self, number: int) -> str | None:
@@ -214,7 +239,7 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
-        connection = _connect(path, "rwc")
+        connection = _connect(path, "mode=rwc")
         connection.execute("PRAGMA journal_mode = WAL")
         # In the write-ahead log this is safe against any death of the process; only a power cut costs the last rows.
         connection.execute("PRAGMA synchronous = NORMAL")
@@ -252,8 +277,7 @@ def open_to_read(path: Path) -> Store:
         If there is none.
     """
     try:
-        connection = _connect(path, "rw" if os.access(path.parent, os.W_OK) else "ro")
-        connection.execute("PRAGMA query_only = ON")
+        connection = _reading(path)
         about = dict(connection.execute("SELECT name, text FROM about"))
         inputs = tuple(json.loads(about["inputs"]))
     except (sqlite3.Error, KeyError):
@@ -263,41 +287,34 @@ def open_to_read(path: Path) -> Store:
     return Store(connection, path, inputs, tuple(_columns(connection))[len(inputs) :])
 
 
-@contextmanager
-def alone(folder: Path) -> Iterator[None]:
-    """Keep other processes from writing the same study.
-
-    Raises
-    ------
-    InputError
-        If another process writes it.
-    """
+def _reading(path: Path) -> sqlite3.Connection:
+    """Connection that reads a study file, also one that is being written, and one where nothing can be written."""
+    # a reader writes, too: it tells writers what it is reading
+    connection = _connect(path, "mode=rw")
     try:
-        import fcntl
-    except ImportError:  # not on this system: SQLite's own locks still keep the file whole
-        yield
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    # the lock goes with the process, however it ends
-    handle = os.open(folder / ".lock", os.O_RDWR | os.O_CREAT, 0o644)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        os.close(handle)
-        raise InputError(
-            Problem(
-                str(folder),
-                "is being written by another fem-seal process; wait for it or choose another folder",
-            )
-        ) from None
-    try:
-        yield
-    finally:
-        os.close(handle)
+        connection.execute("PRAGMA query_only = ON")
+        connection.execute("SELECT COUNT(*) FROM about")
+        return connection
+    except sqlite3.OperationalError as error:
+        connection.close()
+        if error.sqlite_errorcode & 0xFF not in (sqlite3.SQLITE_READONLY, sqlite3.SQLITE_CANTOPEN):
+            raise
+    # on a read-only disc nobody writes
+    log = path.with_name(f"{path.name}-wal")
+    if not (log.exists() and log.stat().st_size):
+        return _connect(path, "mode=ro&immutable=1")
+    # of a study that was interrupted: its last rows are in the log still, which only SQLite can fold into the file
+    with TemporaryDirectory(prefix="fem-seal-study-") as place:
+        for file in (path, log):
+            shutil.copyfile(file, Path(place) / file.name)
+        with closing(_connect(Path(place) / path.name, "mode=rw")) as copied:
+            connection = sqlite3.connect(":memory:")
+            copied.backup(connection)
+    return connection
 
 
-def _connect(path: Path, mode: str) -> sqlite3.Connection:
-    return sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, timeout=60.0)
+def _connect(path: Path, how: str) -> sqlite3.Connection:
+    return sqlite3.connect(f"{path.absolute().as_uri()}?{how}", uri=True, timeout=60.0)
 
 
 def _columns(connection: sqlite3.Connection) -> dict[str, str]:

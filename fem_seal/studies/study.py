@@ -22,6 +22,7 @@ from fem_seal.studies.expressions import Constraint, Expression
 from fem_seal.studies.formulas import needed_columns, read_constraints, read_formulas, read_goals
 from fem_seal.studies.parameters import Parameter, read_parameter
 from fem_seal.studies.study_tables import Design, Optimise, Report, Run, StudyTables
+from fem_seal.studies.work import contents_of_files
 from fem_seal.toml_file import read_toml
 
 if TYPE_CHECKING:
@@ -84,6 +85,8 @@ class Study:
         self.points: FloatArray
         """Designs, shape (designs, parameters), as the numbers of `Parameter.value`; none of an optimisation."""
         self._read_points(with_open_materials(case, list(read.parameters)), read, folder)
+        self.files: dict[str, str] = contents_of_files(self.case, self.parameters)
+        """Files that the designs are made of, with hashes of their contents."""
         self.derived: dict[str, Expression] = read_formulas(self, read.derived, read.responses)
         self.constraints: dict[str, Constraint] = read_constraints(self, read.constraints)
         self.goals: dict[str, Expression]

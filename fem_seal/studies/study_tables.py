@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from fem_seal.case_bodies import Table
+from fem_seal.case_fields import Quantity
 from fem_seal.case_uncertainty import Whole
 
 MOST_POINTS = 10_000_000
@@ -49,6 +50,11 @@ class Run(Table):
     )
     retries: Annotated[int, Whole(0, 20)] = Field(
         3, description="how often designs are tried again after the worker that held them died"
+    )
+    time_limit: Annotated[float, Quantity("time", "1 s", "1000 h")] = Field(
+        1800.0,
+        description="longest time that one design may take; it becomes a failed row then, and the study goes on",
+        examples=["30 min"],
     )
     keep_fields: tuple[int, ...] | Literal["none", "best"] = Field(
         "none",

@@ -8,7 +8,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal import __version__
+from fem_seal.errors import InputError, Problem
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.store import Row
+from fem_seal.studies.time_limit import overtime_reason
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -51,6 +53,10 @@ class Recipe:
     interpolate : bool
     fingerprint : str
         Hash of all that the designs have in common.
+    time_limit : float
+        Of one design [s].
+    files : dict
+        Contents, as hashes, of the files that the designs are made of.
     """
 
     case: Case
@@ -59,10 +65,19 @@ class Recipe:
     derived: dict[str, Expression]
     interpolate: bool
     fingerprint: str
+    time_limit: float
+    files: dict[str, str]
 
     @classmethod
     def of(cls, study: Study) -> Recipe:
-        """The recipe of a study."""
+        """The recipe of a study.
+
+        Raises
+        ------
+        InputError
+            If one of its files has changed since it was read.
+        """
+        check_unchanged(study.files)
         interpolate = study.run_settings.interpolate_surfaces
         parameters = tuple(
             # a worker needs the words that numbers stand for, not the levels or distributions of numbers
@@ -76,6 +91,8 @@ class Recipe:
             study.derived,
             interpolate,
             _fingerprint(study.case, study.responses, study.derived, interpolate),
+            study.run_settings.time_limit,
+            study.files,
         )
 
     def inputs(self, point: Sequence[float] | FloatArray) -> tuple[float | str | bool, ...]:
@@ -87,6 +104,23 @@ class Recipe:
         entries = sorted(zip((one.name for one in self.parameters), self.inputs(point), strict=True))
         text = json.dumps([self.fingerprint, [[name, _content(name, value)] for name, value in entries]])
         return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+
+    def named(self, point: Sequence[float] | FloatArray) -> str:
+        """A design for people: the values of its parameters."""
+        values = zip(self.parameters, self.inputs(point), strict=True)
+        return ", ".join(f"{one.name} = {one.entry.shown(value)}" for one, value in values)
+
+    def files_of(self, point: Sequence[float] | FloatArray) -> dict[str, str]:
+        """Those of the files that a design is made of."""
+        own = {
+            str(value) for one, value in zip(self.parameters, self.inputs(point), strict=True) if one.levels
+        }
+        return self._files_of_all | {path: self.files[path] for path in own & self.files.keys()}
+
+    @cached_property
+    def _files_of_all(self) -> dict[str, str]:
+        levels = {str(level) for one in self.parameters for level in one.levels}
+        return {path: held for path, held in self.files.items() if path not in levels}
 
 
 @dataclass(frozen=True)
@@ -102,19 +136,29 @@ class Chunk:
 
 
 def calculate(recipe: Recipe, chunk: Chunk) -> list[Row]:
-    """Rows of all designs of a chunk; a design that fails is a row with its reason."""
+    """Rows of all designs of a chunk; a design that fails is a row with its reason.
+
+    Raises
+    ------
+    InputError
+        If a file that they are made of is no longer what it was when the study was read.
+    """
     return [_row(recipe, point) for point in chunk.points.tolist()]
 
 
 def _row(recipe: Recipe, point: Sequence[float]) -> Row:
     start = time.perf_counter()
-    reason = None
+    files = recipe.files_of(point)
+    check_unchanged(files, all_there=False)
+    failure = None
     outputs: tuple[float | None, ...] = (None,) * (len(recipe.columns) + len(recipe.derived))
     try:
         outputs = _outputs(recipe, point)
     except Exception as error:  # whatever it is, it is the end of this design and not of the study
-        reason = _reason(error)
-    return Row(recipe.key(point), recipe.inputs(point), outputs, reason, time.perf_counter() - start)
+        failure = _reason(error)
+    # a design reads its files when it needs them: only now is it sure what it has read
+    check_unchanged(files, all_there=False)
+    return Row(recipe.key(point), recipe.inputs(point), outputs, failure, time.perf_counter() - start)
 
 
 def _outputs(recipe: Recipe, point: Sequence[float]) -> tuple[float | None, ...]:
@@ -135,10 +179,15 @@ def _outputs(recipe: Recipe, point: Sequence[float]) -> tuple[float | None, ...]
     return tuple(values[name] if math.isfinite(values[name]) else None for name in names)
 
 
-def failed_row(recipe: Recipe, point: Sequence[float] | FloatArray, reason: str) -> Row:
+def failed_row(recipe: Recipe, point: Sequence[float] | FloatArray, why: str, seconds: float = 0.0) -> Row:
     """Row of a design that could not be calculated at all."""
     nothing = (None,) * (len(recipe.columns) + len(recipe.derived))
-    return Row(recipe.key(point), recipe.inputs(point), nothing, reason, 0.0)
+    return Row(recipe.key(point), recipe.inputs(point), nothing, why, seconds)
+
+
+def overtime_row(recipe: Recipe, point: Sequence[float] | FloatArray) -> Row:
+    """Row of a design that has reached its time limit."""
+    return failed_row(recipe, point, overtime_reason(recipe.time_limit), recipe.time_limit)
 
 
 def _reason(error: BaseException) -> str:
@@ -149,15 +198,18 @@ def _reason(error: BaseException) -> str:
 
 def chunks(recipe: Recipe, points: FloatArray) -> Iterator[Chunk]:
     """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other."""
+    from fem_seal.studies.evaluate import takes_complete_run
+
     if len(points) == 0:
         return
+    design = _CHUNK if takes_complete_run(recipe.case, recipe.columns) else _DESIGN
     ranks = np.array([_rank(one.name) for one in recipe.parameters])
     # lexsort takes the most important column last
     ordered = points[np.lexsort(points[:, np.argsort(ranks, kind="stable")[::-1]].T)]
     changed = np.vstack([np.ones(ordered.shape[1], dtype=bool), ordered[1:] != ordered[:-1]])
     ordered, changed = ordered[changed.any(axis=1)], changed[changed.any(axis=1)]
     new_bodies, new_surface = (changed[:, ranks <= rank].any(axis=1) for rank in (0, 1))
-    costs = _DESIGN + _SURFACE * new_surface + _BODIES * new_bodies
+    costs = design + _SURFACE * new_surface + _BODIES * new_bodies
     start, cost = 0, 0.0
     for place, step in enumerate(np.asarray(costs).tolist()):
         if place > start and cost + step > _CHUNK:
@@ -199,11 +251,45 @@ def _with_contents(entry: Any, name: str = "") -> Any:
         return {key: _with_contents(value, key) for key, value in entry.items()}
     if isinstance(entry, (list, tuple)):
         return [_with_contents(value, name) for value in entry]
-    return _contents(entry) if name in ("file", "files") and isinstance(entry, str) else entry
+    return _contents(entry) if _is_file(name) and isinstance(entry, str) else entry
+
+
+def _is_file(name: str) -> bool:
+    """Whether an entry of this name is a file, or several."""
+    return name.split(".")[-1] in ("file", "files")
 
 
 def _content(name: str, value: float | str | bool) -> float | str | bool:
-    return _contents(str(value)) if name.endswith(".file") else value
+    return _contents(str(value)) if _is_file(name) else value
+
+
+def contents_of_files(case: Case, parameters: Sequence[Parameter]) -> dict[str, str]:
+    """Contents, as hashes, of all files that a case and parameters name."""
+    levels = (str(level) for one in parameters if _is_file(one.name) for level in one.levels)
+    return {path: _contents(path) for path in (*case.named_files, *levels)}
+
+
+def check_unchanged(files: Mapping[str, str], *, all_there: bool = True) -> None:
+    """InputError if a file has other contents than it had.
+
+    Parameters
+    ----------
+    files : mapping
+        Path and contents, see `contents_of_files`.
+    all_there : bool
+        Whether a file that is not there any more has changed, too. On another machine it may never have been.
+    """
+    for path, held in files.items():
+        found = _contents(path)
+        if found != held and (all_there or found != path):
+            raise InputError(
+                Problem(
+                    "",
+                    "was changed or removed while the study ran; the designs that are done are kept, --resume "
+                    "(resume=True) goes on, and calculates anew what depends on it",
+                ),
+                file=path,
+            )
 
 
 def _contents(path: str) -> str:

@@ -1,0 +1,140 @@
+"""How long a design may take: somebody looks at the clock while it is calculated, and ends what never ends."""
+
+from __future__ import annotations
+
+import _thread
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from fem_seal.studies.progress import duration
+
+# After so long it is told who is being calculated, then each time that it has become twice as long [s].
+_SLOW = 60.0
+# So often a design is told to stop, this far apart [s], until it is taken for stuck.
+_TIMES, _APART = 10, 1.0
+
+
+class OvertimeError(BaseException):
+    """A design has reached its time limit; no `Exception`, so that nothing in it mistakes this for its own."""
+
+
+@contextmanager
+def watched(
+    limit: float, slow: Callable[[float], None], over: Callable[[threading.Event], None]
+) -> Iterator[None]:
+    """Look at the clock while the block runs, from a thread of its own.
+
+    Parameters
+    ----------
+    limit : float
+        [s]
+    slow : callable
+        Told how long it has been [s], a few times before the limit.
+    over : callable
+        Called at the limit, with the event that says that the block has ended.
+    """
+    ended = threading.Event()
+    start = time.monotonic()
+
+    def look() -> None:
+        tell = min(_SLOW, 0.25 * limit)
+        while not ended.wait(max(start + min(tell, limit) - time.monotonic(), 0.0)):
+            if tell >= limit:
+                over(ended)
+                return
+            slow(time.monotonic() - start)
+            tell = max(2 * tell, time.monotonic() - start)
+
+    watcher = threading.Thread(target=look, daemon=True, name="time limit of a design")
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
+
+
+@contextmanager
+def ended_after(
+    limit: float,
+    slow: Callable[[float], None] = lambda seconds: None,
+    stuck: Callable[[], None] = lambda: None,
+) -> Iterator[None]:
+    """End the block in this process when it has taken too long.
+
+    It is interrupted as by Ctrl-C, which works wherever it gets back to Python. That is only possible in the main
+    thread; and a library that never comes back to Python can be ended only with its process.
+
+    Parameters
+    ----------
+    limit : float
+        [s]
+    slow : callable
+        See `watched`.
+    stuck : callable
+        Called if the block does not stop.
+
+    Raises
+    ------
+    OvertimeError
+        At the limit, from wherever the block is.
+    """
+    interrupting = ended = False
+    usual: Any = None
+
+    def interrupted(number: int, frame: Any) -> None:
+        nonlocal interrupting
+        if not interrupting:
+            if callable(usual):
+                usual(number, frame)
+            return
+        interrupting = False
+        if not ended:
+            raise OvertimeError
+
+    def over(block_ended: threading.Event) -> None:
+        nonlocal interrupting
+        for _ in range(_TIMES if main else 0):
+            interrupting = True
+            _interrupt_main_thread()
+            if block_ended.wait(_APART):
+                return
+        stuck()
+
+    main = threading.current_thread() is threading.main_thread()
+    if main:
+        usual = signal.signal(signal.SIGINT, interrupted)
+    try:
+        with watched(limit, slow, over):
+            try:
+                yield
+            finally:
+                # what comes too late does not hit anybody else
+                ended = True
+    finally:
+        if main:
+            signal.signal(signal.SIGINT, signal.SIG_DFL if usual is None else usual)
+
+
+def _interrupt_main_thread() -> None:
+    if hasattr(signal, "pthread_kill"):  # ends a wait of the system as well
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+    else:
+        _thread.interrupt_main()
+
+
+def overtime_reason(limit: float) -> str:
+    """What the failed row says."""
+    return f"took longer than its time limit of {duration(limit)}; a larger run.time_limit gives it more"
+
+
+def slow_line(design: str, seconds: float, limit: float) -> str:
+    """Progress line about a design that takes its time."""
+    return (
+        f"still calculating after {duration(seconds)}: the design {design}; "
+        f"it fails after {duration(limit)} (run.time_limit)"
+    )
