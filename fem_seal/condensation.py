@@ -54,6 +54,8 @@ class ContactLine:
         Cosine of the angle between contact normal and seat.
     initial_gap : ndarray, shape (m,)
         Exact gap g0(x) at first touch [m].
+    bend : ndarray, shape (m,)
+        Curvature of the more curved face [1/m].
     vertices : ndarray
         x of the element ends between which the points lie [m], increasing.
     """
@@ -64,6 +66,7 @@ class ContactLine:
     normal: FloatArray
     facing: FloatArray
     initial_gap: FloatArray
+    bend: FloatArray
     vertices: FloatArray
 
     @property
@@ -228,7 +231,7 @@ def condense(
     )
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
     normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
-    line = ContactLine(x, radius, weight, normal, facing, contact.gap(x), vertices)
+    line = ContactLine(x, radius, weight, normal, facing, contact.gap(x), contact.bend(x), vertices)
     compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,

@@ -124,9 +124,8 @@ class ContactGeometry:
     @cached_property
     def closure_curvature(self) -> float:
         """Curvature of the closure at first touch [1/m], positive where it bulges."""
-        return self.closure_face.curvature(
-            float(self.closure_face.project(np.array(self.touch_radius), np.array(0.0)))
-        )
+        touch = self.closure_face.project(np.array(self.touch_radius), np.array(0.0))
+        return self.closure_face.curvature(float(touch))
 
     @cached_property
     def relative_radius(self) -> float:
@@ -214,6 +213,12 @@ class ContactGeometry:
         """Cosine of the angle between the seat's own normal and the contact normal, over x."""
         own = self.seat_face.normal(np.asarray(x, dtype=float) + self._origin)
         return np.sum(own * self.normal(x), axis=0)
+
+    def bend(self, x: FloatArray) -> FloatArray:
+        """Curvature of the more curved of the two faces over x [1/m], whichever way it bends."""
+        arc = self.closure_arc(x)
+        closure = self.closure_face.curvatures(np.where(np.isnan(arc), 0.0, arc))
+        return np.maximum(np.abs(closure), np.abs(self.seat_face.curvatures(self.seat_arc(x))))
 
     def gap(self, x: FloatArray) -> FloatArray:
         """Gap g0(x) along the contact normal at first touch [m], exact; nan outside `reach`."""

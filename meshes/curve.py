@@ -113,10 +113,13 @@ class Curve:
         t = self.tangent(s)
         return np.stack([-t[1], t[0]])
 
+    def curvatures(self, s: FloatArray) -> FloatArray:
+        """Curvatures [1/m] at s [m], positive where the curve bends to its left; at a break of what follows it."""
+        return self._curvature[self._locate(np.asarray(s, dtype=float))[0]]
+
     def curvature(self, s: float) -> float:
-        """Curvature [1/m] at s [m], positive where the curve bends to its left; at a break of what follows it."""
-        index, _ = self._locate(np.asarray(s, dtype=float))
-        return float(self._curvature[index])
+        """Curvature [1/m] at one place, see `curvatures`."""
+        return float(self.curvatures(np.asarray(s)))
 
     def project(self, r: FloatArray, z: FloatArray) -> FloatArray:
         """Arc length of the nearest point of the curve to every (r, z) [m]; never beyond its ends."""
