@@ -474,6 +474,6 @@ def main(reference: Path) -> int:
 
 
 if __name__ == "__main__":
-    default = Path(__file__).resolve().parents[2] / "shared" / "reference"
+    default = Path(__file__).resolve().parents[1] / "tests" / "reference"
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("FEM_SEAL_REFERENCE", default))
     sys.exit(1 if main(folder) else 0)

@@ -189,6 +189,12 @@ class Measured(Table):
         examples=["1e8 1/m"],
     )
 
+    outliers: Literal["keep", "remove"] = Field(
+        "keep",
+        description='points that stand alone: "keep": they are roughness; "remove": spikes and dust, replaced by what '
+        "surrounds them",
+    )
+
     @model_validator(mode="after")
     def _consistent(self) -> Measured:
         if (self.file is None) == (self.files is None):
@@ -214,7 +220,12 @@ class Measured(Table):
 
         continued = self.hurst and SelfAffineContinuation(self.hurst, self.q_low, self.q_high)
         return ScanSettings(
-            self.detrend, self.window, self.tip_radius, self.shortest_wavelength, continued or "cut"
+            self.detrend,
+            self.window,
+            self.tip_radius,
+            self.shortest_wavelength,
+            continued or "cut",
+            self.outliers,
         )
 
     def measured(self) -> MeasuredSurface:

@@ -66,7 +66,10 @@ _SPREAD = [{"distribution": "lognormal", "relative": 0.1}]
 
 
 class Uncertainty(Table):
-    """[uncertainty]: leak rate with an interval, from inputs that are not known exactly; see docs/uncertainty.md."""
+    """[uncertainty]: leak rate with an interval, from inputs that are not known exactly; see docs/uncertainty.md.
+
+    What the length of measured scans leaves open is always among them.
+    """
 
     samples: Annotated[int, Whole(16, 100000)] = Field(
         256, description="number of samples; best a power of two"
@@ -111,7 +114,7 @@ class Uncertainty(Table):
 
 def uncertainty_problems(case: Case) -> Iterator[Problem]:
     """What in [uncertainty] does not fit the other tables."""
-    from fem_seal.uncertain_inputs import SHAPE, scan_spectra, self_affine_part
+    from fem_seal.uncertain_inputs import SHAPE, scan_spectra, self_affine_part, uncertain_heights
 
     table = case.uncertainty
     if table is None:
@@ -119,7 +122,7 @@ def uncertainty_problems(case: Case) -> Iterator[Problem]:
     for name in ("roughness", "fluid"):
         if getattr(case, name) is None:
             yield Problem("uncertainty", f"is about the leak rate, which needs a table [{name}]; add it")
-    if not table.spreads and table.spectrum is None:
+    if not table.spreads and table.spectrum is None and not any(uncertain_heights(case)):
         yield Problem(
             "uncertainty", "names no uncertain input; add one, such as hardness = { relative = 0.1 }"
         )

@@ -216,6 +216,9 @@ def surface(
     shortest_wavelength: Annotated[
         str | None, typer.Option(metavar="LENGTH", help='What the instrument resolves, "2.5 um".')
     ] = None,
+    outliers: Annotated[
+        str, typer.Option(metavar="WHAT", help='Points that stand alone: "keep" or "remove".')
+    ] = "keep",
     hurst: Annotated[
         float | None, typer.Option(metavar="H", help="Continue the spectrum to --q-low and --q-high.")
     ] = None,
@@ -238,6 +241,7 @@ def surface(
         "window": window,
         "tip_radius": tip_radius,
         "shortest_wavelength": shortest_wavelength,
+        "outliers": outliers,
         "extrapolation": "cut" if hurst is None and q_low is None and q_high is None else "self-affine",
         "hurst": hurst,
         "q_low": q_low,

@@ -82,10 +82,9 @@ def _spectrum(axes: Axes, surface: MeasuredSurface) -> None:
         axes.plot(surface.spectrum.wavenumber, surface.spectrum.density, "--", color=GREY, label="continued")
     axes.plot(q, C, color=BLUE, label="measured")
     fit = surface.rolloff
-    if fit.hurst > 0.0:
-        start = fit.wavenumber or surface.q_low
-        ends = np.array([start, fit.end])
-        middle = np.sqrt(start * fit.end)
+    if fit.hurst is not None and fit.hurst > 0.0:
+        ends = np.array([fit.start, fit.end])
+        middle = np.sqrt(fit.start * fit.end)
         law = surface.measured(middle) * (ends / middle) ** (-2.0 * (1.0 + fit.hurst))
         axes.plot(ends, law, ":", color=ORANGE, label=f"Hurst exponent {number(fit.hurst, 2)}")
     logarithmic(axes, "x", "y")

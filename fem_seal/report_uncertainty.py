@@ -23,13 +23,15 @@ _NAMES = {
     "q_rolloff": "roll-off",
     "q_high": "shortest wavelength",
     "spectrum": "spectrum between scans",
+    "scan_length": "length of the scans",
 }
 _CHANNELS = {"bruggeman": "effective medium", "critical-junction": "critical junction"}
 
 
 def _named(name: str) -> str:
     """An uncertain input in words; one of several measured spectra is called by its key."""
-    return _NAMES.get(name, f"{name} between scans")
+    key = name.removeprefix("scan_length_")
+    return _NAMES.get(name, f"length of the scans ({key})" if key != name else f"{name} between scans")
 
 
 def interval_table(result: SealResult) -> ReadableTable:

@@ -27,9 +27,14 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
         "kurtosis": surface.kurtosis,
         "anisotropy": surface.anisotropy,
         "lay_angle_rad": surface.lay_angle,
+        "peklenik_flow_across_lay": surface.peklenik and surface.peklenik[0],
+        "peklenik_flow_along_lay": surface.peklenik and surface.peklenik[1],
         "rolloff_wavenumber_per_m": surface.rolloff.wavenumber,
         "hurst": surface.rolloff.hurst,
         "hurst_error": surface.rolloff.hurst_error,
+        "hurst_interval": surface.rolloff.hurst_interval,
+        "confidence": surface.rolloff.confidence,
+        "true_rms_height_interval_m": [surface.rms_height * one for one in surface.rolloff.height.interval],
         "q_low_per_m": surface.q_low,
         "q_high_per_m": surface.q_high,
         "range_limited_by": surface.limit,
@@ -39,6 +44,7 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
         "spectrum_rms_slope": surface.spectrum.rms_slope,
         "detrend": surface.settings.detrend,
         "window": surface.settings.window,
+        "outliers": surface.settings.outliers,
         "scans": [
             {
                 "file": scan.name,
@@ -62,13 +68,17 @@ def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
         for scan in surface.scans
     ]
     lines.append(("rms height", _with_scatter(surface)))
+    low, high = (quantity("length", surface.rms_height * one) for one in surface.rolloff.height.interval)
+    lines.append(("  of the whole surface", f"{low} to {high} ({percent(surface.rolloff.confidence)}, from the length scanned)"))
     lines.append(("rms slope", f"{number(surface.measured.rms_slope)} (in the reliable range)"))
     lines.append(
         ("skewness, kurtosis", f"{number(surface.skewness)}, {number(surface.kurtosis)} (Gaussian: 0, 3)")
     )
-    if surface.anisotropy is not None and surface.lay_angle is not None:
+    if surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None:
         angle = number(math.degrees(surface.lay_angle))
-        lines.append(("anisotropy", f"{number(surface.anisotropy)}, lay at {angle}° from x"))
+        lines.append(("anisotropy", f"{number(surface.anisotropy)} times longer along the lay, lay at {angle}° from x"))
+        across, along = map(number, surface.peklenik)
+        lines.append(("key peklenik", f"{across} if the fluid flows across the lay (a turned seat), {along} if along it"))
     lines.append(("roll-off", _rolloff(surface)))
     lines.append(("Hurst exponent", _hurst(surface)))
     lines.append(
@@ -111,8 +121,13 @@ def _rolloff(surface: MeasuredSurface) -> str:
 
 def _hurst(surface: MeasuredSurface) -> str:
     fit = surface.rolloff
-    start = fit.wavenumber or surface.q_low
-    text = f"{number(fit.hurst)} ± {number(fit.hurst_error, 2)} from q = {number(start)} to {number(fit.end)} 1/m"
+    if fit.hurst is None or fit.hurst_interval is None:
+        return "not determined: no part of the spectrum is long and clear enough"
+    low, high = fit.hurst_interval
+    text = (
+        f"{number(fit.hurst, 2)}, {number(low, 2)} to {number(high, 2)} ({percent(fit.confidence)}), from q = "
+        f"{number(fit.start)} to {number(fit.end)} 1/m"
+    )
     return text if 0.0 < fit.hurst <= 1.0 else f"{text}; outside 0 to 1: not self-affine"
 
 

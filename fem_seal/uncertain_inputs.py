@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import TYPE_CHECKING
@@ -14,11 +14,17 @@ if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.case_uncertainty import Spread
     from leak import PowerSpectrum, RoughContact
+    from leak.self_affine_fit import TrueHeight
 
 FloatArray = NDArray[np.float64]
 
 # A normal distribution is cut off here, in standard deviations.
 _NORMAL_END = 3.0
+# The long waves of a measured surface reach from its roll-off over an eighth of that wave, in ln q; and their ln C changes
+# by this at most.
+_TRANSITION, _MOST_CHANGED = float(np.log(8.0)), 12.0
+# A scatter of ln height that no leak rate shows.
+_SMALLEST = 0.01
 # Keys of a self-affine spectrum that change its shape.
 SHAPE = ("hurst", "q_rolloff", "q_high")
 
@@ -111,6 +117,66 @@ class UncertainScans:
         return weighted_mean(self.scans, weights)
 
 
+@dataclass(frozen=True, eq=False)
+class UncertainHeight:
+    """The long waves of a measured surface, of which scans of finite length hold a random number.
+
+    Parameters
+    ----------
+    key : {"spectrum", "seat", "closure", "along", "across"}
+        Which spectrum of the case it is.
+    name : str
+    height : leak.self_affine_fit.TrueHeight
+        Rms height of the surface over that of its scans.
+    rolloff : float
+        Waves down to this wavenumber make the difference; those shorter than an eighth of its wave none [1/m].
+    share : float
+        Share of the variance of ln height that the differences between the scans do not show already.
+    """
+
+    key: str
+    name: str
+    height: TrueHeight
+    rolloff: float
+    share: float = 1.0
+
+    @property
+    def dimensions(self) -> int:
+        """Number of random numbers that it takes."""
+        return 1
+
+    def values(self, uniform: FloatArray) -> FloatArray:
+        """Factors on the rms height from numbers between 0 and 1, shape (n, 1) to (n, 1)."""
+        middle = float(np.log(self.height.quantile([0.5])[0]))
+        return np.exp(middle + np.sqrt(self.share) * (np.log(self.height.quantile(uniform)) - middle))
+
+    def scores(self, values: FloatArray) -> FloatArray:
+        """Variable in which a leak rate is a smooth function: ln of the factor."""
+        return np.log(values)
+
+    def spectrum(self, measured: PowerSpectrum, factor: float) -> PowerSpectrum:
+        """The measured spectrum with its long waves changed so that the rms height is `factor` times what it was."""
+        from scipy.optimize import brentq
+
+        from leak import PowerSpectrum
+
+        q = np.union1d(measured.wavenumber, np.geomspace(measured.q_low, measured.q_high, 60)[1:-1])
+        C = np.asarray(measured(q))
+        long_waves = np.clip(1.0 - np.log(q / self.rolloff) / _TRANSITION, 0.0, 1.0)
+
+        def changed(log_C: float) -> PowerSpectrum:
+            return PowerSpectrum(q, C * np.exp(log_C * long_waves))
+
+        def off(log_C: float) -> float:
+            return float(np.log(changed(log_C).rms_height / measured.rms_height / factor))
+
+        end = _MOST_CHANGED * float(np.sign(np.log(factor)))
+        if end == 0.0:
+            return measured
+        # what the short waves alone have is the least
+        return changed(float(brentq(off, 0.0, end, rtol=1e-9)) if off(0.0) * off(end) < 0.0 else end)
+
+
 def weighted_mean(spectra: Sequence[PowerSpectrum], weights: FloatArray) -> PowerSpectrum:
     """Weighted mean of spectra.
 
@@ -135,8 +201,11 @@ def scaled(spectrum: PowerSpectrum, factor: float) -> PowerSpectrum:
     return spectrum if factor == 1 else PowerSpectrum(spectrum.wavenumber, spectrum.density * factor**2)
 
 
-def uncertain_inputs(case: Case) -> tuple[UncertainInput | UncertainScans, ...]:
-    """The uncertain inputs of a case, in the order of its table.
+AnyInput = UncertainInput | UncertainScans | UncertainHeight
+
+
+def uncertain_inputs(case: Case) -> tuple[AnyInput, ...]:
+    """The uncertain inputs of a case, in the order of its table, and last what its scans are too short to show.
 
     Parameters
     ----------
@@ -144,12 +213,40 @@ def uncertain_inputs(case: Case) -> tuple[UncertainInput | UncertainScans, ...]:
         With a table [uncertainty].
     """
     assert case.uncertainty is not None
-    inputs: list[UncertainInput | UncertainScans] = [
+    inputs: list[AnyInput] = [
         UncertainInput.of(name, spread) for name, spread in case.uncertainty.spreads.items()
     ]
     if case.uncertainty.spectrum is not None:
         inputs += [UncertainScans(key, scans) for key, scans in scan_spectra(case).items()]
-    return tuple(inputs)
+    return (*inputs, *uncertain_heights(case))
+
+
+def uncertain_heights(case: Case) -> Iterator[UncertainHeight]:
+    """What the length of the scans leaves open, for each measured spectrum of the case.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    from fem_seal.case_roughness import Measured
+
+    parts = {} if case.roughness is None else case.roughness.parts
+    measured = {key: one for key, one in parts.items() if isinstance(one, Measured)}
+    between_scans = case.uncertainty is not None and case.uncertainty.spectrum is not None
+    for key, one in measured.items():
+        surface = one.measured()
+        low, high = surface.rolloff.height.interval
+        if np.log(high / low) < _SMALLEST:
+            continue
+        # random weights scatter the mean of n scans by (n-1)/(n+1) of its true variance
+        count = len(one.paths)
+        yield UncertainHeight(
+            key,
+            "scan_length" if len(measured) == 1 else f"scan_length_{key}",
+            surface.rolloff.height,
+            surface.rolloff.wavenumber or surface.q_low,
+            2.0 / (count + 1.0) if between_scans else 1.0,
+        )
 
 
 def scan_spectra(case: Case) -> dict[str, tuple[PowerSpectrum, ...]]:

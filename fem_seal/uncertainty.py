@@ -15,6 +15,8 @@ from fem_seal.case_checks import contradictions
 from fem_seal.errors import ConvergenceError, InputError, Problem
 from fem_seal.response_surface import ResponseSurface, fit
 from fem_seal.uncertain_inputs import (
+    AnyInput,
+    UncertainHeight,
     UncertainInput,
     UncertainScans,
     changed_surface,
@@ -243,7 +245,7 @@ class _Study:
     """
 
     result: SealResult
-    inputs: tuple[UncertainInput | UncertainScans, ...]
+    inputs: tuple[AnyInput, ...]
     uniform: FloatArray
 
     @classmethod
@@ -253,7 +255,7 @@ class _Study:
         return cls(result, inputs, _sobol(settings.samples, dimensions, settings.seed))
 
     @cached_property
-    def calculated(self) -> tuple[UncertainInput | UncertainScans, ...]:
+    def calculated(self) -> tuple[AnyInput, ...]:
         """Inputs whose effect is not known beforehand: all but a liquid's viscosity."""
         return tuple(one for one in self.inputs if one.name != "viscosity")
 
@@ -279,7 +281,7 @@ class _Study:
         parts = [one.scores(self.values[one.name]) for one in self.calculated]
         return np.concatenate(parts, axis=1) if parts else np.empty((len(self.uniform), 0))
 
-    def columns(self, wanted: UncertainInput | UncertainScans) -> list[int]:
+    def columns(self, wanted: AnyInput) -> list[int]:
         """Columns of `scores` that belong to an input."""
         first = 0
         for one in self.calculated:
@@ -319,6 +321,12 @@ class _Study:
             for one in self.calculated
             if isinstance(one, UncertainScans)
         }
+        for one in self.calculated:
+            if isinstance(one, UncertainHeight):
+                roughness = self.result.case.roughness
+                assert roughness is not None
+                mean = means[one.key] if one.key in means else roughness.parts[one.key].build()
+                means[one.key] = one.spectrum(mean, float(self.values[one.name][sample, 0]))
         return changed_surface(self.result.case, self.result.surface, factors, means)
 
     def _contacts(self, surface: RoughContact, factors: dict[str, float]) -> list[ContactSolution]:

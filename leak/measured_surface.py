@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leak.errors import ScanError
+from leak.outliers import find_outliers, without_outliers
 from leak.periodogram import Periodogram, evidence, periodogram
 from leak.reliable_range import ReliableRange, reliable_range, share_above
 from leak.scan_settings import ScanSettings, SelfAffineContinuation
+from leak.self_affine_fit import RollOff, fit_rolloff
 from leak.spectrum import PowerSpectrum
 from leak.spectrum_fit import VarianceShare, fit_spectrum
-from leak.surface_shape import RollOff, anisotropy, fit_rolloff, remarks_on_shape, shape_moments
+from leak.surface_shape import anisotropy, remarks_on_range, remarks_on_shape, shape_moments
 from leak.topography import Topography
 
 FloatArray = NDArray[np.float64]
@@ -46,12 +48,13 @@ class MeasuredSurface:
     skewness, kurtosis : float
         Of all heights, 0 and 3 for a Gaussian surface [-].
     anisotropy : float or None
-        Correlation length along the lay over the one across it (Peklenik number), mean over the maps; None
-        without a map [-].
+        Correlation length along the lay over the one across it, 1 or more, mean over the maps; None without a map.
+        The Peklenik number of a contact is this where the fluid flows along the lay, and one over it where it flows
+        across (see `peklenik`) [-].
     lay_angle : float or None
         Direction of the lay, from the x-axis of the map [rad].
     rolloff : RollOff
-        Roll-off wavenumber and Hurst exponent fitted to `measured`.
+        Roll-off, Hurst exponent and what the rms height of the surface may be, with their intervals.
     q_low, q_high : float
         Reliable range [1/m].
     limit : str
@@ -85,6 +88,11 @@ class MeasuredSurface:
     scans: tuple[Topography, ...]
     settings: ScanSettings
     warnings: tuple[str, ...] = ()
+
+    @property
+    def peklenik(self) -> tuple[float, float] | None:
+        """Peklenik number where the fluid flows across the lay (1 or less), and along it; None without a map [-]."""
+        return None if self.anisotropy is None else (1.0 / self.anisotropy, self.anisotropy)
 
 
 def measure(
@@ -134,17 +142,19 @@ def measure(
     given = (scans,) if isinstance(scans, Topography) else tuple(scans)
     if not given:
         raise ScanError("no scan: at least one is needed")
+    found = tuple(find_outliers(scan) for scan in given)
+    if settings.outliers == "remove":
+        given = tuple(without_outliers(scan, one) for scan, one in zip(given, found, strict=True))
     flat = tuple(_without_form(scan, settings) for scan in given)
     modes = [periodogram(scan, settings.window) for scan in flat]
     ranges = [reliable_range(scan, one, settings) for scan, one in zip(flat, modes, strict=True)]
     variances = np.array([float(np.mean(scan.heights**2)) for scan in flat])
-    measured, log_error = _spectrum(modes, ranges, variances)
+    measured, log_error, rolloff = _spectrum(modes, ranges, variances)
     above = [share_above(one, reliable.q_high) for one, reliable in zip(modes, ranges, strict=True)]
     skewness, kurtosis = shape_moments(flat)
     lay = anisotropy(modes, ranges)
     finest = max(ranges, key=lambda one: one.q_high)
     height_above = float(np.average(above, weights=variances))
-    rolloff = fit_rolloff(measured, log_error)
     spectrum = measured
     if isinstance(settings.extrapolation, SelfAffineContinuation):
         spectrum = settings.extrapolation.continued(measured)
@@ -166,7 +176,10 @@ def measure(
         height_above=height_above,
         scans=flat,
         settings=settings,
-        warnings=remarks_on_shape(flat, modes, settings.detrend, skewness, kurtosis, height_above, lay),
+        warnings=(
+            *remarks_on_shape(flat, modes, settings, skewness, kurtosis, found, lay),
+            *remarks_on_range(flat, finest, settings, rolloff, height_above),
+        ),
     )
 
 
@@ -181,8 +194,8 @@ def _without_form(scan: Topography, settings: ScanSettings) -> Topography:
 
 def _spectrum(
     modes: Sequence[Periodogram], ranges: Sequence[ReliableRange], variances: FloatArray
-) -> tuple[PowerSpectrum, FloatArray]:
-    """C(q) over the range of all scans together, and the standard deviation of ln C."""
+) -> tuple[PowerSpectrum, FloatArray, RollOff]:
+    """C(q) over the range of all scans together, the standard deviation of ln C, and its roll-off."""
     low, high = min(one.q_low for one in ranges), max(one.q_high for one in ranges)
     count = max(round(_PER_DECADE * np.log10(high / low)), 3)
     step = np.log(high / low) / count
@@ -201,7 +214,8 @@ def _spectrum(
     fit = fit_spectrum(nodes, seen, share)
     shape = PowerSpectrum(nodes[: count + 1], np.exp(fit.log_density[: count + 1]))
     now = 2.0 * np.pi * np.mean([shape.moment(1, one.q_low, one.q_high) for one in ranges])
-    return PowerSpectrum(shape.wavenumber, shape.density * held.mean() / now), fit.log_error[: count + 1]
+    measured = PowerSpectrum(shape.wavenumber, shape.density * held.mean() / now)
+    return measured, fit.log_error[: count + 1], fit_rolloff(nodes[: count + 1], seen, float(held.mean()))
 
 
 def _edges_within(nodes: FloatArray, reliable: ReliableRange) -> FloatArray:

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from leak.errors import ScanError, positive
+from leak.outliers import OUTLIERS, Outliers
 from leak.periodogram import WINDOWS, Window
 from leak.spectrum import PowerSpectrum
 from leak.topography import DETRENDS, Detrend
@@ -81,6 +82,8 @@ class ScanSettings:
         What the instrument resolves (optical resolution, filter); two points unless given [m].
     extrapolation : "cut" or SelfAffineContinuation
         What lies outside the reliable range: nothing, or a continuation.
+    outliers : {"keep", "remove"}
+        Points that stand alone (`leak.outliers.find_outliers`): kept, or replaced by what surrounds them.
 
     Raises
     ------
@@ -93,9 +96,14 @@ class ScanSettings:
     tip_radius: float | None = None
     shortest_wavelength: float | None = None
     extrapolation: Literal["cut"] | SelfAffineContinuation = "cut"
+    outliers: Outliers = "keep"
 
     def __post_init__(self) -> None:
-        for name, value, known in (("detrend", self.detrend, DETRENDS), ("window", self.window, WINDOWS)):
+        for name, value, known in (
+            ("detrend", self.detrend, DETRENDS),
+            ("window", self.window, WINDOWS),
+            ("outliers", self.outliers, OUTLIERS),
+        ):
             if value not in known:
                 raise ScanError(f"{name} = {value!r}: must be " + " or ".join(f'"{one}"' for one in known))
         for name, length in (

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from leak.outliers import FoundOutliers
 from leak.periodogram import Periodogram
 from leak.reliable_range import ReliableRange
-from leak.spectrum import PowerSpectrum
-from leak.topography import Detrend, Topography
+from leak.scan_settings import ScanSettings
+from leak.self_affine_fit import CONFIDENCE, RollOff
+from leak.topography import Topography
 
 FloatArray = NDArray[np.float64]
 
@@ -21,18 +23,15 @@ _SKEWED, _FLAT_TOPPED, _PEAKED = 1.0, 2.0, 5.0
 _FORM = 0.5
 # A single wave with more than this share of the variance, and at least this many periods in the scan, is a lay.
 _ONE_WAVE, _PERIODS, _FEWEST_WAVES = 0.5, 4, 32
-# An isotropic surface shows a Peklenik number of 1 + this over the square root of the number of waves at most (95 %).
+# An isotropic surface shows a ratio of lengths of 1 + this over the square root of the number of waves at most (95 %).
 _SCATTER = 4.0
 # A lay that matters to the flow.
 _LAY = 1.5
+# Scans are too short for their roll-off if the rms height of the surface is not known to this factor from one end of
+# its interval to the other, and long enough with so many waves.
+_TOO_SHORT, _ENOUGH = 1.8, 20
 # A variance cut away that engineers would see in the rms height.
 _CUT = 0.01
-# Roll-off: the self-affine part has at least this length in ln q and this many nodes; the power law is no better than
-# this in ln C; and a shorter flat part than this (ln q) is none.
-_SHORTEST, _FEWEST_NODES, _SMALLEST_ERROR, _FLAT_PART = np.log(4.0), 3, 0.05, np.log(1.5)
-_LEAST_FALL = -2.0
-# One more piece must lower the weighted sum of squares by this, or it only follows the scatter.
-_PIECE = 12.0
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ class Lay:
     Parameters
     ----------
     ratio : float
-        Peklenik number, 1 or more [-].
+        Correlation length along the lay over that across it, 1 or more [-].
     angle : float
         Direction of the crests from the x-axis [rad].
     chance : float
@@ -52,28 +51,6 @@ class Lay:
     ratio: float
     angle: float
     chance: float
-
-
-@dataclass(frozen=True)
-class RollOff:
-    """Broken power law through a spectrum: constant up to `wavenumber`, then q^(-2 (1 + hurst)) up to `end`.
-
-    Parameters
-    ----------
-    wavenumber : float or None
-        Roll-off [1/m]; None if the spectrum falls over the whole range.
-    end : float
-        End of the self-affine part [1/m].
-    hurst : float
-        Hurst exponent; outside (0, 1) the surface is not self-affine [-].
-    hurst_error : float
-        Standard deviation, from the errors of the spectrum or from its scatter about the power law [-].
-    """
-
-    wavenumber: float | None
-    end: float
-    hurst: float
-    hurst_error: float
 
 
 def shape_moments(scans: Sequence[Topography]) -> tuple[float, float]:
@@ -86,7 +63,7 @@ def anisotropy(modes: Sequence[Periodogram], ranges: Sequence[ReliableRange]) ->
     """Mean lay of the maps among some scans, None without a map.
 
     For C(q_x, q_y) constant on ellipses of half-axes a and b the mean of (q_x/q)^2, weighted with C, is a/(a+b): the
-    ratio of the eigenvalues of <q q^T/q^2> is the Peklenik number whatever the profile of C is.
+    ratio of the eigenvalues of <q q^T/q^2> is a/b whatever the profile of C is.
     """
     tensors, waves = [], 0.0
     for one, reliable in zip(modes, ranges, strict=True):
@@ -107,61 +84,13 @@ def anisotropy(modes: Sequence[Periodogram], ranges: Sequence[ReliableRange]) ->
     return Lay(float(values[1] / max(values[0], 1e-9)), angle % np.pi, 1.0 + _SCATTER / np.sqrt(waves))
 
 
-def fit_rolloff(spectrum: PowerSpectrum, log_error: FloatArray) -> RollOff:
-    """Roll-off and Hurst exponent of a measured spectrum.
-
-    Weighted least squares of ln C over ln q with three straight pieces: constant, self-affine, and whatever comes
-    behind (a filter, the noise of the instrument); the first and the last may be missing.
-    """
-    x, y = np.log(spectrum.wavenumber), np.log(spectrum.density)
-    weight = 1.0 / np.maximum(log_error, _SMALLEST_ERROR)
-    best = _broken_line(x, y, weight, x[0], x[-1])
-    for start in x[:-_FEWEST_NODES]:
-        for end in x[x > start + _SHORTEST]:
-            line = _broken_line(x, y, weight, start, end)
-            # what falls less than any self-affine spectrum is a roll-off or noise
-            falls = line.slope < _LEAST_FALL
-            if (falls, -line.cost) > (best.slope < _LEAST_FALL, -best.cost):
-                best = line
-    # nearer to the end of the spectrum than that, a flat part is a matter of chance
-    wavenumber = float(np.exp(best.start)) if best.start - x[0] > _FLAT_PART else None
-    return RollOff(wavenumber, float(np.exp(best.end)), -0.5 * best.slope - 1.0, 0.5 * best.slope_error)
-
-
-@dataclass(frozen=True)
-class _BrokenLine:
-    """Constant up to `start`, `slope` up to `end`, another slope behind, all in ln q."""
-
-    start: float
-    end: float
-    cost: float
-    slope: float
-    slope_error: float
-
-
-def _broken_line(x: FloatArray, y: FloatArray, weight: FloatArray, start: float, end: float) -> _BrokenLine:
-    columns = [np.ones_like(x), np.maximum(np.minimum(x, end) - start, 0.0)]
-    if end < x[-1]:
-        columns.append(np.maximum(x - end, 0.0))
-    basis = np.stack(columns, axis=1) * weight[:, None]
-    normal = basis.T @ basis
-    coefficients = np.linalg.solve(normal, basis.T @ (y * weight))
-    misfit = float(np.sum((weight * y - basis @ coefficients) ** 2))
-    # smoothing makes neighbouring nodes agree better than their errors say
-    scatter = max(misfit / max(x.size - basis.shape[1] - 2, 1), 1.0)
-    cost = misfit + _PIECE * (basis.shape[1] + (start > x[0]))
-    return _BrokenLine(
-        start, end, cost, float(coefficients[1]), float(np.sqrt(scatter * np.linalg.inv(normal)[1, 1]))
-    )
-
-
 def remarks_on_shape(
     scans: Sequence[Topography],
     modes: Sequence[Periodogram],
-    detrend: Detrend,
+    settings: ScanSettings,
     skewness: float,
     kurtosis: float,
-    height_above: float,
+    outliers: Sequence[FoundOutliers],
     lay: Lay | None,
 ) -> tuple[str, ...]:
     """What speaks against using the spectrum of these scans as if the surface were Gaussian and isotropic."""
@@ -171,8 +100,9 @@ def remarks_on_shape(
             f"far from Gaussian: skewness {skewness:.2g}, kurtosis {kurtosis:.2g} (Gaussian: 0 and 3). The theory is "
             "for Gaussian surfaces; valleys or scratches that carry the leakage may be missed"
         )
+    remarks += _on_outliers(scans, settings, outliers)
     form = max(_parabola_share(scan) for scan in scans)
-    if detrend != "curvature" and form > _FORM:
+    if settings.detrend != "curvature" and form > _FORM:
         remarks.append(
             f'a parabola carries {form:.0%} of the variance: this is form, not roughness; use detrend = "curvature"'
         )
@@ -192,13 +122,73 @@ def remarks_on_shape(
     if lay is not None and lay.ratio > max(_LAY, lay.chance):
         remarks.append(
             f"anisotropic: correlation length along the lay {lay.ratio:.2g} times the one across it; the spectrum is "
-            "the angular average"
+            f"the angular average. The key peklenik of [roughness] tells the lay: {1.0 / lay.ratio:.2g} where the fluid "
+            f"flows across it (turned or ground around the seat), {lay.ratio:.2g} where it flows along it"
+        )
+    return tuple(remarks)
+
+
+def _on_outliers(
+    scans: Sequence[Topography], settings: ScanSettings, outliers: Sequence[FoundOutliers]
+) -> Iterator[str]:
+    for scan, found in zip(scans, outliers, strict=True):
+        if not found.count:
+            continue
+        those = (
+            f"{scan.name or 'scan'}: {found.count} outlier{'s' * (found.count != 1)}, up to {_length(found.height)} from "
+            f"what surrounds them, {found.pits} of them pits"
+        )
+        if settings.outliers == "remove":
+            yield f"{those}, are replaced by what surrounds them"
+        else:
+            yield (
+                f"{those}: spikes of the instrument, dust, or real? They count as roughness and raise the leak rate of "
+                'elastic asperities; outliers = "remove" replaces them'
+            )
+
+
+def remarks_on_range(
+    scans: Sequence[Topography],
+    finest: ReliableRange,
+    settings: ScanSettings,
+    rolloff: RollOff,
+    height_above: float,
+) -> tuple[str, ...]:
+    """What the scans are too short or too coarse for."""
+    remarks = []
+    low, high = rolloff.height.interval
+    if high > _TOO_SHORT * low:
+        length, total = max(scan.length for scan in scans), sum(scan.length for scan in scans)
+        if rolloff.wavenumber is None:
+            holds, wanted = "shows no roll-off", "longer scans, until they show one"
+        else:
+            wave = 2.0 * np.pi / rolloff.wavenumber
+            holds = f"holds about {total / wave:.2g} waves of {_length(wave)}, the wavelength of the roll-off"
+            wanted = f"{_length(_ENOUGH * wave)} or more, or at several places"
+        remarks.append(
+            f"too short for its roll-off: the scan, {_length(length)} long, {holds}. The rms height of the surface may be {low:.2g} to "
+            f"{high:.2g} times that of the scan ({CONFIDENCE:.0%}), and the leak rate goes with its cube or faster; "
+            f"[uncertainty] carries this into the interval of the leak rate. Measure {wanted}"
+        )
+    if settings.extrapolation == "cut" and finest.limit in ("tip radius", "shortest wavelength"):
+        sampled = max(np.pi / scan.resolution for scan in scans)
+        end = sampled if sampled > 1.5 * finest.q_high else 4.0 * finest.q_high
+        hurst = 0.8 if rolloff.hurst is None else min(rolloff.hurst, 1.0)
+        remarks.append(
+            f"the spectrum ends at a wavelength of {_length(2 * np.pi / finest.q_high)} ({finest.limit}), but the surface "
+            "has shorter waves; without them the leak rate of elastic asperities is too low, which is the unsafe side. "
+            f'extrapolation = "self-affine" with hurst = {hurst:.2g} and q_high = "{end:.2g} 1/m" continues it'
         )
     if height_above > _CUT:
         remarks.append(
             f"{height_above:.1%} of the variance lies in waves shorter than the reliable range and is cut"
         )
     return tuple(remarks)
+
+
+def _length(value: float) -> str:
+    unit, size = next((one for one in (("mm", 1e-3), ("um", 1e-6)) if value >= 0.1 * one[1]), ("nm", 1e-9))
+    return f"{value / size:.3g} {unit}"
 
 
 def _parabola_share(scan: Topography) -> float:

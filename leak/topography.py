@@ -209,7 +209,7 @@ def height_map(
         )
     remarks: tuple[str, ...] = ()
     if share > 0.0:
-        h = _filled(h, missing)
+        h = filled(h, missing)
         remarks = (
             f"{int(missing.sum())} missing points ({share:.2%}) are filled with the height of the nearest one",
         )
@@ -265,7 +265,8 @@ def _rounding(x: FloatArray, below: float) -> float:
     return 0.0
 
 
-def _filled(h: FloatArray, missing: NDArray[np.bool_]) -> FloatArray:
+def filled(h: FloatArray, missing: NDArray[np.bool_]) -> FloatArray:
+    """Heights with those missing replaced by the nearest one, shape (nx, ny) [m]."""
     from scipy.ndimage import distance_transform_edt
 
     nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -72,7 +73,6 @@ def test_few_channels_left(area, words):
 def test_factors_are_those_of_the_direct_numerical_results(reference_folder):
     """The limits in the warning are those that the comparison with direct numerical results shows."""
     import sys
-    from pathlib import Path
 
     sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
     from direct_numerical import compare, read_direct, worst_factor
@@ -90,6 +90,55 @@ def test_factors_are_those_of_the_direct_numerical_results(reference_folder):
             inside = (area > low) & (area <= limit)
             assert worst_factor(comparison.default[inside]) < factor
             low = limit
+
+
+def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference_folder):
+    """Across the lay the isotropic factors would be far too small: 9 instead of 1.7 at a Peklenik number of 0.2."""
+    import math
+    import sys
+
+    sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
+    from direct_numerical import periodic_spectrum
+
+    table = np.genfromtxt(reference_folder / "anisotropic_direct.csv", delimiter=",", names=True)
+    worst = {}
+    for ratio in (2.0, 5.0):
+        for rolloff, cutoff in ((8, 32), (16, 32), (16, 64)):
+            part = table[
+                (table["peklenik"] == ratio)
+                & (table["rolloff_waves"] == rolloff)
+                & (table["cutoff_waves"] == cutoff)
+            ]
+            stretched = leak.stretched_spectrum(periodic_spectrum(rolloff, cutoff, 0.8), ratio)
+            spectrum = leak.PowerSpectrum(stretched.wavenumber, stretched.density / stretched.rms_slope**2)
+            for number, column in ((ratio, "conductivity_along"), (1 / ratio, "conductivity_across")):
+                contact = leak.RoughContact(spectrum, effective_modulus=1.0, peklenik=number)
+                for p in np.unique(part["p_over_Eh"]):
+                    direct = math.exp(np.log(part[column][part["p_over_Eh"] == p]).mean())
+                    theory = (float(contact.effective_separation(p)) / spectrum.rms_height) ** 3
+                    area = float(contact.contact_area(p))
+                    assert 0.9 < theory / direct < validity._lay_factor(area, number), (number, p)
+                    worst[number] = max(worst.get(number, 0.0), theory / direct)
+    # and they are not wildly larger than needed
+    assert worst[0.2] > 0.9 * validity._lay_factor(0.16, 0.2)
+    assert worst[5.0] > 0.9 * validity._lay_factor(0.16, 5.0)
+
+
+@pytest.mark.parametrize(
+    ("peklenik", "area", "words"),
+    [
+        (1.0, 0.17, "up to a factor 1.7 up or down"),
+        (0.2, 0.17, "factor 8.8, on the safe side; beyond A/A0 = 0.16 there are none"),
+        (0.2, 0.014, "factor 1.6, on the safe side"),
+        (5.0, 0.014, "factor 1.6, on the safe side"),
+        (0.8, 0.014, ""),
+    ],
+)
+def test_the_factor_knows_the_lay(peklenik, area, words):
+    surface = replace(SURFACE, peklenik=peklenik)
+    found = " ".join(validity._nearly_sealed(case(), surface, [load(peak=pressure_at(area))]))
+    assert words in found
+    assert bool(found) == bool(words)
 
 
 def test_roughness_known_too_short():

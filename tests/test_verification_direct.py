@@ -20,8 +20,6 @@ from direct_numerical import Comparison, compare, periodic_spectrum, picture, re
 
 @pytest.fixture(scope="module")
 def comparisons(reference_folder) -> list[Comparison]:
-    if not (reference_folder / "direct_numerical.csv").is_file():
-        pytest.skip(f"direct_numerical.csv is not in {reference_folder}")
     return [compare(direct) for direct in read_direct(reference_folder)]
 
 
