@@ -69,16 +69,28 @@ def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
     ]
     lines.append(("rms height", _with_scatter(surface)))
     low, high = (quantity("length", surface.rms_height * one) for one in surface.rolloff.height.interval)
-    lines.append(("  of the whole surface", f"{low} to {high} ({percent(surface.rolloff.confidence)}, from the length scanned)"))
+    lines.append(
+        (
+            "  of the whole surface",
+            f"{low} to {high} ({percent(surface.rolloff.confidence)}, from the length scanned)",
+        )
+    )
     lines.append(("rms slope", f"{number(surface.measured.rms_slope)} (in the reliable range)"))
     lines.append(
         ("skewness, kurtosis", f"{number(surface.skewness)}, {number(surface.kurtosis)} (Gaussian: 0, 3)")
     )
     if surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None:
         angle = number(math.degrees(surface.lay_angle))
-        lines.append(("anisotropy", f"{number(surface.anisotropy)} times longer along the lay, lay at {angle}° from x"))
+        lines.append(
+            ("anisotropy", f"{number(surface.anisotropy)} times longer along the lay, lay at {angle}° from x")
+        )
         across, along = map(number, surface.peklenik)
-        lines.append(("key peklenik", f"{across} if the fluid flows across the lay (a turned seat), {along} if along it"))
+        lines.append(
+            (
+                "key peklenik",
+                f"{across} if the fluid flows across the lay (a turned seat), {along} if along it",
+            )
+        )
     lines.append(("roll-off", _rolloff(surface)))
     lines.append(("Hurst exponent", _hurst(surface)))
     lines.append(

@@ -20,8 +20,7 @@ FloatArray = NDArray[np.float64]
 
 # A normal distribution is cut off here, in standard deviations.
 _NORMAL_END = 3.0
-# The long waves of a measured surface reach from its roll-off over an eighth of that wave, in ln q; and their ln C changes
-# by this at most.
+# The long waves of a measured surface end at eight times its roll-off, in ln q; their ln C changes by this at most.
 _TRANSITION, _MOST_CHANGED = float(np.log(8.0)), 12.0
 # A scatter of ln height that no leak rate shows.
 _SMALLEST = 0.01

@@ -30,8 +30,8 @@ _LARGEST_ERROR_OF_PATH = 1e-2
 # and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification.md).
 _FEW_CHANNELS = 0.15
 _FACTORS = ((0.2, 1.7), (1.0, 3.3))
-# With a lay the conductivity is too high by up to (longer over shorter correlation length)^exponent, exponents up to A/A0
-# where the fluid crosses the lay, and one where it flows along it: direct results for ratios of 2 and 5, up to 0.16.
+# With a lay the conductivity is too high by up to (longer over shorter correlation length)^exponent: up to some A/A0
+# where the fluid crosses the lay, and where it flows along it. Direct results for ratios of 2 and 5, up to A/A0 = 0.16.
 _LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 0.3), (0.07, 0.5), (1.0, 1.35)), 0.3, 0.16
 _WORTH_SAYING = 1.3
 # Share of the height variance in waves too long to be roughness of this contact.
@@ -224,8 +224,8 @@ def _nearly_sealed(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -
         beyond = f"; beyond A/A0 = {_LAY_KNOWN:g} there are none" if area > _LAY_KNOWN else ""
         yield (
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}; the roughness "
-            f"has a lay (peklenik = {surface.peklenik:.3g}), and with it the theory's flow conductivity is above direct "
-            f"numerical results by up to a factor {lay:.2g}, on the safe side{beyond}"
+            f"has a lay (peklenik = {surface.peklenik:.3g}), and with it the theory's flow conductivity is above "
+            f"direct numerical results by up to a factor {lay:.2g}, on the safe side{beyond}"
         )
     elif area > _FEW_CHANNELS:
         yield (

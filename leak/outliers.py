@@ -67,7 +67,7 @@ def find_outliers(scan: Topography) -> FoundOutliers:
     points = away != 0.0
     if points.mean() > _MOST:
         points[...], away[...] = False, 0.0
-    places, count = label(points, np.ones((3,) * points.ndim))
+    places, count = label(points, np.ones((3,) * points.ndim, bool))
     pits = np.unique(places[points & (away < 0.0)]).size
     return FoundOutliers(points, int(count), int(pits), float(np.abs(away).max()))
 
@@ -78,7 +78,7 @@ def without_outliers(scan: Topography, found: FoundOutliers) -> Topography:
 
     if not found.count:
         return scan
-    replaced = binary_dilation(found.points, np.ones((3,) * found.points.ndim))
+    replaced = binary_dilation(found.points, np.ones((3,) * found.points.ndim, bool))
     if isinstance(scan, LineScan):
         x = np.arange(scan.heights.size)
         heights = np.interp(x, x[~replaced], scan.heights[~replaced])

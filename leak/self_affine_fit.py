@@ -33,8 +33,9 @@ _SLOPES, _SPREADS = np.array([-1.5, -3.4, -6.0]), np.array([1.5, 1.0, 6.0])
 # rise, and falls less than the self-affine part by some amount.
 _LEAST_FALL, _MOST_FALL, _BEND = -2.0, -4.2, 0.2
 # What the likelihood does not know, found from synthetic scans: through the window waves of neighbouring bins are
-# correlated, and waves beyond the end of the data are missing. Factor on, and part of, the error of the exponent.
-_CORRELATED, _MISSING = 1.2, 0.015
+# correlated; and waves beyond the end of the data may be missing, of which oblique ones show up at longer waves, the more
+# the less the spectrum falls. Factor on, and part of, the error of the exponent, the latter times 1 - H.
+_CORRELATED, _MISSING = 1.2, 0.04
 # A Hurst exponent whose interval is wider than this says nothing.
 _WIDEST = 0.4
 # Mean square deviation of the power from the line, over that of chance, from which on there is no such line.
@@ -120,8 +121,8 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
 
     References
     ----------
-    P. Whittle, J. Royal Stat. Soc. B 15, 125 (1953): likelihood of Fourier power; L. Tierney, J. B. Kadane, J. Am. Stat.
-    Assoc. 81, 82 (1986): probability of each line by Laplace's approximation.
+    P. Whittle, J. Royal Stat. Soc. B 15, 125 (1953): likelihood of Fourier power; L. Tierney, J. B. Kadane,
+    J. Am. Stat. Assoc. 81, 82 (1986): probability of each line by Laplace's approximation.
     """
     seen = _pooled([_trusted(one, _TRUSTED * nodes[-1]) for one in evidence])
     lines = _Lines.through(np.log(nodes), seen)
@@ -132,11 +133,12 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
     low, high = np.log(nodes[0]), np.log(nodes[-1])
     best = int(np.argmax(lines.weight))
     hurst, error = -0.5 * lines.slopes[:, 1] - 1.0, 0.5 * _CORRELATED * np.sqrt(lines.covariance[:, 2, 2])
-    value, probability = _mixture(lines.weight, hurst, np.hypot(error, _MISSING))
+    error = np.hypot(error, _MISSING * np.maximum(1.0 - hurst, 0.0))
+    value, probability = _mixture(lines.weight, hurst, error)
     ends = np.interp([0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], probability, value)
     known = bool(ends[1] - ends[0] <= _WIDEST)
     mean = float(lines.weight @ hurst)
-    spread = float(np.sqrt(lines.weight @ (error**2 + _MISSING**2 + (hurst - mean) ** 2)))
+    spread = float(np.sqrt(lines.weight @ (error**2 + (hurst - mean) ** 2)))
     corner, crossing = lines.corner[best], lines.crossing[best]
     log_height, height_error = lines.log_height(high)
     log_ratio = log_height - 0.5 * np.log(variance)

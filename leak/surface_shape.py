@@ -122,8 +122,8 @@ def remarks_on_shape(
     if lay is not None and lay.ratio > max(_LAY, lay.chance):
         remarks.append(
             f"anisotropic: correlation length along the lay {lay.ratio:.2g} times the one across it; the spectrum is "
-            f"the angular average. The key peklenik of [roughness] tells the lay: {1.0 / lay.ratio:.2g} where the fluid "
-            f"flows across it (turned or ground around the seat), {lay.ratio:.2g} where it flows along it"
+            f"the angular average. The key peklenik of [roughness] tells the lay: {1.0 / lay.ratio:.2g} where the "
+            f"fluid flows across it (turned or ground around the seat), {lay.ratio:.2g} where it flows along it"
         )
     return tuple(remarks)
 
@@ -135,8 +135,8 @@ def _on_outliers(
         if not found.count:
             continue
         those = (
-            f"{scan.name or 'scan'}: {found.count} outlier{'s' * (found.count != 1)}, up to {_length(found.height)} from "
-            f"what surrounds them, {found.pits} of them pits"
+            f"{scan.name or 'scan'}: {found.count} outlier{'s' * (found.count != 1)}, up to {_length(found.height)} "
+            f"from what surrounds them, {found.pits} of them pits"
         )
         if settings.outliers == "remove":
             yield f"{those}, are replaced by what surrounds them"
@@ -166,8 +166,8 @@ def remarks_on_range(
             holds = f"holds about {total / wave:.2g} waves of {_length(wave)}, the wavelength of the roll-off"
             wanted = f"{_length(_ENOUGH * wave)} or more, or at several places"
         remarks.append(
-            f"too short for its roll-off: the scan, {_length(length)} long, {holds}. The rms height of the surface may be {low:.2g} to "
-            f"{high:.2g} times that of the scan ({CONFIDENCE:.0%}), and the leak rate goes with its cube or faster; "
+            f"too short for its roll-off: the scan, {_length(length)} long, {holds}. The rms height of the "
+            f"surface may be {low:.2g} to {high:.2g} times that of the scan ({CONFIDENCE:.0%}), and the leak rate goes with its cube or faster; "
             f"[uncertainty] carries this into the interval of the leak rate. Measure {wanted}"
         )
     if settings.extrapolation == "cut" and finest.limit in ("tip radius", "shortest wavelength"):
@@ -175,8 +175,8 @@ def remarks_on_range(
         end = sampled if sampled > 1.5 * finest.q_high else 4.0 * finest.q_high
         hurst = 0.8 if rolloff.hurst is None else min(rolloff.hurst, 1.0)
         remarks.append(
-            f"the spectrum ends at a wavelength of {_length(2 * np.pi / finest.q_high)} ({finest.limit}), but the surface "
-            "has shorter waves; without them the leak rate of elastic asperities is too low, which is the unsafe side. "
+            f"the spectrum ends at a wavelength of {_length(2 * np.pi / finest.q_high)} ({finest.limit}), but the "
+            "surface has shorter waves; without them the leak rate of elastic asperities is too low, which is the unsafe side. "
             f'extrapolation = "self-affine" with hurst = {hurst:.2g} and q_high = "{end:.2g} 1/m" continues it'
         )
     if height_above > _CUT:

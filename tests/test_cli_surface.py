@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,9 @@ import pytest
 
 import leak
 from fem_seal import cli
+from fem_seal.readable import number
 from fem_seal.spectrum_file import read_spectrum
+from fem_seal.surface_files import surface_lines, surface_numbers
 
 SCAN = Path(__file__).parent.parent / "examples" / "seat_scan.csv"
 
@@ -42,6 +45,12 @@ def test_what_it_prints(call):
     ):
         assert name in out
     assert "anisotropy" not in out
+    assert "peklenik" not in out
+    # the scan was made with 0.60 and an rms height of 1.9 um
+    hurst = re.search(r"Hurst exponent +(\S+), (\S+) to (\S+) \(90 %\)", out)
+    assert float(hurst[2]) < 0.6 < float(hurst[3])
+    height = re.search(r"of the whole surface +(\S+) µm to (\S+) µm \(90 %", out)
+    assert float(height[1]) < 1.9 < float(height[2])
 
 
 def test_what_it_writes(call, tmp_path):
@@ -62,6 +71,8 @@ def test_json_has_the_numbers_of_leak(call):
     assert numbers["rms_height_m"] == surface.rms_height
     assert numbers["skewness"] == surface.skewness
     assert numbers["hurst"] == surface.rolloff.hurst
+    assert numbers["hurst_interval"] == list(surface.rolloff.hurst_interval)
+    assert numbers["peklenik_flow_across_lay"] is None
     assert numbers["q_high_per_m"] == surface.q_high
     assert numbers["anisotropy"] is None
     assert numbers["scans"][0]["points"] == [4000]
@@ -69,10 +80,20 @@ def test_json_has_the_numbers_of_leak(call):
 
 def test_options(call):
     options = ["--detrend", "curvature", "--window", "none", "--tip-radius", "2 um", "--unit", "mm,um"]
-    options += ["--shortest-wavelength", "5 um", "--hurst", "0.8", "--q-high", "1e8 1/m"]
+    options += [
+        "--outliers",
+        "remove",
+        "--shortest-wavelength",
+        "5 um",
+        "--hurst",
+        "0.8",
+        "--q-high",
+        "1e8 1/m",
+    ]
     code, out, _ = call(SCAN, "--json", *options)
     numbers = json.loads(out)
     assert code == 0
+    assert numbers["outliers"] == "remove"
     assert (numbers["detrend"], numbers["window"], numbers["tip_radius_m"]) == ("curvature", "none", 2e-6)
     assert numbers["q_high_per_m"] <= 2 * math.pi / 5e-6 * (1 + 1e-9)
     assert numbers["spectrum_rms_slope"] > numbers["rms_slope"]
@@ -82,6 +103,35 @@ def test_several_scans(call):
     code, out, _ = call(SCAN, SCAN)
     assert code == 0
     assert "(scans: 2.0" in out
+
+
+def test_the_case_key_of_the_lay_is_printed_for_both_directions():
+    """Not "Peklenik number 3", which is above one along the lay and turns a turned seat into a scratched one."""
+    true = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=6e4, q_high=1e6)
+    heights = leak.random_map(true, size=4e-3, points=512, seed=1, peklenik=3.0)
+    surface = leak.measure(leak.height_map(heights, (4e-3 / 512,) * 2))
+    lines = dict(surface_lines(surface))
+    across, along = (number(one) for one in surface.peklenik)
+    assert float(across) < 1 < float(along)
+    assert lines["key peklenik"] == (
+        f"{across} if the fluid flows across the lay (a turned seat), {along} if along it"
+    )
+    numbers = surface_numbers(surface)
+    assert numbers["peklenik_flow_across_lay"] == pytest.approx(1 / numbers["peklenik_flow_along_lay"])
+
+
+def test_spikes_and_their_filter(call, tmp_path):
+    x, h = np.loadtxt(SCAN, delimiter=",", skiprows=2).T
+    h[[500, 1200, 1900, 2600, 3300]] += 10.0
+    path = tmp_path / "spiked.csv"
+    np.savetxt(path, np.column_stack([x, h]), delimiter=",", header="x [mm],height [um]", comments="")
+    code, _, err = call(path)
+    assert code == 0
+    assert "warning: spiked.csv: 5 outliers, up to" in err and 'outliers = "remove"' in err
+    code, out, err = call(path, "--outliers", "remove", "--json")
+    assert "5 outliers" in err and "are replaced" in err
+    clean = leak.measure(leak.read_topography(SCAN))
+    assert json.loads(out)["rms_slope"] == pytest.approx(clean.measured.rms_slope, rel=0.01)
 
 
 def test_a_map_shows_its_lay(call, topography_folder):
@@ -109,6 +159,7 @@ def test_far_from_gaussian_is_warned_about(call, tmp_path):
         (["none.csv"], "none.csv: cannot be read"),
         ([SCAN, "--unit", "nm"], "the file states that x is in units of 0.001 m"),
         ([SCAN, "--unit", "furlong"], "must be a unit of length"),
+        ([SCAN, "--outliers", "drop"], '"keep" or "remove"'),
         ([SCAN, "--detrend", "parabola"], '"tilt" or "mean" or "curvature"'),
         ([SCAN, "--tip-radius", "5"], 'tip_radius = "5": has no unit'),
         ([SCAN, "--q-high", "1e8 1/m"], "needs hurst"),

@@ -21,7 +21,13 @@ from fem_seal.report import report
 from fem_seal.response_surface import fit
 from fem_seal.summary import summary
 from fem_seal.theory_variants import theory_variants, variant_rows
-from fem_seal.uncertain_inputs import UncertainInput, UncertainScans, uncertain_inputs, weighted_mean
+from fem_seal.uncertain_inputs import (
+    UncertainHeight,
+    UncertainInput,
+    UncertainScans,
+    uncertain_inputs,
+    weighted_mean,
+)
 from fem_seal.uncertainty import LeakInterval, leak_interval
 
 TEN_PER_CENT = Spread(relative=0.1)
@@ -154,6 +160,9 @@ def test_sealed_samples_are_counted_and_not_smoothed_over(monkeypatch):
     assert np.isnan(interval.shares).all()
 
 
+SCANNED = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=2e3, q_rolloff=2e4, q_high=6e5)
+
+
 def scans(folder, heights):
     """Three scans of the same surface, with all heights times a factor, as text files."""
     from leak.random_surface import random_line_scan
@@ -170,7 +179,7 @@ def scans(folder, heights):
     return files
 
 
-def test_spectrum_between_scans(tmp_path):
+def test_spectrum_between_scans(tmp_path, monkeypatch):
     """Scans that differ by a factor of all heights: every mean of them is a surface between the extreme ones."""
     files = scans(tmp_path, (0.9, 1.0, 1.1))
 
@@ -180,11 +189,57 @@ def test_spectrum_between_scans(tmp_path):
             case(roughness={"spectrum": spectrum}, load={"fluid_pressure": "20 bar"}, **tables)
         )
 
-    interval = result(*files, uncertainty={"samples": 64, "spectrum": {"distribution": "scans"}}).uncertainty
+    table = {"samples": 64, "spectrum": {"distribution": "scans"}}
+    both = result(*files, uncertainty=table).uncertainty
+    with monkeypatch.context() as patch:
+        patch.setattr("fem_seal.uncertain_inputs.uncertain_heights", lambda case: ())
+        interval = result(*files, uncertainty=table).uncertainty
     low, high = (rates(result(file))[0] for file in (files[0], files[2]))
     assert low < interval.low[0] < interval.median[0] < interval.high[0] < high
     assert interval.shares[0] == pytest.approx([1.0])
     assert interval.inputs == ("spectrum",)
+    # three scans say little of how far their mean may be off
+    assert both.inputs == ("spectrum", "scan_length")
+    assert both.high[0] / both.low[0] > 1.1 * interval.high[0] / interval.low[0]
+
+
+def test_the_length_of_one_scan_widens_the_interval(tmp_path):
+    """Two wavelengths of the roll-off instead of thirteen; no other input is needed."""
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=1e-6, hurst=0.8, q_low=2e3, q_rolloff=2e4, q_high=3e6
+    )
+    ratios, names = [], {"short": 0.63e-3, "long": 12.6e-3}
+    for name, length in names.items():
+        points = round(length / 1e-6)
+        x, h = leak.random_line_scan(spectrum, length=length, points=points, seed=4)
+        path = tmp_path / f"{name}.csv"
+        np.savetxt(path, np.column_stack([x * 1e6, h * 1e6]), delimiter=",", header="x [um], h [um]")
+        found = fem_seal.run(
+            case(
+                roughness={"spectrum": {"kind": "profile", "file": str(path)}},
+                load={"fluid_pressure": "20 bar"},
+                uncertainty={"samples": 64},
+            )
+        )
+        warned = any("roughness.spectrum: too short for its roll-off" in one for one in found.warnings)
+        assert warned == (name == "short")
+        assert found.uncertainty.inputs == ("scan_length",)
+        ratios.append(float(found.uncertainty.high[0] / found.uncertainty.low[0]))
+        assert "length of the scans" in report(found)
+    assert ratios[0] > 5 * ratios[1]
+    assert ratios[1] > 1.2
+
+
+def test_scans_show_a_part_of_their_own_scatter():
+    """Random weights of n scans scatter their mean by (n-1)/(n+1) of its variance; the rest is added."""
+    surface = leak.measure(leak.line_scan(*leak.random_line_scan(SCANNED, length=4e-3, points=4000, seed=1)))
+    whole = UncertainHeight("seat", "scan_length", surface.rolloff.height, 2e4)
+    part = replace(whole, share=0.5)
+    uniform = np.linspace(0.01, 0.99, 99)[:, None]
+    assert np.log(part.values(uniform)).std() == pytest.approx(
+        math.sqrt(0.5) * np.log(whole.values(uniform)).std(), rel=1e-9
+    )
+    assert part.values(np.array([[0.5]])) == pytest.approx(whole.values(np.array([[0.5]])), rel=1e-3)
 
 
 def test_each_surface_has_its_own_scans(tmp_path):
@@ -194,7 +249,11 @@ def test_each_surface_has_its_own_scans(tmp_path):
         roughness={"seat": rough, "closure": {"kind": "profile", "file": files[1]}},
         uncertainty={"spectrum": {"distribution": "scans"}, "rms_height": {"relative": 0.1}},
     )
-    assert [found.name for found in uncertain_inputs(one)] == ["rms_height", "seat"]
+    names = [found.name for found in uncertain_inputs(one)]
+    assert names == ["rms_height", "seat", "scan_length_seat", "scan_length_closure"]
+    shares = [found.share for found in uncertain_inputs(one) if isinstance(found, UncertainHeight)]
+    # what three scans do not show of themselves; of the one scan, whose only source this is, all
+    assert shares == [0.5, 1.0]
     with pytest.raises(InputError, match="two or more files"):
         one.replace({"roughness.seat.files": files[:1]})
 

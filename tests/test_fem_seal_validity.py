@@ -158,6 +158,25 @@ def test_waves_longer_than_the_contact():
     assert said(validity._long_waves, [load(std=1 / q[above > 0.91][-1])]) == ""
 
 
+def test_sizes_of_molecules():
+    """Kinetic diameters of Breck (1974), table 8.1, in nanometres."""
+    printed = {
+        "helium": 0.26,
+        "hydrogen": 0.289,
+        "nitrogen": 0.364,
+        "air": 0.364,
+        "oxygen": 0.346,
+        "argon": 0.34,
+        "carbon dioxide": 0.33,
+        "methane": 0.38,
+        "water": 0.265,
+        "diesel": 0.43,
+        "kerosene": 0.43,
+    }
+    for name, size in printed.items():
+        assert molecular_size(name) == pytest.approx(1e-9 * size, rel=1e-12, abs=0)
+
+
 @pytest.mark.parametrize(("fluid", "size"), [("water", 0.265e-9), ("hydraulic oil ISO VG 32", 0.43e-9)])
 def test_channels_narrower_than_a_molecule(fluid, size):
     assert molecular_size(fluid) == size

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.separation import mean_lost_separation
+from leak.effective_gap import _folded_above
+from leak.separation import density, mean_lost_separation
 
 E, HARDNESS = 115e9, 3.5e9
 
@@ -60,6 +63,23 @@ def test_plastic_columns(rough_contact):
     )
 
 
+def test_conductivity_is_the_gap_of_the_reference_cubed_over_12_eta(rough_contact):
+    """Poiseuille flow in a slit: 12 and nothing else, by every way to ask for it."""
+    p, u, eta = rough_contact["pressure_Pa"], rough_contact["u_eff_m"], 1.3e-3
+    flows = u > 0
+    p, sigma = p[flows], u[flows] ** 3 / 12 / eta
+    elastic = surface()
+    table = elastic.conductivity_table(float(p.min()), float(p.max()))
+    of_fluid = table.at(eta)
+    for found in (
+        elastic.flow_conductivity(p, eta),
+        table.conductivity(p, eta),
+        of_fluid(p),
+        of_fluid.at_log_pressure(np.log(p)),
+    ):
+        np.testing.assert_allclose(found, sigma, rtol=1e-4)
+
+
 def test_separation_distribution_at_50_MPa(reference_folder):
     table = np.genfromtxt(
         reference_folder / "separation_distribution_at_50MPa_paper.csv", delimiter=",", names=True
@@ -83,6 +103,25 @@ def test_distribution_has_weight_one(hardness):
     assert lost.weight.sum() + lost.contact[0] == pytest.approx(1.0, abs=1e-7)
     # At the shortest waves contact is lost at separations far below any grid; with C_pl that is 3e-4 of the area.
     assert np.trapezoid(P, u) + lost.contact[0] == pytest.approx(1.0, abs=5e-4)
+
+
+def test_area_above_a_separation_is_the_rest_of_the_distribution():
+    contact = surface()
+    lost, _ = contact._lost_area(np.array([57e6]))
+    u = np.linspace(3e-6, 25e-6, 4001)
+    rest = np.trapezoid(density(lost, u[None, :])[0], u)
+    # beyond 25 um, 13 rms heights, nothing is left
+    assert _folded_above(lost, u[:1])[0] == pytest.approx(rest, rel=1e-5)
+
+
+def test_height_of_what_has_not_yielded():
+    """2 pi int q C_pl dq above a magnification, by brute force on the spectrum that the areas give."""
+    contact, p = surface(hardness=HARDNESS), 57e6
+    lost, _ = replace(contact, separation_width="plain")._lost_area(np.array([p]))
+    smoothed = contact.plastic_spectrum(p)
+    whole = float(np.sqrt(2 * np.pi * smoothed.moment(1)))
+    # at the smallest magnification all of it
+    assert lost.width[0].max() == pytest.approx(whole, rel=2e-4)
 
 
 def test_mean_of_the_distribution_is_the_mean_separation():

@@ -56,6 +56,15 @@ def test_slit_flow_follows_the_boltzmann_equation(D):
     assert poiseuille_flow_rate(D) == pytest.approx(boltzmann_flow_rate(D), rel=8e-3)
 
 
+@pytest.mark.parametrize(
+    ("D", "published"),
+    # the three ranges of Fukui and Kaneko (1990), table 2, by hand, away from where they are joined
+    [(0.03, 2.5137431889), (1.0, 1.53623), (2.0, 1.6037525), (20.0, 4.3974598)],
+)
+def test_slit_flow_is_the_published_fit(D, published):
+    assert float(poiseuille_flow_rate(D)) == pytest.approx(published, rel=1e-7)
+
+
 def test_knudsen_minimum():
     """Q_P has its minimum, 1.536, near D = 1 (Cercignani & Daneri: 1.53 at about 1.1)."""
     D = np.geomspace(0.02, 50, 2000)

@@ -64,6 +64,14 @@ def test_mean_free_path():
     assert leak.gas("air").mean_free_path(101325.0) == pytest.approx(65.4e-9, rel=0.01)
 
 
+def test_mean_free_path_is_its_formula():
+    """(eta/p) sqrt(pi R T/(2 M)) with round numbers."""
+    made = leak.Gas("made", 0.004, 2e-5, 300.0, "")
+    exact = 2e-5 / 1e5 * math.sqrt(math.pi * 8.31446261815324 * 300.0 / (2 * 0.004))
+    assert made.mean_free_path(1e5) == pytest.approx(exact, rel=1e-9)
+    assert made.density(1e5) == pytest.approx(1e5 * 0.004 / (8.31446261815324 * 300.0), rel=1e-9)
+
+
 @pytest.mark.parametrize("name", list(leak.GASES))
 def test_every_gas(name):
     gas = leak.gas(name)

@@ -94,7 +94,38 @@ def test_a_leak_is_never_called_invisible():
     assert str(leak.leakage_class(1.0, 0.025, gas=False)[0]) == "ISO 5208: no class met"
 
 
+def test_iso_5208_coefficients():
+    """Table of ISO 5208: mm^3/s times DN, liquid and gas, as printed."""
+    printed = {
+        "AA": (0.006, 0.18),
+        "B": (0.01, 0.3),
+        "C": (0.03, 3),
+        "CC": (0.08, 22.3),
+        "D": (0.1, 30),
+        "E": (0.3, 300),
+        "EE": (0.39, 470),
+        "F": (1, 3000),
+        "G": (2, 6000),
+    }
+    for gas in (False, True):
+        found = limits(0.04, gas=gas)
+        for name, coefficients in printed.items():
+            assert found["ISO 5208", name] == pytest.approx(40e-9 * coefficients[gas], rel=1e-12, abs=0)
+
+
+def test_fci_70_2_class_six_as_printed():
+    """Seat diameter [mm] and ml/min of air."""
+    printed = (
+        "25 .15, 38 .30, 51 .45, 64 .60, 76 .90, 102 1.70, 152 4.00, 203 6.75, 250 11.1, 300 16.0, 350 21.6"
+    )
+    for line in printed.split(", "):
+        mm, rate = map(float, line.split())
+        found = limits(0.05, gas=True, seat_diameter=mm * 1e-3)["FCI 70-2", "VI"]
+        assert found * 60e6 == pytest.approx(rate, rel=1e-9)
+
+
 def test_units():
+    assert leak.millibar_litres_per_second(0.1) == pytest.approx(1.0)
     assert leak.drops_per_minute(1e-6 / 60, 0.05e-6) == pytest.approx(20.0)
     assert pytest.approx(0.0625e-6) == DROP_VOLUME
     assert pytest.approx(0.15e-6) == BUBBLE_VOLUME

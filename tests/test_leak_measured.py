@@ -169,7 +169,11 @@ def test_the_generator_stretches_along_x():
     # 1000 waves: the ratio scatters by 0.2
     assert surface.anisotropy == pytest.approx(3.0, rel=0.2)
     assert min(surface.lay_angle, np.pi - surface.lay_angle) < np.radians(5)
-    assert any("anisotropic" in remark for remark in surface.warnings)
+    said = next(remark for remark in surface.warnings if "anisotropic" in remark)
+    across, along = surface.peklenik
+    assert (across, along) == pytest.approx((1 / surface.anisotropy, surface.anisotropy))
+    assert f"{across:.2g} where the fluid flows across it" in said
+    assert f"{along:.2g} where it flows along it" in said
 
 
 # --- the variance is that of the scan -------------------------------------------------------------------------
@@ -279,6 +283,23 @@ def test_tip_radius_limits_where_the_profile_bends_like_the_tip():
     bending = np.sqrt(2 * np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(q))]))
     expected = np.interp(0.5 / radius, bending, q)
     assert surface.limit == "tip radius"
+    # a spectrum cut there leaks less than the surface; said, with the continuation as it may be copied
+    said = next(one for one in surface.warnings if one.startswith("the spectrum ends at a wavelength of"))
+    assert "(tip radius)" in said and "too low, which is the unsafe side" in said
+    offered = f'extrapolation = "self-affine" with hurst = {surface.rolloff.hurst:.2g} and q_high = "'
+    assert offered in said
+    q_high = float(said.split(offered)[1].split(" 1/m")[0])
+    continued = leak.measure(
+        scan,
+        leak.ScanSettings(tip_radius=radius, extrapolation=leak.SelfAffineContinuation(0.8, q_high=q_high)),
+    )
+    assert not any("unsafe" in one for one in continued.warnings)
+    whole, cut, again = (
+        float(leak.RoughContact(one.spectrum, effective_modulus=115e9).effective_separation(50e6)) ** 3
+        for one in (leak.measure(scan), surface, continued)
+    )
+    assert cut < 0.95 * whole
+    assert again == pytest.approx(whole, rel=0.02)
     # one scan: the bending scatters by some per cent, the wavenumber by less
     assert surface.q_high == pytest.approx(expected, rel=0.1)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -136,6 +138,23 @@ def test_moments_of_the_remaining_roughness_are_consistent():
     np.testing.assert_allclose(
         factor, leak.remaining_fraction(s[:, None], seen.kappa * M[:, 1:]), rtol=2e-3, atol=1e-7
     )
+
+
+def test_moment_of_the_remaining_roughness_by_quadrature():
+    """int C_pl/C dM with t = (pi/4) (E*/sigma_P)^2 M, nothing of the table."""
+    from scipy.integrate import quad
+
+    s, scale = 0.0163, np.pi / 4 * (E / HARDNESS) ** 2
+    seen = PlasticRoughness.at(np.array([s]), E, HARDNESS, float(spectrum().break_moments[-1]))
+    assert seen.kappa == pytest.approx(scale, rel=1e-14)
+    for t in (0.05, 0.3, 1.0):
+        cuts = np.array([0.0, 0.02, 0.05, 0.15, 0.3, 1.0])
+        exact = sum(
+            quad(lambda x: float(leak.remaining_fraction(s, x)), a, min(b, t), epsabs=0, epsrel=1e-9)[0]
+            for a, b in pairwise(cuts)
+            if a < t
+        )
+        assert float(seen.moment(np.array([[t / scale]]))[0, 0]) == pytest.approx(exact / scale, rel=2e-5)
 
 
 def test_hardness_close_to_the_pressure():

@@ -61,7 +61,13 @@ def fewest(count, confidence=0.9):
 
 @pytest.mark.parametrize(
     ("wavelength", "hurst", "smooth"),
-    [(0.2e-3, 0.8, False), (0.2e-3, 0.5, True), (0.1e-3, 0.8, True), (0.8e-3, 0.6, False), (0.2e-3, 0.3, False)],
+    [
+        (0.2e-3, 0.8, False),
+        (0.2e-3, 0.5, True),
+        (0.1e-3, 0.8, True),
+        (0.8e-3, 0.6, False),
+        (0.2e-3, 0.3, False),
+    ],
 )
 def test_the_hurst_exponent_is_in_its_interval(wavelength, hurst, smooth):
     found = [one.rolloff for one in surfaces(wavelength, hurst, smooth)]

@@ -8,6 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import leak
+from leak.length_units import LENGTH_UNITS
 
 # What each file holds: points, length [m], rms height without tilt [m], with what it was compared.
 FILES = {
@@ -36,6 +37,30 @@ def file(tmp_path):
 
 
 # --- files of instruments -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("names", "size"),
+    [
+        ("m meter", 1.0),
+        ("cm", 0.01),
+        ("mm millimeter", 1e-3),
+        ("um µm μm micron microns micrometer micrometre", 1e-6),
+        ("nm nanometer", 1e-9),
+        ("å angstrom", 1e-10),
+        ("pm", 1e-12),
+        ("in inch", 25.4e-3),
+        ("uin µin", 25.4e-9),
+    ],
+)
+def test_units_of_length(names, size):
+    for name in names.split():
+        assert LENGTH_UNITS[name] == pytest.approx(size, rel=1e-15, abs=0)
+    known = {
+        "m", "meter", "cm", "mm", "millimeter", "um", "µm", "μm", "micron", "microns", "micrometer", "micrometre",
+        "nm", "nanometer", "å", "angstrom", "pm", "in", "inch", "uin", "µin",
+    }  # fmt: skip
+    assert set(LENGTH_UNITS) == known
 
 
 @pytest.mark.parametrize("name", FILES)
