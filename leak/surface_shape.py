@@ -167,17 +167,19 @@ def remarks_on_range(
             wanted = f"{_length(_ENOUGH * wave)} or more, or at several places"
         remarks.append(
             f"too short for its roll-off: the scan, {_length(length)} long, {holds}. The rms height of the "
-            f"surface may be {low:.2g} to {high:.2g} times that of the scan ({CONFIDENCE:.0%}), and the leak rate goes with its cube or faster; "
-            f"[uncertainty] carries this into the interval of the leak rate. Measure {wanted}"
+            f"surface may be {low:.2g} to {high:.2g} times that of the scan ({CONFIDENCE:.0%}), and the "
+            "leak rate goes with its cube or faster; [uncertainty] carries this into the interval of the leak rate. "
+            f"Measure {wanted}"
         )
     if settings.extrapolation == "cut" and finest.limit in ("tip radius", "shortest wavelength"):
         sampled = max(np.pi / scan.resolution for scan in scans)
         end = sampled if sampled > 1.5 * finest.q_high else 4.0 * finest.q_high
-        hurst = 0.8 if rolloff.hurst is None else min(rolloff.hurst, 1.0)
+        fitted = rolloff.hurst
+        hurst = fitted if fitted is not None and 0.0 < fitted <= 1.0 else 0.8
         remarks.append(
             f"the spectrum ends at a wavelength of {_length(2 * np.pi / finest.q_high)} ({finest.limit}), but the "
-            "surface has shorter waves; without them the leak rate of elastic asperities is too low, which is the unsafe side. "
-            f'extrapolation = "self-affine" with hurst = {hurst:.2g} and q_high = "{end:.2g} 1/m" continues it'
+            "surface has shorter waves; without them the leak rate of elastic asperities is too low, which is the "
+            f'unsafe side. extrapolation = "self-affine" with hurst = {hurst:.2g} and q_high = "{end:.2g} 1/m" continues it'
         )
     if height_above > _CUT:
         remarks.append(
