@@ -34,7 +34,7 @@ _SLOPES, _SPREADS = np.array([-1.5, -3.4, -6.0]), np.array([1.5, 1.0, 6.0])
 _LEAST_FALL, _MOST_FALL, _BEND = -2.0, -4.2, 0.2
 # What the likelihood does not know, found from synthetic scans: through the window waves of neighbouring bins are
 # correlated; and waves beyond the end of the data may be missing, of which oblique ones show up at longer
-# waves, the more the less the spectrum falls. Factor on, and part of, the error of the exponent, the latter times 1 - H.
+# waves, the more the less the spectrum falls. Factor on the error of the exponent, and part of it over 1 - H.
 _CORRELATED, _MISSING = 1.2, 0.04
 # A Hurst exponent whose interval is wider than this says nothing.
 _WIDEST = 0.4

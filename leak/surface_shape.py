@@ -179,7 +179,8 @@ def remarks_on_range(
         remarks.append(
             f"the spectrum ends at a wavelength of {_length(2 * np.pi / finest.q_high)} ({finest.limit}), but the "
             "surface has shorter waves; without them the leak rate of elastic asperities is too low, which is the "
-            f'unsafe side. extrapolation = "self-affine" with hurst = {hurst:.2g} and q_high = "{end:.2g} 1/m" continues it'
+            f'unsafe side. extrapolation = "self-affine" with hurst = {hurst:.2g} and q_high = "{end:.2g} 1/m" '
+            "continues it"
         )
     if height_above > _CUT:
         remarks.append(
