@@ -496,3 +496,31 @@ def test_damaged_step_ends_in_a_sentence(old, new, said, call, tmp_path) -> None
     code, _, err = call("check", case)
     assert code in (0, 2)
     assert code == 0 or said in err
+
+
+@pytest.mark.parametrize("number", ["nan", "inf", "1e300", "1w+20", "", "9" * 400])
+def test_dxf_with_a_number_that_is_none(number, tmp_path) -> None:
+    whole = (EXAMPLES / "seat.dxf").read_bytes()
+    start = whole.rindex(b"ENTITIES")
+    drawn, found = re.subn(rb"( 10\r?\n)[^\r\n]+", rb"\g<1>" + number.encode(), whole[start:], count=1)
+    assert found
+    path = tmp_path / "x.dxf"
+    path.write_bytes(whole[:start] + drawn)
+    with pytest.raises(GeometryError, match=r"^x\.dxf: (cannot be read as DXF \(|holds a point at \()"):
+        read_section(path, "seat", layer="SEAT")
+
+
+def test_dxf_with_blocks_in_blocks_without_end(tmp_path) -> None:
+    ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")
+    drawing = ezdxf.new(units=4)
+    for n in range(12):
+        block = drawing.blocks.new(f"B{n}")
+        for _ in range(10):
+            if n:
+                block.add_blockref(f"B{n - 1}", (0, 0))
+            else:
+                block.add_line((1, 0), (2, 0))
+    drawing.modelspace().add_blockref("B11", (0, 0))
+    drawing.saveas(tmp_path / "x.dxf")
+    with pytest.raises(GeometryError, match=r"cannot be read as DXF \(takes longer than 8 s\)"):
+        read_section(tmp_path / "x.dxf", "seat", time_limit=8.0)
