@@ -79,15 +79,11 @@ def _section(
     path: Path, name: str, axis: str, length_unit: float | None, layer: str | None, tolerance: float
 ) -> Profile:
     """What `read_section` returns, by this process."""
-    unit = None
-    if path.suffix.lower() == ".dxf":
-        from meshes.dxf_file import read_dxf
-
-        pieces, unit = read_dxf(path, axis, length_unit, layer, tolerance)
-    else:
-        from meshes.step_file import read_step
-
-        pieces = read_step(path, axis, tolerance)
+    try:
+        pieces, unit = _pieces(path, axis, length_unit, layer, tolerance)
+    except GeometryError as error:
+        # a curve does not know the file that it is from
+        raise error if str(error).startswith(path.name) else GeometryError(f"{path.name}: {error}") from error
     _check_pieces(pieces, path)
     return Profile(name, tuple(_loop(pieces, path)), unit)
 
@@ -120,6 +116,19 @@ def section_columns(reach: Sequence[float], axis: str, path: Path) -> list[int]:
             f"{', '.join(f'{reach[n]:.4g} along {names[n]}' for n in across)}"
         )
     return [*thick, z]
+
+
+def _pieces(
+    path: Path, axis: str, length_unit: float | None, layer: str | None, tolerance: float
+) -> tuple[list[Segment], float | None]:
+    """All pieces of the drawing in any order, and the length of its unit if it is a DXF."""
+    if path.suffix.lower() == ".dxf":
+        from meshes.dxf_file import read_dxf
+
+        return read_dxf(path, axis, length_unit, layer, tolerance)
+    from meshes.step_file import read_step
+
+    return read_step(path, axis, tolerance), None
 
 
 def _check_pieces(pieces: list[Segment], path: Path) -> None:
