@@ -13,7 +13,12 @@ def main() -> int:
     if sys.argv[1:] == ["--version"]:
         from fem_seal import __version__
 
-        sys.stdout.write(f"fem-seal {__version__}\n")
+        try:
+            sys.stdout.write(f"fem-seal {__version__}\n")
+            sys.stdout.flush()
+        except OSError as error:
+            sys.stderr.write(f"error: output: cannot be written ({(error.strerror or str(error)).lower()})\n")
+            return 1
         return 0
     # The matrices are small: threads gain nothing, and on a busy machine their waiting for each other makes a run
     # several times slower. To be set before numpy is loaded; a user's own setting wins.

@@ -15,6 +15,7 @@ from fem_seal.case_bodies import Body, MaterialField, Table, dimension, material
 from fem_seal.case_fields import Place, Quantity
 from fem_seal.case_seats import Held
 from fem_seal.errors import Problem
+from fem_seal.regular_files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
 from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
 
 _PLACE = Place(Quantity("length", "-10 m", "10 m"))
@@ -85,6 +86,12 @@ class ProfileSource(Table):
         "given",
         "10 nm",
     )
+    time_limit: Annotated[float, Quantity("time", "1 s", "1 h")] | None = Field(
+        None,
+        description="longest time that reading the file may take: a damaged .step can keep OpenCASCADE busy for ever; "
+        "20 s unless given",
+        examples=["20 s"],
+    )
 
     def source_problems(self, name: str) -> Iterator[Problem]:
         """What is wrong with the keys together."""
@@ -101,8 +108,11 @@ class ProfileSource(Table):
                 f"must end with {', '.join((*_DRAWINGS, *_MESHES))}",
                 f'"{Path(self.file).name}"',
             )
-        elif not Path(self.file).is_file():
-            yield Problem(f"{name}.file", "is not there", f'"{self.file}"')
+        else:
+            try:
+                check_file(self.file, MOST_BYTES_OF_DRAWING)
+            except UnreadableFileError as error:
+                yield Problem(f"{name}.file", str(error), f'"{self.file}"')
         if self.layer is not None and kind != ".dxf":
             yield Problem(f"{name}.layer", "only for a .dxf; remove it", f'"{self.layer}"')
         if self.tolerance is not None and kind in _MESHES:
@@ -118,7 +128,7 @@ class ProfileSource(Table):
             return _written(name, self.outline)
         assert self.file is not None  # `source_problems` has looked
         path = Path(self.file)
-        return _read(
+        found = _read(
             path,
             path.stat().st_mtime_ns,
             name,
@@ -126,17 +136,48 @@ class ProfileSource(Table):
             self.length_unit,
             self.layer,
             self.tolerance or 1e-8,
+            self.time_limit or 20.0,
         )
+        if isinstance(found, GeometryError):
+            raise found
+        return found
 
 
+# A file that cannot be read is kept as well: every design of a study would wait for its time limit anew.
 @lru_cache(maxsize=16)
 def _read(
-    path: Path, changed: int, name: str, axis: Any, unit: str | None, layer: str | None, tolerance: float
-) -> Shape:
+    path: Path,
+    changed: int,
+    name: str,
+    axis: Any,
+    unit: str | None,
+    layer: str | None,
+    tolerance: float,
+    time_limit: float,
+) -> Shape | GeometryError:
     length_unit = _UNITS[unit] if unit else None
-    if path.suffix.lower() in _MESHES:
-        return MeshedBody.read(path, name, axis=axis, length_unit=length_unit or 1.0)
-    return read_section(path, name, axis=axis, length_unit=length_unit, layer=layer, tolerance=tolerance)
+    try:
+        if path.suffix.lower() in _MESHES:
+            return MeshedBody.read(
+                path, name, axis=axis, length_unit=length_unit or 1.0, time_limit=time_limit
+            )
+        return read_section(
+            path,
+            name,
+            axis=axis,
+            length_unit=length_unit,
+            layer=layer,
+            tolerance=tolerance,
+            time_limit=time_limit,
+        )
+    except GeometryError as error:
+        return _at_file(error, path, name)
+
+
+def _at_file(error: GeometryError, path: Path, name: str) -> GeometryError:
+    """The error at the key of the file, where its message begins with it."""
+    _, found, what = str(error).partition(f"{path.name}: ")
+    return GeometryError(f'{name} file = "{path.name}": {what}') if found else error
 
 
 def _written(name: str, pieces: list[Piece]) -> Profile:

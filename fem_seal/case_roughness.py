@@ -25,6 +25,7 @@ from fem_seal.case_bodies import Table
 from fem_seal.case_fields import Number, Quantity
 from fem_seal.case_messages import problems
 from fem_seal.errors import InputError
+from fem_seal.regular_files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file
 from fem_seal.spectrum_file import read_spectrum
 
 if TYPE_CHECKING:
@@ -256,8 +257,13 @@ def _stamp(path: str) -> tuple[int, int]:
 def _measured(
     files: tuple[tuple[str, tuple[int, int]], ...], unit: tuple[str, ...] | None, settings: ScanSettings
 ) -> MeasuredSurface:
-    from leak import measure, read_topographies
+    from leak import ScanError, measure, read_topographies
 
+    for path, _ in files:
+        try:
+            check_file(path, MOST_BYTES_OF_SCAN)
+        except UnreadableFileError as error:
+            raise ScanError(f"{path}: {error}") from None
     return measure(read_topographies([path for path, _ in files], unit=unit), settings)
 
 

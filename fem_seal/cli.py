@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -351,6 +352,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         app(args=words, prog_name="fem-seal")
+        sys.stdout.flush()
     except SystemExit as leave:
         return leave.code if isinstance(leave.code, int) else DONE
     except KeyboardInterrupt:
@@ -375,7 +377,7 @@ def _explained(error: Exception) -> tuple[int, str]:
     if own or isinstance(error, SealError):
         return OTHER_FAILURE, str(error)
     if isinstance(error, OSError):
-        return OTHER_FAILURE, f"{error.filename or 'file'}: {(error.strerror or str(error)).lower()}"
+        return OTHER_FAILURE, _said_by_system(error)
     if isinstance(error, MemoryError):
         return OTHER_FAILURE, "not enough memory; try a coarser mesh or fewer loads"
     name = type(error).__name__
@@ -383,3 +385,11 @@ def _explained(error: Exception) -> tuple[int, str]:
         OTHER_FAILURE,
         f"unexpected {name}: {error}. This is a defect of fem-seal; --debug shows where it comes from",
     )
+
+
+def _said_by_system(error: OSError) -> str:
+    """Where and why the system refused; on a full disc, what has no file name was printed."""
+    reason = (error.strerror or str(error)).lower()
+    if error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)):
+        return f"{error.filename or 'output'}: cannot be written ({reason})"
+    return f"{error.filename or 'file'}: {reason}"

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.errors import SealError
+from fem_seal.regular_files import UnreadableFileError, read_text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -80,12 +81,11 @@ def read_text_table(file: str | Path) -> TextTable:
 
 def _read_lines(file: str | Path) -> list[str]:
     try:
-        text = Path(file).read_text(encoding="utf-8-sig")
+        text = read_text(file)
     except UnicodeDecodeError:
         raise TextTableError("is not a text file; a table of numbers is needed") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not a file name"
-        raise TextTableError(f"cannot be read ({reason.lower()})") from None
+    except UnreadableFileError as error:
+        raise TextTableError(str(error)) from None
     if "\0" in text:
         raise TextTableError("is not a text file; a table of numbers is needed")
     return text.splitlines()

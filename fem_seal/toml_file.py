@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fem_seal.errors import InputError, Problem
+from fem_seal.regular_files import UnreadableFileError, read_text
 
 
 def read_toml(path: Path, kind: str) -> dict[str, Any]:
@@ -24,14 +25,13 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
         If it cannot be read or is no TOML.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        return tomllib.loads(read_text(path))
     except UnicodeDecodeError:
         message = f"is not a text file; a {kind} file in TOML is needed"
     except tomllib.TOMLDecodeError as error:
         message = f'is not valid TOML: {error}. Texts and quantities need quotes: radius = "20 mm"'
     except RecursionError:
         message = f"is not a {kind} file: nested too deeply"
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not a file name"
-        message = f"cannot be read ({reason.lower()})"
+    except UnreadableFileError as error:
+        message = str(error)
     raise InputError(Problem("", message), file=path)

@@ -95,6 +95,10 @@ def effective_medium(
     return np.where(sealed, 0.0, np.exp(guess / 3.0))
 
 
+# u_eff falls to exp(-C/(1 - p/p_seal)) just below the sealing pressure, where 1/u_eff^3 is no number any more. What
+# flows through less than this, 1e-160 m^3/s, is nothing, and no fluid and no sum of resistances overflows above it [m].
+_SMALLEST_SEPARATION = 1e-60
+
 # Weight of 1/(1 - p/p_seal) beside ln p in the variable of the table.
 _SEALING_WEIGHT = 0.5
 
@@ -186,7 +190,7 @@ class ConductivityTable:
         return float(u) if u.ndim == 0 else u
 
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
-        """u_eff at ln(p/Pa) [m]."""
+        """u_eff at ln(p/Pa) [m]; zero below 1e-60 m, just before the sealing pressure."""
         x = np.asarray(log_pressure, dtype=float)
         too_high = (x > np.log(self.p_max) + 1e-9) & (x < self._log_sealing)
         if np.any(too_high):
@@ -196,7 +200,8 @@ class ConductivityTable:
             )
         sealed = x >= self._log_sealing
         abscissa = table_abscissa(np.where(sealed, -1.0 + self._log_sealing, x), self._log_sealing)
-        return np.where(sealed, 0.0, self._decay_length * np.logaddexp(0.0, self._curve.value(abscissa)))
+        u = self._decay_length * np.logaddexp(0.0, self._curve.value(abscissa))
+        return np.where(sealed | (u < _SMALLEST_SEPARATION), 0.0, u)
 
     def conductivity(self, pressure: ArrayLike, viscosity: float) -> FloatArray | float:
         """sigma_eff = u_eff^3/(12 eta) [m^3/(Pa s)]."""

@@ -16,6 +16,8 @@ from leak.spectrum import PowerSpectrum
 FloatArray = NDArray[np.float64]
 
 _GRID_POINTS = 256
+# A distribution narrower than this share of its mean falls between the points of a grid even in ln u.
+_NARROW = 0.25
 
 
 def effective_gap(
@@ -70,12 +72,27 @@ class _Gaps(NamedTuple):
 
 
 def _gaps(lost: LostArea, mean_separation: FloatArray, rms_height: float, refinement: int) -> _Gaps:
-    grid = SeparationGrid.around(mean_separation, rms_height, count=_GRID_POINTS * refinement)
+    height = _grid_height(lost, mean_separation, rms_height)
+    grid = SeparationGrid.around(mean_separation, height, count=_GRID_POINTS * refinement)
     weight = density(lost, grid.separation) * grid.weight
     # What the grid misses is wide open above it; below it is too narrow to matter and counts as contact.
     beyond = _folded_above(lost, grid.separation[:, -1])
     contact = np.maximum(1.0 - weight.sum(axis=1) - beyond, 0.0)
     return _Gaps(grid.separation, weight, contact, beyond)
+
+
+def _grid_height(lost: LostArea, mean: FloatArray, rms_height: float) -> FloatArray:
+    """Height that decides where the grid is fine, shape (P,) [m].
+
+    The rms height of the whole spectrum, but where little of it is left after plastic smoothing, twice the spread of
+    P(u): steps of the grid that are small against the former would not see so narrow a distribution.
+    """
+    share = np.maximum(lost.weight.sum(axis=1), 1e-300)
+    first = (lost.weight * lost.separation).sum(axis=1) / share
+    second = (lost.weight * (lost.separation**2 + lost.width**2)).sum(axis=1) / share
+    spread = np.sqrt(np.maximum(second - first**2, 0.0))
+    narrow = (spread > 0.0) & (spread < _NARROW * np.minimum(mean, rms_height))
+    return np.where(narrow, 2.0 * spread, rms_height)
 
 
 def critical_gap(
@@ -114,7 +131,8 @@ def _elastic_moment(seen: RoughnessSeen, remaining: FloatArray) -> FloatArray:
         middle = 0.5 * (low + high)
         below = seen.moment(np.exp(middle)[:, None])[:, 0] < remaining
         low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return np.exp(0.5 * (low + high))
+    # the exponential of a logarithm may lie above the end by a rounding, where there is no spectrum
+    return np.minimum(np.exp(0.5 * (low + high)), seen.end)
 
 
 def _folded_above(lost: LostArea, u: FloatArray) -> FloatArray:

@@ -292,18 +292,18 @@ class SeparationGrid:
     """Trapezoidal weight of int du [m]."""
 
     @classmethod
-    def around(cls, mean: FloatArray, rms_height: float, *, count: int) -> SeparationGrid:
-        """Grid that covers a distribution of mean separation `mean`, shape (P,), on a roughness `rms_height`.
+    def around(cls, mean: FloatArray, rms_height: float | FloatArray, *, count: int) -> SeparationGrid:
+        """Grid that covers distributions of mean separation `mean`, shape (P,), on a roughness of `rms_height` [m].
 
         Mass outside counts as contact below and as wide open above. Below mean - 14 h there is
         less than exp(-20) of it, because area is lost at a rate of one decay length (about h/2) per e-fold.
         """
-        L = 0.5 * rms_height
+        L = 0.5 * np.broadcast_to(rms_height, mean.shape)
         lower = np.maximum(_soft_inverse(np.maximum(mean - 14.0 * rms_height, 0.0) / L), -22.0)
         upper = _soft_inverse((mean + 9.0 * rms_height) / L)
         step = (upper - lower) / (count - 1)
         x = lower[:, None] + step[:, None] * np.arange(count)
-        return cls(L * np.logaddexp(0.0, x), L * step[:, None] / (1.0 + np.exp(-x)))
+        return cls(L[:, None] * np.logaddexp(0.0, x), (L * step)[:, None] / (1.0 + np.exp(-x)))
 
 
 def _soft_inverse(y: FloatArray) -> FloatArray:

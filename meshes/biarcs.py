@@ -107,7 +107,7 @@ def _fitted(
     if depth == _DEEPEST:
         raise GeometryError(
             f"a curve near ({p[0, 0]:.6g}, {p[0, 1]:.6g}) m cannot be followed by arcs within {tolerance:.3g} m; it "
-            "may have a cusp"
+            "may have a cusp or a damaged number"
         )
     middle = 0.5 * (start + end)
     return [

@@ -15,6 +15,7 @@ from meshes.biarcs import through
 from meshes.errors import GeometryError
 from meshes.faces import named_beside
 from meshes.outline import Outline, Segment
+from meshes.own_process import OwnProcessError, TimeLimitError, call_apart
 from meshes.profile import CORNER, PARTS, Profile
 from meshes.section_file import section_columns
 
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
     from meshes.contact_geometry import ContactGeometry
 
 FloatArray = NDArray[np.float64]
+
+
+# Largest coordinate of a node in the unit of its file, micrometres perhaps; what is larger is a damaged number.
+_LARGEST = 1e8
 
 
 @dataclass(frozen=True)
@@ -91,8 +96,10 @@ class MeshedBody:
     file_unit: float
 
     @classmethod
-    def read(cls, path: Path, name: str, *, axis: str = "y", length_unit: float = 1.0) -> MeshedBody:
-        """Read the triangles and named boundaries of one body.
+    def read(
+        cls, path: Path, name: str, *, axis: str = "y", length_unit: float = 1.0, time_limit: float = 20.0
+    ) -> MeshedBody:
+        """Read the triangles and named boundaries of one body; the file in a process of its own, as drawings are.
 
         Parameters
         ----------
@@ -106,13 +113,19 @@ class MeshedBody:
             Coordinate along the axis of the seal; r is the other one of the plane in which the mesh lies.
         length_unit : float
             Length of the file's unit [m].
+        time_limit : float
+            Longest time that reading the file may take [s].
 
         Raises
         ------
         GeometryError
-            If the file cannot be read, or the mesh is not that of a body.
+            If the file cannot be read, or not in time, or the mesh is not that of a body.
         """
-        points, triangles, lines = _read(path, name)
+        try:
+            points, triangles, lines = call_apart(time_limit, _read, path, name)
+        except OwnProcessError as error:
+            longer = "; allow a longer time_limit" if isinstance(error, TimeLimitError) else ""
+            raise GeometryError(f"{path.name}: cannot be read as gmsh mesh ({error}){longer}") from error
         used, t = np.unique(triangles, return_inverse=True)
         columns = section_columns(np.abs(points[used]).max(axis=0).tolist(), axis, path)
         p = length_unit * points[:, columns].T
@@ -161,6 +174,15 @@ def _read(path: Path, name: str) -> tuple[FloatArray, NDArray[np.int64], dict[st
         raise GeometryError(
             f'{path.name}: needs a physical group of lines "{name}_face", where contact may happen; its groups are '
             f"{known}"
+        )
+    for corners, found in ((3, triangles), *((2, one) for one in lines.values())):
+        for nodes in found:
+            if nodes.shape[1] != corners or not np.all((nodes >= 0) & (nodes < len(mesh.points))):
+                raise GeometryError(f"{path.name}: holds elements whose nodes are not there; it is damaged")
+    if not np.abs(mesh.points).max() < _LARGEST:
+        raise GeometryError(
+            f"{path.name}: holds a node further from the origin than {_LARGEST:g}, or at no place at all; a number of "
+            "the file is damaged"
         )
     return mesh.points, np.vstack(triangles), {part: np.vstack(found) for part, found in lines.items()}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,11 @@ def write_msh(mesh: MeshTri, path: Path) -> Path:
         Coordinates (r, z) [m], written as (x, y, 0).
     path : pathlib.Path
         File to write, format gmsh 2.2, the one that every reader knows.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; nothing is left behind.
     """
     import meshio
 
@@ -41,6 +47,13 @@ def write_msh(mesh: MeshTri, path: Path) -> Path:
         field_data=names,
     )
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    meshio.write(temporary, part, file_format="gmsh22", binary=False)
-    os.replace(temporary, path)
+    try:
+        meshio.write(temporary, part, file_format="gmsh22", binary=False)
+        os.replace(temporary, path)
+    except OSError as error:
+        # of the file that was asked for, not of the draft
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
     return path

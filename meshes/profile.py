@@ -123,22 +123,23 @@ def _check_crossings(name: str, pieces: list[Segment]) -> None:
     p = np.array(points)
     q = np.roll(p, -1, axis=0)
     count = len(p)
-    i, j = np.triu_indices(count, 2)
-    apart = ~((i == 0) & (j == count - 1))
-    i, j = i[apart], j[apart]
 
     def side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-        return (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-
-    crosses = (side(p[i], q[i], p[j]) * side(p[i], q[i], q[j]) < 0) & (
-        side(p[j], q[j], p[i]) * side(p[j], q[j], q[i]) < 0
-    )
-    if crosses.any():
-        at = int(np.argmax(crosses))
-        raise GeometryError(
-            f"{name} outline: crosses itself near {_place((float(p[i[at], 0]), float(p[i[at], 1])))}, pieces "
-            f"{owner[i[at]] + 1} and {owner[j[at]] + 1}"
+        return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (
+            c[..., 0] - a[..., 0]
         )
+
+    # One chord against all that follow, but its neighbours: all pairs at once would fill the memory.
+    for i in range(count - 2):
+        others = slice(i + 2, count - 1 if i == 0 else count)
+        a, b, c, d = p[i], q[i], p[others], q[others]
+        crosses = (side(a, b, c) * side(a, b, d) < 0) & (side(c, d, a) * side(c, d, b) < 0)
+        if crosses.any():
+            j = i + 2 + int(np.argmax(crosses))
+            raise GeometryError(
+                f"{name} outline: crosses itself near {_place((float(p[i, 0]), float(p[i, 1])))}, pieces "
+                f"{owner[i] + 1} and {owner[j] + 1}"
+            )
 
 
 def _upright_points(s: Segment) -> list[Point]:

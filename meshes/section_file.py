@@ -12,10 +12,18 @@ import numpy as np
 from meshes.curve import Curve
 from meshes.errors import GeometryError
 from meshes.outline import Point, Segment
+from meshes.own_process import OwnProcessError, TimeLimitError, call_apart
 from meshes.profile import Profile
 
 # Ends this close, relative to the size of the drawing, are one point.
 _JOINED = 1e-5
+
+# More lines and arcs than this are no section of one body: every two of them are compared.
+_MOST_PIECES = 5000
+# Largest distance of a point from the origin [m]; what lies further away is a damaged number.
+_LARGEST = 1e4
+
+_FORMATS = {".dxf": "DXF", ".step": "STEP", ".stp": "STEP"}
 
 
 def read_section(
@@ -26,8 +34,9 @@ def read_section(
     length_unit: float | None = None,
     layer: str | None = None,
     tolerance: float = 1e-8,
+    time_limit: float = 20.0,
 ) -> Profile:
-    """Read the outline of one body.
+    """Read the outline of one body, in a process of its own: damaged files make OpenCASCADE hang, crash and print.
 
     Parameters
     ----------
@@ -44,24 +53,38 @@ def read_section(
         Layer of a DXF that holds the outline; unless given, all layers that are not switched off or frozen.
     tolerance : float
         Largest distance between splines or ellipses and the arcs that stand for them [m].
+    time_limit : float
+        Longest time that reading may take [s].
 
     Raises
     ------
     GeometryError
-        If the file cannot be read or does not hold one closed outline.
+        If the file cannot be read, or not in time, or does not hold one closed outline.
+    MeshingError
+        If gmsh, which reads STEP, cannot be loaded.
     """
-    unit = None
-    kind = path.suffix.lower()
-    if kind == ".dxf":
-        from meshes.dxf_file import read_dxf
-
-        pieces, unit = read_dxf(path, axis, length_unit, layer, tolerance)
-    elif kind in (".step", ".stp"):
-        from meshes.step_file import read_step
-
-        pieces = read_step(path, axis, tolerance)
-    else:
+    kind = _FORMATS.get(path.suffix.lower())
+    if kind is None:
         raise GeometryError(f"{name} file {path.name}: must end with .dxf, .step, .stp or .msh")
+    try:
+        return call_apart(time_limit, _section, path, name, axis, length_unit, layer, tolerance)
+    except OwnProcessError as error:
+        longer = ", or allow a longer time_limit" if isinstance(error, TimeLimitError) else ""
+        raise GeometryError(
+            f"{path.name}: cannot be read as {kind} ({error}); open it in a CAD program and export it anew{longer}"
+        ) from error
+
+
+def _section(
+    path: Path, name: str, axis: str, length_unit: float | None, layer: str | None, tolerance: float
+) -> Profile:
+    """What `read_section` returns, by this process."""
+    try:
+        pieces, unit = _pieces(path, axis, length_unit, layer, tolerance)
+    except GeometryError as error:
+        # a curve does not know the file that it is from
+        raise error if str(error).startswith(path.name) else GeometryError(f"{path.name}: {error}") from error
+    _check_pieces(pieces, path)
     return Profile(name, tuple(_loop(pieces, path)), unit)
 
 
@@ -93,6 +116,36 @@ def section_columns(reach: Sequence[float], axis: str, path: Path) -> list[int]:
             f"{', '.join(f'{reach[n]:.4g} along {names[n]}' for n in across)}"
         )
     return [*thick, z]
+
+
+def _pieces(
+    path: Path, axis: str, length_unit: float | None, layer: str | None, tolerance: float
+) -> tuple[list[Segment], float | None]:
+    """All pieces of the drawing in any order, and the length of its unit if it is a DXF."""
+    if path.suffix.lower() == ".dxf":
+        from meshes.dxf_file import read_dxf
+
+        return read_dxf(path, axis, length_unit, layer, tolerance)
+    from meshes.step_file import read_step
+
+    return read_step(path, axis, tolerance), None
+
+
+def _check_pieces(pieces: list[Segment], path: Path) -> None:
+    """Refuse what no drawing of a body holds, before anything is calculated with it."""
+    if len(pieces) > _MOST_PIECES:
+        raise GeometryError(
+            f"{path.name}: holds {len(pieces)} lines and arcs, allowed are {_MOST_PIECES}; draw the section of one "
+            "body alone, or allow a larger tolerance for its splines"
+        )
+    for s in pieces:
+        for r, z in (s.start, s.end, s.centre or s.start):
+            # not a number is not smaller, either
+            if not math.hypot(r, z) < _LARGEST:
+                raise GeometryError(
+                    f"{path.name}: holds a point at ({r:.6g}, {z:.6g}) m, which is no place of a seal; a number of the "
+                    "file is damaged, or its unit is wrong"
+                )
 
 
 def _loop(pieces: list[Segment], path: Path) -> list[Segment]:

@@ -28,7 +28,9 @@ def read_step(path: Path, axis: str, tolerance: float) -> list[Segment]:
     Raises
     ------
     GeometryError
-        If OpenCASCADE cannot read the file, or its section does not lie in a plane through the axis.
+        If the file is no STEP, or its section does not lie in a plane through the axis.
+    Exception
+        Whatever gmsh raises where OpenCASCADE cannot read the file; it may hang or crash as well.
     """
     with gmsh_session("step") as gmsh:
         return _edges(gmsh, path, axis, tolerance)
@@ -36,16 +38,12 @@ def read_step(path: Path, axis: str, tolerance: float) -> list[Segment]:
 
 def _edges(gmsh: ModuleType, path: Path, axis: str, tolerance: float) -> list[Segment]:
     occ = gmsh.model.occ
-    # OpenCASCADE would write its own complaint to the terminal.
     text = path.read_bytes().lstrip()
     if not (text.startswith(b"ISO-10303-21") and b"END-ISO-10303-21" in text):
         raise GeometryError(
             f"{path.name}: cannot be read as STEP (it must begin with ISO-10303-21 and end with END-ISO-10303-21)"
         )
-    try:
-        shapes = occ.importShapes(str(path))
-    except Exception as error:  # gmsh raises plain Exception
-        raise GeometryError(f"{path.name}: cannot be read as STEP ({error})") from error
+    shapes = occ.importShapes(str(path))
     occ.synchronize()
     if not shapes:
         raise GeometryError(f"{path.name}: holds no shapes")
@@ -54,6 +52,8 @@ def _edges(gmsh: ModuleType, path: Path, axis: str, tolerance: float) -> list[Se
     faces = [shape for shape in shapes if shape[0] == 2]
     curves = gmsh.model.getBoundary(faces, combined=True, oriented=False) if faces else shapes
     tags = [abs(tag) for dimension, tag in curves if dimension == 1]
+    if not tags:
+        raise GeometryError(f"{path.name}: holds no edges; a face or solid in it may be damaged")
     box = np.abs([gmsh.model.getBoundingBox(1, tag) for tag in tags]).max(axis=0)
     columns = section_columns(np.maximum(box[:3], box[3:]).tolist(), axis, path)
     return [s for tag in tags for s in _pieces(gmsh, tag, columns, tolerance)]

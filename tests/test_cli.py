@@ -208,7 +208,7 @@ def test_debug_shows_the_traceback(monkeypatch, tmp_path):
 def test_a_full_disk_is_named(call, monkeypatch, tmp_path):
     fail_with(monkeypatch, OSError(28, "No space left on device", "out/leak.csv"))
     code, _, err = call("run", "--quiet", CASE, "-o", tmp_path)
-    assert (code, err) == (1, "error: out/leak.csv: no space left on device\n")
+    assert (code, err) == (1, "error: out/leak.csv: cannot be written (no space left on device)\n")
 
 
 def test_interrupt_leaves_with_130(monkeypatch, tmp_path, call):

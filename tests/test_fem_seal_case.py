@@ -258,7 +258,7 @@ def test_case_files_that_are_none(tmp_path):
         assert name in str(caught.value)
     with pytest.raises(InputError, match="no such file"):
         load_case(tmp_path / "missing.toml")
-    with pytest.raises(InputError, match="is a directory"):
+    with pytest.raises(InputError, match="is a folder"):
         load_case(tmp_path)
 
 

@@ -131,7 +131,7 @@ def test_remarks_on_the_scans_are_the_case_s(tmp_path):
         ({"spectrum": {"kind": "profile"}}, 'roughness.spectrum: needs file = "seat.csv"'),
         ({"spectrum": {**PROFILE, "files": ["a"]}}, "one of both"),
         ({"spectrum": {**PROFILE, "file": "none.csv"}}, "none.csv: cannot be read (no such file"),
-        ({"spectrum": {**PROFILE, "file": str(SCAN.parent)}}, "is a directory"),
+        ({"spectrum": {**PROFILE, "file": str(SCAN.parent)}}, "is a folder"),
         ({"spectrum": {"kind": "profile", "files": []}}, "has 0 entries"),
         ({"spectrum": {"kind": "profile", "files": [5]}}, "must be a list of texts"),
         ({"spectrum": {**PROFILE, "unit": "furlong"}}, 'roughness.spectrum.unit = "furlong"'),

@@ -136,7 +136,7 @@ def test_dimensions_that_are_left_open_are_listed() -> None:
         ("ball", "flat", {"seat.bore_radius": None}, "bore_radius is missing"),
         ("profile", "cone", {"closure.file": "a.dxf"}, "both are given"),
         ("profile", "cone", {"closure.outline": None, "closure.file": "a.dwg"}, "must end with .dxf"),
-        ("profile", "cone", {"closure.outline": None, "closure.file": "a.dxf"}, "is not there"),
+        ("profile", "cone", {"closure.outline": None, "closure.file": "a.dxf"}, "no such file"),
         ("profile", "cone", {"closure.outline": [{"to": ["0 mm", 3]}]}, "closure.outline[1].to"),
         ("profile", "cone", {"closure.outline": CLOSURES["profile"]["outline"][:-1]}, "is open"),
     ],

@@ -185,6 +185,24 @@ def test_threshold_is_that_of_the_area():
     assert contact.flow_conductivity(p[-1], 1e-3) == 0.0
 
 
+@pytest.mark.parametrize("softness", [3e2, 3e3, 4e4])
+def test_what_plastic_flow_leaves_of_a_soft_surface_is_resolved(softness):
+    """Where little roughness is left, P(u) is far narrower than the rms height: u_eff is the mean separation."""
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=61e-6, hurst=0.93, q_low=87.0, q_rolloff=7.1e3, q_high=1.45e4
+    )
+    surface = leak.RoughContact(spectrum, effective_modulus=16e9, hardness=16e9 / softness)
+    p = surface.hardness * np.geomspace(1e-45, 1e-2, 40)
+    u, mean = surface.effective_separation(p), surface.mean_separation(p)
+    assert np.all(np.diff(u) < 0.0)
+    # the narrower P(u), the nearer: its spread falls from 0.4 of the mean at 0.01 of the hardness to 0.03 at 1e-45
+    assert np.all(np.abs(u / mean - 1.0) < 0.13)
+    assert abs(u[0] / mean[0] - 1.0) < 1e-3
+    np.testing.assert_allclose(surface._effective_separation(p, refinement=4), u, rtol=1e-4)
+    table = surface.conductivity_table(1e-9 * surface.hardness, 0.1 * surface.hardness)
+    assert np.all(np.diff(table.separation) < 0.0)
+
+
 def test_sealing_pressure_of_a_plastic_surface_is_below_the_hardness():
     contact = surface(hardness=HARDNESS)
     assert 0.419 * HARDNESS < contact.sealing_pressure < 0.42 * HARDNESS

@@ -297,6 +297,32 @@ def test_rarefied_gas_leaks_more_than_a_continuum_and_percolates_with_the_liquid
     assert set(np.round(sealed.fluid_pressure[[0, -1]])) == {1e5, 2e5}
 
 
+def test_nearly_sealed_gas_and_liquid_go_to_zero_together():
+    """Just below the sealing pressure u_eff^-3 leaves the numbers: both flows fall to zero, without an overflow."""
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=0.2e-6, hurst=0.8, q_low=26.0, q_rolloff=3300.0, q_high=6.3e4
+    )
+    surface = leak.RoughContact(spectrum, effective_modulus=11e9, hardness=2.5e9, percolation_threshold=0.23)
+    sealing = surface.sealing_pressure
+    flows = []
+    for below in (0.1, 0.03, 0.01, 0.003, 0.001, 1e-4, 1e-6):
+        x, p = profile()
+        p = p * sealing * (1.0 - below) / p.max()
+        gas = leak.gas_leak_flow(x, p, surface, leak.gas("air"), 1.02e5, 0.93e5, R0)
+        table = surface.conductivity_table(1e-6 * sealing, sealing)
+        liquid = leak.leak_rate(x, p, table.at(1e-3), 9e3, R0)
+        assert (gas.mass_flow == 0.0) == (liquid == 0.0)
+        assert np.all(np.isfinite(gas.fluid_pressure))
+        flows.append((gas.mass_flow, liquid))
+    assert np.all(np.diff(flows, axis=0) <= 0.0)
+    assert min(flows[0]) > 0.0
+    assert flows[-1] == (0.0, 0.0)
+    # no gap that is open is so small that its resistance overflows
+    near = np.log(sealing) + np.log1p(-np.geomspace(1e-12, 0.02, 2000))
+    u = table.at_log_pressure(near)
+    assert np.all(np.isfinite(1.0 / u[u > 0.0] ** 3))
+
+
 def test_critical_junction_is_one_gap():
     x, p = profile()
     table = gas_table(method="critical-junction")

@@ -206,3 +206,28 @@ def test_separations_scale_with_lengths(factor):
     a, b = leak.RoughContact(C, effective_modulus=E), leak.RoughContact(grown, effective_modulus=E)
     np.testing.assert_allclose(b.mean_separation(p), factor * a.mean_separation(p), rtol=1e-9)
     np.testing.assert_allclose(b.effective_separation(p), factor * a.effective_separation(p), rtol=1e-8)
+
+
+def test_critical_junction_where_the_spectrum_ends():
+    """A threshold that is just about reached with all of the roughness; the magnification is found by its logarithm."""
+    C = leak.PowerSpectrum.self_affine(
+        rms_height=6.857935293219154e-09,
+        hurst=0.752861025903752,
+        q_low=16.083304160952988,
+        q_rolloff=535.4925876123971,
+        q_high=12063.713241572561,
+    )
+    contact = leak.RoughContact(
+        C,
+        effective_modulus=58460697.83072194,
+        hardness=46832786.017071,
+        percolation_threshold=0.9154914742974081,
+    )
+    p = np.concatenate([[1e-30], np.geomspace(1e-3, 0.999 * 46832786.017071, 9)])
+    u = contact.critical_separation(p)
+    sealed = p >= contact.sealing_pressure
+    assert sealed.any()
+    assert np.all(u[sealed] == 0.0)
+    assert np.all(np.diff(u[~sealed]) < 0.0)
+    # elastic asperities are the limit of hard ones, to whom nothing happens
+    np.testing.assert_allclose(u[~sealed], contact.elastic.critical_separation(p[~sealed]), rtol=1e-6)

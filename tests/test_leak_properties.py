@@ -358,3 +358,50 @@ def test_closed_profiles_carry_their_load_and_keep_their_variance(load, factor):
     assert larger.peak_pressure == pytest.approx(line.peak_pressure, rel=1e-7)
     assert larger.std == pytest.approx(factor * line.std, rel=1e-12)
     assert line.peak_pressure < min(hertz.peak_pressure, gauss.peak_pressure)
+
+
+# -------------------------------------------------------------------- no number outside the numbers
+
+
+def wide(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(np.log10(low), np.log10(high)).map(lambda exponent: float(10.0**exponent))
+
+
+@settings(max_examples=5, deadline=None)
+@given(
+    heights=wide(1e-11, 1e-3),
+    wavenumbers=st.tuples(wide(1.0, 1e9), wide(1.0, 1e9), wide(1.0, 1e9)).map(sorted),
+    hurst=st.floats(0.01, 1.0),
+    E=wide(1e6, 2e12),
+    softness=st.none() | wide(1.0, 1e5),
+    threshold=st.floats(0.05, 0.95),
+    load=st.floats(1e-6, 1.01),
+    inlet=wide(1.0, 1e9),
+    outlet=st.just(0.0) | st.floats(0.0, 0.999),
+    gas=st.sampled_from([*leak.GASES]),
+)
+def test_all_that_a_case_file_allows_stays_finite(
+    heights, wavenumbers, hurst, E, softness, threshold, load, inlet, outlet, gas
+):
+    """Numpy's warnings are errors in these tests: there is no overflow, no invalid power and no division by zero."""
+    low, rolloff, high = wavenumbers
+    if not high > 1.001 * low:
+        return
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=heights, hurst=hurst, q_low=low, q_rolloff=rolloff, q_high=high
+    )
+    surface = leak.RoughContact(
+        spectrum, effective_modulus=E, hardness=softness and E / softness, percolation_threshold=threshold
+    )
+    top = min(surface.sealing_pressure, surface.hardness or np.inf)
+    p = np.concatenate([[1e-300, 1e-30], np.geomspace(1e-12, 0.999, 7)]) * top
+    for separation in (surface.mean_separation, surface.effective_separation, surface.critical_separation):
+        u = separation(p)
+        assert np.all(np.isfinite(u) & (u >= 0.0))
+    x = 1e-3 * np.linspace(-1.5, 1.5, 31)
+    profile = load * top * np.exp(-((x / 1e-3) ** 2))
+    found = leak.gas_leak_flow(x, profile, surface, leak.gas(gas), inlet, outlet * inlet, 0.02)
+    table = surface.conductivity_table(1e-9 * load * top, 1.01 * load * top)
+    liquid = leak.leak_rate(x, profile, table.at(1e-3), inlet, 0.02)
+    assert np.all(np.isfinite([found.mass_flow, liquid, *found.fluid_pressure]))
+    assert (found.mass_flow > 0.0) == (liquid > 0.0)

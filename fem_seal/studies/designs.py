@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from fem_seal.case_fields import Quantity, shown
 from fem_seal.errors import InputError, Problem
+from fem_seal.regular_files import UnreadableFileError, read_text
 from fem_seal.studies.distributions import LogNormal, Normal
 from fem_seal.studies.entries import Entry, Value, entry_at
 from fem_seal.studies.parameters import Parameter
@@ -108,13 +110,11 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
         It names row and column of what is wrong.
     """
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or "no CSV file"
-        raise InputError(
-            Problem("design.file", f"cannot be read ({reason.lower()})", shown(str(path)))
-        ) from None
+        lines = io.StringIO(read_text(path))
+        rows = [row for row in csv.reader(lines) if any(cell.strip() for cell in row)]
+    except (UnreadableFileError, UnicodeDecodeError, csv.Error) as error:
+        what = str(error) if isinstance(error, UnreadableFileError) else "cannot be read (no CSV file)"
+        raise InputError(Problem("design.file", what, shown(path.name))) from None
     if len(rows) < 2:
         raise InputError(
             Problem("design.file", "has no designs; a heading and one row each", shown(path.name))

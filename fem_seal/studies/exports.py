@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.atomic_files import write_bytes
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.studies.analysis import Designs
 from fem_seal.tables import split_unit
 
@@ -59,10 +59,13 @@ def _parquet(designs: Designs, path: Path) -> Path:
 def _netcdf(designs: Designs, path: Path) -> Path:
     # the netCDF library writes to files only
     draft = path.with_name(f".{path.name}.{os.getpid()}.part")
-    path.parent.mkdir(parents=True, exist_ok=True)
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         dataset(designs).to_netcdf(draft, engine="netcdf4")
         os.replace(draft, path)
+    except (OSError, RuntimeError) as error:  # a full disc is a RuntimeError of the library
+        reason = (getattr(error, "strerror", None) or str(error)).lower()
+        raise OutputError(f"{path}: cannot be written ({reason})") from error
     finally:
         draft.unlink(missing_ok=True)
     return path

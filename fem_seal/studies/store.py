@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import shutil
 import sqlite3
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import InputError, OutputError, Problem
+from fem_seal.regular_files import UnreadableFileError, check_file
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -100,12 +102,13 @@ class Store:
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
+        """All of what is written inside, or nothing."""
         self.check_place()
         try:
             with self._connection:
                 yield
         except sqlite3.Error as error:
-            raise OutputError(f"{self.path}: cannot be written ({error})") from error
+            raise _fault(self.path, error) from error
 
     def check_place(self) -> None:
         """OutputError if the file is no longer where it was opened: what is written then is lost."""
@@ -209,7 +212,10 @@ class Store:
         query = f"SELECT {columns} FROM design JOIN point USING (key) ORDER BY number"
         table = pd.read_sql_query(query, self._connection)
         outputs = list(self.outputs)
-        table[outputs] = table[outputs].astype(float)
+        try:
+            table[outputs] = table[outputs].astype(float)
+        except (TypeError, ValueError) as error:
+            raise _damaged(self.path, error) from None
         for name, truth in zip(self.inputs, self._truths, strict=True):
             if truth:
                 table[name] = table[name].astype(bool)
@@ -240,6 +246,7 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         connection = _connect(path, "mode=rwc")
+        _check_pages(connection, path)
         connection.execute("PRAGMA journal_mode = WAL")
         # In the write-ahead log this is safe against any death of the process; only a power cut costs the last rows.
         connection.execute("PRAGMA synchronous = NORMAL")
@@ -255,7 +262,7 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
                 f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
             )
     except sqlite3.Error as error:
-        raise OutputError(f"{path}: cannot be written ({error})") from error
+        raise _fault(path, error) from error
     wanted, there = [*inputs, *outputs], list(_columns(connection))
     if wanted != there:
         connection.close()
@@ -277,13 +284,21 @@ def open_to_read(path: Path) -> Store:
         If there is none.
     """
     try:
+        check_file(path, sys.maxsize)
         connection = _reading(path)
         about = dict(connection.execute("SELECT name, text FROM about"))
-        inputs = tuple(json.loads(about["inputs"]))
-    except (sqlite3.Error, KeyError):
+    except (sqlite3.Error, UnreadableFileError) as error:
+        if getattr(error, "sqlite_errorname", "") == "SQLITE_CORRUPT":
+            raise _damaged(path, error) from None
         raise InputError(
             Problem(str(path.parent), f"holds no study ({path.name} is missing or no study file)")
         ) from None
+    _check_pages(connection, path)
+    try:
+        inputs = tuple({name: json.loads(text) for name, text in about.items()}["inputs"])
+    except (KeyError, TypeError, ValueError) as error:
+        connection.close()
+        raise _damaged(path, error) from None
     return Store(connection, path, inputs, tuple(_columns(connection))[len(inputs) :])
 
 
@@ -311,6 +326,33 @@ def _reading(path: Path) -> sqlite3.Connection:
             connection = sqlite3.connect(":memory:")
             copied.backup(connection)
     return connection
+
+
+def _check_pages(connection: sqlite3.Connection, path: Path) -> None:
+    """InputError if the file is damaged inside, where reading would come to it sooner or later."""
+    try:
+        ((found, *_), *_) = connection.execute("PRAGMA quick_check(1)")
+    except sqlite3.Error as error:
+        raise _damaged(path, error) from None
+    if found != "ok":
+        raise _damaged(path, found)
+
+
+def _damaged(path: Path, why: object) -> InputError:
+    reason = " ".join(str(why).split())
+    return InputError(
+        Problem(
+            str(path),
+            f"is damaged ({reason}); restore it from a copy, or calculate the study into another folder",
+        )
+    )
+
+
+def _fault(path: Path, error: sqlite3.Error) -> InputError | OutputError:
+    """What an error while writing means: a full disc and the like, or a damaged file."""
+    if isinstance(error, sqlite3.OperationalError):
+        return OutputError(f"{path}: cannot be written ({error})")
+    return _damaged(path, error)
 
 
 def _connect(path: Path, how: str) -> sqlite3.Connection:

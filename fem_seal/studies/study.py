@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from fem_seal.case import Case, load_case
 from fem_seal.case_messages import problems
 from fem_seal.errors import InputError, Problem
+from fem_seal.regular_files import UnreadableFileError, read_text
 from fem_seal.studies import designs
 from fem_seal.studies.checks import check_changes, check_design, check_designs, check_kept, check_load
 from fem_seal.studies.entries import Value, entry_at, with_open_materials
@@ -290,7 +291,10 @@ def _ends(given: Any) -> tuple[Any, Any]:
             next((given[name] for name in names if name in given), None) for names in (first, last)
         )
         return start, stop
-    return (given[0], given[-1]) if given else (None, None)
+    if isinstance(given, (list, tuple)):
+        return (given[0], given[-1]) if given else (None, None)
+    # no parameter, as `read_parameter` will say
+    return given, given
 
 
 def _placed_files(changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -328,7 +332,8 @@ def _placed(parameter: Parameter, folder: Path) -> Parameter:
 
 def _first_row(path: Path) -> list[str]:
     try:
-        with path.open(encoding="utf-8-sig") as file:
-            return [cell.split("[")[0].strip() for cell in file.readline().split(",")]
-    except (OSError, UnicodeDecodeError):
+        first, _, _ = read_text(path).partition("\n")
+    except (UnreadableFileError, UnicodeDecodeError):
+        # `read_list` says what is wrong with it
         return []
+    return [cell.split("[")[0].strip() for cell in first.split(",")]

@@ -1,0 +1,105 @@
+"""A function called in a process of its own: it may hang, crash or print, and this one goes on."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from typing import ParamSpec, TypeVar
+
+from meshes.errors import MeshesError
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+# The new process gets the search path of this one, and then finds everything else in it. A copy made with fork would
+# take over locks of other threads, and multiprocessing would run a user's script once more.
+_START = (
+    "import pickle, sys; sys.path[:] = pickle.load(sys.stdin.buffer); "
+    "from meshes.own_process import answer; answer()"
+)
+# A process whose parent is gone ends itself so much later [s].
+_GRACE = 5.0
+
+
+class OwnProcessError(MeshesError, RuntimeError):
+    """The function crashed or raised what nobody expected; the message says which."""
+
+
+class TimeLimitError(OwnProcessError):
+    """The function took too long."""
+
+
+def call_apart(time_limit: float, function: Callable[P, T], /, *arguments: P.args, **options: P.kwargs) -> T:
+    """Call a function in a new process that prints nothing.
+
+    Parameters
+    ----------
+    time_limit : float
+        After so long the process is ended [s].
+    function : callable
+        Of a module; what goes in and out of it can be pickled.
+    *arguments, **options
+        Handed to it.
+
+    Raises
+    ------
+    MeshesError
+        What the function itself raises.
+    TimeLimitError
+        If it takes too long.
+    OwnProcessError
+        If it crashes or raises anything else.
+    """
+    request = pickle.dumps(sys.path) + pickle.dumps((time_limit, function, arguments, options))
+    try:
+        ended = subprocess.run(
+            [sys.executable, "-c", _START],
+            input=request,
+            capture_output=True,
+            timeout=time_limit,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise TimeLimitError(f"takes longer than {time_limit:g} s") from None
+    except OSError as error:
+        raise OwnProcessError(f"no process could be started: {error}") from None
+    try:
+        returned, reply = pickle.loads(ended.stdout)
+    except (pickle.UnpicklingError, EOFError):
+        raise OwnProcessError(_death(ended)) from None
+    if not returned:
+        raise reply
+    result: T = reply
+    return result
+
+
+def _death(ended: subprocess.CompletedProcess[bytes]) -> str:
+    if ended.returncode < 0:
+        return f"crashes ({signal.Signals(-ended.returncode).name})"
+    said = ended.stderr.decode(errors="replace").strip().splitlines()
+    return f"ended with code {ended.returncode}{f': {said[-1]}' if said else ''}"
+
+
+def answer() -> None:
+    """What the new process does: read the call from standard input, write its outcome to standard output."""
+    time_limit, function, arguments, options = pickle.load(sys.stdin.buffer)
+    if hasattr(signal, "setitimer"):
+        # a library that hangs does not come back to Python's own handler; the system's ends the process
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.setitimer(signal.ITIMER_REAL, time_limit + _GRACE)
+    with os.fdopen(os.dup(1), "wb") as out:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 1)
+        os.dup2(nowhere, 2)
+        try:
+            outcome = True, function(*arguments, **options)
+        except MeshesError as error:
+            outcome = False, error
+        except Exception as error:  # damaged files make other people's readers raise anything
+            detail = " ".join(str(error).split())[:160]
+            outcome = False, OwnProcessError(detail or "damaged")
+        pickle.dump(outcome, out)

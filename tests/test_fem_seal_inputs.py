@@ -1,0 +1,528 @@
+"""Every input ends in a sentence: damaged, endless and wrong files, and a disc that is full."""
+
+from __future__ import annotations
+
+import errno
+import os
+import random
+import re
+import shutil
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fem_seal import cli
+from fem_seal.case import load_case
+from fem_seal.errors import InputError, OutputError
+from fem_seal.regular_files import UnreadableFileError, check_file, read_bytes, read_text
+from fem_seal.studies.session import description
+from fem_seal.studies.store import Row, create
+from fem_seal.studies.study import load_study
+from meshes import GeometryError, MeshedBody, read_section
+from meshes.gmsh_session import gmsh_session
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+BODIES = """
+[closure]
+shape = "ball"
+radius = "20 mm"
+material = "steel"
+[seat]
+{seat}
+material = "steel"
+"""
+CONE = 'shape = "cone"\nangle = "45 deg"'
+SMOOTH = '[interface]\nlaw = "smooth"\n[load]\nfluid_pressure = "20 bar"\n'
+ROUGH = """
+[roughness]
+spectrum = {{ kind = "{kind}", file = "{file}" }}
+[leak]
+plasticity = false
+[load]
+fluid_pressure = "20 bar"
+"""
+
+
+@pytest.fixture
+def call(capfd):
+    """Run the command line in this process; exit code and what it says, a sentence if it is an error."""
+
+    def run(*arguments):
+        code = cli.main([str(argument) for argument in arguments])
+        out, err = capfd.readouterr()
+        assert "Traceback" not in err
+        assert code == 0 or err.startswith(("error: ", "warning: "))
+        return code, out, err
+
+    return run
+
+
+# --- only regular files of a sane size --------------------------------------------------------------------
+
+
+def write_case(folder: Path, kind: str, file: str) -> list[str]:
+    """Arguments of a command that reads `file` in its folder as a file of this kind."""
+    case = folder / "c.toml"
+    if kind == "case":
+        return ["check", str(folder / file)]
+    if kind == "profile":
+        return ["leak", str(folder / file), str(EXAMPLES / "ball_cone.toml"), "-o", str(folder / "out")]
+    if kind == "scan":
+        return ["surface", str(folder / file), "-o", str(folder / "out")]
+    if kind in ("study", "list", "base"):
+        study = folder / (file if kind == "study" else "s.toml")
+        base = folder / file if kind == "base" else EXAMPLES / "ball_cone.toml"
+        if kind != "study":
+            study.write_text(f'base = "{base}"\n[design]\nkind = "list"\nfile = "{file}"\n')
+        return ["study", str(study), "-o", str(folder / "out"), "--workers", "0"]
+    if kind == "spectrum":
+        case.write_text(BODIES.format(seat=CONE) + ROUGH.format(kind="table", file=file))
+    elif kind == "scan of a case":
+        case.write_text(BODIES.format(seat=CONE) + ROUGH.format(kind="profile", file=file))
+    elif kind == "stress-strain":
+        text = (EXAMPLES / "elastoplastic_seat.toml").read_text()
+        text, found = re.subn(r"stress_strain = \{[^}]*\}", f'stress_strain = {{ file = "{file}" }}', text)
+        assert found
+        case.write_text(text)
+    else:
+        case.write_text(BODIES.format(seat=f'shape = "profile"\nfile = "{file}"') + SMOOTH)
+    return ["check", str(case)]
+
+
+KINDS = {
+    "case": "x.toml",
+    "study": "x.toml",
+    "base": "x.toml",
+    "list": "x.csv",
+    "profile": "x.csv",
+    "scan": "x.csv",
+    "scan of a case": "x.csv",
+    "spectrum": "x.csv",
+    "stress-strain": "x.csv",
+    "DXF": "x.dxf",
+    "STEP": "x.step",
+    "mesh": "x.msh",
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("thing", ["pipe", "device", "folder", "huge", "nothing"])
+def test_only_regular_files_of_a_sane_size_are_read(kind, thing, call, tmp_path) -> None:
+    path = tmp_path / KINDS[kind]
+    if thing == "pipe":
+        os.mkfifo(path)
+    elif thing == "device":
+        path.symlink_to("/dev/zero")
+    elif thing == "folder":
+        path.mkdir()
+    elif thing == "huge":
+        with path.open("wb") as file:
+            file.truncate(2**40)
+    said = {
+        "pipe": "cannot be read (is a pipe; a regular file is needed)",
+        "device": "cannot be read (is a device; a regular file is needed)",
+        "folder": "cannot be read (is a folder; a regular file is needed)",
+        "huge": "cannot be read (is larger than ",
+        "nothing": "cannot be read (no such file or directory)",
+    }[thing]
+    code, _, err = call(*write_case(tmp_path, kind, path.name))
+    assert code == 2
+    assert said in err
+    # a long path is cut where it stands as a value
+    assert path.name in err or 'spectrum.file = "/' in err
+
+
+def test_study_that_is_a_pipe_is_no_study(call, tmp_path) -> None:
+    os.mkfifo(tmp_path / "study.sqlite")
+    code, _, err = call("study", "report", tmp_path)
+    assert code == 2
+    assert "holds no study" in err
+
+
+def test_content_is_that_of_the_file(tmp_path) -> None:
+    path = tmp_path / "file"
+    path.write_bytes(b"\xef\xbb\xbfa\r\nb\xc3\xa9\rc\n")
+    assert read_bytes(path) == path.read_bytes()
+    assert read_text(path) == path.read_text(encoding="utf-8-sig") == "a\nbé\nc\n"
+    check_file(path, 12)
+    for read in (read_bytes, read_text, check_file):
+        with pytest.raises(UnreadableFileError, match=r"^cannot be read \(is larger than 0 MB\)$"):
+            read(path, 10)
+        with pytest.raises(UnreadableFileError, match=r"^cannot be read \(not a file name\)$"):
+            read("a\0b")
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="needs /proc")
+def test_file_that_says_it_is_empty_is_read_no_further_than_allowed() -> None:
+    assert os.stat("/proc/self/status").st_size == 0
+    assert read_text("/proc/self/status").startswith("Name:")
+    with pytest.raises(UnreadableFileError, match="is larger"):
+        read_bytes("/proc/self/status", 10)
+
+
+# --- studies ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (
+            "45",
+            "must be a list, a range { start, stop, num } or a distribution; one value belongs into [changes]",
+        ),
+        ('"45 deg"', "must be a list, a range"),
+        ("true", "must be a list, a range"),
+        ("1979-05-27", "must be a list, a range"),
+        ("[]", "has 0 values"),
+    ],
+)
+@pytest.mark.parametrize("changes", ["", '[changes]\nload.fluid_pressure = "10 bar"\n'])
+def test_parameter_without_brackets_is_refused(value, said, changes, call, tmp_path) -> None:
+    study = tmp_path / "s.toml"
+    study.write_text(f'base = "{EXAMPLES / "ball_cone.toml"}"\n{changes}[parameters]\nseat.angle = {value}\n')
+    code, _, err = call("study", study, "-o", tmp_path / "out")
+    assert code == 2
+    assert "s.toml: parameters.seat.angle" in err
+    assert said in err
+
+
+def test_wrong_change_is_named_beside_a_parameter_without_brackets(call, tmp_path) -> None:
+    """The parameters are looked at to see whether they would mend the change."""
+    study = tmp_path / "s.toml"
+    study.write_text(
+        f'base = "{EXAMPLES / "ball_cone.toml"}"\n[changes]\nload.fluid_pressure = "10 mm"\n'
+        "[parameters]\nseat.angle = 45\n"
+    )
+    code, _, err = call("study", study, "-o", tmp_path / "out")
+    assert code == 2
+    assert 'changes.load.fluid_pressure = "10 mm": unit "mm" does not fit' in err
+
+
+@pytest.fixture(scope="module")
+def done_study(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("study")
+    study = folder / "s.toml"
+    angles = ", ".join(f'"{45 + 0.001 * n} deg"' for n in range(40))
+    study.write_text(
+        f'base = "{EXAMPLES / "smooth.toml"}"\nresponses = ["peak_pressure_Pa"]\n'
+        f'[changes]\nload.fluid_pressure = "10 bar"\n[parameters]\nseat.angle = [{angles}]\n'
+    )
+    read = load_study(study)
+    store = create(folder / "out" / "study.sqlite", {"seat.angle": "REAL"}, ["peak_pressure_Pa"])
+    store.set_design((f"key {n}" for n in range(40)), **description(read))
+    store.write([Row(f"key {n}", (0.785 + 1e-5 * n,), (1e8 + n,), None, 1.0) for n in range(40)])
+    store.close()
+    return folder
+
+
+def export_of(folder: Path, call, tmp_path: Path) -> tuple[int, str]:
+    code, _, err = call("study", "export", folder, tmp_path / "table.csv")
+    return code, err
+
+
+def test_damaged_study_file_says_so(done_study, call, tmp_path) -> None:
+    folder = tmp_path / "out"
+    shutil.copytree(done_study / "out", folder)
+    path = folder / "study.sqlite"
+    assert export_of(folder, call, tmp_path) == (0, "")
+    whole = path.read_bytes()
+    # the pages of the tables, not the first one that makes it a database
+    path.write_bytes(whole[:4096] + b"\xa5" * (len(whole) - 4096))
+    for command in (["export", folder, tmp_path / "t.csv"], ["report", folder]):
+        code, _, err = call("study", *command)
+        assert code == 2
+        assert "study.sqlite: is damaged (" in err
+        assert "restore it from a copy" in err
+    code, _, err = call("study", done_study / "s.toml", "-o", folder, "--resume", "--workers", "0")
+    assert code == 2
+    assert "study.sqlite: is damaged (" in err
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "UPDATE about SET text = '{' WHERE name = 'parameters'",
+        "UPDATE about SET text = '3' WHERE name = 'inputs'",
+        "DELETE FROM about WHERE name = 'inputs'",
+        "UPDATE point SET peak_pressure_Pa = 'a lot' WHERE key = 'key 7'",
+    ],
+)
+def test_study_file_with_wrong_contents_says_so(damage, done_study, call, tmp_path) -> None:
+    folder = tmp_path / "out"
+    shutil.copytree(done_study / "out", folder)
+    connection = sqlite3.connect(folder / "study.sqlite")
+    with connection:
+        connection.execute(damage)
+    connection.close()
+    code, err = export_of(folder, call, tmp_path)
+    assert code == 2
+    assert "study.sqlite: is damaged (" in err
+
+
+def test_study_on_a_full_disc_says_so(done_study) -> None:
+    """SQLite reports a full disc when its file may not grow."""
+    store = create(done_study / "full" / "study.sqlite", {"seat.angle": "REAL"}, ["peak_pressure_Pa"])
+    store._connection.execute("PRAGMA max_page_count = 1")
+    with pytest.raises(OutputError, match=r"study\.sqlite: cannot be written \(database or disk is full\)"):
+        store.write([Row(f"{n:0500}", (0.8,), (1e8,), None, 1.0) for n in range(100)])
+    store.close()
+
+
+# --- a full disc ------------------------------------------------------------------------------------------
+
+
+def test_mesh_on_a_full_disc_says_so_and_leaves_no_draft(call, monkeypatch, tmp_path) -> None:
+    def full(path, *arguments, **options) -> None:
+        Path(path).write_bytes(b"half of it")
+        # written to an open file, the error knows no name
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("meshio.write", full)
+    code, _, err = call("mesh", EXAMPLES / "smooth.toml", "-o", tmp_path / "out")
+    assert code == 1
+    assert err == f"error: {tmp_path / 'out' / 'mesh.msh'}: cannot be written (no space left on device)\n"
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+@pytest.mark.parametrize("command", ["--version", "schema", f"check {EXAMPLES / 'ball_cone.toml'}"])
+def test_output_to_a_full_disc_says_so(command) -> None:
+    with open("/dev/full", "wb") as full:
+        ended = subprocess.run(
+            [sys.executable, "-m", "fem_seal", *command.split()],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert ended.returncode == 1
+    assert ended.stderr == "error: output: cannot be written (no space left on device)\n"
+
+
+# --- files that were damaged at random --------------------------------------------------------------------
+
+WORDS = [
+    "nan",
+    "inf",
+    "1e308",
+    "-1e308",
+    "1e400",
+    "0",
+    "-1",
+    "''",
+    "[]",
+    "true",
+    "1w+20",
+    "\0",
+    "é",
+    "9" * 400,
+    "\n",
+]
+
+
+def damaged(content: bytes, chance: random.Random) -> bytes:
+    """The content with a few bytes, numbers or words changed, cut out, doubled or put elsewhere."""
+    for _ in range(chance.choice([1, 1, 2, 5])):
+        at = chance.randrange(len(content) + 1)
+        to = min(len(content), at + chance.choice([1, 3, 20, 200]))
+        numbers = list(re.finditer(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?", content))
+        words = list(re.finditer(rb"[A-Za-z_]\w*", content))
+        how = chance.choice(["byte", "cut", "double", "end", "insert", "number", "number", "number", "word"])
+        if how == "byte":
+            content = content[:at] + bytes([chance.randrange(256)]) + content[at + 1 :]
+        elif how == "cut":
+            content = content[:at] + content[to:]
+        elif how == "double":
+            content = content[:at] + 2 * content[at:to] + content[to:]
+        elif how == "end":
+            content = content[:at] if chance.random() < 0.3 else content
+        elif how == "insert":
+            content = content[:at] + chance.choice(WORDS).encode() + content[at:]
+        elif how == "number" and numbers:
+            one = chance.choice(numbers)
+            old = one[0]
+            new = chance.choice(
+                [chance.choice(WORDS).encode(), b"-" + old, old + b"00000", old + b"e5", old[:-1]]
+            )
+            content = content[: one.start()] + new + content[one.end() :]
+        elif how == "word" and words:
+            one, other = chance.choice(words), chance.choice(words)
+            content = content[: one.start()] + other[0] + content[one.end() :]
+    return content
+
+
+STRESS_STRAIN = b"plastic_strain, stress_MPa\n0, 300\n0.01, 350\n0.05, 420\n0.2, 500\n"
+
+
+TEXT_FILES = {
+    "case": (EXAMPLES / "ball_on_land.toml").read_bytes(),
+    "study": (EXAMPLES / "studies" / "conical_land.toml").read_bytes(),
+    "profile": (EXAMPLES / "profile_from_another_code.csv").read_bytes(),
+    "scan": (EXAMPLES / "seat_scan.csv").read_bytes()[:20000],
+    "spectrum": (EXAMPLES / "studies" / "spectrum.csv").read_bytes(),
+    "stress-strain": STRESS_STRAIN,
+}
+
+
+@pytest.mark.parametrize("kind", TEXT_FILES)
+def test_text_damaged_at_random_ends_in_a_sentence(kind, call, tmp_path) -> None:
+    """Numpy's warnings are errors here, too; `call` looks for the sentence."""
+    chance = random.Random(f"text {kind}")
+    for _ in range(8):
+        content = damaged(TEXT_FILES[kind], chance)
+        (tmp_path / KINDS[kind]).write_bytes(content)
+        if kind == "study":
+            ends_in_a_sentence(lambda: load_study(tmp_path / "x.toml"), content)
+            continue
+        code, _, err = call(*write_case(tmp_path, kind, KINDS[kind]))
+        assert code in (0, 2, 3), (err, content)
+
+
+def ends_in_a_sentence(read, content: bytes) -> None:
+    """Reading ends well, or as wrong input."""
+    try:
+        read()
+    except Exception as error:
+        assert cli._explained(error)[0] == 2, content
+
+
+@pytest.mark.parametrize("kind", ["STEP", "DXF", "mesh"])
+def test_drawing_damaged_at_random_ends_in_a_sentence(kind, capfd, tmp_path) -> None:
+    path = tmp_path / KINDS[kind]
+    whole = {
+        "STEP": step_of_a_seat,
+        "DXF": lambda _: (EXAMPLES / "seat.dxf").read_bytes(),
+        "mesh": mesh_of_a_seat,
+    }[kind](tmp_path)
+    read = MeshedBody.read if kind == "mesh" else read_section
+    # what stands in the header of a DXF is hardly looked at
+    start = whole.rindex(b"ENTITIES") if kind == "DXF" else 0
+    capfd.readouterr()
+    chance = random.Random(f"drawing {kind}")
+    for _ in range(5):
+        content = whole[:start] + damaged(whole[start:], chance)
+        path.write_bytes(content)
+        ends_in_a_sentence(lambda: read(path, "seat", time_limit=10.0), content)
+    assert tuple(capfd.readouterr()) == ("", "")
+
+
+SECTION = [(8, 0), (40, 0), (40, 20), (20, 20), (8, 8)]
+
+
+def mesh_of_a_seat(folder: Path) -> bytes:
+    """Its conical face is named."""
+    path = folder / "seat.msh"
+    with gmsh_session("seat") as gmsh:
+        geo = gmsh.model.geo
+        points = [geo.addPoint(1e-3 * r, 1e-3 * z, 0, 8e-3) for r, z in SECTION]
+        lines = [geo.addLine(a, b) for a, b in zip(points, [*points[1:], points[0]], strict=True)]
+        face = geo.addPlaneSurface([geo.addCurveLoop(lines)])
+        geo.synchronize()
+        gmsh.model.addPhysicalGroup(1, [lines[3]], name="seat_face")
+        gmsh.model.addPhysicalGroup(2, [face], name="seat")
+        gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 1)
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(path))
+    return path.read_bytes()
+
+
+def step_of_a_seat(folder: Path) -> bytes:
+    """A face with five edges."""
+    path = folder / "seat.step"
+    with gmsh_session("seat") as gmsh:
+        occ = gmsh.model.occ
+        points = [occ.addPoint(r, z, 0) for r, z in SECTION]
+        lines = [occ.addLine(a, b) for a, b in zip(points, [*points[1:], points[0]], strict=True)]
+        occ.addPlaneSurface([occ.addCurveLoop(lines)])
+        occ.synchronize()
+        gmsh.write(str(path))
+    return path.read_bytes()
+
+
+def step_case(folder: Path, content: bytes, more: str = "") -> Path:
+    """A case with this drawing of a seat."""
+    (folder / "x.step").write_bytes(content)
+    case = folder / "c.toml"
+    case.write_text(BODIES.format(seat=f'shape = "profile"\nfile = "x.step"\n{more}') + SMOOTH)
+    return case
+
+
+def test_typing_error_in_a_drawing_does_not_hang_the_program(call, tmp_path) -> None:
+    """OpenCASCADE never comes back from this number, and it writes to the terminal."""
+    whole = step_of_a_seat(tmp_path)
+    assert b"(40.,0.,0.)" in whole
+    assert call("check", step_case(tmp_path, whole))[0] == 0
+    before, number, after = whole.rpartition(b"(40.,0.,0.)")
+    assert number
+    case = step_case(tmp_path, before + b"(40.1e3080.,0.)" + after, 'time_limit = "4 s"')
+    code, _, err = call("check", case)
+    assert code == 2
+    assert err == (
+        f'error: {case}: seat.file = "x.step": cannot be read as STEP (takes longer than 4 s); open it in a CAD '
+        "program and export it anew, or allow a longer time_limit\n"
+    )
+
+
+def test_drawing_that_cannot_be_read_is_waited_for_once(tmp_path, monkeypatch) -> None:
+    """A study builds its case hundreds of times."""
+    calls = []
+
+    def read(path, *arguments, **options) -> None:
+        calls.append(options["time_limit"])
+        raise GeometryError(f"{path.name}: cannot be read as STEP (takes longer than 20 s)")
+
+    monkeypatch.setattr("fem_seal.case_profiles.read_section", read)
+    case = step_case(tmp_path, b"")
+    for _ in range(3):
+        with pytest.raises(InputError, match=r'seat\.file = "x\.step": cannot be read as STEP'):
+            load_case(case)
+    assert calls == [20.0]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (b"CLOSED_SHELL", b"OPEN", "cannot be read as STEP"),
+        (b"(40.,0.,0.)", b"(nan,0.,0.)", "cannot be read as STEP"),
+        (b"(40.,0.,0.)", b"(1e30,0.,0.)", "x.step"),
+        (b"SURFACE_CURVE", b"SURFACE", "x.step"),
+    ],
+)
+def test_damaged_step_ends_in_a_sentence(old, new, said, call, tmp_path) -> None:
+    case = step_case(tmp_path, step_of_a_seat(tmp_path).replace(old, new), 'time_limit = "10 s"')
+    code, _, err = call("check", case)
+    assert code in (0, 2)
+    assert code == 0 or said in err
+
+
+@pytest.mark.parametrize("number", ["nan", "inf", "1e300", "1w+20", "", "9" * 400])
+def test_dxf_with_a_number_that_is_none(number, tmp_path) -> None:
+    whole = (EXAMPLES / "seat.dxf").read_bytes()
+    start = whole.rindex(b"ENTITIES")
+    drawn, found = re.subn(rb"( 10\r?\n)[^\r\n]+", rb"\g<1>" + number.encode(), whole[start:], count=1)
+    assert found
+    path = tmp_path / "x.dxf"
+    path.write_bytes(whole[:start] + drawn)
+    with pytest.raises(
+        GeometryError, match=r"^x\.dxf: (cannot be read as DXF \(|holds a point at \(|a curve near )"
+    ):
+        read_section(path, "seat", layer="SEAT")
+
+
+def test_dxf_with_blocks_in_blocks_without_end(tmp_path) -> None:
+    ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")
+    drawing = ezdxf.new(units=4)
+    for n in range(12):
+        block = drawing.blocks.new(f"B{n}")
+        for _ in range(10):
+            if n:
+                block.add_blockref(f"B{n - 1}", (0, 0))
+            else:
+                block.add_line((1, 0), (2, 0))
+    drawing.modelspace().add_blockref("B11", (0, 0))
+    drawing.saveas(tmp_path / "x.dxf")
+    with pytest.raises(GeometryError, match=r"cannot be read as DXF \(takes longer than 8 s\)"):
+        read_section(tmp_path / "x.dxf", "seat", time_limit=8.0)
