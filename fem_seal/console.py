@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.case_dimensions import dimensions
 from fem_seal.case_sections import in_words, section
+from fem_seal.caution import Level
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from fem_seal.case import Case
     from fem_seal.derived import Derived
 
-# Wide enough for the leak table when the output is not a terminal.
-_WIDTH = 120
+# Wider than any table.
+_ENDLESS = 100_000
+# Marks of rows that are not simply valid.
+_MARKS = {Level.VALID: "", Level.DOUBTFUL: "?", Level.OUTSIDE: "!"}
 
 
 @dataclass(frozen=True)
@@ -49,49 +55,97 @@ LEAK_COLUMNS = (
 )
 
 
-def show_leak_table(rows: Sequence[Mapping[str, float]], title: str) -> None:
-    """Print rows of leak.csv as a table, without the columns that no row fills."""
+def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
+    """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks."""
     columns = [column for column in LEAK_COLUMNS if any(_filled(row.get(column.key)) for row in rows)]
     cells = [[_cell(row.get(column.key), column.factor) for column in columns] for row in rows]
-    show_table(title, [f"{column.heading}\n{column.unit}" for column in columns], cells)
+    headings = [f"{column.heading}\n{column.unit}" for column in columns]
+    levels = [Level(row["validity"]) for row in rows]
+    # what tells the rows apart stays beside every part of a table that is too wide
+    several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
+    keys = 2 if several_forces and columns[1].key == "axial_force_N" else 1
+    if any(_MARKS[level] for level in levels):
+        headings.insert(keys, "")
+        for line, level in zip(cells, levels, strict=True):
+            line.insert(keys, _MARKS[level])
+        keys += 1
+    show_table(title, headings, cells, keys)
+    for level, mark in _MARKS.items():
+        if mark and level in levels:
+            what = "the numbers claim nothing" if level is Level.OUTSIDE else "the numbers are less sure"
+            print(f"  {mark} {level}, {what}; why: validity_reasons in leak.csv")  # noqa: T201
 
 
-def show_leakage(case: Case, rows: Sequence[Mapping[str, float]]) -> None:
+def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]]) -> None:
     """Print the leak rate of the highest fluid pressure in the units of leak testing, and its classes.
 
     Of several forces at this pressure it is the one that closes most.
     """
-    from rich.console import Console
-
     from fem_seal.leakage import leakage_lines
 
     row = max(rows, key=lambda row: (row["fluid_pressure_Pa"], row.get("axial_force_N", 0.0)))
     if not _filled(row.get("leak_rate_m3_per_s")):
         return
-    console = Console(width=None if sys.stdout.isatty() else _WIDTH, highlight=False)
     pressure = row["fluid_pressure_Pa"]
     forces = {one.get("applied_force_N") for one in rows if one["fluid_pressure_Pa"] == pressure}
-    force = row.get("applied_force_N") if len(forces) > 1 else None
-    for line in leakage_lines(case, pressure, row["leak_rate_m3_per_s"], force):
-        console.print(line, markup=False, soft_wrap=True)
+    for line in leakage_lines(case, row, name_force=len(forces) > 1):
+        print(line)  # noqa: T201
 
 
-def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table, numbers to the right."""
-    from rich import box
+def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
+    """Print a table, numbers to the right and none of them cut.
+
+    A terminal that is too narrow gets it in parts below each other. What is no terminal has no width.
+
+    Parameters
+    ----------
+    title : str
+    headings : sequence of str
+        Of two lines at most.
+    rows : sequence of sequence of str
+    keys : int
+        So many first columns say which row it is; they stand in every part.
+    """
     from rich.console import Console
+
+    # the terminal's own width decides how many columns stand side by side, never how many digits of one
+    console = Console(width=_ENDLESS, highlight=False)
+    # above the table and not its title, which would be broken to the width of the table
+    console.print(title, style="bold", markup=False, soft_wrap=True)
+    widths = [
+        max(len(line) for cell in (heading, *column) for line in cell.split("\n"))
+        for heading, *column in zip(headings, *rows, strict=True)
+    ]
+    for part in _parts(widths, keys):
+        console.print(_table([headings[n] for n in part], [[row[n] for n in part] for row in rows]))
+
+
+def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+    from rich import box
     from rich.markup import escape
     from rich.table import Table
 
-    console = Console(width=None if sys.stdout.isatty() else _WIDTH, highlight=False)
     table = Table(box=box.SIMPLE_HEAD)
     for heading in headings:
-        table.add_column(escape(heading), justify="right")
+        table.add_column(escape(heading), justify="right", no_wrap=True)
     for row in rows:
         table.add_row(*(escape(cell) for cell in row))
-    # above the table and not its title, which would be broken to the width of the table
-    console.print(title, style="bold", markup=False)
-    console.print(table)
+    return table
+
+
+def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:
+    """Columns that stand side by side: as many as fit beside the keys, and one at least."""
+    room = shutil.get_terminal_size().columns if sys.stdout.isatty() else _ENDLESS
+    # a blank on either side of each column and of the whole table
+    taken = [width + 2 for width in widths]
+    part, used = list(range(keys)), 2 + sum(taken[:keys])
+    for n in range(keys, len(widths)):
+        if len(part) > keys and used + taken[n] > room:
+            yield part
+            part, used = list(range(keys)), 2 + sum(taken[:keys])
+        part.append(n)
+        used += taken[n]
+    yield part
 
 
 def _filled(value: float | None) -> bool:
@@ -204,8 +258,11 @@ def show_derived(numbers: Mapping[str, Any]) -> None:
             print(f"  {column.heading:30}{_cell(value, column.factor)} {column.unit}".rstrip())  # noqa: T201
     rows = numbers["loads"]
     columns = [column for column in _CHECK_COLUMNS if any(row[column.key] is not None for row in rows)]
+    closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
     show_table(
-        "Closed-form pressure profiles",
+        "Closed-form pressure profiles"
+        if closed
+        else "Loads (no closed-form profiles: the faces fit each other)",
         [f"{column.heading}\n{column.unit}" for column in columns],
         [[_cell(row[column.key], column.factor) for column in columns] for row in rows],
     )

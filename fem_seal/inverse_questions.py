@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.case_flow import CaseFlow
+from fem_seal.caution import Caution, Level, Validity
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.contact_zone import solve_fitted
 from fem_seal.errors import InputError, Problem
@@ -20,7 +21,7 @@ from fem_seal.loads import blow_off_of_sealed_area, closing_force, line_load
 from fem_seal.penetration import effective_radius
 from fem_seal.plastic_width import curves
 from fem_seal.results import TargetContact
-from fem_seal.validity import target_warnings
+from fem_seal.validity import target_cautions, target_validity
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -135,7 +136,7 @@ def blow_off_pressures(case: Case) -> FloatArray:
 
 def with_answers(
     solver: LoadSolver, loads: Sequence[LoadResult]
-) -> tuple[tuple[LoadResult, ...], tuple[str, ...]]:
+) -> tuple[tuple[LoadResult, ...], tuple[Caution, ...]]:
     """Loads with effective radius, blow-off pressure and force for the target, and what to know before believing them.
 
     Parameters
@@ -148,15 +149,18 @@ def with_answers(
     penetrates = case.load.closing == "penetration"
     asked = penetrates or case.load.pressure_side == "inner"
     forces: list[float | None] = [None] * len(loads)
-    remarks: tuple[str, ...] = ()
+    verdicts: list[Validity | None] = [None] * len(loads)
+    remarks: tuple[Caution, ...] = ()
     if case.load.target_leak_rate is not None:
         try:
             found = _contacts_at_target(case)
         except InputError as error:
-            remarks = tuple(str(problem) for problem in error.problems)
+            remarks = tuple(Caution("target", Level.DOUBTFUL, str(one), str(one)) for one in error.problems)
         else:
+            surface = _flow(solver).surface
             forces = [one.applied_force for one in found]
-            remarks = tuple(target_warnings(case, _flow(solver).surface, found))
+            verdicts = [target_validity(case, surface, one) for one in found]
+            remarks = tuple(target_cautions(case, surface, found))
     springs = dict.fromkeys(load.applied_force for load in loads) if asked else ()
     opens = {spring: solver.blow_off_pressure(spring) for spring in springs}
     return tuple(
@@ -165,8 +169,9 @@ def with_answers(
             effective_radius=effective_radius(load.contact, load.fluid_pressure) if penetrates else None,
             blow_off_pressure=opens.get(load.applied_force),
             force_for_target=force,
+            target_validity=verdict,
         )
-        for load, force in zip(loads, forces, strict=True)
+        for load, force, verdict in zip(loads, forces, verdicts, strict=True)
     ), remarks
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal.caution import Level
 from fem_seal.readable import given, number, quantity
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ class Leakage:
     standard_leak_rate : float or None
         Volume flow of a gas at 0 degC and 101325 Pa [m^3/s]; None for a liquid.
     classes : tuple of LeakageClass
-        The tightest class of each standard that it meets.
+        The tightest class of each standard that it meets; empty outside the theory, where none can be claimed.
     """
 
     fluid_pressure: float
@@ -57,19 +59,22 @@ class NominalSize:
         DN as a length [m].
     diameter : float
         Bore of the seat, or the circle of first touch where no bore is given [m].
+    diameter_of : str
+        Which of the two it is, in words.
     estimated : bool
         Whether the size was taken from the diameter.
     """
 
     size: float
     diameter: float
+    diameter_of: str
     estimated: bool
 
     def __str__(self) -> str:
         """The size in words."""
         text = f"DN {1e3 * self.size:.4g}"
         return (
-            f"{text}, estimated from the seat's diameter of {quantity('length', self.diameter)}"
+            f"{text}, estimated from the diameter of the {self.diameter_of}, {quantity('length', self.diameter)}"
             if self.estimated
             else text
         )
@@ -86,12 +91,13 @@ def nominal_size(case: Case) -> NominalSize:
 
     bore = getattr(case.seat, "bore_radius", None)
     diameter = 2.0 * (case.touch_radius if bore is None else bore)
+    diameter_of = "contact, where the faces first touch" if bore is None else "seat's bore"
     if case.leak.nominal_size is not None:
-        return NominalSize(case.leak.nominal_size, diameter, False)
-    return NominalSize(nominal_size_of_bore(diameter), diameter, True)
+        return NominalSize(case.leak.nominal_size, diameter, diameter_of, False)
+    return NominalSize(nominal_size_of_bore(diameter), diameter, diameter_of, True)
 
 
-def leakage(case: Case, fluid_pressure: float, leak_rate: float) -> Leakage:
+def leakage(case: Case, fluid_pressure: float, leak_rate: float, *, claimed: bool = True) -> Leakage:
     """A leak rate in the units of leak testing, with its classes.
 
     Parameters
@@ -102,6 +108,8 @@ def leakage(case: Case, fluid_pressure: float, leak_rate: float) -> Leakage:
         Pressure difference [Pa].
     leak_rate : float
         As in `leak_rate_m3_per_s` of leak.csv [m^3/s].
+    claimed : bool
+        Whether classes may be claimed, which they may not outside the theory.
     """
     from leak import leakage_class
 
@@ -119,8 +127,23 @@ def leakage(case: Case, fluid_pressure: float, leak_rate: float) -> Leakage:
             gas=gas is not None,
             pressure_drop=fluid_pressure,
             seat_diameter=size.diameter,
-        ),
+        )
+        if claimed
+        else (),
     )
+
+
+def leakage_of(case: Case, load: LoadResult) -> Leakage | None:
+    """The leak rate of a load in other units, with its classes unless it is outside the theory; None without one.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    """
+    if load.leak is None or case.fluid is None:
+        return None
+    return leakage(case, load.fluid_pressure, load.leak.leak_rate, claimed=not load.validity.outside)
 
 
 def knudsen_number(result: SealResult, load: LoadResult) -> float:
@@ -142,17 +165,21 @@ def knudsen_number(result: SealResult, load: LoadResult) -> float:
 
 
 def leakage_table(result: SealResult) -> list[dict[str, Any]]:
-    """Units and classes of all loads as plain numbers and texts; empty without a leak rate."""
+    """Units and classes of all loads as plain numbers and texts; empty without a leak rate.
+
+    A load outside the theory has no classes.
+    """
     case = result.case
     return [
         {
             **asdict(found),
             "nominal_size": nominal_size(case).size,
             "classes": {one.standard: one.name for one in found.classes},
+            "validity": str(load.validity.level),
         }
         for load in result.loads
-        if load.leak is not None
-        for found in (leakage(case, load.fluid_pressure, load.leak.leak_rate),)
+        for found in (leakage_of(case, load),)
+        if found is not None
     ]
 
 
@@ -160,13 +187,13 @@ def standards_used(result: SealResult) -> list[Standard]:
     """The standards that the leak rates are classed by."""
     from leak.leakage_class import STANDARDS
 
-    load = next((load for load in result.loads if load.leak is not None), None)
-    if load is None or load.leak is None:
-        return []
-    return [
-        STANDARDS[one.standard]
-        for one in leakage(result.case, load.fluid_pressure, load.leak.leak_rate).classes
-    ]
+    names = dict.fromkeys(
+        one.standard
+        for load in result.loads
+        for found in (leakage_of(result.case, load),)
+        for one in (() if found is None else found.classes)
+    )
+    return [STANDARDS[name] for name in names]
 
 
 def in_words(found: Leakage) -> str:
@@ -190,21 +217,34 @@ def in_words(found: Leakage) -> str:
 
 
 def classes_in_words(found: Leakage) -> str:
-    """The classes: "ISO 5208 B, FCI 70-2 V; API 598: no class met"."""
+    """The classes: "ISO 5208 B, FCI 70-2 V; API 598: no class met"; "not claimed" outside the theory."""
+    if not found.classes:
+        return "not claimed"
     met = [str(one) for one in found.classes if one.name]
     missed = [str(one) for one in found.classes if not one.name]
     return "; ".join([*([", ".join(met)] if met else []), *missed])
 
 
-def leakage_lines(
-    case: Case, fluid_pressure: float, leak_rate: float, applied_force: float | None = None
-) -> list[str]:
-    """Two lines for the command line about one load, which is named by its force as well if one is given."""
-    found = leakage(case, fluid_pressure, leak_rate)
-    at = given("fluid pressure", fluid_pressure)
-    if applied_force is not None:
-        at = f"{at} with {given('force', applied_force)}"
+def leakage_lines(case: Case, row: Mapping[str, Any], *, name_force: bool = False) -> list[str]:
+    """Two lines for the command line about one load.
+
+    Parameters
+    ----------
+    case : Case
+    row : mapping
+        Of leak.csv, with a leak rate.
+    name_force : bool
+        Whether the force of spring or actuator tells the load from others.
+    """
+    at = given("fluid pressure", row["fluid_pressure_Pa"])
+    if name_force:
+        at = f"{at} with {given('force', row['applied_force_N'])}"
+    level, reasons = row["validity"], row["validity_reasons"]
+    doubt = "" if level == Level.VALID else f" ({level}: {reasons[0]})"
+    outside = level == Level.OUTSIDE
+    found = leakage(case, row["fluid_pressure_Pa"], row["leak_rate_m3_per_s"], claimed=not outside)
     return [
-        f"Leak rate at {at}: {in_words(found)}",
-        f"Leakage class for {nominal_size(case)}: {classes_in_words(found)}",
+        f"Leak rate at {at}: {in_words(found)}{doubt}",
+        f"Leakage class for {nominal_size(case)}: {classes_in_words(found)}"
+        + (", because the leak rate is outside the theory" if outside else ""),
     ]

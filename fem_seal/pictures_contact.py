@@ -15,6 +15,7 @@ from fem_seal.pictures import (
     GREEN,
     GREY,
     ORANGE,
+    WIDTH,
     Picture,
     few,
     label,
@@ -38,6 +39,8 @@ FloatArray = NDArray[np.float64]
 
 # More lines than this get a scale of colours instead of names.
 _NAMED_LOADS = 6
+# Of a picture with one panel [inch].
+_NARROW = 6.4
 # More lines than this are one blot.
 _DRAWN_LOADS = 40
 _CLOSED_FORMS = {
@@ -58,12 +61,14 @@ def profile_picture(result: SealResult, derived: Derived) -> Picture:
     """
     loads = result.loads
     order = different(loads)
-    shown = [order[-1]] if len(order) == 1 else [order[0], order[-1]]
-    figure, axes = panels(len(shown) + (len(order) > 1), height=3.7)
+    closed = not math.isinf(result.model.relative_radius)
+    shown = ([order[-1]] if len(order) == 1 else [order[0], order[-1]]) if closed else []
+    together = len(order) > 1 or not closed
+    figure, axes = panels(len(shown) + together, height=3.7, width=WIDTH if closed else _NARROW)
     length = unit_for("length", _reach(loads))
-    if len(order) > 1:
+    if together:
         _all_profiles(axes[0], loads, order, length.size, length.name)
-    for view, n in zip(axes[-len(shown) :], shown, strict=True):
+    for view, n in zip(axes[len(axes) - len(shown) :], shown, strict=True):
         _against_closed_forms(
             view, loads[n], load_name(loads[n], loads), derived.loads[n], length.size, length.name
         )
@@ -71,8 +76,8 @@ def profile_picture(result: SealResult, derived: Derived) -> Picture:
         "profiles",
         svg(figure),
         "Contact pressure over the arc length across the contact line"
-        + (", all loads; and" if len(order) > 1 else ",")
-        + " the finite-element result beside the closed-form profiles, where there are any",
+        + (", all loads" if len(order) > 1 else "")
+        + ("; and the finite-element result beside the closed-form profiles" if closed else ""),
         _profile_caption(result),
     )
 
@@ -138,6 +143,8 @@ def _all_profiles(
     title = (
         f"All {len(loads)} loads" if len(order) <= _DRAWN_LOADS else f"{_DRAWN_LOADS} of {len(order)} loads"
     )
+    if len(order) == 1:
+        title = load_name(loads[order[0]], loads)
     label(axes, title, f"x  [{unit}]", f"contact pressure  [{pressure.name}]")
 
 

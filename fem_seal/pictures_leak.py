@@ -46,6 +46,7 @@ def leak_picture(result: SealResult) -> Picture | None:
     if not loads:
         return None
     over = load_axis(loads)
+    outside = np.array([load.validity.outside for load in loads])
     rates = np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
     elastic = np.array([load.leak_elastic.leak_rate if load.leak_elastic else np.nan for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
@@ -56,9 +57,10 @@ def leak_picture(result: SealResult) -> Picture | None:
     unit = unit_for("flow", float(rates.max() or np.nanmax(shown)))
     if len(loads) == 1:
         return _single_leak(
-            load_name(loads[0], result.loads),
+            load_name(loads[0], result.loads) + (", outside the theory" if outside[0] else ""),
             [(name, float(values[0]), colour) for name, values, colour, _ in series],
             unit,
+            "zero" if outside[0] else "sealed",
         )
     both = len(series) == 2 and bool(((rates > 0) & (elastic > 0)).any())
     figure, axes, factor = _leak_panels(2 if both else 1)
@@ -66,13 +68,14 @@ def leak_picture(result: SealResult) -> Picture | None:
         positive = np.where(values > 0, values, np.nan) / unit.size
         thin = 0.8 if over.ordered else width
         axes.plot(over.shown, positive, "o-", color=colour, linewidth=thin, ms=3.8, label=name)
+    _mark_outside(axes, over.shown, np.where(rates > 0, rates, np.nan) / unit.size, outside)
     if result.uncertainty is not None:
         order = [result.loads.index(load) for load in loads]
         low, high = result.uncertainty.low[order], result.uncertainty.high[order]
         name = f"{percent(result.uncertainty.confidence)} interval of the result"
         band = (low / unit.size, high / unit.size)
         axes.fill_between(over.shown, *band, color=BLUE, alpha=0.15, linewidth=0, label=name)
-    _mark_sealed(axes, over.shown[rates == 0])
+    _mark_sealed(axes, over.shown[(rates == 0) & ~outside])
     scales = ["x"] if over.values.min() > 0 and spans_decades(over.values) else []
     scales += ["y"] if spans_decades(shown) else []
     if "y" not in scales:
@@ -99,15 +102,13 @@ def leak_picture(result: SealResult) -> Picture | None:
     )
 
 
-def _single_leak(load: str, series: list[tuple[str, float, str]], unit: Unit) -> Picture:
-    """Bars for a case with one load."""
+def _single_leak(load: str, series: list[tuple[str, float, str]], unit: Unit, zero: str) -> Picture:
+    """Bars for a case with one load; `zero` is what a leak rate of zero is called."""
     figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
     names = [name for name, _, _ in series]
     values = [unit.of(rate) for _, rate, _ in series]
     bars = axes.barh(range(len(series)), values, color=[colour for _, _, colour in series], height=0.55)
-    axes.bar_label(
-        bars, [f"{number(value)} {unit.name}" if value else "sealed" for value in values], padding=4
-    )
+    axes.bar_label(bars, [f"{number(value)} {unit.name}" if value else zero for value in values], padding=4)
     axes.set_xlim(0.0, 1.25 * max(*values, 1e-30))
     axes.set_yticks([])
     for n, name in enumerate(names):
@@ -144,6 +145,21 @@ def _mark_sealed(axes: Axes, pressure: FloatArray) -> None:
             label="sealed: nothing leaks",
             clip_on=False,
         )
+
+
+def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray[np.bool_]) -> None:
+    """Loads outside the theory are hollow; those that came out as zero stand at the foot."""
+    name: str | None = "outside the theory: nothing to claim"
+    drawn = outside & np.isfinite(rates)
+    if drawn.any():
+        axes.plot(x[drawn], rates[drawn], "o", ms=5, mec=BLUE, mfc="white", zorder=4, label=name)
+        name = None
+    zero = outside & ~np.isfinite(rates)
+    if zero.any():
+        (foot,) = axes.plot(
+            x[zero], np.full(int(zero.sum()), 0.02), "v", ms=6, mec=INK, mfc="white", label=name
+        )
+        foot.set(transform=axes.get_xaxis_transform(), clip_on=False)
 
 
 def _reduction(axes: Axes, x: FloatArray, elastic: FloatArray, rates: FloatArray, log_x: bool) -> None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.case_flow import expected_forces
+from fem_seal.caution import worst_first
 from fem_seal.condensation import ContactModel
 from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
@@ -29,7 +30,7 @@ from fem_seal.loads import line_load
 from fem_seal.plastic_width import curves, for_yielding
 from fem_seal.results import InterfaceVariant, LoadResult, SealResult, strongest_load
 from fem_seal.solved_loads import SolvedLoads, solve_load, solve_loads
-from fem_seal.validity import contact_warnings, left_out
+from fem_seal.validity import contact_cautions, left_out, load_validity
 from meshes import SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -88,15 +89,16 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         loads, of_answers = with_answers(LoadSolver(case, law, model), loads)
     with clock.step("variants", "comparing elastic and plastic interface law"):
         variants = _interface_variants(LoadSolver(case, law, model), surface, loads)
+    found = (*remarks, *contact_cautions(case, model, loads, error, surface), *of_answers)
     result = SealResult(
         case,
         seal_mesh,
         model,
         surface,
-        loads,
+        tuple(replace(load, validity=load_validity(case, load, surface, error)) for load in loads),
         error,
         variants,
-        (*remarks, *contact_warnings(case, model, loads, error, surface), *of_answers),
+        worst_first(found),
         clock.timings,
         far_field=far,
         unloaded=solved.unloaded,

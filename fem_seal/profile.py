@@ -51,8 +51,13 @@ class PressureProfile:
 
     @cached_property
     def peak(self) -> tuple[float, float]:
-        """Place x [m] and height [Pa] of the highest pressure, from a parabola through three points of p."""
-        k = int(np.clip(np.argmax(self.pressure), 1, len(self.x) - 2))
+        """Place x [m] and height [Pa] of the highest pressure, from a parabola through three points of p.
+
+        Where the pressure rises up to an end of the profile it is that of the last point.
+        """
+        k = int(np.argmax(self.pressure))
+        if k in (0, len(self.x) - 1):
+            return float(self.x[k]), float(self.pressure[k])
         # Points that mirror each other about the peak make argmax a matter of round-off; the parabola does not.
         x, p = self.x[k - 1 : k + 2] - self.x[k], self.pressure[k - 1 : k + 2]
         c2, c1, c0 = np.polyfit(x / x[2], p / p[1], 2)

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from fem_seal.atomic_files import write_text
+import numpy as np
+from numpy.typing import NDArray
+
 from fem_seal.errors import InputError, Problem
 from fem_seal.fluid_flow import flow_table, leak_of_profile
 from fem_seal.interface import rough_contact
 from fem_seal.leakage import leakage
+from fem_seal.profile import PressureProfile
+from fem_seal.results import GivenContact, GivenLoad
+from fem_seal.tables import VALIDITY_COLUMNS, validity_entries, with_text, write_rows_csv
+from fem_seal.validity import profile_validity
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.profile_file import ImportedProfile
-    from leak import ConductivityTable, GasConductivityTable, RoughContact
+    from leak import ConductivityTable, GasConductivityTable, LeakResult, RoughContact
+
+FloatArray = NDArray[np.float64]
 
 COLUMNS = (
     "fluid_pressure_Pa",
@@ -30,7 +38,7 @@ COLUMNS = (
 )
 
 
-def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[dict[str, float]]:
+def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[dict[str, Any]]:
     """Leak rates of imported pressure profiles with the surface and the fluid of a case.
 
     Parameters
@@ -44,7 +52,7 @@ def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[di
     Returns
     -------
     list of dict
-        Rows with `COLUMNS`, as in leak.csv.
+        Rows with `COLUMNS`, as in leak.csv, and their validity, as far as a profile without its bodies tells it.
 
     Raises
     ------
@@ -77,20 +85,23 @@ def _row(
     profile: ImportedProfile,
     tables: Sequence[ConductivityTable | GasConductivityTable],
     fluid_pressure: float,
-) -> dict[str, float]:
+) -> dict[str, Any]:
     peak = float(profile.pressure.max())
-    leak_rate, elastic = (_leak_rate(case, profile, table, fluid_pressure) for table in tables)
-    found = leakage(case, fluid_pressure, leak_rate)
+    leak, elastic = (_leak(case, profile, table, fluid_pressure) for table in tables)
+    found = leakage(case, fluid_pressure, float(leak.leak_rate))
+    separation = float(surface.critical_separation(peak))
+    load = GivenLoad(fluid_pressure, GivenContact(_profile(case, profile)), leak, separation)
     values = (
         fluid_pressure,
         peak,
-        leak_rate,
-        elastic,
-        float(surface.critical_separation(peak)),
+        float(leak.leak_rate),
+        float(elastic.leak_rate),
+        separation,
         float(surface.elastic.critical_separation(peak)),
         *(math.nan if value is None else value for value in (found.mass_flow, found.throughput)),
     )
-    return dict(zip(COLUMNS, values, strict=True))
+    row = dict[str, Any](zip(COLUMNS, values, strict=True))
+    return row | validity_entries(profile_validity(case, surface, load))
 
 
 def _conductivity(
@@ -101,19 +112,27 @@ def _conductivity(
     return flow_table(case, surface, 1e-9 * min(peaks), 1.01 * max(peaks))
 
 
-def _leak_rate(
+def _leak(
     case: Case,
     profile: ImportedProfile,
     table: ConductivityTable | GasConductivityTable,
     fluid_pressure: float,
-) -> float:
-    x, radius = profile.x, profile.radius
-    if radius is None:
-        radius = case.contact.radius(x)
-    return float(leak_of_profile(case, table, x, profile.pressure, fluid_pressure, radius).leak_rate)
+) -> LeakResult:
+    return leak_of_profile(case, table, profile.x, profile.pressure, fluid_pressure, _radius(case, profile))
 
 
-def write_rows(rows: Sequence[dict[str, float]], path: Path) -> None:
+def _radius(case: Case, profile: ImportedProfile) -> FloatArray:
+    return case.contact.radius(profile.x) if profile.radius is None else profile.radius
+
+
+def _profile(case: Case, profile: ImportedProfile) -> PressureProfile:
+    """The profile with weights of the trapezoidal rule; nothing is known of its gap."""
+    x, ends = profile.x, np.diff(profile.x, prepend=profile.x[0], append=profile.x[-1])
+    return PressureProfile(
+        x, _radius(case, profile), profile.pressure, np.full(len(x), math.nan), 0.5 * (ends[1:] + ends[:-1])
+    )
+
+
+def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """Write rows as a CSV file; OutputError if it cannot be written."""
-    lines = [",".join(COLUMNS), *(",".join(repr(row[column]) for column in COLUMNS) for row in rows)]
-    write_text(path, "\n".join(lines) + "\n")
+    write_rows_csv(path, (*COLUMNS, *VALIDITY_COLUMNS), [list(with_text(row).values()) for row in rows])

@@ -54,7 +54,21 @@ def load_table(result: SealResult, sizes: Mapping[str, Sizes]) -> ReadableTable:
         columns.insert(1, Column("spring force", "force", [load.applied_force for load in loads]))
     if result.surface is None or result.surface.hardness is None:
         columns = [column for column in columns if not column.name.endswith("elastic")]
-    return columns_table(columns)
+    table = columns_table(columns)
+    return ReadableTable(
+        (*table.headings, "validity"),
+        tuple((*row, str(load.validity.level)) for row, load in zip(table.rows, loads, strict=True)),
+    )
+
+
+def validity_table(result: SealResult) -> ReadableTable:
+    """Every reason why the numbers of a load are not simply valid; no rows if all are."""
+    rows = [
+        (load_name(load, result.loads), str(caution.level), caution.reason)
+        for load in result.loads
+        for caution in load.validity.cautions
+    ]
+    return ReadableTable(("load", "validity", "because"), tuple(rows))
 
 
 @dataclass(frozen=True)
@@ -116,8 +130,10 @@ def _cell(column: Column, unit: Unit, n: int) -> str:
 
 
 def comparison_table(result: SealResult, sizes: Mapping[str, Sizes]) -> ReadableTable:
-    """How much every load differs from the closed forms, in per cent."""
+    """How much every load differs from the closed forms, in per cent; no rows where there are none."""
     names = {key: name for key, name in (("crossover", "crossover"), ("hertz", "Hertz")) if key in sizes}
+    if not names:
+        return ReadableTable((), ())
     measures = {"peak_pressure": "peak", "fwhm": "FWHM", "std": "std. dev."}
     headings = [f"{text} over {name} − 1 [%]" for name in names.values() for text in measures.values()]
     columns = [

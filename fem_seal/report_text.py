@@ -4,25 +4,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.leakage import classes_in_words, in_words, leakage, nominal_size
+from fem_seal.caution import Level, Validity
+from fem_seal.leakage import classes_in_words, in_words, leakage_of, nominal_size
 from fem_seal.load_names import load_values
 from fem_seal.readable import flow, number, percent, quantity, unit_for
 from fem_seal.report_plastic import imprint_in_words, what_yielded
-from fem_seal.report_valve import opens_at, valve_facts, what_opens
+from fem_seal.report_valve import TARGET_FORCE, opens_at, valve_facts, what_opens
 from fem_seal.validity import FLUID_OPENS
 from fem_seal.yielding import PlasticZone, yielding_of
 
 if TYPE_CHECKING:
     from fem_seal.derived import Derived
+    from fem_seal.leakage import Leakage, NominalSize
     from fem_seal.results import LoadResult, SealResult
 
 # Share of the pressure drop whose place is called the seal proper: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
+# Outside the theory nothing is called sealed.
+_ZERO = "zero, as calculated"
 
 
 @dataclass(frozen=True)
@@ -32,11 +36,14 @@ class Fact:
     Parameters
     ----------
     name, value, remark : str
+    level : Level
+        How far the number can be trusted.
     """
 
     name: str
     value: str
     remark: str = ""
+    level: Level = Level.VALID
 
 
 def highest_load(result: SealResult) -> LoadResult:
@@ -45,8 +52,16 @@ def highest_load(result: SealResult) -> LoadResult:
 
 
 def facts(result: SealResult) -> list[Fact]:
-    """The result in a few numbers, at the highest load."""
+    """The result in a few numbers, at the highest load, each with the level of its validity."""
     load = highest_load(result)
+    of_target = load.target_validity or load.validity
+    return [
+        replace(fact, level=(of_target if fact.name == TARGET_FORCE else load.validity).level)
+        for fact in _facts(result, load)
+    ]
+
+
+def _facts(result: SealResult, load: LoadResult) -> list[Fact]:
     profile = load.contact.profile
     found = [
         *(Fact(*told) for told in valve_facts(result, load)),
@@ -58,7 +73,8 @@ def facts(result: SealResult) -> list[Fact]:
         ),
     ]
     if load.critical_separation is not None:
-        narrow = "sealed" if load.critical_separation == 0 else quantity("length", load.critical_separation)
+        closed = _ZERO if load.validity.outside else "sealed"
+        narrow = closed if load.critical_separation == 0 else quantity("length", load.critical_separation)
         found.append(
             Fact("Narrowest place on the leak path", narrow, "critical separation at the peak pressure")
         )
@@ -72,20 +88,27 @@ def facts(result: SealResult) -> list[Fact]:
     if imprint := imprint_in_words(result):
         found.append(Fact("Lasting imprint", *imprint))
     if load.leak is not None:
-        found.insert(0, Fact("Leak rate", flow(load.leak.leak_rate), per_day(load.leak.leak_rate)))
-        read = leakage(result.case, load.fluid_pressure, load.leak.leak_rate)
+        rate = _ZERO if load.validity.outside and load.leak.leak_rate == 0 else flow(load.leak.leak_rate)
+        found.insert(0, Fact("Leak rate", rate, per_day(load.leak.leak_rate)))
+        read = leakage_of(result.case, load)
+        assert read is not None  # a leak rate has its units
         if load.leak.leak_rate > 0:
             # the first of these units may be the one that stands there already
             others = [part for part in in_words(read).split(" = ") if part != found[0].value]
             found.insert(1, Fact("In other units", others[0], " = ".join(others[1:])))
-        size = nominal_size(result.case)
-        best = next((one for one in read.classes if one.name), read.classes[0])
-        found.append(
-            Fact(f"Leakage class, DN {1e3 * size.size:.4g}", str(best), f"{classes_in_words(read)}; {size}")
-        )
+        found.append(_class_fact(nominal_size(result.case), read))
     if result.uncertainty is not None:
         found.insert(1, _interval_fact(result, load))
     return found
+
+
+def _class_fact(size: NominalSize, read: Leakage) -> Fact:
+    """The best class, or that none can be claimed."""
+    name = f"Leakage class, DN {1e3 * size.size:.4g}"
+    if not read.classes:
+        return Fact(name, "not claimed", "the leak rate is outside the theory")
+    best = next((one for one in read.classes if one.name), read.classes[0])
+    return Fact(name, str(best), f"{classes_in_words(read)}; {size}")
 
 
 def _interval_fact(result: SealResult, load: LoadResult) -> Fact:
@@ -113,7 +136,34 @@ def headline(result: SealResult) -> str:
     """The answer in one or two sentences."""
     opens = {opens_at(load) for load in result.loads}
     (only,) = opens if len(opens) == 1 else (None,)
-    return _what_leaks(result) + (f" It opens at {only}." if only else "")
+    return _what_leaks(result) + (f" It opens at {only}." if only else "") + _how_sure(result)
+
+
+def _how_sure(result: SealResult) -> str:
+    """Which loads are outside the theory, or doubtful, a sentence for the headline; empty if all are valid."""
+    for level in (Level.OUTSIDE, Level.DOUBTFUL):
+        found = [load for load in result.loads if load.validity.level is level]
+        if found:
+            worst = max(found, key=lambda load: load.point)
+            every = "" if len(result.loads) == 1 else f" at {_named(found, result.loads)}"
+            return f" This result is {level}{every}: {_why(worst.validity)}."
+    return ""
+
+
+def _named(loads: Sequence[LoadResult], among: Sequence[LoadResult]) -> str:
+    """A few loads by their names, of more the number."""
+    if len(loads) == len(among):
+        return "every load"
+    if len(loads) > 3:
+        return f"{len(loads)} of {len(among)} loads"
+    return ", ".join(load_values(load, among) for load in loads)
+
+
+def _why(validity: Validity) -> str:
+    """The worst reason, and how many there are besides."""
+    others = len(validity.reasons) - 1
+    more = f" and {others} more {'reason' if others == 1 else 'reasons'}" if others else ""
+    return validity.reasons[0] + more
 
 
 def _what_leaks(result: SealResult) -> str:
@@ -132,10 +182,14 @@ def _what_leaks(result: SealResult) -> str:
         missing = "roughness" if result.surface is None else "fluid"
         then = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
         return f"At {span} the contact is {_contact(highest)}{then}. No leak rate: the case has no {missing}."
-    if all(load.leak is not None and load.leak.leak_rate == 0 for load in loads):
+    if all(load.validity.outside for load in shown):
+        # nothing may be claimed of them
+        return f"At {span} no leak rate can be claimed."
+    if all(load.leak and load.leak.leak_rate == 0 and not load.validity.outside for load in loads):
         return f"Sealed at every load up to {span}: so much of the nominal area touches that no leak path is open."
     told = [
-        f"{_flow_beside(rate, rates)} at {load_values(load, loads)}"
+        ("at an unknown rate" if load.validity.outside else _flow_beside(rate, rates))
+        + f" at {load_values(load, loads)}"
         for rate, load in zip(rates, shown, strict=True)
     ]
     then = f"; after {span}, {told.pop()}" if changed else ""

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fem_seal.results import LoadResult, SealResult
 
 _DIGITS = 4
+TARGET_FORCE = "Force for the target leak rate"
 
 
 def opens_at(load: LoadResult) -> str | None:
@@ -29,7 +30,7 @@ def valve_facts(result: SealResult, load: LoadResult) -> Iterator[tuple[str, str
     if target is not None and load.force_for_target is not None:
         force = quantity("force", load.force_for_target, _DIGITS)
         yield (
-            "Force for the target leak rate",
+            TARGET_FORCE,
             force,
             f"of spring or actuator, to leak {given('flow', target)}",
         )

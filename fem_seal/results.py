@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fem_seal.caution import VALID, Caution, Validity
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -57,6 +59,10 @@ class LoadResult:
         Fluid pressure that lifts the closure off at this applied force [Pa], infinite if none does; None if not asked.
     force_for_target : float or None
         Smallest applied force for which the leak rate stays below the target [N]; None if not asked or not found.
+    validity : Validity
+        How far the numbers can be trusted, and why no further; see docs/validity.md.
+    target_validity : Validity or None
+        The same of `force_for_target`; None without it.
     """
 
     fluid_pressure: float
@@ -73,6 +79,8 @@ class LoadResult:
     effective_radius: float | None = None
     blow_off_pressure: float | None = None
     force_for_target: float | None = None
+    validity: Validity = VALID
+    target_validity: Validity | None = None
 
     @property
     def point(self) -> tuple[float, float]:
@@ -109,6 +117,46 @@ class TargetContact:
     applied_force: float
     contact: ContactSolution
     critical_separation: float
+
+    @property
+    def point(self) -> tuple[float, float]:
+        """Fluid pressure [Pa] and force of spring or actuator [N]."""
+        return self.fluid_pressure, self.applied_force
+
+
+@dataclass(frozen=True, eq=False)
+class GivenContact:
+    """A contact of which nothing but the pressure profile is known.
+
+    Parameters
+    ----------
+    profile : PressureProfile
+    """
+
+    profile: PressureProfile
+
+
+@dataclass(frozen=True, eq=False)
+class GivenLoad:
+    """The leak of a given pressure profile.
+
+    Parameters
+    ----------
+    fluid_pressure : float
+        [Pa]
+    contact : GivenContact
+    leak : LeakResult
+    critical_separation : float
+        u_c at the peak pressure [m].
+    applied_force : float
+        Not known, and the same for all [N].
+    """
+
+    fluid_pressure: float
+    contact: GivenContact
+    leak: LeakResult
+    critical_separation: float
+    applied_force: float = 0.0
 
     @property
     def point(self) -> tuple[float, float]:
@@ -175,7 +223,8 @@ class SealResult:
     discretisation_error : DiscretisationError
     interface_variants : tuple of InterfaceVariant
         Elastic and plastic p(u), for `law = "persson"` with a hardness; else empty.
-    warnings : tuple of str
+    cautions : tuple of Caution
+        Everything to know before believing the result, the worst first.
     timings : dict
         Wall time of each step [s].
     uncertainty : LeakInterval or None
@@ -195,12 +244,17 @@ class SealResult:
     loads: tuple[LoadResult, ...]
     discretisation_error: DiscretisationError
     interface_variants: tuple[InterfaceVariant, ...] = ()
-    warnings: tuple[str, ...] = ()
+    cautions: tuple[Caution, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
     uncertainty: LeakInterval | None = None
     theory_variants: tuple[TheoryVariant, ...] = ()
     far_field: tuple[FarFieldChange, ...] = ()
     unloaded: Unloaded | None = None
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The cautions as sentences, the worst first."""
+        return tuple(caution.text for caution in self.cautions)
 
     @cached_property
     def table(self) -> pd.DataFrame:

@@ -42,7 +42,8 @@ def summary(result: SealResult) -> dict[str, Any]:
     -------
     dict
         ``format_version``, ``program``, ``created``, ``title``, ``case_file``, ``input``, ``derived``, ``mesh``,
-        ``loads`` (rows of leak.csv), ``leakage`` (other units and classes, one entry per load), ``yielding`` (one entry
+        ``loads`` (rows of leak.csv with their validity and a list of reasons), ``leakage`` (other units and classes,
+        one entry per load; no class outside the theory), ``yielding`` (one entry
         per load; null for a body that does not pass its yield stress), ``imprint`` (of each body that has yielded;
         null if both bodies are elastic), ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
         (relative changes, and what they say), ``interface_variants``, ``uncertainty`` (null unless asked for),

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from fem_seal.leakage import knudsen_number, leakage
 if TYPE_CHECKING:
     import pandas as pd
 
+    from fem_seal.caution import Validity
     from fem_seal.results import LoadResult, SealResult
 
 LEAK_COLUMNS = (
@@ -47,6 +50,8 @@ LEAK_COLUMNS = (
     "max_accumulated_plastic_strain",
     "load_steps",
 )
+# How far the numbers of a row can be trusted, in words, and why no further.
+VALIDITY_COLUMNS = ("validity", "validity_reasons")
 # Endings of these columns and their SI units, as `fem_seal.units.DIMENSIONS` writes them; longer endings come first.
 _UNITS = {
     "_Pa_m3_per_s": "Pa m^3/s",
@@ -67,6 +72,8 @@ PROFILE_COLUMNS = (
 )
 
 IMPRINT_COLUMNS = ("body", "x_m", "depth_m")
+# Ten digits: more than any of the numbers is good for, and the files stay readable.
+_NUMBER = ".10g"
 
 
 def split_unit(column: str) -> tuple[str, str]:
@@ -87,15 +94,15 @@ def split_unit(column: str) -> tuple[str, str]:
     return column, ""
 
 
-def leak_rows(result: SealResult) -> list[dict[str, float]]:
-    """Rows of leak.csv, one per load, SI; NaN where nothing was calculated.
+def leak_rows(result: SealResult) -> list[dict[str, Any]]:
+    """Rows of leak.csv, one per load: numbers in SI, NaN where nothing was calculated; validity, a list of reasons.
 
     Parameters
     ----------
     result : SealResult
     """
     return [
-        dict(
+        dict[str, Any](
             zip(
                 LEAK_COLUMNS,
                 (
@@ -109,8 +116,19 @@ def leak_rows(result: SealResult) -> list[dict[str, float]]:
                 strict=True,
             )
         )
+        | validity_entries(load.validity)
         for load, interval in zip(result.loads, _intervals(result), strict=True)
     ]
+
+
+def validity_entries(validity: Validity) -> dict[str, Any]:
+    """`VALIDITY_COLUMNS` of a row: the level in words and the list of reasons, the worst first.
+
+    Parameters
+    ----------
+    validity : Validity
+    """
+    return dict(zip(VALIDITY_COLUMNS, (str(validity.level), list(validity.reasons)), strict=True))
 
 
 def _intervals(result: SealResult) -> list[tuple[float, float]]:
@@ -181,7 +199,7 @@ def _plastic_row(load: LoadResult) -> Iterator[float]:
 
 
 def leak_table(result: SealResult) -> pd.DataFrame:
-    """One row per load with `LEAK_COLUMNS`, SI.
+    """One row per load with `LEAK_COLUMNS`, SI, and `VALIDITY_COLUMNS`, texts.
 
     ``contact_radius_m`` is the distance of the pressure's centre from the axis; the other columns are those of
     `fem_seal.profile.PressureProfile`, `fem_seal.results.LoadResult` and `fem_seal.uncertainty.LeakInterval`. NaN
@@ -195,7 +213,8 @@ def leak_table(result: SealResult) -> pd.DataFrame:
     smallest force of spring or actuator for load.target_leak_rate. With leak.fluid_in_gap = "local" ``lift_off_x_m``
     and ``blow_off_pressure_Pa`` are where the fluid has lifted the surfaces off each other, and the pressure at which
     it does so everywhere. Where a body yields, ``max_accumulated_plastic_strain`` is the largest of both bodies, and
-    ``load_steps`` the number of steps from the load before.
+    ``load_steps`` the number of steps from the load before. ``validity`` is "valid", "doubtful" or "outside the
+    theory"; ``validity_reasons`` says why, the worst reason first, with "; " between them (docs/validity.md).
 
     Parameters
     ----------
@@ -203,7 +222,14 @@ def leak_table(result: SealResult) -> pd.DataFrame:
     """
     import pandas as pd
 
-    return pd.DataFrame(leak_rows(result), columns=list(LEAK_COLUMNS), dtype=float)
+    rows = [with_text(row) for row in leak_rows(result)]
+    table = pd.DataFrame(rows, columns=[*LEAK_COLUMNS, *VALIDITY_COLUMNS])
+    return table.astype(dict.fromkeys(LEAK_COLUMNS, float))
+
+
+def with_text(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row with its reasons in one text."""
+    return {**row, "validity_reasons": "; ".join(row["validity_reasons"])}
 
 
 def profile_array(result: SealResult) -> NDArray[np.float64]:
@@ -226,7 +252,17 @@ def profile_array(result: SealResult) -> NDArray[np.float64]:
 
 def write_leak_csv(result: SealResult, path: Path) -> Path:
     """Write leak.csv, atomically."""
-    return _write_csv(path, LEAK_COLUMNS, [tuple(row.values()) for row in leak_rows(result)])
+    rows = [with_text(row) for row in leak_rows(result)]
+    return write_rows_csv(path, (*LEAK_COLUMNS, *VALIDITY_COLUMNS), [list(row.values()) for row in rows])
+
+
+def write_rows_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> Path:
+    """Write numbers and texts under their headings, atomically; OutputError if that is impossible."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([f"{one:{_NUMBER}}" if isinstance(one, float) else one for one in row] for row in rows)
+    return write_bytes(path, text.getvalue().encode())
 
 
 def write_imprint_csv(result: SealResult, path: Path) -> Path | None:
@@ -247,8 +283,7 @@ def write_profile_csv(result: SealResult, path: Path) -> Path:
 
 
 def _write_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float]]) -> Path:
-    # Ten digits: more than any of the numbers is good for, and the file stays readable.
-    line = ",".join(["%.10g"] * len(columns)) + "\n"
+    line = ",".join([f"%{_NUMBER}"] * len(columns)) + "\n"
     text = ",".join(columns) + "\n" + "".join(line % tuple(row) for row in rows)
     return write_bytes(path, text.encode("ascii"))
 

@@ -1,13 +1,15 @@
-"""Where a result leaves the range in which its theory holds: one sentence each, with the number behind it."""
+"""Where a result leaves the range in which its theory holds: what that makes of it, with the number behind it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from fem_seal.caution import Caution, Level, Validity
 from fem_seal.elastoplastic_contact import yielding_bodies
 from fem_seal.load_names import load_name
 from fem_seal.yielding import PlasticZone, YieldedZone, yielding_of
@@ -16,13 +18,19 @@ if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.case_tables import Load
     from fem_seal.condensation import ContactModel
-    from fem_seal.results import DiscretisationError, LoadResult, TargetContact
+    from fem_seal.results import DiscretisationError, GivenLoad, LoadResult, TargetContact
     from leak import RoughContact
 
-    Loaded: TypeAlias = LoadResult | TargetContact
+    Solved: TypeAlias = LoadResult | TargetContact
+    Loaded: TypeAlias = Solved | GivenLoad
 
-# Pressure at the ends of the contact zone over the peak pressure above which contact is cut off.
-_CUT_OFF = 1e-6
+# von Mises stress over the yield stress of a body that is solved as elastic from which on the contact is another one.
+_LARGEST_EXCESS = 1.5
+# Pressure at the ends of the contact zone over the peak pressure above which contact is cut off, and above which what
+# is missing shows in the result.
+_CUT_OFF, _MUCH_CUT_OFF = 1e-6, 1e-2
+# Share of the hardness above which the theory of yielding asperities is stretched; above the hardness it is void.
+_NEAR_HARDNESS = 0.3
 _LARGEST_ERROR = 2e-3
 # With load steps: what 16 of them leave on a perfectly plastic seat (docs/theory_elastoplastic.md).
 _LARGEST_ERROR_OF_PATH = 1e-2
@@ -38,20 +46,22 @@ _WORTH_SAYING = 1.3
 _LONG_WAVES = 0.1
 # Fluid pressure over peak contact pressure from which on it opens the gap noticeably: a fifth more leaks at 0.1.
 FLUID_OPENS = 0.1
-# Plastic strain from which on small-strain theory is an estimate.
+# ... and from which on a leak rate that does not take it into account says nothing.
+_FLUID_LIFTS = 0.5
+# Plastic strain up to which small-strain theory holds.
 _LARGE_STRAIN = 0.1
 # Beyond this share of the ball's radius the contact is no narrow line any more.
 _NARROW = 0.2
 
 
-def contact_warnings(
+def contact_cautions(
     case: Case,
     model: ContactModel,
     loads: Sequence[LoadResult],
     error: DiscretisationError,
     surface: RoughContact | None = None,
-) -> tuple[str, ...]:
-    """Everything that a user should know before believing the result.
+) -> tuple[Caution, ...]:
+    """Everything that a user should know before believing the result, one caution of each kind for all loads.
 
     Parameters
     ----------
@@ -62,18 +72,80 @@ def contact_warnings(
     surface : RoughContact, optional
         The case's rough contact.
     """
+    return (*_of_surface(case), *load_cautions(case, model, loads, surface), *_coarse(model, error))
+
+
+def load_cautions(
+    case: Case, model: ContactModel, loads: Sequence[LoadResult], surface: RoughContact | None = None
+) -> Iterator[Caution]:
+    """What the numbers of the loads themselves say against them, without mesh and roughness.
+
+    Parameters
+    ----------
+    case : Case
+    model : ContactModel
+    loads : sequence of LoadResult
+        What is said is about the worst of them.
+    surface : RoughContact, optional
+        The case's rough contact.
+    """
     bodies = (_yielding, _table_left, _cut_off, _wide, _above_hardness)
-    interface = () if surface is None else (_sealed, _nearly_sealed, _range, _long_waves)
-    flow = () if surface is None or case.fluid is None else (_molecules, _fluid_opens, _dense_gas)
-    return (
-        *(case.roughness.remarks() if case.roughness else ()),
-        *(text for check in bodies for text in check(case, model, loads)),
-        *(text for check in (*interface, *flow) for text in check(case, surface, loads)),
-        *_coarse(model, error),
+    yield from (caution for check in bodies for caution in check(case, model, loads))
+    if surface is not None:
+        yield from _interface_cautions(case, surface, loads)
+
+
+def _interface_cautions(
+    case: Case, surface: RoughContact, loads: Sequence[LoadResult | GivenLoad]
+) -> Iterator[Caution]:
+    interface = (_sealed, _nearly_sealed, _range, _long_waves)
+    flow = () if case.fluid is None else (_molecules, _fluid_opens, _dense_gas)
+    yield from (caution for check in (*interface, *flow) for caution in check(case, surface, loads))
+
+
+def load_validity(
+    case: Case,
+    load: LoadResult,
+    surface: RoughContact | None = None,
+    error: DiscretisationError | None = None,
+) -> Validity:
+    """How far the numbers of one load can be trusted, by its own checks alone.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    surface : RoughContact, optional
+        The case's rough contact.
+    error : DiscretisationError, optional
+        Of the mesh; left out where it is not known.
+    """
+    model = load.contact.model
+    mesh = () if error is None else _coarse(model, error)
+    own = load_cautions(case, model, [load], surface)
+    return Validity.of((*_of_surface(case), *own, *mesh, *_of_target(load)))
+
+
+def profile_validity(case: Case, surface: RoughContact, load: GivenLoad) -> Validity:
+    """How far the leak rate of a given pressure profile can be trusted; of its bodies nothing is known.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact
+        The case's rough contact.
+    load : GivenLoad
+    """
+    return Validity.of(
+        (
+            *_of_surface(case),
+            *_above_hardness(case, None, [load]),
+            *_interface_cautions(case, surface, [load]),
+        )
     )
 
 
-def target_warnings(case: Case, surface: RoughContact, answers: Sequence[TargetContact]) -> Iterator[str]:
+def target_cautions(case: Case, surface: RoughContact, answers: Sequence[TargetContact]) -> Iterator[Caution]:
     """What a user should know before believing the force for a target leak rate.
 
     Parameters
@@ -84,17 +156,47 @@ def target_warnings(case: Case, surface: RoughContact, answers: Sequence[TargetC
     answers : sequence of TargetContact
         At least one.
     """
-    model = answers[0].contact.model
     ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
     named = dict.fromkeys(f"{one.applied_force:.4g} N at {one.fluid_pressure / 1e5:.4g} bar" for one in ends)
-    for text in (
-        *(text for check in (_yielding, _wide, _above_hardness) for text in check(case, model, answers)),
-        *(text for check in (_nearly_sealed, _molecules) for text in check(case, surface, answers)),
-    ):
-        yield f"at the force for the target leak rate, {' to '.join(named)}: {text}"
+    for caution in _at_target(case, surface, answers):
+        text = f"at the force for the target leak rate, {' to '.join(named)}: {caution.text}"
+        yield replace(caution, text=text)
 
 
-def left_out(load: Load, open_loads: Mapping[int, str]) -> Iterator[str]:
+def target_validity(case: Case, surface: RoughContact, answer: TargetContact) -> Validity:
+    """How far the force for a target leak rate can be trusted at one fluid pressure.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact
+        The case's rough contact.
+    answer : TargetContact
+    """
+    return Validity.of(_at_target(case, surface, [answer]))
+
+
+def _at_target(case: Case, surface: RoughContact, answers: Sequence[TargetContact]) -> Iterator[Caution]:
+    model = answers[0].contact.model
+    bodies, interface = (_yielding, _cut_off, _wide, _above_hardness), (_nearly_sealed, _molecules)
+    yield from (caution for check in bodies for caution in check(case, model, answers))
+    yield from (caution for check in interface for caution in check(case, surface, answers))
+
+
+def _of_surface(case: Case) -> Iterator[Caution]:
+    for text in case.roughness.remarks() if case.roughness else ():
+        yield Caution("roughness", Level.DOUBTFUL, text, text)
+
+
+def _of_target(load: LoadResult) -> Iterator[Caution]:
+    """What is wrong with the force for the target leak rate, which stands in the row of a load, at that load."""
+    found = load.target_validity
+    if found is not None and found.cautions:
+        reason = f"force for the target leak rate {found.level}: {found.reasons[0]}"
+        yield Caution("target", Level.DOUBTFUL, reason, reason)
+
+
+def left_out(load: Load, open_loads: Mapping[int, str]) -> Iterator[Caution]:
     """Which loads have no result since the fluid opens the seal: one sentence for each force, or for all of a path.
 
     Parameters
@@ -107,7 +209,7 @@ def left_out(load: Load, open_loads: Mapping[int, str]) -> Iterator[str]:
     if len(set(load.fluid_pressure)) == 1 and points:
         strongest = max(points, key=lambda number: points[number][1])
         weaker = {force for _, force in points.values()} - {points[strongest][1]}
-        yield f"{open_loads[strongest]}. This load is left out{_others('with', weaker, 'N')}"
+        yield _left_out(f"{open_loads[strongest]}. This load is left out{_others('with', weaker, 'N')}")
         return
     for spring in dict.fromkeys(force for _, force in points.values()):
         numbers = [number for number, (_, force) in points.items() if force == spring]
@@ -115,7 +217,12 @@ def left_out(load: Load, open_loads: Mapping[int, str]) -> Iterator[str]:
         higher = {load.fluid_pressure[number] / 1e5 for number in numbers} - {
             load.fluid_pressure[lowest] / 1e5
         }
-        yield f"{open_loads[lowest]}. This load is left out{_others('at', higher, 'bar')}"
+        yield _left_out(f"{open_loads[lowest]}. This load is left out{_others('at', higher, 'bar')}")
+
+
+def _left_out(text: str) -> Caution:
+    # nothing against the loads that are left
+    return Caution("left out", Level.DOUBTFUL, "left out", text)
 
 
 def _others(how: str, values: Collection[float], unit: str) -> str:
@@ -126,26 +233,30 @@ def _others(how: str, values: Collection[float], unit: str) -> str:
     )
 
 
-def _yielding(case: Case, model: ContactModel, loads: Sequence[Loaded]) -> Iterator[str]:
-    for name in ("closure", "seat"):
-        found = [(load, yielding_of(load.contact).get(name)) for load in loads]
-        over = [(load, zone) for load, zone in found if isinstance(zone, YieldedZone)]
-        if not over:
-            continue
+def _yielding(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+    zones = [(load, zone) for load in loads for zone in yielding_of(load.contact).values()]
+    elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
+    # the body that is further above its yield stress comes first
+    for name in dict.fromkeys(zone.body for _, zone in sorted(elastic, key=lambda item: -item[1].excess)):
+        over = [(load, zone) for load, zone in elastic if zone.body == name]
         load, zone = max(over, key=lambda item: item[1].von_mises)
         first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
         r, z = zone.place
-        yield (
+        level = Level.OUTSIDE if zone.excess > _LARGEST_EXCESS else Level.DOUBTFUL
+        yield Caution(
+            "yield stress",
+            level,
+            f"{name}: von Mises stress {zone.excess:.3g} times its yield stress",
             f"{name}: von Mises stress {zone.von_mises / 1e6:.4g} MPa at {load_name(load, loads)} is "
             f"{zone.excess:.3g} times the yield stress {zone.yield_stress / 1e6:.4g} MPa, at r = {r * 1e3:.4g} mm, "
             f"z = {z * 1e3:.4g} mm, {zone.depth * 1e6:.3g} um from the contact line; it is passed down to "
             f"{zone.deepest * 1e6:.3g} um (from {first} on). The body is solved as elastic, the true "
             "contact is wider and its peak pressure lower; a stress_strain curve in its material solves it as "
-            "elastoplastic"
+            "elastoplastic",
         )
 
 
-def _table_left(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _table_left(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for name, body in (("closure", case.closure), ("seat", case.seat)):
         curve = body.material.hardening
         found = [(load, yielding_of(load.contact).get(name)) for load in loads]
@@ -154,65 +265,93 @@ def _table_left(case: Case, model: ContactModel, loads: Sequence[LoadResult]) ->
             continue
         load, zone = max(zones, key=lambda item: item[1].strain)
         if zone.strain > curve.last_strain:
-            yield (
+            yield Caution(
+                "stress-strain curve",
+                Level.OUTSIDE,
+                f"{name}: plastic strain {100 * zone.strain:.3g} % beyond the end of its stress_strain curve",
                 f"{name}: plastic strain {100 * zone.strain:.3g} % at {load_name(load, loads)} is beyond "
                 f"the end of its stress_strain curve, {100 * curve.last_strain:.3g} %; the stress stays at its last "
-                f"value, {curve.stress[-1] / 1e6:.4g} MPa, from there on"
+                f"value, {curve.stress[-1] / 1e6:.4g} MPa, from there on",
             )
         if zone.strain > _LARGE_STRAIN:
-            yield (
+            yield Caution(
+                "large strain",
+                Level.OUTSIDE,
+                f"{name}: plastic strain {100 * zone.strain:.3g} %, too large for small-strain theory",
                 f"{name}: plastic strain reaches {100 * zone.strain:.3g} % at {load_name(load, loads)}; the "
-                f"theory is for small strains, and above {100 * _LARGE_STRAIN:g} % imprint and width are estimates"
+                f"theory is for small strains, and above {100 * _LARGE_STRAIN:g} % imprint and width are estimates",
             )
 
 
-def _cut_off(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _cut_off(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
     for end, side in ((0, "bore"), (-1, "outer")):
         shares = [float(load.contact.pressure[end]) / load.contact.profile.peak_pressure for load in loads]
         if max(shares) > _CUT_OFF:
             load = loads[shares.index(max(shares))]
-            yield (
+            # where faces fit each other along a stretch, that they end is part of the contact
+            fitting = math.isinf(model.relative_radius)
+            much = max(shares) > _MUCH_CUT_OFF and not fitting
+            level = Level.OUTSIDE if much else Level.DOUBTFUL
+            yield Caution(
+                "cut off",
+                level,
+                f"contact cut off at the {side} end of the seat's face with {max(shares):.2g} of its peak pressure",
                 f"at {load_name(load, loads)} the contact reaches the {side} end of the seat's face with "
-                f"{max(shares):.2g} of its peak pressure (x = {model.line.x[end] * 1e3:.4g} mm); it is cut off there"
+                f"{max(shares):.2g} of its peak pressure (x = {model.line.x[end] * 1e3:.4g} mm); it is cut off there",
             )
 
 
-def _wide(case: Case, model: ContactModel, loads: Sequence[Loaded]) -> Iterator[str]:
+def _wide(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.std)
     share = 2 * load.contact.profile.std / model.touch_radius
     if share > _NARROW:
-        yield (
+        yield Caution(
+            "wide contact",
+            Level.DOUBTFUL,
+            f"wide contact: two standard deviations are {share:.2g} of its radius",
             f"the contact is wide: two standard deviations are {share:.2g} of its radius at "
-            f"{load_name(load, loads)}; line loads and closed-form profiles assume a narrow line"
+            f"{load_name(load, loads)}; line loads and closed-form profiles assume a narrow line",
         )
 
 
-def _above_hardness(case: Case, model: ContactModel, loads: Sequence[Loaded]) -> Iterator[str]:
-    hardness = case.hardness if case.leak.plasticity and case.roughness is not None else None
+def _above_hardness(case: Case, model: ContactModel | None, loads: Sequence[Loaded]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.peak_pressure)
-    peak = load.contact.profile.peak_pressure
-    if hardness is not None and peak > 0.3 * hardness:
-        yield (
-            f"peak pressure {peak / 1e6:.4g} MPa at {load_name(load, loads)} is {peak / hardness:.2g} of "
-            "the hardness; the theory of yielding asperities holds far below it"
-        )
+    peak, hardness = load.contact.profile.peak_pressure, case.hardness
+    asperities_yield = case.leak.plasticity and case.roughness is not None
+    if hardness is None or peak <= (_NEAR_HARDNESS if asperities_yield else 1.0) * hardness:
+        return
+    share = peak / hardness
+    why = (
+        "no body carries a mean pressure above its hardness"
+        if share > 1
+        else "the theory of yielding asperities holds far below it"
+    )
+    yield Caution(
+        "hardness",
+        Level.OUTSIDE if share > 1 else Level.DOUBTFUL,
+        f"peak pressure {share:.2g} of the hardness",
+        f"peak pressure {peak / 1e6:.4g} MPa at {load_name(load, loads)} is {share:.2g} of the hardness; {why}",
+    )
 
 
-def _sealed(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _sealed(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
     tight = [load for load in loads if load.contact.profile.peak_pressure >= surface.sealing_pressure]
     if tight:
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
         peak = load.contact.profile.peak_pressure
         first = load_name(min(tight, key=lambda load: load.point), loads)
-        yield (
+        yield Caution(
+            "sealed",
+            Level.DOUBTFUL,
+            f"sealed by the percolation threshold, A/A0 = {surface.percolation_threshold:.2g}",
             f"sealed: at {load_name(load, loads)} the peak pressure {peak / 1e6:.4g} MPa is above "
             f"{surface.sealing_pressure / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
             f"touches and no path is open (from {first} on, of the loads calculated); a leak rate of "
-            "zero is no better known than this percolation threshold"
+            "zero is no better known than this percolation threshold",
         )
 
 
-def _nearly_sealed(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[str]:
+def _nearly_sealed(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
     leaky = [load for load in loads if load.contact.profile.peak_pressure < surface.sealing_pressure]
     if not leaky:
         return
@@ -222,16 +361,22 @@ def _nearly_sealed(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -
     lay = _lay_factor(area, surface.peklenik)
     if lay > max(factor, _WORTH_SAYING):
         beyond = f"; beyond A/A0 = {_LAY_KNOWN:g} there are none" if area > _LAY_KNOWN else ""
-        yield (
+        yield Caution(
+            "lay",
+            Level.DOUBTFUL,
+            f"roughness with a lay: leak rate up to a factor {lay:.2g} too large",
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}; the roughness "
             f"has a lay (peklenik = {surface.peklenik:.3g}), and with it the theory's flow conductivity is above "
-            f"direct numerical results by up to a factor {lay:.2g}, on the safe side{beyond}"
+            f"direct numerical results by up to a factor {lay:.2g}, on the safe side{beyond}",
         )
     elif area > _FEW_CHANNELS:
-        yield (
+        yield Caution(
+            "few channels",
+            Level.DOUBTFUL,
+            f"A/A0 = {area:.2g} at the peak: few channels, leak rate up to a factor {factor:g} off",
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}; "
             f"above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
-            f"numerical results by up to a factor {factor:g} up or down"
+            f"numerical results by up to a factor {factor:g} up or down",
         )
 
 
@@ -242,32 +387,38 @@ def _lay_factor(area: float, peklenik: float) -> float:
     return float(peklenik ** -next(exponent for limit, exponent in _LAY_ACROSS if area <= limit))
 
 
-def _range(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _range(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.std)
     std, q_low = load.contact.profile.std, surface.spectrum.q_low
     if q_low * std > 1:
-        yield (
+        yield Caution(
+            "roughness range",
+            Level.DOUBTFUL,
+            "roughness known too short for the width of the contact",
             f"the roughness is known too short: its longest wave, 2 pi/q_low = {2 * np.pi / q_low * 1e6:.4g} um, is "
             f"shorter than 2 pi times the standard deviation of the contact, {std * 1e6:.4g} um at "
             f"{load_name(load, loads)}; longer waves fit into the contact, and if the surface has them it "
             "leaks more. Let the spectrum begin below "
-            f"q = {1 / std:.3g} 1/m"
+            f"q = {1 / std:.3g} 1/m",
         )
 
 
-def _long_waves(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _long_waves(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
     load = min(loads, key=lambda load: load.contact.profile.std)
     std, spectrum = load.contact.profile.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
     if 1 - above > _LONG_WAVES:
-        yield (
+        yield Caution(
+            "long waves",
+            Level.DOUBTFUL,
+            f"{100 * (1 - above):.2g} % of the height variance in waves longer than the contact is wide",
             f"{100 * (1 - above):.2g} % of the height variance is in waves longer than 2 pi times the standard "
             f"deviation of the contact, {std * 1e6:.4g} um at {load_name(load, loads)}; they are waviness "
-            "along the contact rather than roughness inside it, and the contact pressure follows them"
+            "along the contact rather than roughness inside it, and the contact pressure follows them",
         )
 
 
-def _molecules(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[str]:
+def _molecules(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
     from leak.molecular_size import molecular_size
 
     assert case.fluid is not None
@@ -275,14 +426,19 @@ def _molecules(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> It
     narrow = [load for load in loads if load.critical_separation and load.critical_separation < size]
     if narrow:
         load = min(narrow, key=lambda load: load.critical_separation or 0.0)
-        yield (
+        yield Caution(
+            "molecules",
+            Level.DOUBTFUL,
+            "critical separation below the size of a molecule of the fluid",
             f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
             f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm; "
-            "the theory takes the fluid as continuous, in truth the seal is tight there"
+            "the theory takes the fluid as continuous, in truth the seal is tight there",
         )
 
 
-def _fluid_opens(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _fluid_opens(
+    case: Case, surface: RoughContact, loads: Sequence[LoadResult | GivenLoad]
+) -> Iterator[Caution]:
     if case.leak.fluid_in_gap == "local":
         yield from _blown_open(loads)
     if case.leak.fluid_in_gap == "local" or case.load.closing == "penetration":
@@ -290,50 +446,67 @@ def _fluid_opens(case: Case, surface: RoughContact, loads: Sequence[LoadResult])
     load = max(loads, key=lambda load: load.fluid_pressure / load.contact.profile.peak_pressure)
     share = load.fluid_pressure / load.contact.profile.peak_pressure
     if share > FLUID_OPENS:
-        most = f"about {1 + 1.7 * share:.2g} times as much" if share < 0.5 else "several times as much"
-        yield (
+        most = (
+            f"about {1 + 1.7 * share:.2g} times as much" if share < _FLUID_LIFTS else "several times as much"
+        )
+        yield Caution(
+            "fluid opens",
+            Level.OUTSIDE if share > _FLUID_LIFTS else Level.DOUBTFUL,
+            f"fluid pressure {share:.2g} of the peak contact pressure, opens the gap unaccounted for",
             f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure; "
             'how it moves the surfaces is not taken into account. [load] closing = "penetration" calculates it; the '
-            f'upper bound, [leak] fluid_in_gap = "local", is {most}'
+            f'upper bound, [leak] fluid_in_gap = "local", is {most}',
         )
 
 
-def _blown_open(loads: Sequence[LoadResult]) -> Iterator[str]:
+def _blown_open(loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
     blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
     if blown:
         load = min(blown, key=lambda load: load.point)
-        yield (
+        yield Caution(
+            "lifted open",
+            Level.OUTSIDE,
+            "lifted open: fluid pressure not below the peak contact pressure",
             f"at {load_name(load, loads)} the fluid pressure is not below the peak contact pressure, "
             f"{load.contact.profile.peak_pressure / 1e6:.4g} MPa: the fluid lifts the seal open, no finite leak rate "
-            "exists"
+            "exists",
         )
 
 
-def _dense_gas(case: Case, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[str]:
+def _dense_gas(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
     assert case.fluid is not None
     gas = case.fluid.gas
     if gas is None:
         return
     highest = max(load.fluid_pressure for load in loads) + (case.fluid.outlet_pressure or 0.0)
     if highest > gas.dilute_pressure:
-        yield (
+        yield Caution(
+            "dense gas",
+            Level.DOUBTFUL,
+            f"{gas.name} at {highest / 1e5:.4g} bar is no dilute ideal gas",
             f"{gas.name} at {highest / 1e5:.4g} bar is no dilute ideal gas: above "
             f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
-            "which the leak rate does not take into account"
+            "which the leak rate does not take into account",
         )
 
 
-def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[str]:
+def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution]:
     worst = max(error.peak_pressure, error.std, error.leak_rate or 0.0)
     if yielding_bodies(model):
         if worst > _LARGEST_ERROR_OF_PATH:
-            yield (
+            yield Caution(
+                "mesh",
+                Level.DOUBTFUL,
+                f"estimated error of elements and load steps {100 * worst:.2g} %",
                 f"the estimated error of elements and load steps is {100 * worst:.2g} %; loads between zero and the "
-                "highest one, and a smaller [mesh] contact_size reduce it"
+                "highest one, and a smaller [mesh] contact_size reduce it",
             )
     elif worst > _LARGEST_ERROR:
         size = float(np.diff(model.line.vertices).min())
-        yield (
+        yield Caution(
+            "mesh",
+            Level.DOUBTFUL,
+            f"estimated discretisation error {100 * worst:.2g} %",
             f"the estimated discretisation error is {100 * worst:.2g} %; a [mesh] contact_size below the present "
-            f"{1e6 * size:.3g} um reduces it"
+            f"{1e6 * size:.3g} um reduces it",
         )

@@ -124,9 +124,11 @@ def yielding_of(contact: ContactSolution) -> dict[str, YieldedZone | PlasticZone
     """
     found: dict[str, YieldedZone | PlasticZone] = {}
     for name, body in (("closure", contact.model.closure), ("seat", contact.model.seat)):
-        field, limit = contact.fields[name], body.material.yield_stress
+        limit = body.material.yield_stress
         if limit is None:
+            # without a look at the stress, which a model without displacements does not hold
             continue
+        field = contact.fields[name]
         zone = (
             plastic_zone(field, body.material)
             if isinstance(field, ElastoplasticField)
