@@ -233,8 +233,12 @@ def _others(how: str, values: Collection[float], unit: str) -> str:
     )
 
 
+def _yielding_of(case: Case, load: Solved) -> Mapping[str, YieldedZone | PlasticZone]:
+    return yielding_of(load.contact, {"closure": case.closure.material, "seat": case.seat.material})
+
+
 def _yielding(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
-    zones = [(load, zone) for load in loads for zone in yielding_of(load.contact).values()]
+    zones = [(load, zone) for load in loads for zone in _yielding_of(case, load).values()]
     elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
     # the body that is further above its yield stress comes first
     for name in dict.fromkeys(zone.body for _, zone in sorted(elastic, key=lambda item: -item[1].excess)):
@@ -259,7 +263,7 @@ def _yielding(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Itera
 def _table_left(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for name, body in (("closure", case.closure), ("seat", case.seat)):
         curve = body.material.hardening
-        found = [(load, yielding_of(load.contact).get(name)) for load in loads]
+        found = [(load, _yielding_of(case, load).get(name)) for load in loads]
         zones = [(load, zone) for load, zone in found if isinstance(zone, PlasticZone)]
         if curve is None or not zones:
             continue

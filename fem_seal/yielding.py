@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -115,22 +116,27 @@ def plastic_zone(field: ElastoplasticField, material: Material) -> PlasticZone |
     return None if found is None else PlasticZone(field.name, material.yield_stress, *found)
 
 
-def yielding_of(contact: ContactSolution) -> dict[str, YieldedZone | PlasticZone]:
+def yielding_of(
+    contact: ContactSolution, materials: Mapping[str, Material] | None = None
+) -> dict[str, YieldedZone | PlasticZone]:
     """Where the bodies of a contact yield or, solved as elastic, would; by name, without those that do not.
 
     Parameters
     ----------
     contact : ContactSolution
+    materials : mapping, optional
+        Of "closure" and "seat", where the model is shared by materials that differ in their strength.
     """
     found: dict[str, YieldedZone | PlasticZone] = {}
     for name, body in (("closure", contact.model.closure), ("seat", contact.model.seat)):
-        limit = body.material.yield_stress
+        material = body.material if materials is None else materials[name]
+        limit = material.yield_stress
         if limit is None:
             # without a look at the stress, which a model without displacements does not hold
             continue
         field = contact.fields[name]
         zone = (
-            plastic_zone(field, body.material)
+            plastic_zone(field, material)
             if isinstance(field, ElastoplasticField)
             else yielded_zone(field, limit)
         )

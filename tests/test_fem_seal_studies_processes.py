@@ -250,14 +250,14 @@ def _arm(deadly):
     """Make this process die when it calculates a certain design."""
     from fem_seal.studies import evaluate
 
-    harmless = evaluate.responses
+    harmless = evaluate.evaluate
 
-    def responses(case, columns, *, interpolate=True):
+    def armed(case, columns, *, interpolate=True):
         if case.load.axial_force == deadly:
             os.kill(os.getpid(), signal.SIGKILL)
         return harmless(case, columns, interpolate=interpolate)
 
-    evaluate.responses = responses
+    evaluate.evaluate = armed
 
 
 def _plugin():

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.caution import Level
 from fem_seal.studies.expressions import Constraint, Expression
 from fem_seal.studies.store import FILE, Store, open_to_read
 
@@ -72,6 +73,33 @@ class Designs:
         return self.done[self.done[names].all(axis=1)] if names else self.done
 
     @cached_property
+    def outside(self) -> pd.Series:
+        """Which designs that did not fail are outside the theory, so that nothing can be claimed of them."""
+        return self.done["validity"] == Level.OUTSIDE
+
+    @property
+    def keeps_outside(self) -> bool:
+        """Whether designs outside the theory count like any other."""
+        return bool(self.about.get("outside_theory") == "keep")
+
+    @cached_property
+    def counted(self) -> pd.Series:
+        """Which designs that did not fail can be the best: they meet all constraints and are inside the theory."""
+        kept = ~self.outside | self.keeps_outside
+        return kept & self.done.index.isin(self.feasible.index)
+
+    @property
+    def left_out(self) -> int:
+        """How many designs meet all constraints and are left out for being outside the theory."""
+        return len(self.feasible) - int(self.counted.sum())
+
+    @cached_property
+    def levels(self) -> dict[str, int]:
+        """How many designs that did not fail are valid, doubtful and outside the theory; empty if nobody has judged."""
+        found = self.done["validity"].value_counts()
+        return {str(level): int(found[level]) for level in Level if level in found}
+
+    @cached_property
     def violated(self) -> pd.Series:
         """What each design that did not fail violates, in words; empty where it meets all constraints."""
         import pandas as pd
@@ -84,9 +112,16 @@ class Designs:
         return pd.Series(words, index=self.done.index, dtype=object)
 
     @property
-    def some_violate(self) -> bool:
-        """Whether designs that did not fail violate constraints."""
-        return len(self.feasible) < len(self.done)
+    def some_do_not_count(self) -> bool:
+        """Whether designs that did not fail violate constraints or are left out."""
+        return not bool(self.counted.all())
+
+    @property
+    def why_not_counted(self) -> str:
+        """What is wrong with the designs that do not count, after "designs that"."""
+        wrong = ["violate a constraint"] if len(self.feasible) < len(self.done) else []
+        wrong += ["are outside the theory"] if self.left_out else []
+        return " or ".join(wrong)
 
     @property
     def kind(self) -> str:
@@ -138,9 +173,9 @@ class Designs:
 
     @cached_property
     def goals(self) -> pd.DataFrame:
-        """Goals of the feasible designs, one column each, to be small; NaN left out."""
+        """Goals of the designs that count, one column each, to be small; NaN left out."""
         signs = [self.sign(name) for name in self.about["goals"]]
-        return (self.goal_values.loc[self.feasible.index] * signs).dropna()
+        return (self.goal_values[self.counted] * signs).dropna()
 
     def best(self, count: int) -> list[int]:
         """Numbers of the best designs: by the only goal, or the Pareto front of two by the first one.
@@ -199,18 +234,19 @@ def quantiles(values: FloatArray, shares: Sequence[float] = QUANTILES) -> dict[f
 def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
     """Classes of the study's standard, the tightest first: name, allowed leak rate [m^3/s], share of the designs.
 
-    A design that meets a class meets all wider ones as well. Empty without leak rates, or if no class of the standard
-    can be judged.
+    A design that meets a class meets all wider ones as well; one outside the theory can claim none. Empty without leak
+    rates, or if no class of the standard can be judged.
     """
     from leak import leakage_limits
 
     seal = designs.about["seal"]
     if LEAK_RATE not in designs.done or designs.done.empty:
         return []
-    leak_rate = designs.done[LEAK_RATE].dropna().to_numpy()
+    leak_rate = designs.done[LEAK_RATE].dropna()
+    claimed = ~designs.outside[leak_rate.index]
     limits = {}
     for limit in leakage_limits(seal["nominal_size"], gas=seal["gas"]):
         if limit.standard == designs.about["standard"]:
             limits[limit.name] = limit.leak_rate
     ordered = sorted(limits.items(), key=lambda item: item[1])
-    return [(name, most, float((leak_rate <= most).mean())) for name, most in ordered]
+    return [(name, most, float(((leak_rate <= most) & claimed).mean())) for name, most in ordered]

@@ -138,7 +138,11 @@ def _show(result: StudyResult, quiet: bool, json: bool) -> None:
         from fem_seal import console
 
         designs = result.best().reset_index().to_dict("records")
-        typer.echo(console.as_json({"folder": str(result.folder), **result.counts, "best": designs}))
+        typer.echo(
+            console.as_json(
+                {"folder": str(result.folder), **result.counts, "left_out": result.left_out, "best": designs}
+            )
+        )
         return
     for reason, times in result.reasons:
         typer.secho(f"warning: {times} failed: {reason}", err=True, fg=typer.colors.YELLOW)
@@ -154,14 +158,19 @@ def _show_best(folder: Path) -> None:
     """Print the best designs side by side, as many beside each other as fit; numbers are never cut."""
     from fem_seal.studies.analysis import Designs
     from fem_seal.studies.display import Display
+    from fem_seal.studies.sections import outside_left_out
 
-    numbers, columns = Display(Designs.open(folder)).best(_BEST)
+    designs = Designs.open(folder)
+    numbers, columns = Display(designs).best(_BEST)
+    if designs.about["goals"] and designs.left_out:
+        typer.echo(f"{outside_left_out(designs)}.")
     if not numbers:
         return
     lines = {"design": [str(number) for number in numbers], **columns}
     labels = max(map(len, lines))
     cells = max(len(text) for line in lines.values() for text in line) + 2
-    fitting = max((shutil.get_terminal_size().columns - labels) // cells, 1)
+    room = shutil.get_terminal_size().columns if sys.stdout.isatty() else labels + cells * len(numbers)
+    fitting = max((room - labels) // cells, 1)
     typer.secho("Best designs", bold=True)
     for first in range(0, len(numbers), fitting):
         for label, line in lines.items():

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fem_seal.caution import Level
 from fem_seal.readable import Unit, number, unit_for
 from fem_seal.studies.analysis import Designs
 from fem_seal.tables import split_unit
@@ -139,21 +140,31 @@ class Display:
         }
 
     def hover(self, rows: pd.Index, names: Sequence[str]) -> list[str]:
-        """What is shown of each design when pointed at: its number, some columns, what it violates."""
+        """What is shown of each design when pointed at: its number, some columns, what speaks against it."""
         columns = [[f"{self.label(name)}: {text}" for text in self.texts(rows, name)] for name in names]
         violated = [f"violates {text}" if text else "" for text in self.designs.violated.loc[rows]]
+        table = self.designs.done.loc[rows]
+        doubts = [
+            f"{level}: {why.split('; ')[0]}" if why else ""
+            for level, why in zip(table["validity"], table["validity_reasons"].fillna(""), strict=True)
+        ]
         return [
             "<br>".join(line.replace("<", "&lt;") for line in (f"design {n}", *lines) if line)
-            for n, *lines in zip(rows.tolist(), *columns, violated, strict=True)
+            for n, *lines in zip(rows.tolist(), *columns, violated, doubts, strict=True)
         ]
 
     def best(self, count: int) -> tuple[list[int], dict[str, list[str]]]:
-        """Numbers of the best designs, and what they are: parameters, outputs and goals by their labels, as texts."""
+        """Numbers of the best designs, and what they are by their labels, as texts.
+
+        Parameters, outputs and goals, and the validity unless all are valid.
+        """
         designs = self.designs
         numbers = designs.best(count)
         names = dict.fromkeys([*designs.parameters, *designs.outputs, *designs.about["goals"]])
         rows = designs.done.loc[numbers].index
-        return numbers, {self.label(name): self.texts(rows, name) for name in names}
+        told = {self.label(name): self.texts(rows, name) for name in names}
+        levels = designs.done.loc[numbers, "validity"].fillna("").tolist()
+        return numbers, told | ({"validity": levels} if set(levels) - {Level.VALID, ""} else {})
 
     @cached_property
     def _parameters(self) -> dict[str, dict[str, Any]]:

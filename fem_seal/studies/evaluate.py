@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal import pipeline
+from fem_seal.caution import Validity
 from fem_seal.contact import solve
 from fem_seal.contact_solution import ContactSettings, ContactSolution
 from fem_seal.contact_zone import solve_fitted
@@ -24,8 +25,10 @@ from fem_seal.leakage import Leakage, leakage
 from fem_seal.load_solver import supports
 from fem_seal.loads import blow_off_of_sealed_area
 from fem_seal.profile import PressureProfile
+from fem_seal.results import LoadResult
 from fem_seal.studies.shared_models import shared_model
 from fem_seal.studies.surface_family import family_law, family_table
+from fem_seal.validity import load_validity
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -35,6 +38,43 @@ if TYPE_CHECKING:
 # The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
 # leaves. Mostly Newton's last step falls far below it.
 _SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What a design gives.
+
+    Parameters
+    ----------
+    values : dict
+        Columns of leak.csv, SI.
+    validity : Validity
+        How far they can be trusted, by the checks of the load itself: errors of the mesh and of the far field are
+        found once per geometry and are no part of it.
+    """
+
+    values: dict[str, float]
+    validity: Validity
+
+
+def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> Evaluation:
+    """Columns of leak.csv for a case with one load, and their validity.
+
+    Parameters
+    ----------
+    case, columns, interpolate
+        See `responses`. Where the yield stress of a body is known the stresses are calculated, too.
+
+    Raises
+    ------
+    ConvergenceError, GeometryError, MeshingError
+    """
+    if takes_complete_run(case, columns):
+        return _complete_run(case, columns)
+    can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
+    design = _Design(case, can_yield or "max_von_mises_Pa" in columns, interpolate)
+    values = {column: FAST[column](design) for column in columns}
+    return Evaluation(values, load_validity(case, design.load, design.surface))
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -58,7 +98,7 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     ConvergenceError, GeometryError, MeshingError
     """
     if takes_complete_run(case, columns):
-        return _complete_run(case, columns)
+        return _complete_run(case, columns).values
     design = _Design(case, "max_von_mises_Pa" in columns, interpolate)
     return {column: FAST[column](design) for column in columns}
 
@@ -80,11 +120,16 @@ def _plain(case: Case) -> bool:
     )
 
 
-def _complete_run(case: Case, columns: Sequence[str]) -> dict[str, float]:
+def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
     from fem_seal.tables import leak_rows
 
-    row = leak_rows(pipeline.run(case))[0]
-    return {column: row[column] for column in columns}
+    result = pipeline.run(case)
+    row, (load, *_) = leak_rows(result)[0], result.loads
+    cautions = load.validity.without("mesh").cautions
+    if "force_for_target_leak_N" in columns and load.target_validity is not None:
+        # here the force is what the design is judged by
+        cautions += load.target_validity.cautions
+    return Evaluation({column: row[column] for column in columns}, Validity.of(cautions))
 
 
 @dataclass(frozen=True)
@@ -151,6 +196,24 @@ class _Design:
         shared = family_table(self.case, surface, self.contact) if self.interpolate else None
         table = shared or pipeline.conductivity_table(self.case, surface, [self.contact])
         return pipeline.leak_of_contact(self.case, table, self.contact, self.pressure)
+
+    @cached_property
+    def load(self) -> LoadResult:
+        """What the checks of a load look at."""
+        contact, separation = self.contact, self.critical_separation(self.surface)
+        return LoadResult(
+            fluid_pressure=self.pressure,
+            axial_force=contact.axial_force,
+            line_load=contact.line_load,
+            contact=contact,
+            leak=self.leak,
+            leak_elastic=None,
+            critical_separation=None if math.isnan(separation) else separation,
+            critical_separation_elastic=None,
+            max_von_mises=math.nan,
+            max_von_mises_at=("", math.nan, math.nan),
+            applied_force=self.case.load.points[0][1],
+        )
 
     @cached_property
     def leakage(self) -> Leakage | None:

@@ -85,11 +85,13 @@ def dataset(designs: Designs) -> xr.Dataset:
 
     parameters = designs.parameters
     table = designs.table.copy()
-    table["reason"] = table["reason"].fillna("").astype(str)
+    texts = ("status", "reason", "validity", "validity_reasons")
+    for name in texts:
+        table[name] = table[name].fillna("").astype(str)
     if designs.kind == "grid" and not table.duplicated(parameters).any() and len(table):
         # the number of a design stays with it
         data = xr.Dataset.from_dataframe(table.reset_index().set_index(parameters))
-        for name in ("status", "reason"):
+        for name in texts:
             data[name] = data[name].fillna("").astype(str)
     else:
         data = xr.Dataset.from_dataframe(table)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _INTERVAL = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 # Columns of the study's own table.
-RESERVED = ("number", "status", "reason", "seconds", "key")
+RESERVED = ("number", "status", "reason", "seconds", "key", "validity", "validity_reasons")
 
 
 def read_formulas(study: Study, given: Mapping[str, str], responses: Sequence[str]) -> dict[str, Expression]:

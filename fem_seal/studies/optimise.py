@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal.caution import Level
 from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.studies.distributions import LogUniform, Uniform
 from fem_seal.studies.work import Chunk, Recipe, check_unchanged
@@ -175,7 +176,7 @@ def _search(study: Study, store: Store) -> OptunaStudy:
             [str(one) for one in search_space(study).values()],
             [one.text for one in study.goals.values()],
             [one.text for one in study.constraints.values()],
-            [settings.seed, settings.batch],
+            [settings.seed, settings.batch, study.keeps_outside],
         ]
     )
     if search.user_attrs.get("asked", asked) != asked:
@@ -235,6 +236,10 @@ def _tell(search: OptunaStudy, study: Study, trial: Trial, row: Row) -> None:
     told = (
         trial.constraints
     )  # some, of a search that was killed in these lines; optuna warns of the second time
+    # a name that no constraint can have
+    outside = str(Level.OUTSIDE)
+    if not study.keeps_outside and outside not in told:
+        trial.set_constraint(outside, 1.0 if row.validity == outside else -1.0)
     for name, one in study.constraints.items():
         if name not in told:
             # infinite where a value is missing; optuna's storage takes finite numbers only

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -64,7 +65,7 @@ def page(designs: Designs, counts: dict[str, int], reasons: list[tuple[str, int]
     return environment.get_template("study.html.j2").render(
         title=designs.about["title"] or "Study",
         headline=_headline(designs, counts),
-        warnings=[f"{times} failed: {reason}" for reason, times in reasons],
+        warnings=[*(f"{times} failed: {reason}" for reason, times in reasons), *_doubts(designs)],
         sections=list(sections(designs)),
         plotly=Markup(get_plotlyjs()),
         version=__version__,
@@ -78,4 +79,17 @@ def _headline(designs: Designs, counts: dict[str, int]) -> str:
     failed = f", {counts['failed']} failed" if counts["failed"] else ""
     still = f", {counts['open']} not calculated yet" if counts["open"] else ""
     met = f"; {len(designs.feasible)} meet all constraints" if designs.about["constraints"] else ""
-    return f"{total} designs over {varied}: {counts['done']} done{failed}{still}{met}."
+    levels = "".join(f"; {count} {level}" for level, count in designs.levels.items())
+    return f"{total} designs over {varied}: {counts['done']} done{failed}{still}{met}{levels}."
+
+
+def _doubts(designs: Designs) -> Iterator[str]:
+    """How many designs are outside the theory, and what is wrong with the first."""
+    outside = designs.done[designs.outside]
+    if len(outside):
+        number, why = outside.index[0], outside["validity_reasons"].iloc[0].split("; ")[0]
+        are = "1 design is" if len(outside) == 1 else f"{len(outside)} designs are"
+        yield (
+            f"{are} outside the theory, where nothing may be claimed from the numbers (design {number}: {why}); the "
+            "column validity_reasons says why of each"
+        )

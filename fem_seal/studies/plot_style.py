@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.studies.analysis import Designs
 from fem_seal.studies.display import Display
 
 if TYPE_CHECKING:
@@ -27,13 +28,17 @@ def drawn(table: pd.DataFrame) -> pd.DataFrame:
     return table if step <= 1 else table.iloc[::step]
 
 
+def verdict(designs: Designs) -> str:
+    """What is wrong with a design that does not count, for a legend."""
+    return designs.why_not_counted.replace("violate", "violates").replace("are outside", "outside")
+
+
 def by_verdict(display: Display, rows: pd.Index) -> list[tuple[str, pd.Index, dict[str, Any]]]:
-    """Designs that meet the constraints and those that do not: legend, designs, marker; one group if all meet them."""
-    if not display.designs.some_violate:
+    """Designs that count and those that do not: legend, designs, marker; one group if all do."""
+    designs = display.designs
+    if not designs.some_do_not_count:
         return [("designs", rows, MEETING)]
-    fails = (display.designs.violated.loc[rows] != "").to_numpy()
-    groups = [
-        ("meets the constraints", rows[~fails], MEETING),
-        ("violates a constraint", rows[fails], VIOLATING),
-    ]
+    fails = ~designs.counted.loc[rows].to_numpy()
+    good = "inside the theory" if designs.left_out else "meets the constraints"
+    groups = [(good, rows[~fails], MEETING), (verdict(designs), rows[fails], VIOLATING)]
     return [group for group in groups if len(group[1])]

@@ -9,18 +9,18 @@ from numpy.typing import NDArray
 
 from fem_seal.studies.analysis import LEAK_RATE
 from fem_seal.studies.display import FEW, Display, short, spans_a_decade
-from fem_seal.studies.plot_style import GREY, LAYOUT, VIOLATING, by_verdict, drawn
+from fem_seal.studies.plot_style import GREY, LAYOUT, VIOLATING, by_verdict, drawn, verdict
 
 if TYPE_CHECKING:
     import pandas as pd
     from plotly.graph_objects import Figure
 
-# Part of the colours that stands for "violates a constraint".
+# Part of the colours that stands for designs that do not count.
 _GREY_SHARE = 0.08
 
 
 def response_plot(display: Display) -> Figure | None:
-    """Any output over any parameter, chosen with menus; designs that violate constraints hollow."""
+    """Any output over any parameter, chosen with menus; designs that do not count hollow."""
     from plotly.graph_objects import Figure, Scattergl
 
     designs = display.designs
@@ -62,7 +62,7 @@ def response_plot(display: Display) -> Figure | None:
         **{**LAYOUT, "margin": {**LAYOUT["margin"], "t": 90}},
         xaxis=display.axis(across),
         yaxis=display.axis(up),
-        showlegend=designs.some_violate,
+        showlegend=designs.some_do_not_count,
         legend={"orientation": "h", "x": 0.5, "xanchor": "center", "y": 1.02, "yanchor": "bottom"},
         updatemenus=[
             menu("y", outputs, x=0.0, xanchor="left", active=outputs.index(up)),
@@ -112,7 +112,7 @@ def map_plot(display: Display) -> Figure | None:
                 x=display.values(rows, names[0]),
                 y=display.values(rows, names[1]),
                 mode="markers",
-                name="violates a constraint",
+                name=verdict(designs),
                 text=display.hover(rows, [*names, output]),
                 hoverinfo="text",
                 marker={"size": 10, "color": "white", "symbol": "x", "line": {"width": 1, "color": "black"}},
@@ -124,7 +124,7 @@ def map_plot(display: Display) -> Figure | None:
 
 
 def parallel_plot(display: Display) -> Figure | None:
-    """What varies side by side, one line per design; designs that violate constraints grey."""
+    """What varies side by side, one line per design; designs that do not count grey."""
     from plotly.graph_objects import Figure, Parcoords
 
     designs = display.designs
@@ -136,11 +136,11 @@ def parallel_plot(display: Display) -> Figure | None:
         return None
     dimensions = [_dimension(display, rows, name) for name in [*inputs, *outputs]]
     coloured = dimensions[len(inputs) + outputs.index(_preferred(outputs))] if outputs else dimensions[0]
-    meets = (designs.violated.loc[rows] == "").to_numpy()
-    if designs.some_violate:
+    meets = designs.counted.loc[rows].to_numpy()
+    if designs.some_do_not_count:
         dimensions.append(
             {
-                "label": "meets the constraints",
+                "label": "counts" if designs.left_out else "meets the constraints",
                 "values": meets.astype(int).tolist(),
                 "range": [0, 1],
                 "tickvals": [0, 1],
@@ -195,7 +195,7 @@ def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
 
 
 def _colours(dimension: dict[str, Any], meets: NDArray[np.bool_]) -> dict[str, Any]:
-    """Colours of lines by one axis; grey, below its smallest value, for designs that violate constraints."""
+    """Colours of lines by one axis; grey, below its smallest value, for designs that do not count."""
     from plotly.colors import sequential
 
     values = np.array(dimension["values"], dtype=float)
@@ -206,7 +206,7 @@ def _colours(dimension: dict[str, Any], meets: NDArray[np.bool_]) -> dict[str, A
         floor = low - (high - low or 1.0) * _GREY_SHARE / (1 - _GREY_SHARE)
         values = np.where(meets, values, floor)
         scale = [[0.0, GREY], [_GREY_SHARE, GREY]]
-        ticks, text = [0.5 * (floor + low), *ticks], ["violates", *text]
+        ticks, text = [0.5 * (floor + low), *ticks], ["does not count", *text]
     start = _GREY_SHARE if scale else 0.0
     scale += [
         [share, colour]

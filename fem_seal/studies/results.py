@@ -38,9 +38,10 @@ class StudyResult:
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """One row per design, SI: status, reason of failure, parameters, responses, derived columns, constraints.
+        """One row per design, SI: status, validity, parameters, responses, derived columns, constraints.
 
-        A constraint's column says whether it is met.
+        ``reason`` says why a design failed. ``validity`` is "valid", "doubtful" or "outside the theory",
+        ``validity_reasons`` says why. A constraint's column says whether it is met.
         """
         from fem_seal.studies.analysis import Designs
 
@@ -62,11 +63,21 @@ class StudyResult:
         return self._read(lambda store: store.solve_seconds())
 
     def best(self, count: int = 10) -> pd.DataFrame:
-        """The best designs that meet all constraints, by the only goal, or the Pareto front of two by the first."""
+        """The best designs by the only goal, or the Pareto front of two by the first.
+
+        They meet all constraints and, unless the study keeps such designs, are not outside the theory.
+        """
         from fem_seal.studies.analysis import Designs
 
         designs = self._read(Designs.read)
         return designs.table.loc[designs.best(count)]
+
+    @cached_property
+    def left_out(self) -> int:
+        """How many designs meet all constraints but are left out of the best ones for being outside the theory."""
+        from fem_seal.studies.analysis import Designs
+
+        return int(self._read(Designs.read).left_out)
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the page with plots, ``report.html`` in the study's folder unless a path is given."""

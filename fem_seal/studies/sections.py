@@ -89,8 +89,10 @@ def _best(display: Display) -> Iterator[Section]:
     if not designs.about["goals"]:
         return
     numbers, columns = display.best(_BEST)
+    left_out = f" {outside_left_out(designs)}." if designs.left_out else ""
     if not numbers:
-        yield Section("Best designs", "No design meets all constraints.")
+        none = "No design is left." if left_out else "No design meets all constraints."
+        yield Section("Best designs", none + left_out)
         return
     wanted = (
         f"{'small' if designs.sign(name) > 0 else 'large'} {display.title(name)}"
@@ -99,24 +101,33 @@ def _best(display: Display) -> Iterator[Section]:
     constraints = " and ".join(designs.about["constraints"].values())
     yield Section(
         "Best designs",
-        f"Goal: {' and '.join(wanted)}{', with ' + constraints if constraints else ''}.",
+        f"Goal: {' and '.join(wanted)}{', with ' + constraints if constraints else ''}.{left_out}",
         columns=("design", *columns),
         rows=tuple(zip(map(str, numbers), *columns.values(), strict=True)),
     )
 
 
+def outside_left_out(designs: Designs) -> str:
+    """How many designs are left out, as a sentence without its point."""
+    count = designs.left_out
+    are, their = ("design is", "its") if count == 1 else ("designs are", "their")
+    return f'{count} {are} left out, {their} numbers being outside the theory (outside_theory = "keep" counts them)'
+
+
 def _search_note(designs: Designs) -> str:
     two = ", in each goal by itself" if designs.goals.shape[1] == 2 else ""
-    met = " of the trials that meet the constraints" if designs.some_violate else ""
-    return f"The line is the best so far{met}{two}."
+    without = f", without trials that {designs.why_not_counted}" if designs.some_do_not_count else ""
+    return f"The line is the best so far{two}{without}."
 
 
 def _crosses(designs: Designs) -> str:
-    return "Designs at the crosses violate a constraint." if designs.some_violate else ""
+    return f"Designs at the crosses {designs.why_not_counted}." if designs.some_do_not_count else ""
 
 
 def _hollow(designs: Designs) -> str:
-    return "Hollow designs violate a constraint; point at one to see which." if designs.some_violate else ""
+    if not designs.some_do_not_count:
+        return ""
+    return f"Hollow designs {designs.why_not_counted}; point at one to see why."
 
 
 def _incomplete(designs: Designs) -> str:
@@ -140,11 +151,21 @@ def _sobol(display: Display, found: Sensitivity) -> Section:
     columns = [
         _column(one, found.total) for one in (found.first, found.first_error, found.total, found.total_error)
     ]
+    note = ""
+    if found.noise.any():
+        columns[0] = [
+            f"{text} (noise)" if bad else text
+            for text, bad in zip(columns[0], found.noise.tolist(), strict=True)
+        ]
+        note = (
+            " No first-order index is above the total one or below zero: one that is, is noise of the sample, which "
+            "more designs (design.num) reduce."
+        )
     return Section(
         f"Sensitivity of {display.title(found.output)}",
         f"Sobol' indices of {of}: the share of its variance that a parameter explains by itself (first order) and "
         "together with the others (total), over the distributions of the parameters; ± and bars are 95 % confidence "
-        f"intervals.{' ln is the natural logarithm.' if found.logarithmic else ''}",
+        f"intervals.{' ln is the natural logarithm.' if found.logarithmic else ''}{note}",
         _html(plots_statistics.sensitivity_plot(display, found)),
         ("parameter", "first order", "±", "total", "±"),
         _ordered(found, columns),
@@ -208,6 +229,7 @@ def _classes(designs: Designs) -> Iterator[Section]:
     if designs.done[LEAK_RATE].dropna().empty:
         return
     seal, standard, shares = designs.about["seal"], designs.about["standard"], class_shares(designs)
+    unclaimed = " Outside the theory no class is claimed." if designs.outside.any() else ""
     base = f"DN {1e3 * seal['nominal_size']:.4g} and {seal['fluid'] or 'the fluid'} of the base case"
     if not shares:
         yield Section(
@@ -218,8 +240,8 @@ def _classes(designs: Designs) -> Iterator[Section]:
         return
     yield Section(
         "Leakage classes",
-        f"Share {_of_calculated(designs)} that meet each class of {standard}, for {base}. Classes say what the "
-        "leak rate allows; the standard prescribes test pressure and fluid of its own.",
+        f"Share {_of_calculated(designs)} that meet each class of {standard}, for {base}.{unclaimed} Classes "
+        "say what the leak rate allows; the standard prescribes test pressure and fluid of its own.",
         columns=("class", "allowed leak rate", "share of the designs"),
         rows=tuple(
             (name, flow(most) if most else "none", f"{100 * share:.4g} %") for name, most, share in shares
@@ -237,6 +259,9 @@ def _of_calculated(designs: Designs) -> str:
     """Which designs a share is a share of."""
     failed = len(designs.table) - len(designs.done)
     without = f"; {failed} failed {'one' if failed == 1 else 'ones'} not counted" if failed else ""
+    outside = int(designs.outside.sum())
+    if outside:
+        without += f"; {outside} of them outside the theory"
     return f"of {designs.done[LEAK_RATE].notna().sum()} calculated designs{without}"
 
 

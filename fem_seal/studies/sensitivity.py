@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+# Indices that differ by less, relative to the largest, are equal.
+_ROUND_OFF = 1e-9
+
 
 @dataclass(frozen=True)
 class Sensitivity:
@@ -44,6 +47,14 @@ class Sensitivity:
     total: FloatArray
     first_error: FloatArray
     total_error: FloatArray
+
+    @property
+    def noise(self) -> NDArray[np.bool_]:
+        """Which first-order Sobol' indices are noise of the sample: above the total one, or below zero."""
+        if self.method == "morris":
+            return np.zeros(len(self.first), dtype=bool)
+        round_off = _ROUND_OFF * self.total.max()
+        return (self.first > self.total + round_off) | (self.first < -round_off)
 
 
 def sensitivities(designs: Designs) -> list[Sensitivity]:

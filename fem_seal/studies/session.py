@@ -189,6 +189,7 @@ def description(study: Study) -> dict[str, Any]:
         "constraints": {name: one.text for name, one in study.constraints.items()},
         "goals": {name: formula.text for name, formula in study.goals.items()},
         "design": {**study.design.model_dump(), "optimise": study.optimise is not None},
+        "outside_theory": "keep" if study.keeps_outside else "leave out",
         "standard": study.report.standard,
         "seal": {
             "nominal_size": nominal_size(case).size,

@@ -29,6 +29,9 @@ FILE = "study.sqlite"
 FORMAT_VERSION = 1
 _AT_ONCE = 500
 DONE, FAILED = "done", "failed"
+# Columns of a row besides parameters and outputs. Files of before validity was told do not have the last two.
+_ABOUT_ROW = ("key", "status", "reason", "seconds")
+_VALIDITY = ("validity", "validity_reasons")
 TRUTH = "BOOLEAN"
 
 
@@ -48,6 +51,8 @@ class Row:
         Why it failed; None if it did not.
     seconds : float
         What it took.
+    validity, validity_reasons : str or None
+        How far its numbers can be trusted, and why no further; None if it failed.
     """
 
     key: str
@@ -55,6 +60,8 @@ class Row:
     outputs: tuple[float | None, ...]
     reason: str | None
     seconds: float
+    validity: str | None = None
+    validity_reasons: str | None = None
 
 
 class Store:
@@ -149,30 +156,40 @@ class Store:
     def rows(self, keys: Sequence[str]) -> dict[str, Row]:
         """Rows of some keys."""
         columns = ", ".join(
-            ["key", "reason", "seconds", *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
+            ["key", "reason", "seconds", *_VALIDITY, *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
         )
         found = {}
         for start in range(0, len(keys), _AT_ONCE):
             part = keys[start : start + _AT_ONCE]
             query = f"SELECT {columns} FROM point WHERE key IN ({','.join('?' * len(part))})"
-            for key, reason, seconds, *values in self._connection.execute(query, part):
+            for key, reason, seconds, level, why, *values in self._connection.execute(query, part):
                 split = len(self.inputs)
                 inputs = tuple(
                     bool(value) if truth else value
                     for value, truth in zip(values[:split], self._truths, strict=True)
                 )
-                found[key] = Row(key, inputs, tuple(values[split:]), reason, seconds)
+                found[key] = Row(key, inputs, tuple(values[split:]), reason, seconds, level, why)
         return found
 
     def write(self, rows: Sequence[Row]) -> None:
         """Keep rows, all of them or - if the process dies - none."""
-        marks = ",".join("?" * (4 + len(self.inputs) + len(self.outputs)))
+        columns = (*_ABOUT_ROW, *_VALIDITY, *map(_quoted, self.inputs), *map(_quoted, self.outputs))
         values = [
-            (row.key, FAILED if row.reason else DONE, row.reason, row.seconds, *row.inputs, *row.outputs)
+            (
+                row.key,
+                FAILED if row.reason else DONE,
+                row.reason,
+                row.seconds,
+                row.validity,
+                row.validity_reasons,
+                *row.inputs,
+                *row.outputs,
+            )
             for row in rows
         ]
+        insert = f"INSERT OR IGNORE INTO point ({', '.join(columns)}) VALUES ({','.join('?' * len(columns))})"
         with self._transaction():
-            self._connection.executemany(f"INSERT OR IGNORE INTO point VALUES ({marks})", values)
+            self._connection.executemany(insert, values)
 
     def forget_failures(self) -> None:
         """Drop the rows of designs that failed."""
@@ -203,11 +220,13 @@ class Store:
         return float(self._connection.execute("SELECT TOTAL(seconds) FROM point").fetchone()[0])
 
     def table(self) -> pd.DataFrame:
-        """Designs that have a row, in the order of the study: number, status, reason, parameters, outputs."""
+        """Designs that have a row, in the order of the study: number, status, reason, validity, parameters, outputs."""
         import pandas as pd
 
+        there = {row[1] for row in self._connection.execute("PRAGMA table_info(point)")}
+        told = [name if name in there else f"NULL AS {name}" for name in _VALIDITY]
         columns = ", ".join(
-            ["number", "status", "reason", *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
+            ["number", "status", "reason", *told, *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
         )
         query = f"SELECT {columns} FROM design JOIN point USING (key) ORDER BY number"
         table = pd.read_sql_query(query, self._connection)
@@ -259,8 +278,12 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
             listed += [f"{_quoted(name)} REAL" for name in outputs]
             connection.execute(
                 "CREATE TABLE IF NOT EXISTS point (key TEXT PRIMARY KEY, status TEXT NOT NULL, reason TEXT, "
-                f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
+                f"seconds REAL NOT NULL, validity TEXT, validity_reasons TEXT, {', '.join(listed)}) WITHOUT ROWID"
             )
+            there_already = {row[1] for row in connection.execute("PRAGMA table_info(point)")}
+            for name in _VALIDITY:
+                if name not in there_already:
+                    connection.execute(f"ALTER TABLE point ADD COLUMN {name} TEXT")
     except sqlite3.Error as error:
         raise _fault(path, error) from error
     wanted, there = [*inputs, *outputs], list(_columns(connection))
@@ -361,7 +384,8 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
 
 def _columns(connection: sqlite3.Connection) -> dict[str, str]:
     """Columns of parameters and outputs, with their types."""
-    return {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)").fetchall()[4:]}
+    listed = {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)")}
+    return {name: kind for name, kind in listed.items() if name not in (*_ABOUT_ROW, *_VALIDITY)}
 
 
 def _quoted(name: str) -> str:

@@ -44,7 +44,7 @@ class Study:
         The case that the designs are variants of.
     **tables
         The tables of a study file as they stand there: ``changes``, ``parameters``, ``design``, ``responses``,
-        ``derived``, ``constraints``, ``run``, ``report``, ``optimise``, and ``title``.
+        ``derived``, ``constraints``, ``outside_theory``, ``run``, ``report``, ``optimise``, and ``title``.
 
     Raises
     ------
@@ -81,6 +81,8 @@ class Study:
         self.design: Design = read.design
         self.run_settings: Run = read.run
         self.report: Report = read.report
+        self.keeps_outside: bool = read.outside_theory == "keep"
+        """Whether designs outside the theory count like any other."""
         self.optimise: Optimise | None = read.optimise
         self.parameters: tuple[Parameter, ...]
         self.points: FloatArray

@@ -128,6 +128,11 @@ class StudyTables(Table):
         description="comparisons that a good design meets",
         examples=[{"elastic": 'max_von_mises_Pa < "1 GPa"'}],
     )
+    outside_theory: Literal["leave out", "keep"] = Field(
+        "leave out",
+        description='designs whose numbers are outside the theory: "leave out" of the best ones, the search and the '
+        'Pareto front, or "keep" them like any other; docs/validity.md says which they are',
+    )
     run: Run = Run()
     report: Report = Report()
     optimise: Optimise | None = None

@@ -24,6 +24,7 @@ from fem_seal.studies.time_limit import overtime_reason
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
+    from fem_seal.caution import Validity
     from fem_seal.studies.study import Study
 
 FloatArray = NDArray[np.float64]
@@ -150,33 +151,38 @@ def _row(recipe: Recipe, point: Sequence[float]) -> Row:
     start = time.perf_counter()
     files = recipe.files_of(point)
     check_unchanged(files, all_there=False)
-    failure = None
+    failure, validity = None, None
     outputs: tuple[float | None, ...] = (None,) * (len(recipe.columns) + len(recipe.derived))
     try:
-        outputs = _outputs(recipe, point)
+        outputs, validity = _outputs(recipe, point)
     except Exception as error:  # whatever it is, it is the end of this design and not of the study
         failure = _reason(error)
     # a design reads its files when it needs them: only now is it sure what it has read
     check_unchanged(files, all_there=False)
-    return Row(recipe.key(point), recipe.inputs(point), outputs, failure, time.perf_counter() - start)
+    seconds = time.perf_counter() - start
+    if validity is None:
+        return Row(recipe.key(point), recipe.inputs(point), outputs, failure, seconds)
+    told = str(validity.level), "; ".join(validity.reasons)
+    return Row(recipe.key(point), recipe.inputs(point), outputs, failure, seconds, *told)
 
 
-def _outputs(recipe: Recipe, point: Sequence[float]) -> tuple[float | None, ...]:
-    from fem_seal.studies.evaluate import responses
+def _outputs(recipe: Recipe, point: Sequence[float]) -> tuple[tuple[float | None, ...], Validity]:
+    from fem_seal.studies.evaluate import evaluate
 
     changes = {
         one.name: one.entry.written(one.value(number))
         for one, number in zip(recipe.parameters, point, strict=True)
     }
-    found = responses(recipe.case.replace(changes), recipe.columns, interpolate=recipe.interpolate)
+    found = evaluate(recipe.case.replace(changes), recipe.columns, interpolate=recipe.interpolate)
     numbers = {
         one.name: float(number) for one, number in zip(recipe.parameters, point, strict=True) if one.numeric
     }
-    values: dict[str, float] = {**numbers, **found}
+    values: dict[str, float] = {**numbers, **found.values}
     for name, formula in recipe.derived.items():
         values[name] = formula(values)
     names = (*recipe.columns, *recipe.derived)
-    return tuple(values[name] if math.isfinite(values[name]) else None for name in names)
+    outputs = tuple(values[name] if math.isfinite(values[name]) else None for name in names)
+    return outputs, found.validity
 
 
 def failed_row(recipe: Recipe, point: Sequence[float] | FloatArray, why: str, seconds: float = 0.0) -> Row:
@@ -239,6 +245,8 @@ def _fingerprint(
         "columns": list(columns),
         "derived": {name: formula.text for name, formula in derived.items()},
         "interpolate": interpolate,
+        # rows of before that have no validity
+        "judged": True,
     }
     return hashlib.blake2b(
         json.dumps(about, sort_keys=True, default=str).encode(), digest_size=16
