@@ -136,13 +136,14 @@ def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
 def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:
     """Columns that stand side by side: as many as fit beside the keys, and one at least."""
     room = shutil.get_terminal_size().columns if sys.stdout.isatty() else _ENDLESS
-    # a blank on either side of each column and of the whole table
-    taken = [width + 2 for width in widths]
-    part, used = list(range(keys)), 2 + sum(taken[:keys])
+    # a blank on either side of each column, one between two and one at either end
+    taken = [width + 3 for width in widths]
+    alone = 1 + sum(taken[:keys])
+    part, used = list(range(keys)), alone
     for n in range(keys, len(widths)):
         if len(part) > keys and used + taken[n] > room:
             yield part
-            part, used = list(range(keys)), 2 + sum(taken[:keys])
+            part, used = list(range(keys)), alone
         part.append(n)
         used += taken[n]
     yield part

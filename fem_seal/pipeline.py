@@ -98,7 +98,7 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         tuple(replace(load, validity=load_validity(case, load, surface, error)) for load in loads),
         error,
         variants,
-        worst_first(found),
+        tuple(caution.text for caution in worst_first(found)),
         clock.timings,
         far_field=far,
         unloaded=solved.unloaded,

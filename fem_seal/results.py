@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.caution import VALID, Caution, Validity
+from fem_seal.caution import VALID, Validity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -223,8 +223,8 @@ class SealResult:
     discretisation_error : DiscretisationError
     interface_variants : tuple of InterfaceVariant
         Elastic and plastic p(u), for `law = "persson"` with a hardness; else empty.
-    cautions : tuple of Caution
-        Everything to know before believing the result, the worst first.
+    warnings : tuple of str
+        Everything to know before believing the result, the worst first; each load's `validity` says what it means.
     timings : dict
         Wall time of each step [s].
     uncertainty : LeakInterval or None
@@ -244,17 +244,12 @@ class SealResult:
     loads: tuple[LoadResult, ...]
     discretisation_error: DiscretisationError
     interface_variants: tuple[InterfaceVariant, ...] = ()
-    cautions: tuple[Caution, ...] = ()
+    warnings: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
     uncertainty: LeakInterval | None = None
     theory_variants: tuple[TheoryVariant, ...] = ()
     far_field: tuple[FarFieldChange, ...] = ()
     unloaded: Unloaded | None = None
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """The cautions as sentences, the worst first."""
-        return tuple(caution.text for caution in self.cautions)
 
     @cached_property
     def table(self) -> pd.DataFrame:

@@ -36,7 +36,7 @@ def load(
 
 
 def said(check, loads, surface=SURFACE, of=None):
-    return " ".join(check(of or case(), surface, loads))
+    return " ".join(caution.text for caution in check(of or case(), surface, loads))
 
 
 def pressure_at(area: float) -> float:
@@ -223,8 +223,8 @@ def test_the_expected_increase_is_about_that_of_the_local_closure():
 
 
 def test_peak_pressure_near_the_hardness():
-    words = " ".join(validity._above_hardness(case(), rough_result().model, [load(peak=0.4 * 3.5e9)]))
-    assert "0.4 of the hardness" in words
+    (caution,) = validity._above_hardness(case(), rough_result().model, [load(peak=0.4 * 3.5e9)])
+    assert "0.4 of the hardness" in caution.text
     assert not list(validity._above_hardness(case(), rough_result().model, [load(peak=0.2 * 3.5e9)]))
 
 
@@ -240,12 +240,11 @@ def test_checks_of_the_interface_are_part_of_a_run():
         rms_height=0.1e-6, hurst=0.8, q_low=1e6, q_rolloff=1e6, q_high=1e8
     )
     surface = replace(result.surface, spectrum=spectrum)
-    found = validity.contact_warnings(
+    found = validity.contact_cautions(
         result.case, result.model, result.loads, result.discretisation_error, surface
     )
-    assert any("known too short" in text for text in found)
-    assert set(result.warnings) <= set(
-        validity.contact_warnings(
-            result.case, result.model, result.loads, result.discretisation_error, result.surface
-        )
+    assert any("known too short" in one.text for one in found)
+    own = validity.contact_cautions(
+        result.case, result.model, result.loads, result.discretisation_error, result.surface
     )
+    assert set(result.warnings) <= {caution.text for caution in own}

@@ -73,9 +73,25 @@ class Designs:
         return self.done[self.done[names].all(axis=1)] if names else self.done
 
     @cached_property
+    def validity(self) -> pd.Series:
+        """How far each design that did not fail can be trusted, in words; empty in files that do not say it yet."""
+        return self._told("validity")
+
+    @cached_property
+    def worst_reason(self) -> pd.Series:
+        """The first reason why a design that did not fail is not simply valid; empty if it is."""
+        return self._told("validity_reasons").str.split("; ").str[0]
+
+    def _told(self, name: str) -> pd.Series:
+        import pandas as pd
+
+        told = self.done.get(name, pd.Series("", index=self.done.index, dtype=object))
+        return told.fillna("").astype(object)
+
+    @cached_property
     def outside(self) -> pd.Series:
         """Which designs that did not fail are outside the theory, so that nothing can be claimed of them."""
-        return self.done["validity"] == Level.OUTSIDE
+        return self.validity == Level.OUTSIDE
 
     @property
     def keeps_outside(self) -> bool:
@@ -96,7 +112,7 @@ class Designs:
     @cached_property
     def levels(self) -> dict[str, int]:
         """How many designs that did not fail are valid, doubtful and outside the theory; empty if nobody has judged."""
-        found = self.done["validity"].value_counts()
+        found = self.validity.value_counts()
         return {str(level): int(found[level]) for level in Level if level in found}
 
     @cached_property

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -169,8 +168,7 @@ def _show_best(folder: Path) -> None:
     lines = {"design": [str(number) for number in numbers], **columns}
     labels = max(map(len, lines))
     cells = max(len(text) for line in lines.values() for text in line) + 2
-    room = shutil.get_terminal_size().columns if sys.stdout.isatty() else labels + cells * len(numbers)
-    fitting = max((room - labels) // cells, 1)
+    fitting = max((shutil.get_terminal_size().columns - labels) // cells, 1)
     typer.secho("Best designs", bold=True)
     for first in range(0, len(numbers), fitting):
         for label, line in lines.items():

@@ -143,11 +143,8 @@ class Display:
         """What is shown of each design when pointed at: its number, some columns, what speaks against it."""
         columns = [[f"{self.label(name)}: {text}" for text in self.texts(rows, name)] for name in names]
         violated = [f"violates {text}" if text else "" for text in self.designs.violated.loc[rows]]
-        table = self.designs.done.loc[rows]
-        doubts = [
-            f"{level}: {why.split('; ')[0]}" if why else ""
-            for level, why in zip(table["validity"], table["validity_reasons"].fillna(""), strict=True)
-        ]
+        levels, reasons = self.designs.validity.loc[rows], self.designs.worst_reason.loc[rows]
+        doubts = [f"{level}: {why}" if why else "" for level, why in zip(levels, reasons, strict=True)]
         return [
             "<br>".join(line.replace("<", "&lt;") for line in (f"design {n}", *lines) if line)
             for n, *lines in zip(rows.tolist(), *columns, violated, doubts, strict=True)
@@ -163,7 +160,7 @@ class Display:
         names = dict.fromkeys([*designs.parameters, *designs.outputs, *designs.about["goals"]])
         rows = designs.done.loc[numbers].index
         told = {self.label(name): self.texts(rows, name) for name in names}
-        levels = designs.done.loc[numbers, "validity"].fillna("").tolist()
+        levels = designs.validity.loc[numbers].tolist()
         return numbers, told | ({"validity": levels} if set(levels) - {Level.VALID, ""} else {})
 
     @cached_property

@@ -85,7 +85,7 @@ def dataset(designs: Designs) -> xr.Dataset:
 
     parameters = designs.parameters
     table = designs.table.copy()
-    texts = ("status", "reason", "validity", "validity_reasons")
+    texts = [name for name in ("status", "reason", "validity", "validity_reasons") if name in table]
     for name in texts:
         table[name] = table[name].fillna("").astype(str)
     if designs.kind == "grid" and not table.duplicated(parameters).any() and len(table):

@@ -85,9 +85,9 @@ def _headline(designs: Designs, counts: dict[str, int]) -> str:
 
 def _doubts(designs: Designs) -> Iterator[str]:
     """How many designs are outside the theory, and what is wrong with the first."""
-    outside = designs.done[designs.outside]
+    outside = designs.worst_reason[designs.outside]
     if len(outside):
-        number, why = outside.index[0], outside["validity_reasons"].iloc[0].split("; ")[0]
+        number, why = outside.index[0], outside.iloc[0]
         are = "1 design is" if len(outside) == 1 else f"{len(outside)} designs are"
         yield (
             f"{are} outside the theory, where nothing may be claimed from the numbers (design {number}: {why}); the "

@@ -224,7 +224,7 @@ class Store:
         import pandas as pd
 
         there = {row[1] for row in self._connection.execute("PRAGMA table_info(point)")}
-        told = [name if name in there else f"NULL AS {name}" for name in _VALIDITY]
+        told = [name for name in _VALIDITY if name in there]
         columns = ", ".join(
             ["number", "status", "reason", *told, *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
         )

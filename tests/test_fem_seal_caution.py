@@ -1,0 +1,219 @@
+"""A level, its reasons, and the thresholds between the levels: what docs/validity.md says."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sample_results import STEEL, case, rough_result
+
+import fem_seal
+import leak
+from fem_seal import validity
+from fem_seal.caution import VALID, Caution, Level, Validity, worst_first
+from fem_seal.profile import PressureProfile
+from fem_seal.results import TargetContact
+from fem_seal.validity import load_validity
+from fem_seal.yielding import PlasticZone, YieldedZone
+
+SURFACE = leak.RoughContact(
+    leak.PowerSpectrum.self_affine(
+        rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.14159e6
+    ),
+    effective_modulus=115e9,
+)
+
+
+def caution(level, reason):
+    return Caution("kind", level, reason, f"A sentence about {reason}.")
+
+
+def load(peak=50e6, fluid_pressure=20e5, end_share=0.0, leak_rate=1e-7, **entries):
+    """What the checks look at in a load."""
+    pressure = np.array([end_share * peak, peak, 0.0])
+    return SimpleNamespace(
+        fluid_pressure=fluid_pressure,
+        applied_force=0.0,
+        point=(fluid_pressure, 0.0),
+        critical_separation=3e-6,
+        leak=SimpleNamespace(leak_rate=leak_rate),
+        contact=SimpleNamespace(
+            profile=SimpleNamespace(peak_pressure=peak, std=0.15e-3),
+            pressure=pressure,
+            model=SimpleNamespace(touch_radius=0.014),
+        ),
+        target_validity=None,
+        **entries,
+    )
+
+
+def model(relative_radius=0.02):
+    return SimpleNamespace(
+        touch_radius=0.014,
+        relative_radius=relative_radius,
+        line=SimpleNamespace(x=np.array([-1e-3, 0, 1e-3])),
+    )
+
+
+def level_of(found):
+    return Validity.of(found).level
+
+
+def test_the_worst_reason_comes_first_and_gives_the_level():
+    doubtful, outside, other = (
+        caution(Level.DOUBTFUL, "a"),
+        caution(Level.OUTSIDE, "b"),
+        caution(Level.DOUBTFUL, "c"),
+    )
+    found = Validity.of([doubtful, outside, other])
+    assert found.level is Level.OUTSIDE and found.outside
+    assert found.reasons == ("b", "a", "c")
+    assert worst_first([doubtful, other, outside]) == (outside, doubtful, other)
+    assert Validity.of([doubtful]).level is Level.DOUBTFUL
+    assert VALID.level is Level.VALID and VALID.reasons == () and not VALID.outside
+    assert found.without("kind") == VALID
+    assert [f"{level}" for level in Level] == ["valid", "doubtful", "outside the theory"]
+
+
+@pytest.mark.parametrize(
+    ("excess", "level"), [(1.01, Level.DOUBTFUL), (1.49, Level.DOUBTFUL), (1.51, Level.OUTSIDE)]
+)
+def test_an_elastic_body_is_outside_the_theory_from_one_and_a_half_times_its_yield_stress(
+    excess, level, monkeypatch
+):
+    zone = YieldedZone("seat", 300e6, excess * 300e6, (0.014, 0.0), 1e-5, 2e-5)
+    monkeypatch.setattr(validity, "yielding_of", lambda contact, materials: {"seat": zone})
+    (found,) = validity._yielding(case(), model(), [load()])
+    assert found.level is level
+    assert found.reason == f"seat: von Mises stress {excess:.3g} times its yield stress"
+
+
+def test_the_body_that_is_further_above_its_yield_stress_comes_first(monkeypatch):
+    zones = {
+        name: YieldedZone(name, 300e6, excess * 300e6, (0.014, 0.0), 1e-5, 2e-5)
+        for name, excess in (("closure", 2.0), ("seat", 5.0))
+    }
+    monkeypatch.setattr(validity, "yielding_of", lambda contact, materials: zones)
+    assert [one.reason[:7] for one in validity._yielding(case(), model(), [load()])] == ["seat: v", "closure"]
+
+
+@pytest.mark.parametrize(
+    ("strain", "levels"), [(0.02, []), (0.06, [Level.OUTSIDE]), (0.12, [Level.OUTSIDE] * 2)]
+)
+def test_plastic_strain_has_to_stay_on_its_curve_and_small(strain, levels, monkeypatch):
+    curve = {"plastic_strain": [0, 0.05], "stress": ["300 MPa", "400 MPa"]}
+    material = {key: value for key, value in STEEL.items() if key != "yield_stress"}
+    of = case(seat={"shape": "cone", "angle": "45 deg", "material": {**material, "stress_strain": curve}})
+    zone = PlasticZone("seat", 300e6, strain, (0.014, 0.0), 1e-5, 2e-5)
+    monkeypatch.setattr(validity, "yielding_of", lambda contact, materials: {"seat": zone})
+    assert [one.level for one in validity._table_left(of, model(), [load()])] == levels
+
+
+@pytest.mark.parametrize(
+    ("share", "radius", "level"),
+    [
+        (1e-7, 0.02, Level.VALID),
+        (9e-3, 0.02, Level.DOUBTFUL),
+        (1.1e-2, 0.02, Level.OUTSIDE),
+        (1.1e-2, math.inf, Level.DOUBTFUL),
+    ],
+)
+def test_contact_cut_off(share, radius, level):
+    assert level_of(validity._cut_off(case(), model(radius), [load(end_share=share)])) is level
+
+
+@pytest.mark.parametrize(
+    ("share", "level"),
+    [(0.29, Level.VALID), (0.31, Level.DOUBTFUL), (0.99, Level.DOUBTFUL), (1.01, Level.OUTSIDE)],
+)
+def test_no_body_carries_more_than_its_hardness(share, level):
+    assert level_of(validity._above_hardness(case(), None, [load(peak=share * 3.5e9)])) is level
+    # also where asperities are kept elastic
+    elastic = case(leak={"plasticity": False})
+    expected = Level.OUTSIDE if share > 1 else Level.VALID
+    assert level_of(validity._above_hardness(elastic, None, [load(peak=share * 3.5e9)])) is expected
+
+
+@pytest.mark.parametrize(
+    ("share", "level"),
+    [(0.09, Level.VALID), (0.11, Level.DOUBTFUL), (0.49, Level.DOUBTFUL), (0.51, Level.OUTSIDE)],
+)
+def test_fluid_pressure_that_is_not_coupled(share, level):
+    pressed = [load(fluid_pressure=share * 50e6)]
+    assert level_of(validity._fluid_opens(case(), SURFACE, pressed)) is level
+    coupled = case(load={"fluid_pressure": "20 bar", "closing": "penetration"})
+    assert level_of(validity._fluid_opens(coupled, SURFACE, pressed)) is Level.VALID
+
+
+def test_what_is_sealed_or_nearly_so_is_doubtful_and_what_is_blown_open_has_no_result():
+    sealing = SURFACE.sealing_pressure
+    assert level_of(validity._sealed(case(), SURFACE, [load(peak=1.01 * sealing)])) is Level.DOUBTFUL
+    assert level_of(validity._nearly_sealed(case(), SURFACE, [load(peak=0.9 * sealing)])) is Level.DOUBTFUL
+    assert level_of(validity._blown_open([load(leak_rate=math.inf)])) is Level.OUTSIDE
+
+
+# ---------------------------------------------------------------- loads of a run
+
+
+def soft_seat(**tables):
+    soft = {**STEEL, "yield_stress": "60 MPa"}
+    return case(seat={"shape": "cone", "angle": "45 deg", "material": soft}, **tables)
+
+
+@pytest.fixture(scope="module")
+def soft_result():
+    """At 2 and 20 bar a seat that is far below and far above its yield stress."""
+    return fem_seal.run(soft_seat(load={"fluid_pressure": ["1 bar", "400 bar"]}))
+
+
+def test_every_load_has_its_own_validity(soft_result):
+    low, high = soft_result.loads
+    assert low.validity.level is not Level.OUTSIDE
+    assert high.validity.outside
+    assert "times its yield stress" in high.validity.reasons[0]
+    assert not any("yield" in reason for reason in low.validity.reasons)
+    # the warnings name the worst load, the worst of them first
+    assert "times the yield stress 60 MPa" in soft_result.warnings[0] and "400 bar" in soft_result.warnings[0]
+    assert soft_result.table["validity"].tolist() == [str(low.validity.level), "outside the theory"]
+    assert soft_result.table["validity_reasons"].tolist()[1] == "; ".join(high.validity.reasons)
+
+
+def test_the_paper_s_loads_are_valid():
+    assert [load.validity for load in rough_result().loads] == [VALID] * 3
+
+
+def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
+    from fem_seal.results import DiscretisationError
+
+    result, coarse = rough_result(), DiscretisationError(0.01, 0.0, 0.0, None)
+    found = load_validity(result.case, result.loads[0], result.surface, coarse)
+    assert found.level is Level.DOUBTFUL and found.reasons == ("estimated discretisation error 1 %",)
+    assert found.without("mesh") == VALID
+
+
+def test_a_force_for_the_target_that_is_outside_the_theory_is_said_at_its_load():
+    """The load itself is far inside; the force that the target takes crushes the seat."""
+    result = fem_seal.run(soft_seat(load={"fluid_pressure": "2 bar", "target_leak_rate": "0.02 mm^3/s"}))
+    (found,) = result.loads
+    assert found.target_validity.outside
+    assert found.validity.level is Level.DOUBTFUL
+    assert any("force for the target leak rate outside the theory" in one for one in found.validity.reasons)
+    contact = TargetContact(found.fluid_pressure, 0.0, found.contact, found.critical_separation)
+    assert not validity.target_validity(result.case, result.surface, contact).outside
+
+
+# ---------------------------------------------------------------- numbers that agree
+
+
+def test_a_peak_at_the_end_of_the_profile_is_its_largest_value():
+    x = np.linspace(0.0, 1e-3, 21)
+    for pressure in (
+        1e9 / (1 + 1e5 * x),
+        1e9 / (1 + 1e5 * x[::-1]),
+        1e9 * np.exp(-((x - 4.1e-4) ** 2) / 1e-8),
+    ):
+        profile = PressureProfile(x, 0.01 + x, pressure, np.zeros(21), np.full(21, 5e-5))
+        assert profile.peak_pressure >= pressure.max()
+        assert profile.peak_pressure == pytest.approx(pressure.max(), rel=0.05)

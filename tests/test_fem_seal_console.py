@@ -1,0 +1,143 @@
+"""The terminal's tables: every number whole at every width, every row with its mark."""
+
+from __future__ import annotations
+
+import re
+import sys
+
+import pytest
+from sample_results import case
+
+from fem_seal import console, tables
+from fem_seal.caution import Caution, Level, Validity
+
+
+def row(pressure=20e5, level=Level.VALID, **entries):
+    """A row of leak.csv in which every column is filled, mostly by numbers that take room."""
+    cautions = (
+        () if level is Level.VALID else (Caution("kind", level, "seat: 7.4 times its yield stress", "..."),)
+    )
+    numbers = {
+        name: 1.2345e-13 * (n + 1) if "leak_rate" in name else 12345.6 * (n + 1)
+        for n, name in enumerate(tables.LEAK_COLUMNS)
+    }
+    return {
+        **numbers,
+        "fluid_pressure_Pa": pressure,
+        **tables.validity_entries(Validity(cautions)),
+        **entries,
+    }
+
+
+ROWS = [row(5e5), row(20e5, Level.DOUBTFUL), row(1800e5, Level.OUTSIDE)]
+
+
+def shown(capsys, monkeypatch, rows, width=None):
+    """The table on a terminal of some width; without one, what a file gets."""
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: width is not None)
+    if width is not None:
+        monkeypatch.setenv("COLUMNS", str(width))
+    console.show_leak_table(rows, "Title")
+    return re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
+
+
+def cells(text):
+    return [line.split() for line in text.splitlines() if line.strip()]
+
+
+@pytest.mark.parametrize("width", [40, 80, 200])
+def test_a_terminal_folds_columns_and_cuts_no_number(width, capsys, monkeypatch):
+    text = shown(capsys, monkeypatch, ROWS, width)
+    table = text[: text.index("doubtful")]
+    assert "…" not in text
+    assert max(len(line.rstrip()) for line in table.splitlines()) <= width
+    for one in ROWS:
+        for column in console.LEAK_COLUMNS:
+            assert console._cell(one[column.key], column.factor) in text.split()
+    # every part begins with the pressure, and its rows carry their marks
+    firsts = [line[0] for line in cells(table) if line[0] in ("5.000", "20.00", "1800")]
+    parts = len(firsts) // 3
+    assert firsts == ["5.000", "20.00", "1800"] * parts
+    assert (parts == 1) == (width == 200)
+    assert sum(line[:2] == ["1800", "!"] for line in cells(table)) == parts
+    assert sum(line[:2] == ["20.00", "?"] for line in cells(table)) == parts
+
+
+@pytest.mark.parametrize("columns", [None, "40"])
+def test_a_file_gets_all_columns_side_by_side(columns, capsys, monkeypatch):
+    if columns:
+        monkeypatch.setenv("COLUMNS", columns)
+    text = shown(capsys, monkeypatch, ROWS)
+    assert "…" not in text
+    (line,) = [line for line in cells(text) if line[0] == "1800"]
+    assert line == [
+        "1800",
+        "!",
+        *(console._cell(ROWS[2][column.key], column.factor) for column in console.LEAK_COLUMNS[1:]),
+    ]
+
+
+@pytest.mark.parametrize("width", [40, 80])
+def test_on_a_real_terminal(width, tmp_path):
+    """The same through a pseudo-terminal, which has a width of its own."""
+    pty = pytest.importorskip("pty")
+    import fcntl
+    import os
+    import struct
+    import subprocess
+    import termios
+
+    script = (
+        "from fem_seal.console import show_table\n"
+        "show_table('Title', [f'column {n}\\nmm³/s' for n in range(12)], [['2.018e-05'] * 12] * 2)\n"
+    )
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, width, 0, 0))
+    environment = {name: text for name, text in os.environ.items() if name not in ("COLUMNS", "LINES")}
+    process = subprocess.Popen([sys.executable, "-c", script], stdout=theirs, env=environment)
+    os.close(theirs)
+    read = b""
+    while True:
+        try:
+            block = os.read(ours, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not block:
+            break
+        read += block
+    os.close(ours)
+    assert process.wait() == 0
+    text = re.sub(r"\x1b\[[0-9;]*m", "", read.decode())
+    assert max(len(line.rstrip()) for line in text.splitlines()) <= width
+    assert "…" not in text
+    # the first column of each part is the key again
+    parts = text.count("column 0")
+    assert parts > 1
+    assert text.count("2.018e-05") == 2 * (12 + parts - 1)
+
+
+def test_forces_tell_rows_of_one_pressure_apart_in_every_part(capsys, monkeypatch):
+    rows = [row(axial_force_N=force) for force in (100.0, 200.0)]
+    parts = [line[:2] for line in cells(shown(capsys, monkeypatch, rows, 60)) if line[0] == "20.00"]
+    assert parts == [["20.00", "100.0"], ["20.00", "200.0"]] * (len(parts) // 2) and len(parts) > 2
+
+
+def test_marks_have_a_legend_and_valid_rows_none(capsys, monkeypatch):
+    clean = shown(capsys, monkeypatch, [row()])
+    assert "!" not in clean and "?" not in clean and "validity" not in clean
+    text = shown(capsys, monkeypatch, ROWS)
+    assert "! outside the theory, the numbers claim nothing" in text
+    assert "? doubtful, the numbers are less sure" in text
+    assert "? doubtful" not in shown(capsys, monkeypatch, [ROWS[0], ROWS[2]])
+
+
+def test_no_class_is_claimed_outside_the_theory(capsys):
+    of = case(load={"fluid_pressure": ["5 bar", "20 bar", "1800 bar"]})
+    console.show_leakage(of, ROWS[:2])
+    doubtful = capsys.readouterr().out
+    assert "ISO 5208 A" in doubtful and "(doubtful: seat: 7.4 times its yield stress)" in doubtful
+    console.show_leakage(of, ROWS)
+    outside = capsys.readouterr().out
+    assert "ISO" not in outside and "FCI" not in outside
+    assert "not claimed, because the leak rate is outside the theory" in outside
+    assert "(outside the theory: seat: 7.4 times its yield stress)" in outside
