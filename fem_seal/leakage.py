@@ -59,7 +59,7 @@ class NominalSize:
         DN as a length [m].
     diameter : float
         Bore of the seat, or the circle of first touch where no bore is given [m].
-    diameter_of : str
+    circle : str
         Which of the two it is, in words.
     estimated : bool
         Whether the size was taken from the diameter.
@@ -67,14 +67,14 @@ class NominalSize:
 
     size: float
     diameter: float
-    diameter_of: str
+    circle: str
     estimated: bool
 
     def __str__(self) -> str:
         """The size in words."""
         text = f"DN {1e3 * self.size:.4g}"
         return (
-            f"{text}, estimated from the diameter of the {self.diameter_of}, {quantity('length', self.diameter)}"
+            f"{text}, estimated from the {self.circle}, {quantity('length', self.diameter)} in diameter"
             if self.estimated
             else text
         )
@@ -91,10 +91,10 @@ def nominal_size(case: Case) -> NominalSize:
 
     bore = getattr(case.seat, "bore_radius", None)
     diameter = 2.0 * (case.touch_radius if bore is None else bore)
-    diameter_of = "contact, where the faces first touch" if bore is None else "seat's bore"
+    circle = "circle of first touch" if bore is None else "bore of the seat"
     if case.leak.nominal_size is not None:
-        return NominalSize(case.leak.nominal_size, diameter, diameter_of, False)
-    return NominalSize(nominal_size_of_bore(diameter), diameter, diameter_of, True)
+        return NominalSize(case.leak.nominal_size, diameter, circle, False)
+    return NominalSize(nominal_size_of_bore(diameter), diameter, circle, True)
 
 
 def leakage(case: Case, fluid_pressure: float, leak_rate: float, *, claimed: bool = True) -> Leakage:

@@ -196,9 +196,15 @@ def size_picture(result: SealResult, sizes: Mapping[str, Sizes]) -> Picture | No
     return Picture(
         "sizes",
         svg(figure),
-        f"Peak contact pressure and full width at half maximum against {over.name}, calculated and in closed form",
-        "Height and width of the pressure profile at every load. Where the calculated width follows Hertz, the "
-        "elasticity of the bodies sets the contact; where it follows the Gaussian, the compliance of the roughness."
+        f"Peak contact pressure and full width at half maximum against {over.name}"
+        + (", calculated and in closed form" if len(sizes) > 1 else ""),
+        "Height and width of the pressure profile at every load."
+        + (
+            " Where the calculated width follows Hertz, the elasticity of the bodies sets the contact; where it "
+            "follows the Gaussian, the compliance of the roughness."
+            if "gaussian" in sizes
+            else ""
+        )
         + over.order_told,
     )
 

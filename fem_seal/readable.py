@@ -104,9 +104,11 @@ def trimmed(value: float) -> str:
     return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
 
 
-def flow(leak_rate: float) -> str:
-    """A leak rate with the unit that suits it."""
-    return "none, sealed" if leak_rate == 0 else quantity("flow", leak_rate)
+def flow(leak_rate: float, *, claimed: bool = True) -> str:
+    """A leak rate with the unit that suits it; only a zero that may be claimed is called sealed."""
+    if leak_rate == 0:
+        return "none, sealed" if claimed else "zero, as calculated"
+    return quantity("flow", leak_rate)
 
 
 def percent(share: float | None, digits: int = 2) -> str:

@@ -177,7 +177,9 @@ def variant_table(result: SealResult) -> ReadableTable:
             quantity("contact pressure", variant.peak_pressure),
             quantity("length", variant.fwhm),
             quantity("length", variant.std),
-            "–" if variant.leak_rate is None else flow(variant.leak_rate),
+            "–"
+            if variant.leak_rate is None
+            else flow(variant.leak_rate, claimed=not result.strongest.validity.outside),
         )
         for variant in result.interface_variants
     ]

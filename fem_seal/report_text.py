@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 # Share of the pressure drop whose place is called the seal proper: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
-# Outside the theory nothing is called sealed.
-_ZERO = "zero, as calculated"
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ def _facts(result: SealResult, load: LoadResult) -> list[Fact]:
         ),
     ]
     if load.critical_separation is not None:
-        closed = _ZERO if load.validity.outside else "sealed"
+        closed = "zero, as calculated" if load.validity.outside else "sealed"
         narrow = closed if load.critical_separation == 0 else quantity("length", load.critical_separation)
         found.append(
             Fact("Narrowest place on the leak path", narrow, "critical separation at the peak pressure")
@@ -88,7 +86,7 @@ def _facts(result: SealResult, load: LoadResult) -> list[Fact]:
     if imprint := imprint_in_words(result):
         found.append(Fact("Lasting imprint", *imprint))
     if load.leak is not None:
-        rate = _ZERO if load.validity.outside and load.leak.leak_rate == 0 else flow(load.leak.leak_rate)
+        rate = flow(load.leak.leak_rate, claimed=not load.validity.outside)
         found.insert(0, Fact("Leak rate", rate, per_day(load.leak.leak_rate)))
         read = leakage_of(result.case, load)
         assert read is not None  # a leak rate has its units
@@ -140,14 +138,15 @@ def headline(result: SealResult) -> str:
 
 
 def _how_sure(result: SealResult) -> str:
-    """Which loads are outside the theory, or doubtful, a sentence for the headline; empty if all are valid."""
+    """Which loads are outside the theory and which doubtful, a sentence for the headline; empty if all are valid."""
+    told = []
     for level in (Level.OUTSIDE, Level.DOUBTFUL):
         found = [load for load in result.loads if load.validity.level is level]
         if found:
-            worst = max(found, key=lambda load: load.point)
-            every = "" if len(result.loads) == 1 else f" at {_named(found, result.loads)}"
-            return f" This result is {level}{every}: {_why(worst.validity)}."
-    return ""
+            highest = max(found, key=lambda load: load.point)
+            at = "" if len(result.loads) == 1 else f" at {_named(found, result.loads)}"
+            told.append(f"{level}{at} ({_why(highest.validity)})")
+    return f" The result is {', '.join(told)}." if told else ""
 
 
 def _named(loads: Sequence[LoadResult], among: Sequence[LoadResult]) -> str:

@@ -11,11 +11,17 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from sample_results import rough_result, single_result, smooth_result
+from sample_results import STEEL, case, rough_result, single_result, smooth_result
 
+import fem_seal
+from fem_seal import report_tables, report_text
+from fem_seal.caution import Caution, Level, Validity
+from fem_seal.closed_forms import profile_sizes
+from fem_seal.derived import derive
 from fem_seal.pictures import logarithmic, number_dots, panels
 from fem_seal.report import report
 from fem_seal.results import SealResult
+from fem_seal.summary import summary
 
 FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}
 ALL_PICTURES = {
@@ -242,3 +248,110 @@ def test_all_result_files_are_written(tmp_path: Path):
         *(f"contact_line_{n:03}.vtp" for n in range(3)),
     }
     assert mine.read_text() == "mine"
+
+
+# ---------------------------------------------------------------- how far it can be trusted
+
+
+def judged(result, *levels):
+    """A result with loads of these levels."""
+    return replace(
+        result,
+        loads=tuple(
+            replace(load, validity=Validity(() if level is Level.VALID else (said(level),)))
+            for load, level in zip(result.loads, levels, strict=True)
+        ),
+    )
+
+
+def said(level):
+    return Caution("kind", level, "seat: 7.4 times its yield stress", "A sentence.")
+
+
+def leakless(result):
+    """The same loads, none of which leaks."""
+    return replace(
+        result,
+        loads=tuple(
+            replace(load, leak=replace(load.leak, leak_rate=0.0), critical_separation=0.0)
+            for load in result.loads
+        ),
+    )
+
+
+def test_tiles_carry_the_validity_and_no_class_is_claimed_outside_the_theory():
+    outside = judged(leakless(rough_result()), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)
+    tiles = report_text.facts(outside)
+    assert {tile.level for tile in tiles} == {Level.OUTSIDE}
+    assert not any("sealed" in tile.value or "ISO" in tile.value + tile.remark for tile in tiles)
+    (of_class,) = [tile for tile in tiles if tile.name.startswith("Leakage class")]
+    assert of_class.value == "not claimed"
+    page = Page(report(outside))
+    classes = [attributes.get("class") for tag, attributes in page.tags if tag == "li"]
+    assert classes.count("outside") == len(tiles)
+    assert page.text.count("outside theory") == 0 and page.text.count("outside the theory") > len(tiles)
+    doubtful = report_text.facts(judged(rough_result(), Level.VALID, Level.VALID, Level.DOUBTFUL))
+    assert {tile.level for tile in doubtful} == {Level.DOUBTFUL}
+    assert any("ISO 5208" in tile.value + tile.remark for tile in doubtful)
+
+
+def test_headline_claims_nothing_outside_the_theory():
+    result = leakless(rough_result())
+    assert report_text.headline(result).startswith("Sealed at every load up to 20 bar")
+    some = report_text.headline(judged(result, Level.VALID, Level.DOUBTFUL, Level.OUTSIDE))
+    assert "Sealed" not in some and "at an unknown rate at 20 bar" in some
+    assert "outside the theory at 20 bar (seat: 7.4 times its yield stress)" in some
+    assert "doubtful at 5 bar" in some
+    every = report_text.headline(judged(result, *[Level.OUTSIDE] * 3))
+    assert every.startswith("At 20 bar no leak rate can be claimed.") and "at every load" in every
+    assert "doubtful" not in report_text.headline(rough_result())
+
+
+def test_loads_and_their_reasons_stand_in_the_tables():
+    page = Page(report(judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)))
+    assert "How far each load can be trusted" in page.text
+    table = report_tables.load_table(
+        rough_result(), profile_sizes(rough_result(), derive(rough_result().case))
+    )
+    assert table.headings[-1] == "validity" and [row[-1] for row in table.rows] == ["valid"] * 3
+    assert "How far each load can be trusted" not in Page(report(rough_result())).text
+
+
+def test_summary_claims_no_class_outside_the_theory():
+    told = summary(judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE))
+    assert [one["validity"] for one in told["loads"]] == ["valid", "doubtful", "outside the theory"]
+    assert told["loads"][2]["validity_reasons"] == ["seat: 7.4 times its yield stress"]
+    assert set(told["leakage"][1]["classes"]) == {"ISO 5208", "API 598", "FCI 70-2"}
+    assert told["leakage"][2]["classes"] == {}
+    assert told["leakage"][2]["validity"] == "outside the theory"
+
+
+# ---------------------------------------------------------------- faces that fit each other
+
+
+@pytest.fixture(scope="module")
+def fitting():
+    """Cones of the same angle, with smooth faces: quick, and without any closed form."""
+    cone = {"shape": "cone", "angle": "45 deg", "material": STEEL}
+    return fem_seal.run(
+        case(
+            closure={**cone, "outer_radius": "10 mm", "inner_radius": "8 mm"},
+            seat=cone,
+            load={"fluid_pressure": ["5 bar", "20 bar"]},
+        )
+    )
+
+
+def test_where_no_closed_form_exists_none_is_announced(fitting, page):
+    told = Page(report(fitting))
+    profiles = told.pictures["profiles"].decode()
+    assert "closed forms" not in profiles and "Hertz" not in profiles
+    assert "closed forms for half-spaces" not in told.text and "follows Hertz" not in told.text
+    assert "closed forms" in page.pictures["profiles"].decode()
+    assert "closed forms for half-spaces" in page.text and "follows Hertz" in page.text
+
+
+def test_peak_pressure_is_the_largest_of_the_profile(fitting):
+    for result in (fitting, rough_result(), smooth_result()):
+        for load in result.loads:
+            assert load.contact.profile.peak_pressure >= load.contact.profile.pressure.max()

@@ -411,3 +411,82 @@ def test_the_table_of_the_command_line_is_never_cut(tmp_path, capsys, monkeypatc
         float(one) for line in table.splitlines() if line.startswith("line load") for one in line.split()[3:]
     ]
     assert all(earlier <= later for earlier, later in pairwise(numbers))
+
+
+# ---------------------------------------------------------------- validity
+
+
+def judged(designs, *levels):
+    """Designs of these levels."""
+    table = designs.table.copy()
+    table.insert(2, "validity", levels)
+    table.insert(3, "validity_reasons", ["" if one == "valid" else "too soft; too wide" for one in levels])
+    return Designs(table, designs.about)
+
+
+FOUR = {"load.axial_force": [10.0, 20.0, 30.0, 40.0], LEAK_RATE: np.array([4, 3, 2, 1]) * ML}
+LEVELS = ("valid", "doubtful", "outside the theory", "outside the theory")
+
+
+def test_front_course_and_best_leave_out_what_is_outside_the_theory():
+    columns = {**FOUR, PRESSURE: np.array([1.0, 2, 3, 4]) * 1e7}
+    goals = {LEAK_RATE: LEAK_RATE, PRESSURE: PRESSURE}
+    designs = judged(made([FORCE], columns, goals=goals, design={"optimise": True}), *LEVELS)
+    assert designs.best(10) == [1, 0]
+    assert designs.left_out == 2 and designs.levels == {"valid": 1, "doubtful": 1, "outside the theory": 2}
+    display = Display(designs)
+    others, front = plots_goals.pareto_plot(display).data
+    assert len(front.x) == 2 and len(others.x) == 0
+    course = plots_goals.search_plot(display)
+    assert [list(one.x) for one in course.data if one.name == "outside the theory"] == [[2, 3]] * 2
+    (small, _) = (one for one in course.data if one.name == "best so far")
+    assert small.y[-1] == pytest.approx(3)
+    assert "outside the theory: too soft" in display.hover(designs.done.index, [])[2]
+    shown = headings(designs)
+    assert "2 designs are left out, their numbers being outside the theory" in shown["Best designs"].note
+    assert shown["Best designs"].columns[-1] == "validity"
+    assert "without trials that are outside the theory" in shown["Search"].note
+    kept = judged(made([FORCE], columns, goals=goals, outside_theory="keep"), *LEVELS)
+    assert kept.best(10) == [3, 2, 1, 0] and kept.left_out == 0
+
+
+def test_constraints_and_theory_are_told_apart():
+    designs = judged(
+        made([FORCE], FOUR, constraints={"strong": "load.axial_force > 15"}, goals={LEAK_RATE: LEAK_RATE}),
+        *LEVELS,
+    )
+    assert designs.why_not_counted == "violate a constraint or are outside the theory"
+    good, bad = plots.response_plot(Display(designs)).data
+    assert len(good.x) == 1 and bad.name == "violates a constraint or outside the theory"
+    assert designs.best(10) == [1]
+    none = judged(made([FORCE], FOUR, goals={LEAK_RATE: LEAK_RATE}), *["outside the theory"] * 4)
+    assert headings(none)["Best designs"].note.startswith("No design is left. 4 designs are left out")
+
+
+def test_no_class_is_claimed_outside_the_theory():
+    tight = {"load.axial_force": [10.0, 20.0, 30.0, 40.0], LEAK_RATE: np.zeros(4)}
+    section = headings(judged(made([FORCE], tight), *LEVELS))["Leakage classes"]
+    assert {row[-1] for row in section.rows} == {"50 %"}
+    assert "Outside the theory no class is claimed" in section.note
+    assert (
+        "2 of them outside the theory"
+        in headings(judged(made([FORCE], FOUR), *LEVELS))["Distribution of the leak rate"].note
+    )
+
+
+def test_a_first_order_index_above_the_total_is_called_noise():
+    from dataclasses import replace
+
+    from fem_seal.studies.sections import _sobol
+
+    designs = sensitive("sobol-sensitivity")
+    (found, *_) = sensitivities(designs)
+    clean = replace(found, first=np.array([0.4, 0.1]), total=np.array([0.8, 0.3]))
+    assert not clean.noise.any()
+    section = _sobol(Display(designs), clean)
+    assert "noise" not in section.note and not any("noise" in cell for row in section.rows for cell in row)
+    noisy = replace(found, first=np.array([0.9, -0.1]), total=np.array([0.8, 0.3]))
+    section = _sobol(Display(designs), noisy)
+    assert [row[1] for row in section.rows] == ["0.9 (noise)", "−0.1 (noise)"]
+    assert "noise of the sample" in section.note
+    assert not replace(noisy, method="morris").noise.any()
