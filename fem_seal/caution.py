@@ -14,6 +14,11 @@ class Level(StrEnum):
     DOUBTFUL = "doubtful"
     OUTSIDE = "outside the theory"
 
+    @property
+    def mark(self) -> str:
+        """What stands beside such numbers in a table."""
+        return {"valid": "", "doubtful": "?"}.get(self, "!")
+
 
 _RANK = {level: rank for rank, level in enumerate(Level)}
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 # Wider than any table.
 _ENDLESS = 100_000
-# Marks of rows that are not simply valid.
-_MARKS = {Level.VALID: "", Level.DOUBTFUL: "?", Level.OUTSIDE: "!"}
 
 
 @dataclass(frozen=True)
@@ -64,16 +62,16 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
     # what tells the rows apart stays beside every part of a table that is too wide
     several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
     keys = 2 if several_forces and columns[1].key == "axial_force_N" else 1
-    if any(_MARKS[level] for level in levels):
+    if any(level.mark for level in levels):
         headings.insert(keys, "")
         for line, level in zip(cells, levels, strict=True):
-            line.insert(keys, _MARKS[level])
+            line.insert(keys, level.mark)
         keys += 1
     show_table(title, headings, cells, keys)
-    for level, mark in _MARKS.items():
-        if mark and level in levels:
+    for level in Level:
+        if level.mark and level in levels:
             what = "the numbers claim nothing" if level is Level.OUTSIDE else "the numbers are less sure"
-            print(f"  {mark} {level}, {what}; why: validity_reasons in leak.csv")  # noqa: T201
+            print(f"  {level.mark} {level}, {what}; why: validity_reasons in leak.csv")  # noqa: T201
 
 
 def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -88,7 +86,10 @@ def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]]) -> None:
         return
     pressure = row["fluid_pressure_Pa"]
     forces = {one.get("applied_force_N") for one in rows if one["fluid_pressure_Pa"] == pressure}
-    for line in leakage_lines(case, row, name_force=len(forces) > 1):
+    force = row.get("applied_force_N") if len(forces) > 1 else None
+    level, reason = row["validity"], next(iter(row["validity_reasons"]), "")
+    told = leakage_lines(case, pressure, row["leak_rate_m3_per_s"], force, level=level, reason=reason)
+    for line in told:
         print(line)  # noqa: T201
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -225,26 +224,35 @@ def classes_in_words(found: Leakage) -> str:
     return "; ".join([*([", ".join(met)] if met else []), *missed])
 
 
-def leakage_lines(case: Case, row: Mapping[str, Any], *, name_force: bool = False) -> list[str]:
+def leakage_lines(
+    case: Case,
+    fluid_pressure: float,
+    leak_rate: float,
+    applied_force: float | None = None,
+    *,
+    level: str = Level.VALID,
+    reason: str = "",
+) -> list[str]:
     """Two lines for the command line about one load.
 
     Parameters
     ----------
     case : Case
-    row : mapping
-        Of leak.csv, with a leak rate.
-    name_force : bool
-        Whether the force of spring or actuator tells the load from others.
+    fluid_pressure, leak_rate : float
+        [Pa], [m^3/s].
+    applied_force : float, optional
+        [N], where the force tells the load from others.
+    level, reason : str
+        How far the leak rate can be trusted, and why no further.
     """
-    at = given("fluid pressure", row["fluid_pressure_Pa"])
-    if name_force:
-        at = f"{at} with {given('force', row['applied_force_N'])}"
-    level, reasons = row["validity"], row["validity_reasons"]
-    doubt = "" if level == Level.VALID else f" ({level}: {reasons[0]})"
     outside = level == Level.OUTSIDE
-    found = leakage(case, row["fluid_pressure_Pa"], row["leak_rate_m3_per_s"], claimed=not outside)
+    found = leakage(case, fluid_pressure, leak_rate, claimed=not outside)
+    at = given("fluid pressure", fluid_pressure)
+    if applied_force is not None:
+        at = f"{at} with {given('force', applied_force)}"
+    doubt = f" ({level}: {reason})" if reason else ""
+    why = ", because the leak rate is outside the theory" if outside else ""
     return [
         f"Leak rate at {at}: {in_words(found)}{doubt}",
-        f"Leakage class for {nominal_size(case)}: {classes_in_words(found)}"
-        + (", because the leak rate is outside the theory" if outside else ""),
+        f"Leakage class for {nominal_size(case)}: {classes_in_words(found)}{why}",
     ]

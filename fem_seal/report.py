@@ -106,6 +106,7 @@ def _words(result: SealResult, derived: Derived, sizes: Mapping[str, Sizes]) -> 
         "facts": report_text.facts(result),
         "reasons": report_text.reasons(result, derived),
         "warnings": result.warnings,
+        "marks": report_tables.marks_in_words(result),
         "validity": report_tables.validity_table(result),
         "seal_groups": report_case.seal_groups(result),
         "surface_groups": report_case.surface_groups(result),

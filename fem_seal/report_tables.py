@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem_seal.caution import Level
 from fem_seal.load_names import load_name
 from fem_seal.readable import Unit, flow, number, quantity, trimmed, unit_for
 
@@ -55,10 +56,19 @@ def load_table(result: SealResult, sizes: Mapping[str, Sizes]) -> ReadableTable:
     if result.surface is None or result.surface.hardness is None:
         columns = [column for column in columns if not column.name.endswith("elastic")]
     table = columns_table(columns)
-    return ReadableTable(
-        (*table.headings, "validity"),
-        tuple((*row, str(load.validity.level)) for row, load in zip(table.rows, loads, strict=True)),
+    # with a mark and not a column more: the page is full
+    rows = (
+        (f"{first} {load.validity.level.mark}".rstrip(), *others)
+        for (first, *others), load in zip(table.rows, loads, strict=True)
     )
+    return ReadableTable(table.headings, tuple(rows))
+
+
+def marks_in_words(result: SealResult) -> str:
+    """What the marks in the table of the loads mean; empty without any."""
+    found = [level for level in Level if any(load.validity.level is level for load in result.loads)]
+    told = [f"{level.mark} {level}" for level in found if level.mark]
+    return f" {', '.join(told)}." if told else ""
 
 
 def validity_table(result: SealResult) -> ReadableTable:

@@ -495,7 +495,12 @@ def _dense_gas(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> It
 
 
 def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution]:
-    worst = max(error.peak_pressure, error.std, error.leak_rate or 0.0)
+    estimates = (error.peak_pressure, error.std, error.leak_rate or 0.0)
+    if not all(math.isfinite(one) for one in estimates):
+        reason = "discretisation error not estimated"
+        yield Caution("mesh", Level.DOUBTFUL, reason, f"the {reason}: how much the mesh changes is not known")
+        return
+    worst = max(estimates)
     if yielding_bodies(model):
         if worst > _LARGEST_ERROR_OF_PATH:
             yield Caution(

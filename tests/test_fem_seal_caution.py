@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -217,3 +218,37 @@ def test_a_peak_at_the_end_of_the_profile_is_its_largest_value():
         profile = PressureProfile(x, 0.01 + x, pressure, np.zeros(21), np.full(21, 5e-5))
         assert profile.peak_pressure >= pressure.max()
         assert profile.peak_pressure == pytest.approx(pressure.max(), rel=0.05)
+
+
+def test_limits_are_those_of_the_documentation():
+    text = (Path(__file__).parents[1] / "docs" / "validity.md").read_text(encoding="utf-8")
+    rows = {cells[1].strip(): cells[2:4] for line in text.splitlines() if len(cells := line.split("|")) == 5}
+
+    def limits(start):
+        (row,) = [cells for name, cells in rows.items() if name.startswith(start)]
+        return [cell.strip() for cell in row]
+
+    assert limits("von Mises stress of a body") == ["above 1", f"above {validity._LARGEST_EXCESS:g}"]
+    assert limits("pressure at the end of a face") == [
+        f"above {validity._CUT_OFF:.0e}".replace("e-06", "e-6"),
+        f"above {100 * validity._MUCH_CUT_OFF:g} %",
+    ]
+    assert limits("plastic strain, for")[1] == f"above {100 * validity._LARGE_STRAIN:g} %"
+    assert limits("peak pressure over")[0].startswith(f"above {validity._NEAR_HARDNESS:g},")
+    assert limits("fluid pressure over") == [
+        f"above {validity.FLUID_OPENS:g}",
+        f"above {validity._FLUID_LIFTS:g}",
+    ]
+    assert limits("few channels")[0] == f"above {validity._FEW_CHANNELS:g}"
+    assert limits("width of the contact")[0] == f"above {validity._NARROW:g}"
+    assert limits("share of the height")[0] == f"above {100 * validity._LONG_WAVES:g} %"
+    errors = f"above {100 * validity._LARGEST_ERROR:g} %; {100 * validity._LARGEST_ERROR_OF_PATH:g} %"
+    assert limits("discretisation error")[0].startswith(errors)
+
+
+def test_a_mesh_error_that_is_not_known_is_no_clean_bill():
+    from fem_seal.results import DiscretisationError
+
+    result, unknown = rough_result(), DiscretisationError(math.nan, math.nan, math.nan, None)
+    found = load_validity(result.case, result.loads[0], result.surface, unknown)
+    assert found.reasons == ("discretisation error not estimated",)

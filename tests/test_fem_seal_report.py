@@ -313,7 +313,11 @@ def test_loads_and_their_reasons_stand_in_the_tables():
     table = report_tables.load_table(
         rough_result(), profile_sizes(rough_result(), derive(rough_result().case))
     )
-    assert table.headings[-1] == "validity" and [row[-1] for row in table.rows] == ["valid"] * 3
+    assert [row[0] for row in table.rows] == ["2", "5", "20"]
+    marked = judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)
+    table = report_tables.load_table(marked, profile_sizes(marked, derive(marked.case)))
+    assert [row[0] for row in table.rows] == ["2", "5 ?", "20 !"]
+    assert "in leak.csv. ? doubtful, ! outside the theory." in page.text
     assert "How far each load can be trusted" not in Page(report(rough_result())).text
 
 
