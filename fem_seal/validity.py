@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_seal.caution import Caution, Level, Validity
 from fem_seal.elastoplastic_contact import yielding_bodies
@@ -19,10 +20,12 @@ if TYPE_CHECKING:
     from fem_seal.case_tables import Load
     from fem_seal.condensation import ContactModel
     from fem_seal.results import DiscretisationError, GivenLoad, LoadResult, TargetContact
-    from leak import RoughContact
+    from leak import PowerSpectrum
 
     Solved: TypeAlias = LoadResult | TargetContact
     Loaded: TypeAlias = Solved | GivenLoad
+
+FloatArray = NDArray[np.float64]
 
 # von Mises stress over the yield stress of a body that is solved as elastic from which on the contact is another one.
 _LARGEST_EXCESS = 1.5
@@ -54,12 +57,35 @@ _LARGE_STRAIN = 0.1
 _NARROW = 0.2
 
 
+class Surface(Protocol):
+    """What the checks ask of a rough contact."""
+
+    @property
+    def spectrum(self) -> PowerSpectrum:
+        """Of the combined roughness."""
+
+    @property
+    def percolation_threshold(self) -> float:
+        """A/A0 from which on no path is open."""
+
+    @property
+    def sealing_pressure(self) -> float:
+        """Nominal pressure at which it is reached [Pa]."""
+
+    @property
+    def peklenik(self) -> float:
+        """Correlation length along the flow over that across it."""
+
+    def contact_area(self, pressure: float, /) -> FloatArray | float:
+        """A/A0 under a nominal pressure [Pa]."""
+
+
 def contact_cautions(
     case: Case,
     model: ContactModel,
     loads: Sequence[LoadResult],
     error: DiscretisationError,
-    surface: RoughContact | None = None,
+    surface: Surface | None = None,
 ) -> tuple[Caution, ...]:
     """Everything that a user should know before believing the result, one caution of each kind for all loads.
 
@@ -76,7 +102,7 @@ def contact_cautions(
 
 
 def load_cautions(
-    case: Case, model: ContactModel, loads: Sequence[LoadResult], surface: RoughContact | None = None
+    case: Case, model: ContactModel, loads: Sequence[LoadResult], surface: Surface | None = None
 ) -> Iterator[Caution]:
     """What the numbers of the loads themselves say against them, without mesh and roughness.
 
@@ -96,7 +122,7 @@ def load_cautions(
 
 
 def _interface_cautions(
-    case: Case, surface: RoughContact, loads: Sequence[LoadResult | GivenLoad]
+    case: Case, surface: Surface, loads: Sequence[LoadResult | GivenLoad]
 ) -> Iterator[Caution]:
     interface = (_sealed, _nearly_sealed, _range, _long_waves)
     flow = () if case.fluid is None else (_molecules, _fluid_opens, _dense_gas)
@@ -106,7 +132,7 @@ def _interface_cautions(
 def load_validity(
     case: Case,
     load: LoadResult,
-    surface: RoughContact | None = None,
+    surface: Surface | None = None,
     error: DiscretisationError | None = None,
 ) -> Validity:
     """How far the numbers of one load can be trusted, by its own checks alone.
@@ -126,7 +152,7 @@ def load_validity(
     return Validity.of((*_of_surface(case), *own, *mesh, *_of_target(load)))
 
 
-def profile_validity(case: Case, surface: RoughContact, load: GivenLoad) -> Validity:
+def profile_validity(case: Case, surface: Surface, load: GivenLoad) -> Validity:
     """How far the leak rate of a given pressure profile can be trusted; of its bodies nothing is known.
 
     Parameters
@@ -145,7 +171,7 @@ def profile_validity(case: Case, surface: RoughContact, load: GivenLoad) -> Vali
     )
 
 
-def target_cautions(case: Case, surface: RoughContact, answers: Sequence[TargetContact]) -> Iterator[Caution]:
+def target_cautions(case: Case, surface: Surface, answers: Sequence[TargetContact]) -> Iterator[Caution]:
     """What a user should know before believing the force for a target leak rate.
 
     Parameters
@@ -163,7 +189,7 @@ def target_cautions(case: Case, surface: RoughContact, answers: Sequence[TargetC
         yield replace(caution, text=text)
 
 
-def target_validity(case: Case, surface: RoughContact, answer: TargetContact) -> Validity:
+def target_validity(case: Case, surface: Surface, answer: TargetContact) -> Validity:
     """How far the force for a target leak rate can be trusted at one fluid pressure.
 
     Parameters
@@ -176,7 +202,7 @@ def target_validity(case: Case, surface: RoughContact, answer: TargetContact) ->
     return Validity.of(_at_target(case, surface, [answer]))
 
 
-def _at_target(case: Case, surface: RoughContact, answers: Sequence[TargetContact]) -> Iterator[Caution]:
+def _at_target(case: Case, surface: Surface, answers: Sequence[TargetContact]) -> Iterator[Caution]:
     model = answers[0].contact.model
     bodies, interface = (_yielding, _cut_off, _wide, _above_hardness), (_nearly_sealed, _molecules)
     yield from (caution for check in bodies for caution in check(case, model, answers))
@@ -338,7 +364,7 @@ def _above_hardness(case: Case, model: ContactModel | None, loads: Sequence[Load
     )
 
 
-def _sealed(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _sealed(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     tight = [load for load in loads if load.contact.profile.peak_pressure >= surface.sealing_pressure]
     if tight:
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
@@ -355,7 +381,7 @@ def _sealed(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Itera
         )
 
 
-def _nearly_sealed(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _nearly_sealed(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     leaky = [load for load in loads if load.contact.profile.peak_pressure < surface.sealing_pressure]
     if not leaky:
         return
@@ -391,7 +417,7 @@ def _lay_factor(area: float, peklenik: float) -> float:
     return float(peklenik ** -next(exponent for limit, exponent in _LAY_ACROSS if area <= limit))
 
 
-def _range(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _range(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.std)
     std, q_low = load.contact.profile.std, surface.spectrum.q_low
     if q_low * std > 1:
@@ -407,7 +433,7 @@ def _range(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterat
         )
 
 
-def _long_waves(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _long_waves(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     load = min(loads, key=lambda load: load.contact.profile.std)
     std, spectrum = load.contact.profile.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
@@ -422,7 +448,7 @@ def _long_waves(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> I
         )
 
 
-def _molecules(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _molecules(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     from leak.molecular_size import molecular_size
 
     assert case.fluid is not None
@@ -440,9 +466,7 @@ def _molecules(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> It
         )
 
 
-def _fluid_opens(
-    case: Case, surface: RoughContact, loads: Sequence[LoadResult | GivenLoad]
-) -> Iterator[Caution]:
+def _fluid_opens(case: Case, surface: Surface, loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
     if case.leak.fluid_in_gap == "local":
         yield from _blown_open(loads)
     if case.leak.fluid_in_gap == "local" or case.load.closing == "penetration":
@@ -477,7 +501,7 @@ def _blown_open(loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
         )
 
 
-def _dense_gas(case: Case, surface: RoughContact, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _dense_gas(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     assert case.fluid is not None
     gas = case.fluid.gas
     if gas is None:

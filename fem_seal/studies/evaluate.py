@@ -27,14 +27,16 @@ from fem_seal.loads import blow_off_of_sealed_area
 from fem_seal.profile import PressureProfile
 from fem_seal.results import LoadResult
 from fem_seal.studies.shared_models import shared_model
-from fem_seal.studies.surface_family import family_law, family_table
+from fem_seal.studies.surface_family import TabulatedSurface, family_law, family_table
 from fem_seal.validity import load_validity
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from leak import LeakResult, RoughContact
+    from leak import ConductivityTable, LeakResult, RoughContact
     from meshes import Sizing
 
+# u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
+_NARROW = 20e-9
 # The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
 # leaves. Mostly Newton's last step falls far below it.
 _SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
@@ -74,7 +76,7 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
     design = _Design(case, can_yield or "max_von_mises_Pa" in columns, interpolate)
     values = {column: FAST[column](design) for column in columns}
-    return Evaluation(values, load_validity(case, design.load, design.surface))
+    return Evaluation(values, load_validity(case, design.load, design.judged_surface))
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -193,14 +195,38 @@ class _Design:
     def _leak(self, surface: RoughContact | None) -> LeakResult | None:
         if surface is None or self.case.fluid is None:
             return None
-        shared = family_table(self.case, surface, self.contact) if self.interpolate else None
+        shared = self._family_table if surface is self.surface else self._shared_table(surface)
         table = shared or pipeline.conductivity_table(self.case, surface, [self.contact])
         return pipeline.leak_of_contact(self.case, table, self.contact, self.pressure)
+
+    def _shared_table(self, surface: RoughContact) -> ConductivityTable | None:
+        return family_table(self.case, surface, self.contact) if self.interpolate else None
+
+    @cached_property
+    def _family_table(self) -> ConductivityTable | None:
+        known = self.surface is not None and self.case.fluid is not None
+        return self._shared_table(self.surface) if known and self.surface is not None else None
+
+    @property
+    def judged_surface(self) -> RoughContact | TabulatedSurface | None:
+        """The surface as the checks of a load ask of it."""
+        table = self._family_table
+        if self.surface is None or table is None:
+            return self.surface
+        return TabulatedSurface(self.surface, table.sealing_pressure)
+
+    @property
+    def _narrow(self) -> bool:
+        """Whether the gap at the peak is small enough to compare it with molecules."""
+        table = self._family_table
+        peak = self.profile.peak_pressure
+        return table is None or float(table.effective_separation(min(peak, table.p_max))) < _NARROW
 
     @cached_property
     def load(self) -> LoadResult:
         """What the checks of a load look at."""
-        contact, separation = self.contact, self.critical_separation(self.surface)
+        contact = self.contact
+        separation = self.critical_separation(self.surface) if self._narrow else math.nan
         return LoadResult(
             fluid_pressure=self.pressure,
             axial_force=contact.axial_force,

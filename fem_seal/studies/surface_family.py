@@ -67,6 +67,40 @@ class ScaledLaw:
         return self.height * self.law.decay_length(log_pressure - math.log(self.pressure))
 
 
+@dataclass(frozen=True)
+class TabulatedSurface:
+    """A surface whose sealing pressure is that of its table: to look for it takes longer than a design.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    sealing_pressure : float
+        [Pa]
+    """
+
+    surface: RoughContact
+    sealing_pressure: float
+
+    @property
+    def spectrum(self) -> PowerSpectrum:
+        """Of the surface."""
+        return self.surface.spectrum
+
+    @property
+    def percolation_threshold(self) -> float:
+        """Of the surface."""
+        return self.surface.percolation_threshold
+
+    @property
+    def peklenik(self) -> float:
+        """Of the surface."""
+        return self.surface.peklenik
+
+    def contact_area(self, pressure: float) -> FloatArray | float:
+        """Relative contact area A/A0 at a nominal pressure [Pa]."""
+        return self.surface.contact_area(pressure)
+
+
 def family_law(surface: RoughContact) -> ScaledLaw:
     """The elastic p(u) of a surface, exact, from the law of its shape.
 
