@@ -70,8 +70,8 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
     show_table(title, headings, cells, keys)
     for level in Level:
         if level.mark and level in levels:
-            what = "the numbers claim nothing" if level is Level.OUTSIDE else "the numbers are less sure"
-            print(f"  {level.mark} {level}, {what}; why: validity_reasons in leak.csv")  # noqa: T201
+            what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
+            print(f"  {level.mark} {level}: {what}; why, says validity_reasons in leak.csv")  # noqa: T201
 
 
 def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]]) -> None:

@@ -126,8 +126,8 @@ def test_marks_have_a_legend_and_valid_rows_none(capsys, monkeypatch):
     clean = shown(capsys, monkeypatch, [row()])
     assert "!" not in clean and "?" not in clean and "validity" not in clean
     text = shown(capsys, monkeypatch, ROWS)
-    assert "! outside the theory, the numbers claim nothing" in text
-    assert "? doubtful, the numbers are less sure" in text
+    assert "! outside the theory: nothing may be claimed" in text
+    assert "? doubtful: uncertain" in text
     assert "? doubtful" not in shown(capsys, monkeypatch, [ROWS[0], ROWS[2]])
 
 

@@ -136,7 +136,7 @@ def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference_
 )
 def test_the_factor_knows_the_lay(peklenik, area, words):
     surface = replace(SURFACE, peklenik=peklenik)
-    found = " ".join(validity._nearly_sealed(case(), surface, [load(peak=pressure_at(area))]))
+    found = said(validity._nearly_sealed, [load(peak=pressure_at(area))], surface)
     assert words in found
     assert bool(found) == bool(words)
 
