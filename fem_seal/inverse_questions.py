@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.afterwards import Afterwards
 from fem_seal.case_flow import CaseFlow
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.contact_zone import solve_fitted
@@ -134,7 +136,7 @@ def blow_off_pressures(case: Case) -> FloatArray:
 
 
 def with_answers(
-    solver: LoadSolver, loads: Sequence[LoadResult]
+    solver: LoadSolver, loads: Sequence[LoadResult], after: Afterwards
 ) -> tuple[tuple[LoadResult, ...], tuple[str, ...]]:
     """Loads with effective radius, blow-off pressure and force for the target, and what to know before believing them.
 
@@ -143,22 +145,26 @@ def with_answers(
     solver : LoadSolver
         Of the model on which the loads were solved.
     loads : sequence of LoadResult
+    after : Afterwards
+        Told which question found no answer.
     """
     case = solver.case
     penetrates = case.load.closing == "penetration"
     asked = penetrates or case.load.pressure_side == "inner"
-    forces: list[float | None] = [None] * len(loads)
-    remarks: tuple[str, ...] = ()
-    if case.load.target_leak_rate is not None:
-        try:
-            found = _contacts_at_target(case)
-        except InputError as error:
-            remarks = tuple(str(problem) for problem in error.problems)
-        else:
-            forces = [one.applied_force for one in found]
-            remarks = tuple(target_warnings(case, _flow(solver).surface, found))
+    forces, remarks = after.get(
+        "force for the target leak rate",
+        lambda: _forces_for_target(solver, len(loads)),
+        ([None] * len(loads), ()),
+    )
     springs = dict.fromkeys(load.applied_force for load in loads) if asked else ()
-    opens = {spring: solver.blow_off_pressure(spring) for spring in springs}
+    opens = {
+        spring: after.get(
+            f"pressure that opens the seal under {spring:.6g} N",
+            partial(solver.blow_off_pressure, spring),
+            None,
+        )
+        for spring in springs
+    }
     return tuple(
         replace(
             load,
@@ -168,6 +174,19 @@ def with_answers(
         )
         for load, force in zip(loads, forces, strict=True)
     ), remarks
+
+
+def _forces_for_target(solver: LoadSolver, count: int) -> tuple[list[float | None], tuple[str, ...]]:
+    """Force for the target leak rate at each load, None where there is none, and what to know before believing it."""
+    case = solver.case
+    if case.load.target_leak_rate is None:
+        return [None] * count, ()
+    try:
+        found = _contacts_at_target(case)
+    except InputError as error:
+        return [None] * count, tuple(str(problem) for problem in error.problems)
+    forces: list[float | None] = [one.applied_force for one in found]
+    return forces, tuple(target_warnings(case, _flow(solver).surface, found))
 
 
 def expected_contact_force(case: Case, law: Law, fluid_pressure: float, target: float) -> float:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from fem_seal.readable import given, number, quantity
+from fem_seal.readable import given, quantity, worth
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from fem_seal.results import LoadResult, SealResult
+    from fem_seal.results import SealResult
     from leak import LeakageClass
     from leak.leakage_class import Standard
 
@@ -123,24 +120,6 @@ def leakage(case: Case, fluid_pressure: float, leak_rate: float) -> Leakage:
     )
 
 
-def knudsen_number(result: SealResult, load: LoadResult) -> float:
-    """Mean free path of a gas over u_eff at the peak of the contact pressure; NaN where sealed.
-
-    Parameters
-    ----------
-    result : SealResult
-        Of a case with a gas.
-    load : LoadResult
-    """
-    fluid, surface = result.case.fluid, result.surface
-    if fluid is None or fluid.gas is None or surface is None or load.leak is None or load.leak.leak_rate == 0:
-        return math.nan
-    peak = int(np.argmax(load.contact.profile.pressure))
-    pressure = (fluid.outlet_pressure or 0.0) + float(load.leak.fluid_pressure[peak])
-    gap = surface.effective_separation(load.contact.profile.pressure[peak], result.case.leak.conductivity)
-    return fluid.gas.mean_free_path(max(pressure, 1e-300)) / float(gap)
-
-
 def leakage_table(result: SealResult) -> list[dict[str, Any]]:
     """Units and classes of all loads as plain numbers and texts; empty without a leak rate."""
     case = result.case
@@ -169,23 +148,23 @@ def standards_used(result: SealResult) -> list[Standard]:
     ]
 
 
-def in_words(found: Leakage) -> str:
+def in_words(found: Leakage, digits: int = 3) -> str:
     """The leak rate in the units of its kind: "1.2 ml/min = 19 drops/min = 20 mg/s"."""
     from leak import drops_per_minute, millibar_litres_per_second, millilitres_per_minute
 
     if found.throughput is not None and found.standard_leak_rate is not None:
         parts = [
-            f"{number(millibar_litres_per_second(found.throughput))} mbar l/s",
-            f"{number(found.throughput)} Pa m³/s",
-            f"{number(millilitres_per_minute(found.standard_leak_rate))} standard ml/min (0 °C, 1.01325 bar)",
+            f"{worth(millibar_litres_per_second(found.throughput), digits)} mbar l/s",
+            f"{worth(found.throughput, digits)} Pa m³/s",
+            f"{worth(millilitres_per_minute(found.standard_leak_rate), digits)} standard ml/min (0 °C, 1.01325 bar)",
         ]
     else:
         parts = [
-            f"{number(millilitres_per_minute(found.leak_rate))} ml/min",
-            f"{number(drops_per_minute(found.leak_rate))} drops/min",
+            f"{worth(millilitres_per_minute(found.leak_rate), digits)} ml/min",
+            f"{worth(drops_per_minute(found.leak_rate), digits)} drops/min",
         ]
     if found.mass_flow is not None:
-        parts.append(f"{number(found.mass_flow)} kg/s")
+        parts.append(f"{worth(found.mass_flow, digits)} kg/s")
     return " = ".join(parts)
 
 
@@ -197,7 +176,7 @@ def classes_in_words(found: Leakage) -> str:
 
 
 def leakage_lines(
-    case: Case, fluid_pressure: float, leak_rate: float, applied_force: float | None = None
+    case: Case, fluid_pressure: float, leak_rate: float, applied_force: float | None = None, digits: int = 3
 ) -> list[str]:
     """Two lines for the command line about one load, which is named by its force as well if one is given."""
     found = leakage(case, fluid_pressure, leak_rate)
@@ -205,6 +184,6 @@ def leakage_lines(
     if applied_force is not None:
         at = f"{at} with {given('force', applied_force)}"
     return [
-        f"Leak rate at {at}: {in_words(found)}",
+        f"Leak rate at {at}: {in_words(found, digits)}",
         f"Leakage class for {nominal_size(case)}: {classes_in_words(found)}",
     ]

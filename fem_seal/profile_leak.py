@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fem_seal.atomic_files import write_text
 from fem_seal.errors import InputError, Problem
 from fem_seal.fluid_flow import flow_table, leak_of_profile
@@ -28,6 +30,8 @@ COLUMNS = (
     "leak_rate_kg_per_s",
     "leak_rate_Pa_m3_per_s",
 )
+# Radii of a profile that this program wrote are those of its seat up to the digits of the file.
+_SAME_RADIUS = 1e-7
 
 
 def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[dict[str, float]]:
@@ -110,7 +114,19 @@ def _leak_rate(
     x, radius = profile.x, profile.radius
     if radius is None:
         radius = case.contact.radius(x)
-    return float(leak_of_profile(case, table, x, profile.pressure, fluid_pressure, radius).leak_rate)
+    ends = _ends(case, profile)
+    return float(leak_of_profile(case, table, x, profile.pressure, fluid_pressure, radius, ends).leak_rate)
+
+
+def _ends(case: Case, profile: ImportedProfile) -> tuple[float, float] | None:
+    """Where the faces of the case end, if the profile is one on its seat: with the x of this program, or its radii."""
+    ends, x = case.contact.reach, profile.x
+    if not ends[0] <= x[0] < x[-1] <= ends[1]:
+        return None
+    if profile.radius is None:
+        return ends
+    same = np.allclose(profile.radius, case.contact.radius(x), rtol=_SAME_RADIUS, atol=0.0)
+    return ends if same else None
 
 
 def write_rows(rows: Sequence[dict[str, float]], path: Path) -> None:

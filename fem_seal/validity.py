@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from fem_seal.elastoplastic_contact import yielding_bodies
 from fem_seal.load_names import load_name
+from fem_seal.readable import number
 from fem_seal.yielding import PlasticZone, YieldedZone, yielding_of
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from fem_seal.case_tables import Load
     from fem_seal.condensation import ContactModel
     from fem_seal.results import DiscretisationError, LoadResult, TargetContact
     from leak import RoughContact
 
     Loaded: TypeAlias = LoadResult | TargetContact
 
+# Share of what acts that is left to opening below which the contact force is a small difference of large ones.
+_NEAR_OPENING = 0.05
 # Pressure at the ends of the contact zone over the peak pressure above which contact is cut off.
 _CUT_OFF = 1e-6
 _LARGEST_ERROR = 2e-3
@@ -62,7 +64,7 @@ def contact_warnings(
     surface : RoughContact, optional
         The case's rough contact.
     """
-    bodies = (_yielding, _table_left, _cut_off, _wide, _above_hardness)
+    bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _above_hardness)
     interface = () if surface is None else (_sealed, _nearly_sealed, _range, _long_waves)
     flow = () if surface is None or case.fluid is None else (_molecules, _fluid_opens, _dense_gas)
     return (
@@ -94,36 +96,19 @@ def target_warnings(case: Case, surface: RoughContact, answers: Sequence[TargetC
         yield f"at the force for the target leak rate, {' to '.join(named)}: {text}"
 
 
-def left_out(load: Load, open_loads: Mapping[int, str]) -> Iterator[str]:
-    """Which loads have no result since the fluid opens the seal: one sentence for each force, or for all of a path.
-
-    Parameters
-    ----------
-    load : Load
-    open_loads : mapping
-        Number of each load that is left out, with the reason.
-    """
-    points = {number: load.points[number] for number in open_loads}
-    if len(set(load.fluid_pressure)) == 1 and points:
-        strongest = max(points, key=lambda number: points[number][1])
-        weaker = {force for _, force in points.values()} - {points[strongest][1]}
-        yield f"{open_loads[strongest]}. This load is left out{_others('with', weaker, 'N')}"
-        return
-    for spring in dict.fromkeys(force for _, force in points.values()):
-        numbers = [number for number, (_, force) in points.items() if force == spring]
-        lowest = min(numbers, key=lambda number: load.fluid_pressure[number])
-        higher = {load.fluid_pressure[number] / 1e5 for number in numbers} - {
-            load.fluid_pressure[lowest] / 1e5
-        }
-        yield f"{open_loads[lowest]}. This load is left out{_others('at', higher, 'bar')}"
-
-
-def _others(how: str, values: Collection[float], unit: str) -> str:
-    return (
-        f"; so are those {how} {', '.join(f'{value:.6g}' for value in sorted(values))} {unit}"
-        if values
-        else ""
-    )
+def _near_opening(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[str]:
+    close = [(load.opening, load) for load in loads if load.opening and load.opening.share < _NEAR_OPENING]
+    if close:
+        margin, load = min(close, key=lambda item: item[0].share)
+        share = max(margin.share, 0.0)
+        others = f" ({len(close)} loads are closer than {100 * _NEAR_OPENING:g} %)" if len(close) > 1 else ""
+        counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
+        yield (
+            f"{load_name(load, loads)} is {100 * share:.2g} % from opening the seal: {number(margin.force, 2)} N of "
+            f"the {load.applied_force:.6g} N of the spring, or {number(margin.pressure / 1e5, 2)} bar{others}. What "
+            f"the contact carries is the small difference of spring and fluid: an error of either counts {counts} "
+            "in it, in the peak pressure and in the leak rate"
+        )
 
 
 def _yielding(case: Case, model: ContactModel, loads: Sequence[Loaded]) -> Iterator[str]:
