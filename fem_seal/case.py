@@ -17,7 +17,7 @@ from fem_seal.case_roughness import Roughness, place_files
 from fem_seal.case_shapes import Closure, Seat
 from fem_seal.case_tables import Interface, Leak, Load, Mesh, Output
 from fem_seal.case_uncertainty import Uncertainty
-from fem_seal.errors import InputError
+from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError
 from fem_seal.materials import effective_modulus
 from fem_seal.toml_file import read_toml
 from meshes import ContactGeometry, Shape
@@ -78,7 +78,8 @@ class Case(Table):
             self._contact = like._contact
         wrong = contradictions(self)
         if wrong:
-            raise InputError(*wrong)
+            none_left = all(isinstance(problem, LoadProblem) for problem in wrong)
+            raise (NoLoadLeftError if none_left else InputError)(*wrong)
         # what the user wrote, so that `replace` checks a change exactly as it checks a file
         self._input = tables
 

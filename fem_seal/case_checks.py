@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -12,8 +11,7 @@ from fem_seal.case_roughness import SelfAffine
 from fem_seal.case_uncertainty import uncertainty_problems
 from fem_seal.case_yielding import yielding_problems
 from fem_seal.errors import Problem
-from fem_seal.loads import closing_force, expected_force, line_load
-from fem_seal.plastic_width import curves, plastic_half_width
+from fem_seal.load_limits import problems_of_all_loads
 from meshes import GeometryError
 
 if TYPE_CHECKING:
@@ -31,7 +29,7 @@ def contradictions(case: Case) -> list[Problem]:
         *_interface(case),
         *_hardness(case),
         *(load := list(_load(case))),
-        *([] if geometry or load else _closing(case)),
+        *([] if geometry or load else problems_of_all_loads(case)),
         *_fluid(case),
         *_flow(case),
         *uncertainty_problems(case),
@@ -199,42 +197,6 @@ def _load(case: Case) -> Iterator[Problem]:
         )
 
 
-def _closing(case: Case) -> Iterator[Problem]:
-    load, r0 = case.load, case.touch_radius
-    if load.closing == "penetration":
-        # Where the fluid gets to is a result: only what no contact can hold is known before.
-        open_at = [(p, spring) for p, spring in load.points if spring <= 0 and load.pressure_side == "inner"]
-        if open_at:
-            worst, spring = max(open_at)
-            needed = -closing_force(r0, worst, 0.0, load.pressure_side)
-            yield Problem(
-                "load.axial_force",
-                f"the fluid lifts the closure at {worst / 1e5:.6g} bar and no spring holds it; allowed is an "
-                f"axial_force above some {needed:.4g} N, with which it lifts the circle of first touch of radius "
-                f"{_mm(r0)}",
-                f"{spring:.6g} N",
-            )
-        else:
-            expected = (expected_force(r0, p, s, load.pressure_side, load.closing) for p, s in load.points)
-            yield from _small_strains(case, max(expected))
-        return
-    closing = [(closing_force(r0, p, spring, load.pressure_side), p, spring) for p, spring in load.points]
-    force, worst, spring = min(closing)
-    if force > 0:
-        yield from _small_strains(case, max(closing)[0])
-        return
-    needed = spring - force
-    how = "lifts the closure with" if load.pressure_side == "inner" else "closes with"
-    lifting = f"the fluid {how} {math.pi * r0**2 * worst:.4g} N" if worst > 0 else "the fluid does not press"
-    yield Problem(
-        "load.axial_force",
-        f"the seal is open at a fluid pressure of {worst / 1e5:.6g} bar: {lifting} on the sealed area "
-        f"of radius {_mm(r0)}; "
-        f"allowed is an axial_force above {needed:.6g} N",
-        f"{spring:.6g} N",
-    )
-
-
 def _fluid(case: Case) -> Iterator[Problem]:
     fluid = case.fluid
     if fluid is None:
@@ -250,40 +212,6 @@ def _fluid(case: Case) -> Iterator[Problem]:
         yield Problem(
             "uncertainty.viscosity",
             f"only for a liquid, whose leak rate is inversely proportional to it; remove it for {shown(fluid.name)}",
-        )
-
-
-def _small_strains(case: Case, force: float) -> Iterator[Problem]:
-    """Smooth bodies of the highest load must not be pressed flat over more than a tenth of the contact radius."""
-    contact, E = case.contact, case.effective_modulus
-    r0, R = contact.touch_radius, contact.relative_radius
-    f = line_load(force, r0, contact.angle)
-    half_width = math.sqrt(4 * f * R / (math.pi * E))
-    if hardened := [curve.stress[-1] for curve in curves(case)]:
-        yield from _small_plastic_strains(force, plastic_half_width(f, min(hardened)), min(r0, R) / 10)
-    # Faces that fit each other carry a load over a wide contact without large strain.
-    allowed_width = min(r0, R) / 10
-    if math.isinf(R) or half_width <= allowed_width or 10 * r0 < R:
-        return
-    allowed = force * (allowed_width / half_width) ** 2
-    yield Problem(
-        "load",
-        f"a closing force of {force:.4g} N presses smooth bodies flat over {_mm(half_width)} to each side of first "
-        f"touch (Hertz), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius "
-        "and the radius of relative curvature; the theory is for small strains and allows "
-        f"{allowed:.4g} N. Lower fluid_pressure or axial_force, or take stiffer materials",
-    )
-
-
-def _small_plastic_strains(force: float, half_width: float, allowed_width: float) -> Iterator[Problem]:
-    """A body that yields must not be coined over more than that, even with the highest stress of its curve."""
-    if half_width > allowed_width:
-        yield Problem(
-            "load",
-            f"a closing force of {force:.4g} N coins the body that yields over {_mm(half_width)} to each side of first "
-            f"touch (full plasticity), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius and "
-            "the radius of relative curvature; the theory is for small strains and allows "
-            f"{force * allowed_width / half_width:.4g} N. Lower fluid_pressure or axial_force, or take a harder body",
         )
 
 

@@ -13,6 +13,7 @@ from fem_seal.contact_size import Opening, contact_width
 from fem_seal.fluid_flow import flow_table, leak_of_profile
 from fem_seal.interface import rough_contact
 from fem_seal.laws import Law
+from fem_seal.load_limits import refused_loads
 from fem_seal.loads import expected_force, line_load
 from fem_seal.profile import PressureProfile
 
@@ -28,7 +29,7 @@ _MARGIN = 0.3
 
 
 def expected_forces(case: Case) -> list[float]:
-    """Force F_N that the solid contact is expected to carry at each load [N].
+    """Force F_N that the solid contact is expected to carry at each load that can be calculated [N].
 
     With closing "sealed-area" it is the force, with "penetration" an estimate.
 
@@ -36,10 +37,11 @@ def expected_forces(case: Case) -> list[float]:
     ----------
     case : Case
     """
-    load = case.load
+    load, refused = case.load, refused_loads(case)
     return [
         expected_force(case.touch_radius, pressure, spring, load.pressure_side, load.closing)
-        for pressure, spring in load.points
+        for number, (pressure, spring) in enumerate(load.points)
+        if number not in refused
     ]
 
 
@@ -65,7 +67,9 @@ class CaseFlow:
         top, peak = math.ceil(high + _MARGIN), math.log10(profile.pressure.max()) + _MARGIN
         p_min, p_max = 10.0 ** math.floor(low - 6), 10.0 ** (top + 2 * max(0, math.ceil((peak - top) / 2)))
         table = flow_table(self.case, self.surface, p_min, p_max, _TABLE_POINTS)
-        return leak_of_profile(self.case, table, profile.x, profile.pressure, fluid_pressure, profile.radius)
+        return leak_of_profile(
+            self.case, table, profile.x, profile.pressure, fluid_pressure, profile.radius, profile.ends
+        )
 
     @cached_property
     def surface(self) -> RoughContact:

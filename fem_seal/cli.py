@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fem_seal import __version__
-from fem_seal.errors import ConvergenceError, InputError, Problem, SealError
+from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError
 from fem_seal.studies.command import app as study_app
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
 
-DONE, OTHER_FAILURE, WRONG_INPUT, NO_CONVERGENCE, INTERRUPTED = 0, 1, 2, 3, 130
+DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
 
 app = typer.Typer(
     name="fem-seal",
@@ -70,7 +70,7 @@ def run(
     if variants:
         case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
-    from fem_seal import pipeline
+    from fem_seal import pipeline, result_files
     from fem_seal.folder_lock import alone
     from fem_seal.tables import leak_rows
 
@@ -78,13 +78,12 @@ def run(
     with alone(folder), _progress(quiet) as progress:
         result = pipeline.run(case, progress=progress)
         progress("writing results")
-        from fem_seal import result_files
-
-        result_files.write(result, folder)
-    _warn(result.warnings)
+        failures = result_files.write(result, folder)
+    warnings = (*result.warnings, *failures)
+    _warn(warnings)
     rows = leak_rows(result)
     if json:
-        typer.echo(console.as_json({"folder": str(folder), "loads": rows, "warnings": result.warnings}))
+        typer.echo(console.as_json({"folder": str(folder), "loads": rows, "warnings": warnings}))
     elif not quiet:
         console.show_leak_table(rows, case.title)
         console.show_leakage(case, rows)
@@ -288,6 +287,9 @@ def _made(folder: Path) -> Path:
 
 
 def _remarks(case: Case) -> list[str]:
+    from fem_seal.left_out import left_out
+    from fem_seal.load_limits import refused_loads
+
     remarks = []
     if case.roughness is None:
         remarks.append("no [roughness]: no leak rate is calculated")
@@ -295,6 +297,7 @@ def _remarks(case: Case) -> list[str]:
         remarks.append("no [fluid]: no leak rate is calculated")
     if case.roughness is not None:
         remarks.extend(case.roughness.remarks())
+    remarks.extend(one.text for one in left_out(case.load, refused_loads(case)))
     if case.load.target_leak_rate is not None:
         from fem_seal.inverse_questions import target_remarks
 
@@ -347,7 +350,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 done, 2 wrong input, 3 no convergence, 130 interrupted, 1 anything else.
+        0 done, 2 wrong input, 3 no load can be calculated, 130 interrupted, 1 anything else.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
@@ -370,8 +373,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _explained(error: Exception) -> tuple[int, str]:
     """Exit code and message of an error."""
     own = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
-    if isinstance(error, ConvergenceError):
-        return NO_CONVERGENCE, str(error)
+    if isinstance(error, (ConvergenceError, NoLoadLeftError)):
+        return NO_RESULT, str(error)
     if own and isinstance(error, ValueError):
         return WRONG_INPUT, str(error)
     if own or isinstance(error, SealError):

@@ -58,6 +58,8 @@ class ContactLine:
         Curvature of the more curved face [1/m].
     vertices : ndarray
         x of the element ends between which the points lie [m], increasing.
+    reach : tuple of float or None, optional
+        x between which the faces stand in front of each other [m]; None where they are not known to end.
     """
 
     x: FloatArray
@@ -68,6 +70,7 @@ class ContactLine:
     initial_gap: FloatArray
     bend: FloatArray
     vertices: FloatArray
+    reach: tuple[float | None, float | None] = (None, None)
 
     @property
     def area_weight(self) -> FloatArray:
@@ -231,7 +234,8 @@ def condense(
     )
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
     normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
-    line = ContactLine(x, radius, weight, normal, facing, contact.gap(x), contact.bend(x), vertices)
+    gap, bend = contact.gap(x), contact.bend(x)
+    line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach)
     compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,

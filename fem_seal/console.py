@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.case_dimensions import dimensions
 from fem_seal.case_sections import in_words, section
 from fem_seal.caution import Level
+from fem_seal.opening import DIGITS, digits_near_opening
+from fem_seal.readable import rounded
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -50,13 +52,31 @@ LEAK_COLUMNS = (
     Column("effective_seal_radius_m", "r fluid", "mm", 1e3),
     Column("blow_off_pressure_Pa", "opens at", "bar", 1e-5),
     Column("force_for_target_leak_N", "target force", "N", 1.0),
+    Column("opening_margin_N", "to opening", "N", 1.0),
+    Column("opening_margin_Pa", "to opening", "bar", 1e-5),
 )
+# What follows from the contact force, and is worth fewer digits close to opening; the narrowest gap only like ln F_N.
+_OF_CONTACT_FORCE = {
+    "axial_force_N": 0,
+    "peak_pressure_Pa": 0,
+    "critical_separation_m": 1,
+    "leak_rate_m3_per_s": 0,
+    "leak_rate_Pa_m3_per_s": 0,
+    "leak_rate_low_m3_per_s": 0,
+    "leak_rate_high_m3_per_s": 0,
+    "leak_rate_elastic_m3_per_s": 0,
+    "opening_margin_N": 0,
+    "opening_margin_Pa": 0,
+}
 
 
 def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
     """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks."""
     columns = [column for column in LEAK_COLUMNS if any(_filled(row.get(column.key)) for row in rows)]
-    cells = [[_cell(row.get(column.key), column.factor) for column in columns] for row in rows]
+    cells = [
+        [_cell(row.get(column.key), column.factor, _digits(row, column)) for column in columns]
+        for row in rows
+    ]
     headings = [f"{column.heading}\n{column.unit}" for column in columns]
     levels = [Level(row["validity"]) for row in rows]
     # what tells the rows apart stays beside every part of a table that is too wide
@@ -74,6 +94,15 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
             print(f"  {level.mark} {level}: {what}; why, says validity_reasons in leak.csv")  # noqa: T201
 
 
+def _digits(row: Mapping[str, Any], column: Column) -> int:
+    """Significant digits that a number of a row is worth."""
+    share = row.get("opening_margin")
+    if not _filled(share) or column.key not in _OF_CONTACT_FORCE:
+        return DIGITS
+    assert share is not None  # it is filled
+    return min(digits_near_opening(share) + _OF_CONTACT_FORCE[column.key], DIGITS)
+
+
 def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]]) -> None:
     """Print the leak rate of the highest fluid pressure in the units of leak testing, and its classes.
 
@@ -87,9 +116,11 @@ def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]]) -> None:
     pressure = row["fluid_pressure_Pa"]
     forces = {one.get("applied_force_N") for one in rows if one["fluid_pressure_Pa"] == pressure}
     force = row.get("applied_force_N") if len(forces) > 1 else None
+    share = row.get("opening_margin", math.nan)
+    digits = 3 if math.isnan(share) else min(digits_near_opening(share), 3)
     level, reason = row["validity"], next(iter(row["validity_reasons"]), "")
-    told = leakage_lines(case, pressure, row["leak_rate_m3_per_s"], force, level=level, reason=reason)
-    for line in told:
+    rate = row["leak_rate_m3_per_s"]
+    for line in leakage_lines(case, pressure, rate, force, digits=digits, level=level, reason=reason):
         print(line)  # noqa: T201
 
 
@@ -154,11 +185,15 @@ def _filled(value: float | None) -> bool:
     return value is not None and not math.isnan(value)
 
 
-def _cell(value: float | None, factor: float) -> str:
+def _cell(value: float | None, factor: float, digits: int = DIGITS) -> str:
     if value is None or math.isnan(value):
         return "-"
-    # four digits, also when they are zeros: columns stay aligned
-    return f"{value * factor:#.4g}".removesuffix(".")
+    if digits < DIGITS and math.isfinite(value) and value:
+        exponent = math.floor(math.log10(abs(rounded(value * factor, digits))) + 1e-12)
+        if -4 <= exponent < DIGITS:
+            return f"{rounded(value * factor, digits):.{max(digits - 1 - exponent, 0)}f}"
+    # so many digits, also when they are zeros: columns stay aligned
+    return f"{value * factor:#.{digits}g}".removesuffix(".")
 
 
 def as_json(value: object) -> str:

@@ -100,4 +100,4 @@ class ContactSolution:
     def profile(self) -> PressureProfile:
         """Nominal pressure profile."""
         line = self.model.line
-        return PressureProfile(line.x, line.radius, self.pressure, self.gap, line.arc_weight)
+        return PressureProfile(line.x, line.radius, self.pressure, self.gap, line.arc_weight, line.reach)

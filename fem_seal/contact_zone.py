@@ -98,7 +98,22 @@ def better_sizing(
         spots = [spot for profile in profiles for spot in _steep_places(sizing, profile)]
         if spots:
             changed = replace(changed, spots=(*changed.spots, *_thinned(spots)))
-    return None if changed == sizing else changed
+    if changed == sizing:
+        return None
+    return rounded(changed, contact, size_given=size_given)
+
+
+def rounded(sizing: Sizing, contact: ContactGeometry, *, size_given: bool = False) -> Sizing:
+    """A sizing that round-off leaves as it is; edges and ends of the faces stay where they are.
+
+    Parameters
+    ----------
+    sizing : Sizing
+    contact : ContactGeometry
+    size_given : bool
+        Whether the element size is the user's own and stays.
+    """
+    return sizing.rounded({*contact.reach, *contact.breaks.tolist()}, exact_size=size_given)
 
 
 def _resolving(sizing: Sizing, profiles: Sequence[PressureProfile]) -> Sizing:

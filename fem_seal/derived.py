@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.errors import InputError
 from fem_seal.interface import exponential_law, rough_contact
+from fem_seal.load_limits import refused_loads
 from fem_seal.loads import blow_off_of_sealed_area, closing_force, expected_force, line_load
 
 if TYPE_CHECKING:
@@ -28,7 +29,8 @@ class DerivedLoad:
     line_load : float
         f_N [N/m].
     hertz : HertzLine or None
-        Smooth elastic bodies; None for faces that fit each other along a stretch, as the other profiles.
+        Smooth elastic bodies; None for faces that fit each other along a stretch, and for a load that cannot be
+        calculated, as the other profiles.
     gaussian : GaussianLine or None
         Rigid bodies with the exponential law; None for a smooth interface.
     crossover : CrossoverLine or None
@@ -98,7 +100,7 @@ def derive(case: Case) -> Derived:
     Derived
         With law "persson" the exponential of the elastic spectrum at low pressure stands for the law.
     """
-    surface = rough_contact(case)
+    surface, refused = rough_contact(case), refused_loads(case)
     decay_length, law_pressure = exponential_law(case, surface)
     return Derived(
         touch_radius=case.touch_radius,
@@ -109,17 +111,20 @@ def derive(case: Case) -> Derived:
         rms_slope=surface.spectrum.rms_slope if surface else None,
         decay_length=decay_length,
         law_pressure=law_pressure,
-        loads=tuple(_derive_load(case, *point, decay_length) for point in case.load.points),
+        loads=tuple(
+            _derive_load(case, *point, decay_length, profiles=number not in refused)
+            for number, point in enumerate(case.load.points)
+        ),
     )
 
 
 def _derive_load(
-    case: Case, fluid_pressure: float, axial_force: float, decay_length: float | None
+    case: Case, fluid_pressure: float, axial_force: float, decay_length: float | None, *, profiles: bool
 ) -> DerivedLoad:
     from leak import crossover_line, gaussian_line, hertz_line
 
     r0, R, E = case.touch_radius, case.contact.relative_radius, case.effective_modulus
-    fitting = math.isinf(R)
+    profiles = profiles and not math.isinf(R)
     side = case.load.pressure_side
     force = expected_force(r0, fluid_pressure, axial_force, side, case.load.closing)
     f = line_load(force, r0, case.contact.angle)
@@ -127,9 +132,9 @@ def _derive_load(
         fluid_pressure=fluid_pressure,
         closing_force=force,
         line_load=f,
-        hertz=None if fitting else hertz_line(f, R, E),
-        gaussian=gaussian_line(f, R, decay_length) if decay_length and not fitting else None,
-        crossover=crossover_line(f, R, E, decay_length) if decay_length and not fitting else None,
+        hertz=hertz_line(f, R, E) if profiles else None,
+        gaussian=gaussian_line(f, R, decay_length) if decay_length and profiles else None,
+        crossover=crossover_line(f, R, E, decay_length) if decay_length and profiles else None,
         blow_off_pressure=blow_off_of_sealed_area(r0, axial_force) if side == "inner" else None,
         force_for_target=_force_for_target(case, fluid_pressure),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from fem_seal.case import Case
     from fem_seal.laws import Law
 
+# Of a result whose estimate failed.
+NOT_ESTIMATED = DiscretisationError(math.nan, math.nan, math.nan, None)
 # The coarser mesh of the error estimate has elements this much larger, its path load steps.
 COARSER = 2
 _STEPS = PlasticSettings().steps

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -80,10 +79,13 @@ class LoadPath:
         One per load, in the order of the path.
     unloaded : Unloaded
         After the last load has been taken away.
+    stopped : ConvergenceError or None
+        Why the path ends before the first load without a contact; None if all have one.
     """
 
     contacts: tuple[ElastoplasticContact, ...]
     unloaded: Unloaded
+    stopped: ConvergenceError | None = None
 
 
 @dataclass(frozen=True)
@@ -109,6 +111,7 @@ def load_path(
     *,
     at_rest: FurtherLoads | None = None,
     settings: PlasticSettings | None = None,
+    partial: bool = False,
 ) -> LoadPath:
     """Press the closure on the seat with one load after the other, then take the load away.
 
@@ -122,6 +125,8 @@ def load_path(
     at_rest : FurtherLoads, optional
         What acts before the first and after the last load, such as a press fit.
     settings : PlasticSettings, optional
+    partial : bool
+        Whether a load that does not converge ends the path, if there is one before it; otherwise it is an error.
 
     Returns
     -------
@@ -149,17 +154,24 @@ def load_path(
     rest = PathLoad(0.0, at_rest or NO_LOADS)
     contacts: list[ElastoplasticContact] = []
     here = Equilibrium({name: body.solid.virgin for name, body in bodies.items()}, None, ())
+    stopped = None
     try:
         here, _ = walk.to(rest, PathLoad(0.0), here)
-        virgin = here.states
-        for before, load in pairwise((rest, *loads)):
-            here, steps = walk.to(load, before, here)
-            assert here.contact is not None  # a positive force closes the seal
-            contacts.append(_with_bodies(here.contact, bodies, here, steps))
-        here, _ = walk.to(rest, (rest, *loads)[-1], here)
+        virgin, last = here.states, rest
+        try:
+            for load in loads:
+                here, steps = walk.to(load, last, here)
+                assert here.contact is not None  # a positive force closes the seal
+                contacts.append(_with_bodies(here.contact, bodies, here, steps))
+                last = load
+        except ConvergenceError as error:
+            if not (partial and contacts):
+                raise
+            stopped = error
+        here, _ = walk.to(rest, last, here)
     except ConvergenceError as error:
         raise ConvergenceError(str(error), partial=tuple(contacts)) from error
-    return LoadPath(tuple(contacts), Unloaded(model, rest.further, bodies, virgin, here.states))
+    return LoadPath(tuple(contacts), Unloaded(model, rest.further, bodies, virgin, here.states), stopped)
 
 
 def _with_bodies(

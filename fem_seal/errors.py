@@ -38,6 +38,20 @@ class Problem:
         return f"{entry}: {self.message}" if entry else self.message
 
 
+@dataclass(frozen=True)
+class LoadProblem(Problem):
+    """Why one load of a case cannot be calculated.
+
+    Parameters
+    ----------
+    kind : {"open", "strain", "path", "solution"}
+        The fluid or the spring opens the seal; strains are too large for the theory; a load before it on the path of a
+        body that yields cannot be calculated; no solution was found.
+    """
+
+    kind: str = "open"
+
+
 class InputError(SealError, ValueError):
     """The input is wrong: each problem names the key, the value and what is allowed.
 
@@ -77,6 +91,10 @@ class InputError(SealError, ValueError):
     def in_file(self, file: str | Path | None) -> InputError:
         """The same problems, found in `file`."""
         return type(self)(*self.problems, file=file)
+
+
+class NoLoadLeftError(InputError):
+    """No load of a case can be calculated, though its input is well-formed."""
 
 
 class ConvergenceError(SealError, RuntimeError):

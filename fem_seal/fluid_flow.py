@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from leak.leak_rate import LeakResult
+
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from leak import ConductivityTable, GasConductivityTable, LeakResult, RoughContact
+    from leak import ConductivityTable, GasConductivityTable, RoughContact
+
+
+@dataclass(frozen=True, eq=False)
+class GasLeak(LeakResult):
+    """Flow of a gas; its leak rate is the volume at 101325 Pa and the temperature of the gas."""
+
+    knudsen_number: float
+    """Mean free path over u_eff at the peak of the contact pressure; infinite where sealed."""
 
 
 def flow_table(
@@ -42,6 +53,7 @@ def leak_of_profile(
     pressure: ArrayLike,
     fluid_pressure: float,
     radius: ArrayLike,
+    ends: tuple[float | None, float | None] | None = None,
 ) -> LeakResult:
     """Leak of a pressure profile with the case's fluid.
 
@@ -56,24 +68,27 @@ def leak_of_profile(
         Pressure difference [Pa].
     radius : float or array_like
         [m]
+    ends : tuple of float or None, optional
+        x at which the faces end, see `leak.leak_flow` [m].
 
     Returns
     -------
     LeakResult
-        For a gas the volume flow at 101325 Pa and the temperature of the gas; a `leak.CoupledLeakResult` for
+        For a gas a `GasLeak`; a `leak.CoupledLeakResult` for
         leak.fluid_in_gap = "local".
     """
-    from leak import ConductivityTable, LeakResult, coupled_leak_flow, gas_leak_flow, leak_flow
+    from leak import ConductivityTable, coupled_leak_flow, gas_leak_flow, leak_flow
 
     fluid, side = case.fluid, case.load.pressure_side
     assert fluid is not None
     if isinstance(table, ConductivityTable):
         flow = coupled_leak_flow if case.leak.fluid_in_gap == "local" else leak_flow
-        return flow(x, pressure, table.at(fluid.viscosity), fluid_pressure, radius, pressure_side=side)
+        sigma = table.at(fluid.viscosity)
+        return flow(x, pressure, sigma, fluid_pressure, radius, pressure_side=side, ends=ends)
     gas, outlet = fluid.gas, fluid.outlet_pressure
     assert gas is not None and outlet is not None
     found = gas_leak_flow(
-        x, pressure, table, gas, outlet + fluid_pressure, outlet, radius, pressure_side=side
+        x, pressure, table, gas, outlet + fluid_pressure, outlet, radius, pressure_side=side, ends=ends
     )
     resistance = fluid_pressure / found.leak_rate if found.leak_rate > 0.0 else np.inf
-    return LeakResult(found.leak_rate, resistance, found.fluid_pressure - outlet)
+    return GasLeak(found.leak_rate, resistance, found.fluid_pressure - outlet, found.knudsen_number)

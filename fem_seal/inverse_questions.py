@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.afterwards import Afterwards
 from fem_seal.case_flow import CaseFlow
 from fem_seal.caution import Caution, Level, Validity
 from fem_seal.contact_solution import ContactSolution
@@ -135,7 +137,7 @@ def blow_off_pressures(case: Case) -> FloatArray:
 
 
 def with_answers(
-    solver: LoadSolver, loads: Sequence[LoadResult]
+    solver: LoadSolver, loads: Sequence[LoadResult], after: Afterwards
 ) -> tuple[tuple[LoadResult, ...], tuple[Caution, ...]]:
     """Loads with effective radius, blow-off pressure and force for the target, and what to know before believing them.
 
@@ -144,25 +146,26 @@ def with_answers(
     solver : LoadSolver
         Of the model on which the loads were solved.
     loads : sequence of LoadResult
+    after : Afterwards
+        Told which question found no answer.
     """
     case = solver.case
     penetrates = case.load.closing == "penetration"
     asked = penetrates or case.load.pressure_side == "inner"
-    forces: list[float | None] = [None] * len(loads)
-    verdicts: list[Validity | None] = [None] * len(loads)
-    remarks: tuple[Caution, ...] = ()
-    if case.load.target_leak_rate is not None:
-        try:
-            found = _contacts_at_target(case)
-        except InputError as error:
-            remarks = tuple(Caution("target", Level.DOUBTFUL, str(one), str(one)) for one in error.problems)
-        else:
-            surface = _flow(solver).surface
-            forces = [one.applied_force for one in found]
-            verdicts = [target_validity(case, surface, one) for one in found]
-            remarks = tuple(target_cautions(case, surface, found))
+    forces, verdicts, remarks = after.get(
+        "force for the target leak rate",
+        lambda: _forces_for_target(solver, len(loads)),
+        _no_forces(len(loads)),
+    )
     springs = dict.fromkeys(load.applied_force for load in loads) if asked else ()
-    opens = {spring: solver.blow_off_pressure(spring) for spring in springs}
+    opens = {
+        spring: after.get(
+            f"pressure that opens the seal under {spring:.6g} N",
+            partial(solver.blow_off_pressure, spring),
+            None,
+        )
+        for spring in springs
+    }
     return tuple(
         replace(
             load,
@@ -173,6 +176,30 @@ def with_answers(
         )
         for load, force, verdict in zip(loads, forces, verdicts, strict=True)
     ), remarks
+
+
+Forces = tuple[list[float | None], list[Validity | None], tuple[Caution, ...]]
+
+
+def _no_forces(count: int) -> Forces:
+    return [None] * count, [None] * count, ()
+
+
+def _forces_for_target(solver: LoadSolver, count: int) -> Forces:
+    """Force for the target leak rate at each load and how good it is, and what to know before believing it."""
+    case = solver.case
+    if case.load.target_leak_rate is None:
+        return _no_forces(count)
+    try:
+        found = _contacts_at_target(case)
+    except InputError as error:
+        return *_no_forces(count)[:2], tuple(
+            Caution("target", Level.DOUBTFUL, str(one), str(one)) for one in error.problems
+        )
+    surface = _flow(solver).surface
+    forces: list[float | None] = [one.applied_force for one in found]
+    verdicts: list[Validity | None] = [target_validity(case, surface, one) for one in found]
+    return forces, verdicts, tuple(target_cautions(case, surface, found))
 
 
 def expected_contact_force(case: Case, law: Law, fluid_pressure: float, target: float) -> float:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fem_seal.caution import Level
-from fem_seal.readable import given, number, quantity
+from fem_seal.readable import given, quantity, worth
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
@@ -145,24 +142,6 @@ def leakage_of(case: Case, load: LoadResult) -> Leakage | None:
     return leakage(case, load.fluid_pressure, load.leak.leak_rate, claimed=not load.validity.outside)
 
 
-def knudsen_number(result: SealResult, load: LoadResult) -> float:
-    """Mean free path of a gas over u_eff at the peak of the contact pressure; NaN where sealed.
-
-    Parameters
-    ----------
-    result : SealResult
-        Of a case with a gas.
-    load : LoadResult
-    """
-    fluid, surface = result.case.fluid, result.surface
-    if fluid is None or fluid.gas is None or surface is None or load.leak is None or load.leak.leak_rate == 0:
-        return math.nan
-    peak = int(np.argmax(load.contact.profile.pressure))
-    pressure = (fluid.outlet_pressure or 0.0) + float(load.leak.fluid_pressure[peak])
-    gap = surface.effective_separation(load.contact.profile.pressure[peak], result.case.leak.conductivity)
-    return fluid.gas.mean_free_path(max(pressure, 1e-300)) / float(gap)
-
-
 def leakage_table(result: SealResult) -> list[dict[str, Any]]:
     """Units and classes of all loads as plain numbers and texts; empty without a leak rate.
 
@@ -195,23 +174,23 @@ def standards_used(result: SealResult) -> list[Standard]:
     return [STANDARDS[name] for name in names]
 
 
-def in_words(found: Leakage) -> str:
+def in_words(found: Leakage, digits: int = 3) -> str:
     """The leak rate in the units of its kind: "1.2 ml/min = 19 drops/min = 20 mg/s"."""
     from leak import drops_per_minute, millibar_litres_per_second, millilitres_per_minute
 
     if found.throughput is not None and found.standard_leak_rate is not None:
         parts = [
-            f"{number(millibar_litres_per_second(found.throughput))} mbar l/s",
-            f"{number(found.throughput)} Pa m³/s",
-            f"{number(millilitres_per_minute(found.standard_leak_rate))} standard ml/min (0 °C, 1.01325 bar)",
+            f"{worth(millibar_litres_per_second(found.throughput), digits)} mbar l/s",
+            f"{worth(found.throughput, digits)} Pa m³/s",
+            f"{worth(millilitres_per_minute(found.standard_leak_rate), digits)} standard ml/min (0 °C, 1.01325 bar)",
         ]
     else:
         parts = [
-            f"{number(millilitres_per_minute(found.leak_rate))} ml/min",
-            f"{number(drops_per_minute(found.leak_rate))} drops/min",
+            f"{worth(millilitres_per_minute(found.leak_rate), digits)} ml/min",
+            f"{worth(drops_per_minute(found.leak_rate), digits)} drops/min",
         ]
     if found.mass_flow is not None:
-        parts.append(f"{number(found.mass_flow)} kg/s")
+        parts.append(f"{worth(found.mass_flow, digits)} kg/s")
     return " = ".join(parts)
 
 
@@ -230,6 +209,7 @@ def leakage_lines(
     leak_rate: float,
     applied_force: float | None = None,
     *,
+    digits: int = 3,
     level: str = Level.VALID,
     reason: str = "",
 ) -> list[str]:
@@ -253,6 +233,6 @@ def leakage_lines(
     doubt = f" ({level}: {reason})" if reason else ""
     why = ", because the leak rate is outside the theory" if outside else ""
     return [
-        f"Leak rate at {at}: {in_words(found)}{doubt}",
+        f"Leak rate at {at}: {in_words(found, digits)}{doubt}",
         f"Leakage class for {nominal_size(case)}: {classes_in_words(found)}{why}",
     ]

@@ -103,6 +103,12 @@ class LoadSolver:
             return blow_off_pressure(self.seal, closing_force=axial_force)
         return blow_off_of_sealed_area(self.case.touch_radius, axial_force, load.pressure_side)
 
+    def opening_force(self, fluid_pressure: float) -> float | None:
+        """Force of spring or actuator [N] below which the seal is open at a fluid pressure [Pa]; None if not found."""
+        if self.case.load.closing == "penetration":
+            return least_closing_force(self.seal, fluid_pressure)
+        return -self._closes(fluid_pressure)
+
     @property
     def yields(self) -> bool:
         """Whether a body yields, so that its loads are no questions of their own but a path."""

@@ -4,33 +4,39 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.afterwards import Afterwards
 from fem_seal.case_flow import expected_forces
 from fem_seal.caution import worst_first
 from fem_seal.condensation import ContactModel
 from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
 from fem_seal.contact_solution import ContactSolution
-from fem_seal.contact_zone import solve_fitted
-from fem_seal.discretisation import discretisation_error, on_coarser_mesh
-from fem_seal.errors import InputError
-from fem_seal.far_field import far_field
+from fem_seal.contact_zone import rounded, solve_fitted
+from fem_seal.discretisation import NOT_ESTIMATED, discretisation_error, on_coarser_mesh
+from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError
+from fem_seal.far_field import FarFieldChange, far_field
 from fem_seal.fluid_flow import flow_table, leak_of_profile
 from fem_seal.interface import exponential_law, rough_contact
 from fem_seal.inverse_questions import with_answers
 from fem_seal.laws import HardContact, Law
+from fem_seal.left_out import left_out
+from fem_seal.load_limits import refused_loads
 from fem_seal.load_solver import LoadSolver, condensed
 from fem_seal.loads import line_load
+from fem_seal.opening import with_margins
 from fem_seal.plastic_width import curves, for_yielding
+from fem_seal.readable import given
 from fem_seal.results import InterfaceVariant, LoadResult, SealResult, strongest_load
 from fem_seal.solved_loads import SolvedLoads, solve_load, solve_loads
-from fem_seal.validity import contact_cautions, left_out, load_validity
+from fem_seal.validity import contact_cautions, load_validity
 from meshes import SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -38,6 +44,9 @@ if TYPE_CHECKING:
     from leak import ConductivityTable, GasConductivityTable, LeakResult, RoughContact
 
 Progress = Callable[[str], None]
+
+# Where the stress could not be calculated.
+_NO_STRESS = math.nan, ("closure", math.nan, math.nan)
 
 
 def run(case: Case, progress: Progress | None = None) -> SealResult:
@@ -52,44 +61,59 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
     Returns
     -------
     SealResult
-        Loads at which the fluid opens the seal are left out, with a warning each.
+        Loads that cannot be calculated - they open the seal, strain the bodies too much or do not converge - are left
+        out, with a warning that names them. So is what comes after contact and leak and fails: stress, error
+        estimate, answers, variants, interval.
 
     Raises
     ------
-    InputError
-        If the fluid opens the seal at every load.
+    NoLoadLeftError
+        If no load can be calculated.
     GeometryError
         If the bodies do not fit together.
     MeshingError
         If gmsh cannot be loaded or fails.
     ConvergenceError
-        If a contact does not converge.
+        If no contact converges.
     """
     clock = Clock(progress or (lambda text: None))
     with clock.step("interface", "roughness and interface law"):
         surface = rough_contact(case)
         law = interface_law(case, surface)
+    whole, refused = case, refused_loads(case)
+    case = _without(case, refused)
     seal_mesh, model, solved = model_and_contacts(case, law, clock)
-    contacts, remarks = solved.contacts, tuple(left_out(case.load, solved.open_loads))
-    case = _closed_loads(case, solved)
+    case, contacts, after = _without(case, solved.failures), solved.contacts, Afterwards()
+    kept = [number for number in range(len(whole.load.points)) if number not in refused]
+    unsolved = {kept[number]: problem for number, problem in solved.problems.items()}
+    remarks = tuple(left_out(whole.load, refused | unsolved))
+    if solved.not_unloaded is not None:
+        after.name("residual stress and imprint", solved.not_unloaded)
     with clock.step("leak", "flow conductivity and leak rates"):
-        flows = _leak_rates(case, surface, contacts)
+        flows = _leak_rates(case, surface, contacts, after)
     with clock.step("stress", "stress in both bodies"):
-        separations = _critical_separations(surface, contacts)
+        separations = _critical_separations(surface, contacts, after)
         loads = tuple(
-            _load_result(*item) for item in zip(case.load.points, contacts, *flows, *separations, strict=True)
+            _load_result(after, *item)
+            for item in zip(case.load.points, contacts, *flows, *separations, strict=True)
         )
-    with clock.step("error", "estimating the discretisation error"):
+    solver, coarser, error = LoadSolver(case, law, model), None, NOT_ESTIMATED
+    with clock.step("error", "estimating the discretisation error"), after.going_on("discretisation error"):
         strongest = strongest_load(loads)
         coarser = on_coarser_mesh(case, law, seal_mesh.sizing, strongest)
         error = discretisation_error(contacts[strongest], coarser, seal_mesh.sizing)
-    with clock.step("far field", "comparing sizes and supports far from the contact"):
-        far = far_field(coarser)
+    far: tuple[FarFieldChange, ...] = ()
+    if coarser is not None:
+        with clock.step("far field", "comparing sizes and supports far from the contact"):
+            far = after.get("influence of the far field", partial(far_field, coarser), ())
     with clock.step("questions", "blow-off and force for the target leak rate"):
-        loads, of_answers = with_answers(LoadSolver(case, law, model), loads)
+        loads, of_answers = with_answers(solver, loads, after)
+        loads = after.get("margin to opening", partial(with_margins, solver, loads), loads)
     with clock.step("variants", "comparing elastic and plastic interface law"):
-        variants = _interface_variants(LoadSolver(case, law, model), surface, loads)
-    found = (*remarks, *contact_cautions(case, model, loads, error, surface), *of_answers)
+        compare = partial(_interface_variants, solver, surface, loads)
+        variants = after.get("comparison of elastic and plastic interface law", compare, ())
+    check = partial(contact_cautions, case, model, loads, error, surface)
+    found = (*remarks, *after.get("checks of what the theory allows", check, ()), *of_answers)
     result = SealResult(
         case,
         seal_mesh,
@@ -103,25 +127,31 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         far_field=far,
         unloaded=solved.unloaded,
     )
-    return _with_uncertainty(_with_theory_variants(result, clock), clock)
+    result = _with_theory_variants(result, clock, after)
+    result = _with_uncertainty(result, clock, after)
+    return replace(result, warnings=(*result.warnings, *after.failures))
 
 
-def _with_theory_variants(result: SealResult, clock: Clock) -> SealResult:
+def _with_theory_variants(result: SealResult, clock: Clock, after: Afterwards) -> SealResult:
     if not result.case.leak.variants:
         return result
     from fem_seal.theory_variants import theory_variants
 
     with clock.step("theory", "leak rates with every reading of the theory"):
-        return replace(result, theory_variants=theory_variants(result))
+        variants = after.get(
+            "leak rates with every reading of the theory", partial(theory_variants, result), ()
+        )
+        return replace(result, theory_variants=variants)
 
 
-def _with_uncertainty(result: SealResult, clock: Clock) -> SealResult:
+def _with_uncertainty(result: SealResult, clock: Clock, after: Afterwards) -> SealResult:
     if result.case.uncertainty is None:
         return result
     from fem_seal.uncertainty import leak_interval
 
     with clock.step("uncertainty", "leak rates of uncertain inputs"):
-        return replace(result, uncertainty=leak_interval(result, progress=clock.progress))
+        calculate = partial(leak_interval, result, progress=clock.progress)
+        return replace(result, uncertainty=after.get("interval of the leak rates", calculate, None))
 
 
 def build_mesh(case: Case) -> SealMesh:
@@ -214,7 +244,9 @@ def sizing_for(case: Case, law: Law, forces: Sequence[float]) -> Sizing:
         elastic = element_sizes(law, line_loads, contact, case.effective_modulus, size)
     except InputError as error:
         raise error.in_file(case.file) from None
-    return for_yielding(elastic, case, line_loads, size_given=size is not None) if curves(case) else elastic
+    size_given = size is not None
+    found = for_yielding(elastic, case, line_loads, size_given=size_given) if curves(case) else elastic
+    return rounded(found, contact, size_given=size_given)
 
 
 def model_and_contacts(
@@ -232,32 +264,51 @@ def model_and_contacts(
 
     Raises
     ------
+    NoLoadLeftError
+        If no load has a contact.
     GeometryError, MeshingError, ConvergenceError
     """
     clock = clock or Clock(lambda text: None)
+    size_given = case.mesh.contact_size is not None
     meshes: list[SealMesh] = []
     solved: list[SolvedLoads] = []
+    # a load that does not converge is tried on a finer mesh once, before the others go on without it
+    finer_may_help = not (size_given or case.contact.has_ready_mesh)
 
     def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
+        nonlocal finer_may_help
         with clock.step("mesh", "meshing closure and seat"):
             meshes.append(build_contact(case.contact, sizing))
         with clock.step("condense", "condensing both bodies on the contact line"):
             solver = LoadSolver(case, law, condensed(case, meshes[-1]))
         along = ", one after the other in load steps, and unloading" if solver.yields else ""
         with clock.step("contact", f"solving {len(case.load.fluid_pressure)} contacts{along}"):
-            solved.append(solve_loads(solver))
-        return solved[-1].contacts
+            found = solve_loads(solver)
+        unconverged = [error for error in found.failures.values() if isinstance(error, ConvergenceError)]
+        if unconverged and finer_may_help:
+            finer_may_help = False
+            raise unconverged[0]
+        if not found.contacts:
+            raise _no_load_left(case, found)
+        solved.append(found)
+        return found.contacts
 
-    size_given = case.mesh.contact_size is not None
     contacts = solve_fitted(sizing(case, law), case.contact, solve_on, size_given=size_given)
     return meshes[-1], contacts[0].model, solved[-1]
 
 
-def _closed_loads(case: Case, solved: SolvedLoads) -> Case:
-    """The case without the loads at which its seal is open."""
-    if not solved.open_loads:
-        return case
-    return case.model_copy(update={"load": case.load.without(solved.open_loads)})
+def _no_load_left(case: Case, solved: SolvedLoads) -> Exception:
+    """The error of a case without a contact at any of its loads."""
+    errors = list(solved.failures.values())
+    if all(isinstance(error, ConvergenceError) for error in errors):
+        return errors[0]
+    problems = {problem.kind: problem for problem in reversed(solved.problems.values())}
+    return NoLoadLeftError(*problems.values(), file=case.file)
+
+
+def _without(case: Case, numbers: Collection[int]) -> Case:
+    """The case without some of its loads."""
+    return case.model_copy(update={"load": case.load.without(numbers)}) if numbers else case
 
 
 def condensed_on(case: Case, sizing: Sizing) -> ContactModel:
@@ -266,24 +317,30 @@ def condensed_on(case: Case, sizing: Sizing) -> ContactModel:
 
 
 def _leak_rates(
-    case: Case, surface: RoughContact | None, contacts: Sequence[ContactSolution]
+    case: Case, surface: RoughContact | None, contacts: Sequence[ContactSolution], after: Afterwards
 ) -> tuple[list[LeakResult | None], list[LeakResult | None]]:
     """Leak of each contact with the case's surface and with the same surface kept elastic."""
+    nothing: list[LeakResult | None] = [None] * len(contacts)
     if surface is None or case.fluid is None:
-        nothing: list[LeakResult | None] = [None] * len(contacts)
         return nothing, nothing
-    plastic = conductivity_table(case, surface, contacts)
-    elastic = plastic if surface.hardness is None else conductivity_table(case, surface.elastic, contacts)
-    return (
-        [
-            leak_of_contact(case, plastic, c, p)
-            for c, p in zip(contacts, case.load.fluid_pressure, strict=True)
-        ],
-        [
-            leak_of_contact(case, elastic, c, p)
-            for c, p in zip(contacts, case.load.fluid_pressure, strict=True)
-        ],
-    )
+
+    def of(surface: RoughContact, name: str) -> list[LeakResult | None]:
+        table = after.get(
+            f"flow conductivity{name}", partial(conductivity_table, case, surface, contacts), None
+        )
+        if table is None:
+            return nothing
+        return [
+            after.get(
+                f"leak rate{name} at {given('fluid pressure', pressure)}",
+                partial(leak_of_contact, case, table, contact, pressure),
+                None,
+            )
+            for contact, pressure in zip(contacts, case.load.fluid_pressure, strict=True)
+        ]
+
+    found = of(surface, "")
+    return found, found if surface.hardness is None else of(surface.elastic, " of elastic asperities")
 
 
 def conductivity_table(
@@ -317,24 +374,33 @@ def leak_of_contact(
         Pressure difference [Pa].
     """
     profile = contact.profile
-    return leak_of_profile(case, table, profile.x, profile.pressure, fluid_pressure, profile.radius)
+    return leak_of_profile(
+        case, table, profile.x, profile.pressure, fluid_pressure, profile.radius, profile.ends
+    )
 
 
 def _critical_separations(
-    surface: RoughContact | None, contacts: Sequence[ContactSolution]
+    surface: RoughContact | None, contacts: Sequence[ContactSolution], after: Afterwards
 ) -> tuple[list[float | None], list[float | None]]:
     """u_c at the peak of every contact with the case's surface and with the same surface kept elastic [m]."""
+    nothing: list[float | None] = [None] * len(contacts)
     if surface is None:
-        nothing: list[float | None] = [None] * len(contacts)
         return nothing, nothing
-    peaks = np.array([contact.profile.peak_pressure for contact in contacts])
-    return (
-        np.asarray(surface.critical_separation(peaks)).tolist(),
-        np.asarray(surface.elastic.critical_separation(peaks)).tolist(),
+
+    def of(surface: RoughContact) -> list[float | None]:
+        peaks = np.array([contact.profile.peak_pressure for contact in contacts])
+        return np.asarray(surface.critical_separation(peaks)).tolist()
+
+    found = after.get("critical separation", partial(of, surface), nothing)
+    if surface.hardness is None:
+        return found, found
+    return found, after.get(
+        "critical separation of elastic asperities", partial(of, surface.elastic), nothing
     )
 
 
 def _load_result(
+    after: Afterwards,
     point: tuple[float, float],
     contact: ContactSolution,
     leak: LeakResult | None,
@@ -342,8 +408,10 @@ def _load_result(
     critical_separation: float | None,
     critical_separation_elastic: float | None,
 ) -> LoadResult:
-    stress, place = _largest_stress(contact)
     fluid_pressure, applied_force = point
+    stress, place = after.get(
+        f"stress at {given('fluid pressure', fluid_pressure)}", partial(_largest_stress, contact), _NO_STRESS
+    )
     return LoadResult(
         fluid_pressure,
         contact.axial_force,

@@ -27,6 +27,8 @@ class PressureProfile:
         Mean separation of the surfaces [m].
     arc_weight : ndarray, shape (m,)
         Quadrature weights over x [m] that belong to the points.
+    ends : tuple of float or None, optional
+        x at which the faces end [m], None where that is not known: the contact does not go on beyond.
     """
 
     x: FloatArray
@@ -34,6 +36,7 @@ class PressureProfile:
     pressure: FloatArray
     gap: FloatArray
     arc_weight: FloatArray
+    ends: tuple[float | None, float | None] = (None, None)
 
     def moment(self, order: int, centre: float = 0.0) -> float:
         """int p (x - centre)^order dx [Pa m^(order + 1)]."""

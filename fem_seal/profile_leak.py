@@ -36,6 +36,8 @@ COLUMNS = (
     "leak_rate_kg_per_s",
     "leak_rate_Pa_m3_per_s",
 )
+# Radii of a profile that this program wrote are those of its seat up to the digits of the file.
+_SAME_RADIUS = 1e-7
 
 
 def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[dict[str, Any]]:
@@ -118,7 +120,20 @@ def _leak(
     table: ConductivityTable | GasConductivityTable,
     fluid_pressure: float,
 ) -> LeakResult:
-    return leak_of_profile(case, table, profile.x, profile.pressure, fluid_pressure, _radius(case, profile))
+    ends = _ends(case, profile)
+    radius = _radius(case, profile)
+    return leak_of_profile(case, table, profile.x, profile.pressure, fluid_pressure, radius, ends)
+
+
+def _ends(case: Case, profile: ImportedProfile) -> tuple[float, float] | None:
+    """Where the faces of the case end, if the profile is one on its seat: with the x of this program, or its radii."""
+    ends, x = case.contact.reach, profile.x
+    if not ends[0] <= x[0] < x[-1] <= ends[1]:
+        return None
+    if profile.radius is None:
+        return ends
+    same = np.allclose(profile.radius, case.contact.radius(x), rtol=_SAME_RADIUS, atol=0.0)
+    return ends if same else None
 
 
 def _radius(case: Case, profile: ImportedProfile) -> FloatArray:

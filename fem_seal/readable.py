@@ -79,6 +79,29 @@ def number(value: float | None, digits: int = 3) -> str:
     return text.replace("-", "−")
 
 
+def rounded(value: float, digits: int) -> float:
+    """A number with no more significant digits than it is worth.
+
+    Examples
+    --------
+    >>> rounded(774.2, 1)
+    800.0
+    """
+    return float(f"{value:.{digits - 1}e}")
+
+
+def worth(value: float, digits: int) -> str:
+    """A number with no more significant digits than it is worth, before the point neither: "800" for 774.2.
+
+    Parameters
+    ----------
+    value : float
+    digits : int
+        Three and more leave every digit before the point.
+    """
+    return number(rounded(value, digits) if digits < 3 and math.isfinite(value) else value, digits)
+
+
 def superscript(power: int) -> str:
     """An integer in raised digits."""
     return str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
@@ -104,11 +127,22 @@ def trimmed(value: float) -> str:
     return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
 
 
-def flow(leak_rate: float, *, claimed: bool = True) -> str:
-    """A leak rate with the unit that suits it; only a zero that may be claimed is called sealed."""
+def quantity_worth(kind: str, value: float, digits: int) -> str:
+    """The same with no more significant digits than it is worth, see `worth`; three at most."""
+    if not math.isfinite(value):
+        return "–"
+    unit = unit_for(kind, value)
+    return f"{worth(unit.of(value), min(digits, 3))} {unit.name}"
+
+
+def flow(leak_rate: float, digits: int = 3, *, claimed: bool = True) -> str:
+    """A leak rate with the unit that suits it, and no more digits than it is worth.
+
+    Only a zero that may be claimed is called sealed.
+    """
     if leak_rate == 0:
         return "none, sealed" if claimed else "zero, as calculated"
-    return quantity("flow", leak_rate)
+    return quantity_worth("flow", leak_rate, digits)
 
 
 def percent(share: float | None, digits: int = 2) -> str:

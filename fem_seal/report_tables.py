@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.caution import Level
 from fem_seal.load_names import load_name
-from fem_seal.readable import Unit, flow, number, quantity, trimmed, unit_for
+from fem_seal.readable import Unit, flow, quantity, trimmed, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.closed_forms import Sizes
@@ -33,21 +33,31 @@ class ReadableTable:
 def load_table(result: SealResult, sizes: Mapping[str, Sizes]) -> ReadableTable:
     """All loads, with one unit per column and without the columns that no load fills."""
     calculated, loads = sizes["calculated"], result.loads
+    digits = [load.digits for load in loads]
+    # the narrowest gap follows the force only like its logarithm
+    of_gap = [min(one + 1, 4) for one in digits]
     columns = [
         Column("fluid pressure", "fluid pressure", [load.fluid_pressure for load in loads]),
-        Column("closing force", "force", [load.axial_force for load in loads]),
-        Column("line load", "line load", [load.line_load for load in loads]),
-        Column("peak pressure", "contact pressure", calculated.peak_pressure.tolist()),
+        Column("closing force", "force", [load.axial_force for load in loads], digits=digits),
+        Column("line load", "line load", [load.line_load for load in loads], digits=digits),
+        Column("peak pressure", "contact pressure", calculated.peak_pressure.tolist(), digits=digits),
         Column("width (FWHM)", "length", calculated.fwhm.tolist()),
         Column("std. deviation", "length", calculated.std.tolist(), unit_of="width (FWHM)"),
-        Column("u_c", "length", [load.critical_separation for load in loads]),
-        Column("u_c, elastic", "length", [load.critical_separation_elastic for load in loads], unit_of="u_c"),
-        Column("leak rate", "flow", [_leak_rate(load.leak) for load in loads]),
+        Column("u_c", "length", [load.critical_separation for load in loads], digits=of_gap),
+        Column(
+            "u_c, elastic",
+            "length",
+            [load.critical_separation_elastic for load in loads],
+            unit_of="u_c",
+            digits=of_gap,
+        ),
+        Column("leak rate", "flow", [_leak_rate(load.leak) for load in loads], digits=digits),
         Column(
             "leak rate, elastic",
             "flow",
             [_leak_rate(load.leak_elastic) for load in loads],
             unit_of="leak rate",
+            digits=digits,
         ),
         Column("von Mises", "contact pressure", [load.max_von_mises for load in loads]),
     ]
@@ -92,12 +102,15 @@ class Column:
     values : list of float or None
         One per row.
     unit_of : str
+    digits : sequence of int, optional
+        Significant digits that the values are worth, four unless given.
     """
 
     name: str
     kind: str
     values: list[float | None]
     unit_of: str = ""
+    digits: Sequence[int] = ()
 
     @property
     def filled(self) -> bool:
@@ -136,7 +149,9 @@ def _cell(column: Column, unit: Unit, n: int) -> str:
     value = column.values[n]
     if value is None:
         return "–"
-    return trimmed(unit.of(value)) if column.name == "fluid pressure" else number(unit.of(value), 4)
+    if column.name == "fluid pressure":
+        return trimmed(unit.of(value))
+    return worth(unit.of(value), column.digits[n] if column.digits else 4)
 
 
 def comparison_table(result: SealResult, sizes: Mapping[str, Sizes]) -> ReadableTable:

@@ -12,7 +12,7 @@ import numpy as np
 from fem_seal.caution import Level, Validity
 from fem_seal.leakage import classes_in_words, in_words, leakage_of, nominal_size
 from fem_seal.load_names import load_values
-from fem_seal.readable import flow, number, percent, quantity, unit_for
+from fem_seal.readable import flow, number, percent, quantity, quantity_worth, unit_for, worth
 from fem_seal.report_plastic import imprint_in_words, what_yielded
 from fem_seal.report_valve import TARGET_FORCE, opens_at, valve_facts, what_opens
 from fem_seal.validity import FLUID_OPENS
@@ -63,7 +63,7 @@ def _facts(result: SealResult, load: LoadResult) -> list[Fact]:
     profile = load.contact.profile
     found = [
         *(Fact(*told) for told in valve_facts(result, load)),
-        Fact("Peak contact pressure", quantity("contact pressure", profile.peak_pressure)),
+        Fact("Peak contact pressure", _peak(load)),
         Fact(
             "Width of the contact",
             quantity("length", profile.fwhm),
@@ -86,13 +86,16 @@ def _facts(result: SealResult, load: LoadResult) -> list[Fact]:
     if imprint := imprint_in_words(result):
         found.append(Fact("Lasting imprint", *imprint))
     if load.leak is not None:
-        rate = flow(load.leak.leak_rate, claimed=not load.validity.outside)
-        found.insert(0, Fact("Leak rate", rate, per_day(load.leak.leak_rate)))
+        rate = load.leak.leak_rate
+        told = flow(rate, load.digits, claimed=not load.validity.outside)
+        found.insert(0, Fact("Leak rate", told, per_day(rate, load.digits)))
         read = leakage_of(result.case, load)
         assert read is not None  # a leak rate has its units
         if load.leak.leak_rate > 0:
             # the first of these units may be the one that stands there already
-            others = [part for part in in_words(read).split(" = ") if part != found[0].value]
+            others = [
+                part for part in in_words(read, min(load.digits, 3)).split(" = ") if part != found[0].value
+            ]
             found.insert(1, Fact("In other units", others[0], " = ".join(others[1:])))
         found.append(_class_fact(nominal_size(result.case), read))
     if result.uncertainty is not None:
@@ -121,12 +124,12 @@ def _interval_fact(result: SealResult, load: LoadResult) -> Fact:
     )
 
 
-def per_day(leak_rate: float) -> str:
-    """A leak rate as what collects in a day."""
+def per_day(leak_rate: float, digits: int = 2) -> str:
+    """A leak rate as what collects in a day, with two digits at most."""
     litres = leak_rate * 86400e3
     for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
         if litres >= size:
-            return f"{number(litres / size, 2)} {unit} per day"
+            return f"{worth(litres / size, 1) if digits < 2 else number(litres / size, 2)} {unit} per day"
     return "" if leak_rate == 0 else "less than 1 µl per day"
 
 
@@ -187,7 +190,7 @@ def _what_leaks(result: SealResult) -> str:
     if all(load.leak and load.leak.leak_rate == 0 and not load.validity.outside for load in loads):
         return f"Sealed at every load up to {span}: so much of the nominal area touches that no leak path is open."
     told = [
-        ("at an unknown rate" if load.validity.outside else _flow_beside(rate, rates))
+        ("at an unknown rate" if load.validity.outside else _flow_beside(rate, rates, min(load.digits, 3)))
         + f" at {load_values(load, loads)}"
         for rate, load in zip(rates, shown, strict=True)
     ]
@@ -197,14 +200,18 @@ def _what_leaks(result: SealResult) -> str:
 
 def _contact(load: LoadResult) -> str:
     profile = load.contact.profile
-    width, peak = quantity("length", profile.fwhm), quantity("contact pressure", profile.peak_pressure)
-    return f"{width} wide under {peak} peak pressure"
+    return f"{quantity('length', profile.fwhm)} wide under {_peak(load)} peak pressure"
 
 
-def _flow_beside(leak_rate: float, others: Sequence[float]) -> str:
+def _peak(load: LoadResult) -> str:
+    return quantity_worth("contact pressure", load.contact.profile.peak_pressure, load.digits)
+
+
+def _flow_beside(leak_rate: float, others: Sequence[float], digits: int) -> str:
     """A leak rate in a unit that suits others too, as long as it stays readable."""
     unit = unit_for("flow", max(others))
-    return flow(leak_rate) if unit.of(leak_rate) < 0.01 else f"{number(unit.of(leak_rate))} {unit.name}"
+    shown = unit.of(leak_rate)
+    return flow(leak_rate, digits) if shown < 0.01 else f"{worth(shown, digits)} {unit.name}"
 
 
 def reasons(result: SealResult, derived: Derived) -> list[str]:
@@ -225,18 +232,14 @@ def _what_sets_the_width(result: SealResult, derived: Derived, load: LoadResult)
     if hertz is None:
         yield (
             "The faces fit each other along a stretch, so its width and its edges set the contact: it is "
-            f"{quantity('length', profile.fwhm)} wide under {quantity('contact pressure', profile.peak_pressure)} peak "
-            "pressure."
+            f"{_contact(load)}."
         )
         return
     expected = (
         f"the pressure would peak at {quantity('contact pressure', hertz.peak_pressure)} and be "
         f"{quantity('length', hertz.fwhm)} wide at half of that"
     )
-    found = (
-        f"it peaks at {quantity('contact pressure', profile.peak_pressure)} and is {quantity('length', profile.fwhm)} "
-        "wide"
-    )
+    found = f"it peaks at {_peak(load)} and is {quantity('length', profile.fwhm)} wide"
     smooth = result.case.interface.law == "smooth"
     if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
         why = "yielding" if smooth else "roughness and yielding"
@@ -247,7 +250,7 @@ def _what_sets_the_width(result: SealResult, derived: Derived, load: LoadResult)
         yield (
             "The surfaces are smooth, so the elasticity of the bodies alone sets the contact; Hertz' line contact "
             f"gives {quantity('contact pressure', hertz.peak_pressure)} peak pressure, the calculation "
-            f"{quantity('contact pressure', profile.peak_pressure)}."
+            f"{_peak(load)}."
         )
         return
     if bulk < 0.25:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from fem_seal.readable import given, percent, quantity
+from fem_seal.readable import given, percent, quantity, quantity_worth
 from fem_seal.report_tables import Column, ReadableTable, columns_table
 
 if TYPE_CHECKING:
@@ -40,10 +40,12 @@ def what_opens(result: SealResult, load: LoadResult) -> Iterator[str]:
     """How far a load is from opening the seal, and from the target leak rate."""
     if opens := opens_at(load):
         assert load.blow_off_pressure is not None
+        share = load.fluid_pressure / load.blow_off_pressure
+        carried = quantity_worth("force", load.axial_force, load.digits)
         yield (
             f"The fluid acts against the spring and opens the seal at {opens}. At "
-            f"{percent(load.fluid_pressure / load.blow_off_pressure)} of this pressure the contact still carries "
-            f"{quantity('force', load.axial_force)} of the spring's {given('force', load.applied_force)}."
+            f"{percent(share, 2 if load.digits == 4 else 4)} of this pressure the contact still carries "
+            f"{carried} of the spring's {given('force', load.applied_force)}."
         )
     target, force = result.case.load.target_leak_rate, load.force_for_target
     if target is None or force is None:
@@ -64,10 +66,14 @@ def what_opens(result: SealResult, load: LoadResult) -> Iterator[str]:
 
 def valve_table(result: SealResult) -> ReadableTable:
     """What fluid and spring do at each load; no rows if nobody asked."""
-    loads = result.loads
+    loads, digits = result.loads, [load.digits for load in result.loads]
     asked = [
         Column("radius of the fluid's force", "length", [load.effective_radius for load in loads]),
         Column("opens at", "fluid pressure", [_finite(load.blow_off_pressure) for load in loads]),
+        Column("force to opening", "force", [_of(load, "force") for load in loads], digits=digits),
+        Column(
+            "pressure to opening", "fluid pressure", [_of(load, "pressure") for load in loads], digits=digits
+        ),
         Column("spring force for the target", "force", [load.force_for_target for load in loads]),
     ]
     if not any(column.filled for column in asked):
@@ -75,9 +81,13 @@ def valve_table(result: SealResult) -> ReadableTable:
     given_loads = [
         Column("fluid pressure", "fluid pressure", [load.fluid_pressure for load in loads]),
         Column("spring force", "force", [load.applied_force for load in loads]),
-        Column("closing force", "force", [load.axial_force for load in loads]),
+        Column("closing force", "force", [load.axial_force for load in loads], digits=digits),
     ]
     return columns_table([*given_loads, *asked])
+
+
+def _of(load: LoadResult, name: str) -> float | None:
+    return None if load.opening is None else float(getattr(load.opening, name))
 
 
 def _finite(value: float | None) -> float | None:

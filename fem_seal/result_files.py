@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fem_seal.afterwards import Afterwards
 from fem_seal.report import write_report
 from fem_seal.results_folder import replaced_together
 from fem_seal.summary import write_summary
@@ -16,8 +19,8 @@ if TYPE_CHECKING:
     from fem_seal.results import SealResult
 
 
-def write(result: SealResult, folder: Path) -> Path:
-    """Write tables, summary, VTK files, mesh and report into a folder, all of them or none.
+def write(result: SealResult, folder: Path) -> tuple[str, ...]:
+    """Write tables, summary, VTK files, mesh and report into a folder, all that can be made or none.
 
     They take the places of those of an earlier run together; everything else in the folder is left alone. The caller
     sees to it that nobody else writes there, see `fem_seal.folder_lock`.
@@ -30,25 +33,44 @@ def write(result: SealResult, folder: Path) -> Path:
 
     Returns
     -------
-    pathlib.Path
-        The folder.
+    tuple of str
+        A sentence for each file that could not be made; the others are there, and summary.json says so, too.
 
     Raises
     ------
     OutputError
         If a file cannot be written.
     """
-    folder = Path(folder)
+    folder, after = Path(folder), Afterwards()
     with replaced_together(folder) as draft:
-        result.seal_mesh.write(draft / "mesh.msh")
         write_leak_csv(result, draft / "leak.csv")
         write_profile_csv(result, draft / "profile.csv")
-        write_contact(result, draft)
-        write_contact_line(result, draft)
-        write_unloaded(result, draft)
-        write_imprint_csv(result, draft / "imprint.csv")
-        if result.theory_variants:
-            write_variants_csv(result, draft / "variants.csv")
-        write_report(result, draft / "report.html")
-        write_summary(result, draft / "summary.json", folder)
-    return folder
+        for name, write_one in _FILES.items():
+            # a full disc concerns the other files as well
+            with after.going_on(name, but=OSError):
+                write_one(result, draft)
+        with after.going_on("summary.json", but=OSError):
+            told = (*result.warnings, *after.failures)
+            write_summary(replace(result, warnings=told), draft / "summary.json", folder)
+    return tuple(after.failures)
+
+
+def _vtk(result: SealResult, folder: Path) -> None:
+    write_contact(result, folder)
+    write_contact_line(result, folder)
+    write_unloaded(result, folder)
+
+
+def _variants(result: SealResult, folder: Path) -> None:
+    if result.theory_variants:
+        write_variants_csv(result, folder / "variants.csv")
+
+
+# Files besides those of contact and leak: one that cannot be made costs none of the others.
+_FILES: dict[str, Callable[[SealResult, Path], object]] = {
+    "mesh.msh": lambda result, folder: result.seal_mesh.write(folder / "mesh.msh"),
+    "VTK files": _vtk,
+    "imprint.csv": lambda result, folder: write_imprint_csv(result, folder / "imprint.csv"),
+    "variants.csv": _variants,
+    "report.html": lambda result, folder: write_report(result, folder / "report.html"),
+}

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fem_seal.contact_solution import ContactSolution
     from fem_seal.elastoplastic_path import Unloaded
     from fem_seal.far_field import FarFieldChange
+    from fem_seal.opening import OpeningMargin
     from fem_seal.profile import PressureProfile
     from fem_seal.theory_variants import TheoryVariant
     from fem_seal.uncertainty import LeakInterval
@@ -63,6 +64,8 @@ class LoadResult:
         How far the numbers can be trusted, and why no further; see docs/validity.md.
     target_validity : Validity or None
         The same of `force_for_target`; None without it.
+    opening : OpeningMargin or None
+        How far the load is from opening the seal; None where neither fluid nor spring opens it, or it is not known.
     """
 
     fluid_pressure: float
@@ -81,6 +84,12 @@ class LoadResult:
     force_for_target: float | None = None
     validity: Validity = VALID
     target_validity: Validity | None = None
+    opening: OpeningMargin | None = None
+
+    @property
+    def digits(self) -> int:
+        """Significant digits that numbers which follow from the contact force are worth, four at most."""
+        return 4 if self.opening is None else self.opening.digits
 
     @property
     def point(self) -> tuple[float, float]:
@@ -213,7 +222,7 @@ class SealResult:
     Parameters
     ----------
     case : Case
-        Without the loads at which the fluid opens the seal.
+        Without the loads that could not be calculated.
     seal_mesh : SealMesh
     model : ContactModel
     surface : RoughContact or None
@@ -279,6 +288,8 @@ class SealResult:
         They take the places of those of an earlier run together; a file ``UNFINISHED.txt`` stands in the folder
         meanwhile, and stays there only if the process is killed in these milliseconds.
 
+        A file that cannot be made does not keep the others from being written; a Python warning names it.
+
         Parameters
         ----------
         folder : path
@@ -291,8 +302,12 @@ class SealResult:
         OutputError
             If a file cannot be written.
         """
+        import warnings
+
         from fem_seal.folder_lock import alone
         from fem_seal.result_files import write
 
         with alone(Path(folder)):
-            return write(self, Path(folder))
+            for failure in write(self, Path(folder)):
+                warnings.warn(failure, stacklevel=2)
+        return Path(folder)

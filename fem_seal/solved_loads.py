@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from fem_seal.afterwards import told
 from fem_seal.contact_solution import ContactSolution
 from fem_seal.elastoplastic_contact import PlasticSettings
 from fem_seal.elastoplastic_path import LoadPath, PathLoad, Unloaded, load_path
-from fem_seal.errors import InputError
+from fem_seal.errors import ConvergenceError, InputError, LoadProblem, SealError
 from fem_seal.further_loads import FurtherLoads
 from fem_seal.load_solver import LoadSolver, interference
 from fem_seal.loads import closing_force
+
+# What keeps one load from being solved: it opens the seal, does not converge, or its numbers leave their range.
+_NO_SOLUTION = (SealError, ValueError, RuntimeError, ArithmeticError)
 
 
 @dataclass(frozen=True)
@@ -24,41 +28,61 @@ class SolvedLoads:
         In the order of the case.
     unloaded : Unloaded or None
         None where no body yields: elastic bodies come back.
-    open_loads : mapping
-        Number of each load that the fluid opens the seal at, with the reason.
+    failures : mapping
+        Number of each load without a contact, with the error that says why.
+    not_unloaded : ConvergenceError or None
+        Why it is not known what is left after the last load, though a body yields.
     """
 
     contacts: Sequence[ContactSolution]
     unloaded: Unloaded | None = None
-    open_loads: Mapping[int, str] = field(default_factory=dict)
+    failures: Mapping[int, Exception] = field(default_factory=dict)
+    not_unloaded: ConvergenceError | None = None
+
+    @property
+    def problems(self) -> dict[int, LoadProblem]:
+        """Number of each load without a contact, with the reason."""
+        return {number: _problem(error) for number, error in self.failures.items()}
 
 
 def solve_loads(solver: LoadSolver) -> SolvedLoads:
-    """Solve all loads of a case on a model.
+    """Solve all loads of a case on a model; those that cannot be solved do not keep the others from it.
 
     Parameters
     ----------
     solver : LoadSolver
-
-    Raises
-    ------
-    InputError
-        If every load leaves the seal open.
-    ConvergenceError
     """
+    points = solver.case.load.points
     if solver.yields:
-        path = _path(solver, len(solver.case.load.points))
-        return SolvedLoads(path.contacts, path.unloaded)
+        return _solved_path(solver)
     contacts: list[ContactSolution] = []
-    opened: dict[int, InputError] = {}
-    for number, point in enumerate(solver.case.load.points):
+    failures: dict[int, Exception] = {}
+    for number, point in enumerate(points):
         try:
             contacts.append(solver.solve(*point))
-        except InputError as error:
-            opened[number] = error
-    if not contacts:
-        raise opened[0]
-    return SolvedLoads(contacts, open_loads={n: error.allowed for n, error in opened.items()})
+        except _NO_SOLUTION as error:
+            failures[number] = error
+    return SolvedLoads(contacts, failures=failures)
+
+
+def _solved_path(solver: LoadSolver) -> SolvedLoads:
+    """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
+    numbers = range(len(solver.case.load.points))
+    try:
+        path = _path(solver, len(numbers))
+    except ConvergenceError as error:
+        contacts: tuple[ContactSolution, ...] = error.partial if isinstance(error.partial, tuple) else ()
+        failures = {number: error for number in numbers[len(contacts) :]}
+        return SolvedLoads(contacts, None, failures, None if failures else error)
+    unsolved = {} if path.stopped is None else dict.fromkeys(numbers[len(path.contacts) :], path.stopped)
+    return SolvedLoads(path.contacts, path.unloaded, unsolved)
+
+
+def _problem(error: Exception) -> LoadProblem:
+    if isinstance(error, InputError):
+        first = error.problems[0]
+        return LoadProblem(first.key, first.message, first.value)
+    return LoadProblem("load", told(error), kind="solution")
 
 
 def solve_load(
@@ -83,7 +107,10 @@ def solve_load(
     ConvergenceError
     """
     if solver.yields:
-        return _path(solver, number + 1, steps).contacts[-1]
+        path = _path(solver, number + 1, steps)
+        if path.stopped is not None:
+            raise path.stopped
+        return path.contacts[-1]
     return solver.solve(*solver.case.load.points[number], start=start)
 
 
@@ -97,4 +124,4 @@ def _path(solver: LoadSolver, count: int, steps: int | None = None) -> LoadPath:
     ]
     if steps is not None:
         settings = replace(settings, steps=steps)
-    return load_path(solver.model, solver.law, loads, at_rest=fit, settings=settings)
+    return load_path(solver.model, solver.law, loads, at_rest=fit, settings=settings, partial=True)

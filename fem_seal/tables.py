@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from fem_seal.atomic_files import write_bytes
 from fem_seal.elastoplastic_contact import ElastoplasticContact
 from fem_seal.elastoplastic_fields import ElastoplasticField
-from fem_seal.leakage import knudsen_number, leakage
+from fem_seal.fluid_flow import GasLeak
+from fem_seal.leakage import leakage
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,6 +50,9 @@ LEAK_COLUMNS = (
     "force_for_target_leak_N",
     "max_accumulated_plastic_strain",
     "load_steps",
+    "opening_margin_N",
+    "opening_margin_Pa",
+    "opening_margin",
 )
 # How far the numbers of a row can be trusted, in words, and why no further.
 VALIDITY_COLUMNS = ("validity", "validity_reasons")
@@ -112,6 +116,7 @@ def leak_rows(result: SealResult) -> list[dict[str, Any]]:
                     *_lift_off_row(load),
                     *_force_row(load),
                     *_plastic_row(load),
+                    *_opening_row(load),
                 ),
                 strict=True,
             )
@@ -165,7 +170,8 @@ def _fluid_row(result: SealResult, load: LoadResult) -> Iterator[float]:
     yield _or_nan(found.mass_flow)
     yield _or_nan(found.throughput)
     yield _or_nan(found.standard_leak_rate)
-    yield math.nan if fluid.gas is None else knudsen_number(result, load)
+    knudsen = load.leak.knudsen_number if isinstance(load.leak, GasLeak) else math.nan
+    yield knudsen if math.isfinite(knudsen) else math.nan
 
 
 def _lift_off_row(load: LoadResult) -> Iterator[float]:
@@ -198,6 +204,16 @@ def _plastic_row(load: LoadResult) -> Iterator[float]:
     yield float(contact.load_steps)
 
 
+def _opening_row(load: LoadResult) -> Iterator[float]:
+    """How far the load is from opening the seal: force, pressure, and their share in what acts."""
+    if load.opening is None:
+        yield from [math.nan] * 3
+        return
+    yield load.opening.force
+    yield load.opening.pressure
+    yield load.opening.share
+
+
 def leak_table(result: SealResult) -> pd.DataFrame:
     """One row per load with `LEAK_COLUMNS`, SI, and `VALIDITY_COLUMNS`, texts.
 
@@ -213,8 +229,10 @@ def leak_table(result: SealResult) -> pd.DataFrame:
     smallest force of spring or actuator for load.target_leak_rate. With leak.fluid_in_gap = "local" ``lift_off_x_m``
     and ``blow_off_pressure_Pa`` are where the fluid has lifted the surfaces off each other, and the pressure at which
     it does so everywhere. Where a body yields, ``max_accumulated_plastic_strain`` is the largest of both bodies, and
-    ``load_steps`` the number of steps from the load before. ``validity`` is "valid", "doubtful" or "outside the
-    theory"; ``validity_reasons`` says why, the worst reason first, with "; " between them (docs/validity.md).
+    ``load_steps`` the number of steps from the load before. ``opening_margin_N`` and ``opening_margin_Pa`` are how far
+    force and fluid pressure are from opening the seal, ``opening_margin`` their share in what acts; NaN where neither
+    fluid nor spring opens it. ``validity`` is "valid", "doubtful" or "outside the theory"; ``validity_reasons`` says
+    why, the worst reason first, with "; " between them (docs/validity.md).
 
     Parameters
     ----------

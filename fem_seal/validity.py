@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from fem_seal.caution import Caution, Level, Validity
 from fem_seal.elastoplastic_contact import yielding_bodies
 from fem_seal.load_names import load_name
+from fem_seal.readable import number
 from fem_seal.yielding import PlasticZone, YieldedZone, yielding_of
 
 if TYPE_CHECKING:
     from fem_seal.case import Case
-    from fem_seal.case_tables import Load
     from fem_seal.condensation import ContactModel
     from fem_seal.results import DiscretisationError, GivenLoad, LoadResult, TargetContact
     from leak import PowerSpectrum
@@ -29,6 +29,8 @@ FloatArray = NDArray[np.float64]
 
 # von Mises stress over the yield stress of a body that is solved as elastic from which on the contact is another one.
 _LARGEST_EXCESS = 1.5
+# Share of what acts that is left to opening below which the contact force is a small difference of large ones.
+_NEAR_OPENING = 0.05
 # Pressure at the ends of the contact zone over the peak pressure above which contact is cut off, and above which what
 # is missing shows in the result.
 _CUT_OFF, _MUCH_CUT_OFF = 1e-6, 1e-2
@@ -115,7 +117,7 @@ def load_cautions(
     surface : RoughContact, optional
         The case's rough contact.
     """
-    bodies = (_yielding, _table_left, _cut_off, _wide, _above_hardness)
+    bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _above_hardness)
     yield from (caution for check in bodies for caution in check(case, model, loads))
     if surface is not None:
         yield from _interface_cautions(case, surface, loads)
@@ -222,41 +224,20 @@ def _of_target(load: LoadResult) -> Iterator[Caution]:
         yield Caution("target", Level.DOUBTFUL, reason, reason)
 
 
-def left_out(load: Load, open_loads: Mapping[int, str]) -> Iterator[Caution]:
-    """Which loads have no result since the fluid opens the seal: one sentence for each force, or for all of a path.
-
-    Parameters
-    ----------
-    load : Load
-    open_loads : mapping
-        Number of each load that is left out, with the reason.
-    """
-    points = {number: load.points[number] for number in open_loads}
-    if len(set(load.fluid_pressure)) == 1 and points:
-        strongest = max(points, key=lambda number: points[number][1])
-        weaker = {force for _, force in points.values()} - {points[strongest][1]}
-        yield _left_out(f"{open_loads[strongest]}. This load is left out{_others('with', weaker, 'N')}")
-        return
-    for spring in dict.fromkeys(force for _, force in points.values()):
-        numbers = [number for number, (_, force) in points.items() if force == spring]
-        lowest = min(numbers, key=lambda number: load.fluid_pressure[number])
-        higher = {load.fluid_pressure[number] / 1e5 for number in numbers} - {
-            load.fluid_pressure[lowest] / 1e5
-        }
-        yield _left_out(f"{open_loads[lowest]}. This load is left out{_others('at', higher, 'bar')}")
-
-
-def _left_out(text: str) -> Caution:
-    # nothing against the loads that are left
-    return Caution("left out", Level.DOUBTFUL, "left out", text)
-
-
-def _others(how: str, values: Collection[float], unit: str) -> str:
-    return (
-        f"; so are those {how} {', '.join(f'{value:.6g}' for value in sorted(values))} {unit}"
-        if values
-        else ""
-    )
+def _near_opening(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    close = [(load.opening, load) for load in loads if load.opening and load.opening.share < _NEAR_OPENING]
+    if close:
+        margin, load = min(close, key=lambda item: item[0].share)
+        share = max(margin.share, 0.0)
+        others = f" ({len(close)} loads are closer than {100 * _NEAR_OPENING:g} %)" if len(close) > 1 else ""
+        counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
+        text = (
+            f"{load_name(load, loads)} is {100 * share:.2g} % from opening the seal: {number(margin.force, 2)} N of "
+            f"the {load.applied_force:.6g} N of the spring, or {number(margin.pressure / 1e5, 2)} bar{others}. What "
+            f"the contact carries is the small difference of spring and fluid: an error of either counts {counts} "
+            "in it, in the peak pressure and in the leak rate"
+        )
+        yield Caution("near opening", Level.DOUBTFUL, f"{100 * share:.2g} % from opening the seal", text)
 
 
 def _yielding_of(case: Case, load: Solved) -> Mapping[str, YieldedZone | PlasticZone]:

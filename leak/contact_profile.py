@@ -16,19 +16,36 @@ from leak.gauss import gauss
 
 FloatArray = NDArray[np.float64]
 
+# Faces that go on for ever.
+NO_ENDS = (-np.inf, np.inf)
 # Below this ln(p/Pa) p is as good as zero: what lies beyond adds less than 1e-6 of the flow resistance.
 SMALLEST_LOG_PRESSURE = -700.0
 # ln p by which the spline may leave the range of two neighbouring points: near a peak that falls between them.
 _OVERSHOOT = 0.1
+# The last points stand for what is left of a face that ends within this share of the distance over three of them.
+_NEAR_END = 0.5
+# ln p by which p may rise there: more is no profile but scatter.
+_STEEPEST_RISE = 1.0
 _CELL_NODES = 8
 _TAIL_NODES = 96
 
 
 class Tail(NamedTuple):
-    """ln p = ln p_end - slope d - curvature d^2 at distance d outward of an end; curvature >= 0."""
+    """ln p = ln p_end - slope d - curvature d^2 at distance d outward of an end; slope > 0, curvature >= 0."""
 
     slope: float
     curvature: float
+    length: float = np.inf
+    """Distance at which a face ends, and the contact with it [m]."""
+
+    def fall(self, d: FloatArray) -> FloatArray:
+        """ln p_end - ln p at distances d; infinite beyond the end of the face."""
+        return np.where(d <= self.length * (1.0 + 1e-9), d * (self.slope + self.curvature * d), np.inf)
+
+    def reach(self, fall: float) -> float:
+        """Distance at which ln p has fallen by `fall`, or the face ends [m]."""
+        root = float(np.sqrt(self.slope**2 + 4.0 * self.curvature * fall))
+        return min(2.0 * fall / (self.slope + root), self.length)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,12 +121,15 @@ class ContactProfile:
     tails: tuple[Tail | None, Tail | None]
 
     @classmethod
-    def through(cls, x: FloatArray, p: FloatArray, r: FloatArray) -> ContactProfile:
-        """The contact through points as `checked_profile` returns them.
+    def through(
+        cls, x: FloatArray, p: FloatArray, r: FloatArray, ends: tuple[float, float] = NO_ENDS
+    ) -> ContactProfile:
+        """The contact through points as `checked_profile` returns them, on faces with ends as `checked_ends` does.
 
         Points of zero pressure between others separate the contact into patches: the gap there is open, and the
-        resistances of the patches add.
+        resistances of the patches add. A face that ends next to the last point carries the contact up to its end.
         """
+        x, p, r = _up_to_ends(x, p, r, ends)
         positive_points = np.flatnonzero(p > np.exp(SMALLEST_LOG_PRESSURE))
         runs = np.split(positive_points, np.flatnonzero(np.diff(positive_points) > 1) + 1)
         patches = tuple(
@@ -125,8 +145,8 @@ class ContactProfile:
         )
         first, last = patches[0], patches[-1]
         tails = (
-            _tail(first.x, first.log_p, 0) if runs[0][0] == 0 else None,
-            _tail(last.x, last.log_p, -1) if runs[-1][-1] == x.size - 1 else None,
+            _tail(first.x, first.log_p, 0, x[0] - ends[0]) if runs[0][0] == 0 else None,
+            _tail(last.x, last.log_p, -1, ends[1] - x[-1]) if runs[-1][-1] == x.size - 1 else None,
         )
         edges = np.unique(np.concatenate([[patch.ends[0], *patch.x, patch.ends[1]] for patch in patches]))
 
@@ -166,16 +186,46 @@ class ContactProfile:
         return self._tail_panel(0, -1.0), cells, self._tail_panel(-1, 1.0)
 
     def _tail_panel(self, end: int, outward: float) -> Panels | None:
-        """From an end to infinity over d = scale s/(1-s): the resistance of a gap u falls at least like d^-3."""
+        """From an end to infinity, or to where the face ends, over d = scale s/(1-s).
+
+        The resistance of a gap u falls at least like d^-3.
+        """
         tail = self.tails[end]
         if tail is None:
             return None
-        s = 0.5 * (1.0 + gauss(_TAIL_NODES)[0])[None, :: int(outward)]
         # Distance over which ln p falls by about ten: that of u_eff by several decay lengths.
         scale = 10.0 / (0.5 * tail.slope + np.sqrt(0.25 * tail.slope**2 + 10.0 * tail.curvature))
+        last = 1.0 / (1.0 + scale / tail.length)
+        s = last * 0.5 * (1.0 + gauss(_TAIL_NODES)[0])[None, :: int(outward)]
         d = scale * s / (1.0 - s)
-        log_p = self.log_p[end] - tail.slope * d - tail.curvature * d**2
-        return Panels(log_p, self.radius(self.x[end] + outward * d), scale / (1.0 - s) ** 2)
+        log_p = self.log_p[end] - tail.fall(d)
+        return Panels(log_p, self.radius(self.x[end] + outward * d), last * scale / (1.0 - s) ** 2)
+
+
+def _up_to_ends(
+    x: FloatArray, p: FloatArray, r: FloatArray, ends: tuple[float, float]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The points, with one more where a face ends close to the last one that still carries pressure.
+
+    ln p goes on there by the parabola through the last three points, falling or, towards the corner of a body, rising.
+    """
+    for end, place in zip((0, -1), ends, strict=True):
+        order = slice(0, 3) if end == 0 else slice(-1, -4, -1)
+        d, left = np.abs(x[order] - x[order][0]), place - x[end] if end else x[end] - place
+        if not 0.0 < left <= _NEAR_END * d[2] or np.any(p[order] <= np.exp(SMALLEST_LOG_PRESSURE)):
+            continue
+        log_p = np.log(p[order])
+        first, second = (log_p[1] - log_p[0]) / d[1], (log_p[2] - log_p[0]) / d[2]
+        curvature = (second - first) / (d[2] - d[1])
+        outermost = log_p[0] - left * (first - curvature * d[1]) + curvature * left**2
+        outermost = min(outermost, log_p.max() + _STEEPEST_RISE)
+        radius = r[order][0] + (r[order][0] - r[order][1]) * left / d[1]
+        at = 0 if end == 0 else x.size
+        x, p, r = (
+            np.insert(values, at, value)
+            for values, value in ((x, place), (p, np.exp(outermost)), (r, radius))
+        )
+    return x, p, r
 
 
 def _edge(x: FloatArray, log_p: FloatArray, zero: float, end: int) -> float:
@@ -192,9 +242,9 @@ def _edge(x: FloatArray, log_p: FloatArray, zero: float, end: int) -> float:
     return float(xs[0] + span * between[0]) if between.size else float(zero)
 
 
-def _tail(x: FloatArray, log_p: FloatArray, end: int) -> Tail | None:
+def _tail(x: FloatArray, log_p: FloatArray, end: int, length: float) -> Tail | None:
     """Continuation of a falling end by the parabola through its last three points, or by its tangent."""
-    if x.size < 3:
+    if x.size < 3 or not length > 0.0:
         return None
     order = slice(0, 3) if end == 0 else slice(-1, -4, -1)
     d, fall = np.abs(x[order] - x[order][0]), log_p[order] - log_p[order][0]
@@ -203,7 +253,7 @@ def _tail(x: FloatArray, log_p: FloatArray, end: int) -> Tail | None:
     slope = first - curvature * d[1]  # inward slope of ln p at the end
     if slope <= 0.0:
         return None
-    return Tail(float(slope), float(max(-curvature, 0.0)))
+    return Tail(float(slope), float(max(-curvature, 0.0)), float(length))
 
 
 def _cell_slopes(x: FloatArray, log_p: FloatArray) -> FloatArray:
@@ -278,3 +328,18 @@ def checked_profile(
             f"radius = {rs[~((rs > 0.0) & np.isfinite(rs))][0]}: must be positive and finite [m]"
         )
     return xs, ps, rs
+
+
+def checked_ends(ends: tuple[float | None, float | None] | None) -> tuple[float, float]:
+    """Where the faces end, infinite where they do not, or a `ProfileError`."""
+    if ends is None:
+        return NO_ENDS
+    try:
+        low, high = (far if end is None else float(end) for end, far in zip(ends, NO_ENDS, strict=True))
+    except (TypeError, ValueError):
+        raise ProfileError(
+            f"ends = {ends!r}: must be two places x, or None where a face goes on [m]"
+        ) from None
+    if not low < high:
+        raise ProfileError(f"ends = {ends!r}: the first must be below the second [m]")
+    return low, high

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.contact_profile import ContactProfile, Tail, checked_profile
+from leak.contact_profile import ContactProfile, checked_ends, checked_profile
 from leak.errors import ProfileError, positive
 from leak.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure, leak_flow
 from leak.resistance_curve import ResistanceCurve
@@ -48,6 +48,7 @@ def coupled_leak_flow(
     radius: ArrayLike,
     *,
     pressure_side: str = "outer",
+    ends: tuple[float | None, float | None] | None = None,
 ) -> CoupledLeakResult:
     """Leak rate with the fluid pressure taken off the load of the asperities, place by place.
 
@@ -57,7 +58,7 @@ def coupled_leak_flow(
 
     Parameters
     ----------
-    x, p, conductivity, pressure_drop, radius, pressure_side
+    x, p, conductivity, pressure_drop, radius, pressure_side, ends
         See `leak.leak_flow`; p is the total nominal pressure, asperities and fluid together.
 
     Returns
@@ -100,11 +101,12 @@ def coupled_leak_flow(
         raise ProfileError(f"conductivity = {conductivity!r}: must be a function of p [m^3/(Pa s)]")
     if pressure_side == "inner":
         # Everything below has its low side at small x.
-        seen = coupled_leak_flow(-xs[::-1], ps[::-1], conductivity, drop, rs[::-1])
+        low, high = checked_ends(ends)
+        seen = coupled_leak_flow(-xs[::-1], ps[::-1], conductivity, drop, rs[::-1], ends=(-high, -low))
         lift = None if seen.lift_off_x is None else -seen.lift_off_x
         arrays = seen.fluid_pressure[::-1], seen.contact_pressure[::-1]
         return CoupledLeakResult(seen.leak_rate, seen.resistance, *arrays, lift, seen.blow_off_pressure)
-    profile = ContactProfile.through(xs, ps, rs)
+    profile = ContactProfile.through(xs, ps, rs, checked_ends(ends))
     fine, log_p = _fine_profile(profile)
     blow_off = float(np.exp(log_p.max()))
     if drop >= blow_off:
@@ -114,7 +116,7 @@ def coupled_leak_flow(
     curve = ResistanceCurve.of(by_log_pressure(conductivity), float(log_p.max()))
     if blow_off - drop >= curve.sealing_pressure:
         # It drops over the sealed part, wherever in it: as without coupling.
-        fluid = leak_flow(xs, ps, conductivity, drop, rs).fluid_pressure
+        fluid = leak_flow(xs, ps, conductivity, drop, rs, ends=ends).fluid_pressure
         return CoupledLeakResult(0.0, float("inf"), fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
     # A step must end at the peak, or p_f could not rise to it.
     peak = float(fine[np.argmax(log_p)])
@@ -174,7 +176,7 @@ def _first_steps(
     x, tail = fine[fine < end], profile.tails[0]
     excess = float(log_p[0]) - log_cut
     if tail is not None and excess > 0.0:
-        start = x[0] - _reach(tail, excess)
+        start = x[0] - tail.reach(excess)
         x = np.concatenate([np.linspace(start, x[0], _FINE_TAIL, endpoint=False), x])
     x = np.append(x, end)
     log_p = np.maximum(_log_pressure(profile, x), log_cut)
@@ -238,13 +240,8 @@ def _log_pressure(profile: ContactProfile, x: FloatArray) -> FloatArray:
     for end, outward in ((0, -1.0), (-1, 1.0)):
         tail, d = profile.tails[end], outward * (x - profile.x[end])
         if tail is not None:
-            log_p = np.where(d > 0.0, profile.log_p[end] - d * (tail.slope + tail.curvature * d), log_p)
+            log_p = np.where(d > 0.0, profile.log_p[end] - tail.fall(d), log_p)
     return log_p
-
-
-def _reach(tail: Tail, fall: float) -> float:
-    """Distance over which ln p falls by `fall` in a tail: slope d + curvature d^2 = fall."""
-    return 2.0 * fall / (tail.slope + float(np.sqrt(tail.slope**2 + 4.0 * tail.curvature * fall)))
 
 
 def _fine_profile(profile: ContactProfile) -> tuple[FloatArray, FloatArray]:
@@ -275,9 +272,9 @@ def _lift_off(
     if last == x.size - 1:
         if tail is None:
             return float(x[-1]), None
-        fall = float(log_p[-1]) - log_drop
-        place = float(x[-1]) + _reach(tail, fall)
-        return place, place
+        distance = tail.reach(float(log_p[-1]) - log_drop)
+        place = float(x[-1]) + distance
+        return place, None if distance == tail.length else place
     from scipy.optimize import brentq
 
     def above(at: float) -> float:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.contact_profile import ContactProfile, Panels, checked_profile
+from leak.contact_profile import ContactProfile, Panels, checked_ends, checked_profile
 from leak.errors import ProfileError, positive
 from leak.gas_conductivity import GasConductivity, gas_conductivity_table
 from leak.gases import Gas
@@ -79,6 +79,7 @@ def gas_leak_flow(
     *,
     pressure_side: str = "outer",
     method: str = "bruggeman",
+    ends: tuple[float | None, float | None] | None = None,
 ) -> GasLeakResult:
     """Mass flow of a gas through a contact pressure profile.
 
@@ -103,6 +104,8 @@ def gas_leak_flow(
         Side of the inlet: larger or smaller x.
     method : {"bruggeman", "critical-junction"}
         See `RoughContact.effective_separation`; for a `RoughContact` only.
+    ends : tuple of float or None, optional
+        x at which the faces end, see `leak.leak_flow` [m].
 
     Returns
     -------
@@ -139,20 +142,21 @@ def gas_leak_flow(
     if pressure_side not in ("outer", "inner"):
         raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
     table = _table(surface, ps, method) if isinstance(surface, RoughContact) else surface
-    profile = ContactProfile.through(xs, ps, rs).refined(_CELLS)
+    profile = ContactProfile.through(xs, ps, rs, checked_ends(ends)).refined(_CELLS)
     path = _Path.along(profile, table, gas)
     if not np.isfinite(path.total):
         fraction = path.sealed_fraction()
         below, above = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
         pressure = np.where(fraction < 0.5, below, above)
         return GasLeakResult(gas, p_in, p_out, 0.0, np.interp(xs, profile.x, pressure), float("inf"))
-    ends = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
-    flow, pressure = path.flow(*ends)
+    flow, pressure = path.flow(*((p_out, p_in) if pressure_side == "outer" else (p_in, p_out)))
     at_points = np.interp(xs, profile.x, pressure)
     peak = int(np.argmax(ps))
     narrowest = float(table.at_log_pressure(np.log(ps[peak])))
     free_path = gas.mean_free_path(max(float(at_points[peak]), 1e-300))
-    return GasLeakResult(gas, p_in, p_out, flow, at_points, free_path / narrowest)
+    # next to sealing u_eff may be too small for a floating-point number where the flow still is not
+    knudsen = free_path / narrowest if narrowest > 0.0 else float("inf")
+    return GasLeakResult(gas, p_in, p_out, flow, at_points, knudsen)
 
 
 def _outlet(inlet_pressure: float, outlet_pressure: float) -> float:
@@ -193,7 +197,8 @@ class _Path:
         panels = profile.panels()
         used = tuple(part for part in panels if part is not None)
         u = tuple(np.asarray(table.at_log_pressure(part.log_pressure)) for part in used)
-        with np.errstate(divide="ignore"):
+        # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
+        with np.errstate(divide="ignore", over="ignore"):
             resistance = tuple(
                 1.0 / (2.0 * np.pi * part.radius * one**3) for part, one in zip(used, u, strict=True)
             )

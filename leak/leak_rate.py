@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.contact_profile import SMALLEST_LOG_PRESSURE, ContactProfile, Panels, checked_profile
+from leak.contact_profile import SMALLEST_LOG_PRESSURE, ContactProfile, Panels, checked_ends, checked_profile
 from leak.errors import ProfileError, positive
 from leak.monotone_curve import MonotoneCurve, spline_slopes
 
@@ -98,13 +98,16 @@ def leak_flow(
     radius: ArrayLike,
     *,
     pressure_side: str = "outer",
+    ends: tuple[float | None, float | None] | None = None,
 ) -> LeakResult:
     """Leak rate, flow resistance and fluid pressure along a contact pressure profile.
 
     Ends of the profile. Where p has reached zero the contact ends like a Hertzian one, p^2 being smooth. Where p
     is still positive and falling outward, ln p is continued by the parabola through the last three points (by the
-    tangent, if that parabola bends upward) to infinity; both tails are part of the resistance. Where p does not fall
-    outward the contact ends with its last point.
+    tangent, if that parabola bends upward) to infinity, or to where the face ends; both tails are part of the
+    resistance. Where p does not fall outward the contact ends with its last point. Where the face ends within half of
+    the last three points' distance, as it does in the last element of a mesh, that parabola goes on to its end
+    wherever it leads.
 
     Parameters
     ----------
@@ -112,6 +115,8 @@ def leak_flow(
         See `leak_rate`.
     pressure_side : {"outer", "inner"}
         Side of the high fluid pressure: larger or smaller x.
+    ends : tuple of float or None, optional
+        x at which the faces end, inner and outer, None where they go on: nothing resists beyond [m].
 
     Returns
     -------
@@ -121,7 +126,7 @@ def leak_flow(
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
     if pressure_side not in ("outer", "inner"):
         raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
-    profile = ContactProfile.through(x_all, p_all, r_all)
+    profile = ContactProfile.through(x_all, p_all, r_all, checked_ends(ends))
     sigma = by_log_pressure(
         conductivity
         if callable(conductivity) or isinstance(conductivity, LogConductivity)

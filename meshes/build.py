@@ -32,6 +32,10 @@ _MOST_VERTICES = 1600
 # Share of a face's length that is no length.
 _END = 1e-5
 
+# Decimals of the coordinates and digits of the sizes that gmsh gets, in units of the seal. A change in the last digit,
+# such as other units leave behind, would give another mesh, and a result that differs by what the mesh is worth.
+_DIGITS = 11
+
 # gmsh's numbers of these elements.
 _LINE, _TRIANGLE = 1, 2
 
@@ -133,22 +137,30 @@ def triangulate(outlines: tuple[Outline, ...], contact: ContactGeometry, sizing:
     # gmsh sees the seal in units of this length, so that its absolute tolerances mean the same for every size.
     scale = outlines[0].largest_radius
     with gmsh_session("seal") as gmsh:
-        groups = [_add_body(gmsh, outline, scale) for outline in outlines]
+        exact: dict[int, tuple[float, float]] = {}
+        groups = [_add_body(gmsh, outline, scale, exact) for outline in outlines]
         _set_sizes(gmsh, contact, sizing, scale)
         try:
             gmsh.model.mesh.generate(2)
         except Exception as error:  # gmsh raises plain Exception
             raise MeshingError(f"gmsh could not mesh the bodies: {error}") from error
-        return _to_skfem(gmsh, outlines, groups, scale)
+        return _to_skfem(gmsh, outlines, groups, scale, exact)
 
 
-def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> dict[str, list[int]]:
-    """Add one body; return the curve tags of each boundary, and the surface tag under the body's name."""
+def _add_body(
+    gmsh: ModuleType, outline: Outline, scale: float, exact: dict[int, tuple[float, float]]
+) -> dict[str, list[int]]:
+    """Add one body; return the curve tags of each boundary, and the surface tag under the body's name.
+
+    The exact places of its points are put into `exact`, by their tags.
+    """
     geo = gmsh.model.geo
 
     @cache
     def point(p: tuple[float, float]) -> int:
-        return int(geo.addPoint(p[0] / scale, p[1] / scale, 0.0))
+        tag = int(geo.addPoint(*(round(x / scale, _DIGITS) for x in p), 0.0))
+        exact[tag] = p
+        return tag
 
     curves: dict[str, list[int]] = {}
     loop = []
@@ -182,7 +194,7 @@ def _set_sizes(gmsh: ModuleType, contact: ContactGeometry, sizing: Sizing, scale
     fields = []
     for formula in formulas:
         fields.append(field.add("MathEval"))
-        field.setString(fields[-1], "F", f"Min({formula},{sizing.far_size / scale:.17g})")
+        field.setString(fields[-1], "F", f"Min({formula},{sizing.far_size / scale:.{_DIGITS}g})")
     smallest = fields[0]
     if len(fields) > 1:
         smallest = field.add("Min")
@@ -192,8 +204,8 @@ def _set_sizes(gmsh: ModuleType, contact: ContactGeometry, sizing: Sizing, scale
 
 def _size(size: float, core: float, sizing: Sizing, along: str, deep: str, scale: float) -> str:
     return (
-        f"{size / scale:.17g}+{sizing.growth_along:.17g}*Max(0,{along}-{core / scale:.17g})"
-        f"+{sizing.growth_deep:.17g}*{deep}"
+        f"{size / scale:.{_DIGITS}g}+{sizing.growth_along:.{_DIGITS}g}*Max(0,{along}-{core / scale:.{_DIGITS}g})"
+        f"+{sizing.growth_deep:.{_DIGITS}g}*{deep}"
     )
 
 
@@ -211,28 +223,32 @@ def _along_and_deep(contact: ContactGeometry, zone: tuple[float, float], scale: 
         / math.prod(math.hypot(*side) for side in (before, after, ends[1] - ends[0]))
     )
     if abs(k) * math.dist(*ends) < 1e-6:
-        dr, dz = f"(x-({touch[0]:.17g}))", "y"
-        cos, sin = (f"({c:.17g})" for c in chord)
+        dr, dz = f"(x-({touch[0]:.{_DIGITS}g}))", "y"
+        cos, sin = (f"({c:.{_DIGITS}g})" for c in chord)
         return f"Fabs({dr}*{cos}+{dz}*{sin})", f"Fabs({dz}*{cos}-{dr}*{sin})"
     middle, half = 0.5 * (ends[0] + ends[1]), 0.5 * math.dist(*ends)
     # On the other side of the chord than first touch.
     centre = middle + math.copysign(math.sqrt(max(1 / k**2 - half**2, 0.0)), k) * normal
     normal = (centre - touch) * k
-    distance = f"(1e-12+Sqrt((x-({centre[0]:.17g}))^2+(y-({centre[1]:.17g}))^2))"
+    distance = f"(1e-12+Sqrt((x-({centre[0]:.{_DIGITS}g}))^2+(y-({centre[1]:.{_DIGITS}g}))^2))"
     # The chord between the directions of a point and of first touch, seen from the centre of curvature.
     r, z = (
-        f"((({c})-({m:.17g}))/{distance}-({d:.17g}))"
+        f"((({c})-({m:.{_DIGITS}g}))/{distance}-({d:.{_DIGITS}g}))"
         for c, m, d in zip("xy", centre, -np.sign(k) * normal, strict=True)
     )
-    return f"{1 / abs(k):.17g}*Sqrt({r}^2+{z}^2)", f"Fabs({distance}-{1 / abs(k):.17g})"
+    return f"{1 / abs(k):.{_DIGITS}g}*Sqrt({r}^2+{z}^2)", f"Fabs({distance}-{1 / abs(k):.{_DIGITS}g})"
 
 
 def _square(point: FloatArray, scale: float) -> str:
-    return f"(x-({point[0] / scale:.17g}))^2+(y-({point[1] / scale:.17g}))^2"
+    return f"(x-({point[0] / scale:.{_DIGITS}g}))^2+(y-({point[1] / scale:.{_DIGITS}g}))^2"
 
 
 def _to_skfem(
-    gmsh: ModuleType, outlines: tuple[Outline, ...], groups: list[dict[str, list[int]]], scale: float
+    gmsh: ModuleType,
+    outlines: tuple[Outline, ...],
+    groups: list[dict[str, list[int]]],
+    scale: float,
+    exact: Mapping[int, tuple[float, float]],
 ) -> MeshTri:
     from skfem import MeshTri
 
@@ -252,7 +268,10 @@ def _to_skfem(
     used = np.unique(np.vstack(triangles))
     row, index = np.full((2, int(tags.max()) + 1), -1)
     row[tags], index[used] = np.arange(len(tags)), np.arange(len(used))
-    points = scale * coordinates.reshape(-1, 3)[row[used], :2]
+    places = scale * coordinates.reshape(-1, 3)[:, :2]
+    for point, place in exact.items():
+        places[row[gmsh.model.mesh.getNodes(0, point)[0]]] = place
+    points = places[row[used]]
     mesh = MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(index[np.vstack(triangles)].T))
     boundaries = facets_between(mesh, {name: index[pairs] for name, pairs in lines.items()})
     return mesh.with_boundaries(boundaries).with_subdomains(subdomains)

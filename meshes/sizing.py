@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -116,6 +117,31 @@ class Sizing:
         inner = np.interp(np.arange(1, elements) * count[-1] / elements, count, x)
         return np.append(inner, b)
 
+    def rounded(self, fixed: Collection[float], *, exact_size: bool = False) -> Sizing:
+        """The same with three digits, so that round-off of the input, such as other units, leaves the mesh as it is.
+
+        Parameters
+        ----------
+        fixed : collection of float
+            Places on the contact line that stay, such as edges and ends of the faces: arc lengths [m].
+        exact_size : bool
+            Whether `contact_size` is given by somebody and stays.
+        """
+        spots = {
+            (place if place in fixed else _three(size) * round(place / _three(size)), _three(size))
+            for place, size in self.spots
+        }
+        start, end = (x if x in fixed else _three(x) for x in self.zone)
+        return replace(
+            self,
+            contact_size=self.contact_size if exact_size else min(_three(self.contact_size), self.far_size),
+            core=_three(self.core),
+            zone=(max(start, min(fixed, default=start)), min(end, max(fixed, default=end))),
+            growth_along=_three(self.growth_along),
+            growth_deep=_three(self.growth_deep),
+            spots=tuple(sorted(spots)),
+        )
+
     def refined(self, factor: float) -> Sizing:
         """Same grading with every element size divided by `factor`; below 1 it coarsens."""
         return replace(
@@ -126,3 +152,8 @@ class Sizing:
             far_size=self.far_size / factor,
             spots=tuple((x, size / factor) for x, size in self.spots),
         )
+
+
+def _three(size: float) -> float:
+    """A number with three significant digits."""
+    return float(f"{size:.2e}")

@@ -351,7 +351,8 @@ def test_run_writes_the_files_of_the_contract(main_job):
         "max_von_mises_Pa,leak_rate_low_m3_per_s,leak_rate_high_m3_per_s,leak_rate_kg_per_s,leak_rate_Pa_m3_per_s,"
         "leak_rate_standard_m3_per_s,knudsen_number,lift_off_x_m,blow_off_pressure_Pa,"
         "applied_force_N,effective_seal_radius_m,force_for_target_leak_N,"
-        "max_accumulated_plastic_strain,load_steps,validity,validity_reasons"
+        "max_accumulated_plastic_strain,load_steps,opening_margin_N,opening_margin_Pa,opening_margin,"
+        "validity,validity_reasons"
     )
 
 

@@ -340,6 +340,12 @@ def test_steps_are_halved_before_giving_up() -> None:
     ) as caught:
         load_path(model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1))
     assert [contact.axial_force for contact in caught.value.partial] == [0.02 * force]
+    path = load_path(
+        model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1), partial=True
+    )
+    assert [contact.axial_force for contact in path.contacts] == [0.02 * force]
+    assert "load step from" in str(path.stopped)
+    assert path.unloaded.imprints == {}
 
 
 @pytest.mark.parametrize("force", [0.0, -1.0, math.nan])

@@ -262,6 +262,9 @@ UNITS = {
     "force_for_target_leak_N": "N",
     "max_accumulated_plastic_strain": "1",
     "load_steps": "1",
+    "opening_margin_N": "N",
+    "opening_margin_Pa": "Pa",
+    "opening_margin": "1",
 }
 
 

@@ -25,7 +25,8 @@ LEAK_HEADER = (
     "max_von_mises_Pa,leak_rate_low_m3_per_s,leak_rate_high_m3_per_s,"
     "leak_rate_kg_per_s,leak_rate_Pa_m3_per_s,leak_rate_standard_m3_per_s,knudsen_number,"
     "lift_off_x_m,blow_off_pressure_Pa,applied_force_N,effective_seal_radius_m,force_for_target_leak_N,"
-    "max_accumulated_plastic_strain,load_steps,validity,validity_reasons"
+    "max_accumulated_plastic_strain,load_steps,opening_margin_N,opening_margin_Pa,opening_margin,"
+    "validity,validity_reasons"
 )
 PROFILE_HEADER = "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa"
 
@@ -83,11 +84,14 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "force_for_target_leak_N",
         "max_accumulated_plastic_strain",
         "load_steps",
+        "opening_margin_N",
+        "opening_margin_Pa",
+        "opening_margin",
     ]
     assert table[missing].isna().all().all()
     assert table.drop(columns=[*missing, "validity_reasons"]).notna().all().all()
-    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(25))
-    assert numbers.shape == (2, 25)
+    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(28))
+    assert numbers.shape == (2, 28)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):

@@ -287,3 +287,17 @@ def test_wrong_input(change, says):
     } | change
     with pytest.raises(leak.ProfileError, match=says):
         leak.coupled_leak_flow(**arguments)
+
+
+@pytest.mark.parametrize("side", ["outer", "inner"])
+@pytest.mark.parametrize("ends", [(-2.1, 2.1), (-2.6, 3.0), (-2.02, None), (None, None)])
+def test_a_small_pressure_drop_ends_where_the_faces_end(ends, side):
+    """For Delta P << p it is the flow without coupling, whose integral ends there."""
+    x, p = gauss(60, reach=2.0)
+    placed = tuple(None if end is None else end * 1.39e-4 for end in ends)
+    sigma, drop = power_law(1e-20, 1.0), 1.0
+    alone = leak.leak_flow(x, p, sigma, drop, R, pressure_side=side, ends=placed).leak_rate
+    result = coupled(x, p, sigma, drop, pressure_side=side, ends=placed)
+    assert result.leak_rate == pytest.approx(alone, rel=1e-4)
+    high = placed[1] if side == "outer" else placed[0]
+    assert (result.lift_off_x is None) == (high is not None)

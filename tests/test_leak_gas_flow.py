@@ -382,3 +382,22 @@ def test_wrong_input(change, key):
     given = {"inlet_pressure": 1e5, "outlet_pressure": 0.0, "radius": R0} | change
     with pytest.raises(leak.ProfileError, match=key):
         leak.gas_leak_flow(X, P, UniformGap(1e-6), leak.gas("air"), **given)
+
+
+def test_a_gas_flows_through_no_more_than_the_face():
+    """Q of a uniform gap is inversely proportional to the width of the face, not to that of the points."""
+    gas, inner = leak.gas("nitrogen"), slice(1, -1)
+    through = leak.gas_leak_flow(X[inner], P[inner], UniformGap(1e-5), gas, 2e5, 1e5, R0, ends=(X[0], X[-1]))
+    assert through.mass_flow == pytest.approx(uniform(1e-5, gas, 2e5, 1e5).mass_flow, rel=1e-9)
+
+
+@given(short=st.floats(1e-6, 0.05), inlet=st.sampled_from([1e3, 1e5, 1e7]))
+@settings(max_examples=30, deadline=None)
+def test_next_to_sealing_the_flow_vanishes_without_a_fault(short, inlet):
+    """u_eff falls by hundreds of decades there; flow, pressure and Knudsen number stay numbers."""
+    table, x = gas_table(), np.linspace(-4, 4, 121)
+    p = (1 - short) * table.liquid.sealing_pressure * np.exp(-0.5 * x**2)
+    found = leak.gas_leak_flow(1e-4 * x, p, table, leak.gas("helium"), inlet, 0.0, R0)
+    assert found.mass_flow >= 0.0
+    assert found.knudsen_number > 1.0
+    assert np.all((found.fluid_pressure >= 0.0) & (found.fluid_pressure <= inlet * (1 + 1e-9)))

@@ -296,3 +296,49 @@ def test_wrong_conductivity_values_are_refused(values) -> None:
     x, p = gauss(61)
     with pytest.raises(leak.ProfileError, match="conductivity"):
         leak.leak_rate(x, p, values, 2e6, 0.014)
+
+
+@pytest.mark.parametrize("rising", [-3.0, 0.0, 2.0])
+@pytest.mark.parametrize("count", [6, 24])
+def test_the_contact_ends_where_its_face_ends(rising, count) -> None:
+    """sigma = B/p and p = p0 exp(k x/W) over a face of width W, known at points inside: int p dx in closed form."""
+    W, p0, B = 1e-3, 1e7, 1e-9
+    x = W * (np.arange(count) + 0.5) / count
+    p = p0 * np.exp(rising * x / W)
+    area = p0 * W * (np.expm1(rising) / rising if rising else 1.0)
+    exact = 2e6 * LENGTH * B / area
+    results = [
+        leak.leak_flow(
+            *((x, p) if side == "outer" else (-x[::-1], p[::-1])),
+            power_law(B, 1.0),
+            2e6,
+            0.0141421,
+            pressure_side=side,
+            ends=(0.0, W) if side == "outer" else (-W, 0.0),
+        )
+        for side in ("outer", "inner")
+    ]
+    for result in results:
+        assert result.leak_rate == pytest.approx(exact, rel=1e-9)
+        assert result.fluid_pressure.shape == x.shape
+    np.testing.assert_allclose(results[0].fluid_pressure, results[1].fluid_pressure[::-1], rtol=1e-9)
+
+
+@pytest.mark.parametrize("end", [2.2, 2.6, 3.5, 30.0])
+def test_a_tail_is_cut_where_the_face_ends(end) -> None:
+    """Gaussian over points up to 2 s, face up to `end`: int p^3 dx between the ends."""
+    from scipy.special import erf
+
+    x, p = gauss(50, reach=2.0)
+    s, m = 0.139e-3, 3.0
+    ends = (-end * s, None)
+    Q = leak.leak_flow(x, p, power_law(1e-9, m), 2e6, 0.0141421, ends=ends).leak_rate
+    width = s * np.sqrt(np.pi / (2 * m)) * (erf(end * np.sqrt(m / 2)) + 1)
+    assert pytest.approx(2e6 * LENGTH * 1e-9 * 50e6**-m / width, rel=1e-7) == Q
+
+
+@pytest.mark.parametrize("ends", [(1e-3, 0.0), ("a", "b"), (0.0,), 3.0])
+def test_ends_that_are_none_are_refused(ends) -> None:
+    x, p = gauss(20)
+    with pytest.raises(leak.ProfileError, match="ends"):
+        leak.leak_flow(x, p, power_law(1e-9, 1.0), 2e6, 0.0141421, ends=ends)

@@ -23,7 +23,8 @@ from fem_seal.interface import rough_contact
 from fem_seal.laws import Law
 from fem_seal.leakage import Leakage, leakage
 from fem_seal.load_solver import supports
-from fem_seal.loads import blow_off_of_sealed_area
+from fem_seal.loads import blow_off_of_sealed_area, closing_force
+from fem_seal.opening import OpeningMargin, opening_margin
 from fem_seal.profile import PressureProfile
 from fem_seal.results import LoadResult
 from fem_seal.studies.shared_models import shared_model
@@ -267,6 +268,14 @@ class _Design:
         return blow_off_of_sealed_area(radius, self.case.load.points[0][1], "inner")
 
     @property
+    def opening(self) -> OpeningMargin | None:
+        case, spring = self.case, self.case.load.points[0][1]
+        held = -closing_force(case.touch_radius, self.pressure, 0.0, case.load.pressure_side)
+        return opening_margin(
+            self.pressure, spring, case.load.pressure_side, opens=self.blow_off_pressure, held=held
+        )
+
+    @property
     def max_von_mises(self) -> float:
         return max(float(field.von_mises.max()) for field in self.contact.fields.values())
 
@@ -293,6 +302,9 @@ FAST: dict[str, Callable[[_Design], float]] = {
     "applied_force_N": lambda design: design.case.load.points[0][1],
     "effective_seal_radius_m": lambda design: math.nan,
     "force_for_target_leak_N": lambda design: math.nan,
+    "opening_margin_N": lambda design: _found(design.opening, "force"),
+    "opening_margin_Pa": lambda design: _found(design.opening, "pressure"),
+    "opening_margin": lambda design: _found(design.opening, "share"),
 }
 
 

@@ -1,0 +1,96 @@
+"""What comes after contact and leak: a step that fails is named, and costs none of the other results."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+from fem_seal.errors import OutputError
+
+Value = TypeVar("Value")
+Other = TypeVar("Other")
+
+_PACKAGES = ("fem_seal", "leak", "meshes")
+
+
+@dataclass(frozen=True)
+class Afterwards:
+    """Steps of which each may fail without harm to the others.
+
+    Parameters
+    ----------
+    failures : list of str
+        A sentence for each step that failed.
+    """
+
+    failures: list[str] = field(default_factory=list)
+
+    def get(self, what: str, calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
+        """What `calculate` gives or, if it fails, `otherwise`.
+
+        Parameters
+        ----------
+        what : str
+            What the step gives, the subject of the sentence that names its failure.
+        calculate : callable
+        otherwise : object
+        """
+        with self.going_on(what):
+            return calculate()
+        return otherwise
+
+    @contextmanager
+    def going_on(self, what: str, *, but: type[Exception] = OutputError) -> Iterator[None]:
+        """Name what fails inside, and go on after it.
+
+        A file that cannot be written is not told here but to the caller, as is an interruption: the disc or the user
+        is the cause then, and both concern the other results as well.
+
+        Parameters
+        ----------
+        what : str
+            See `get`.
+        but : type of exception
+            What stops everything.
+        """
+        try:
+            yield
+        except but:
+            raise
+        except Exception as error:
+            # any: what is shown beside a result must never be the reason for having none
+            self.name(what, error)
+
+    def name(self, what: str, error: Exception) -> None:
+        """Name a failure that was met elsewhere."""
+        self.failures.append(f"{what}: could not be calculated ({told(error)}); all else is not affected")
+
+
+def told(error: Exception) -> str:
+    """What an error says; one that nobody foresaw with its kind and the place in the program it comes from.
+
+    Parameters
+    ----------
+    error : Exception
+
+    Examples
+    --------
+    >>> told(OutputError("leak.csv: no space left on device"))
+    'leak.csv: no space left on device'
+    """
+    if type(error).__module__.split(".")[0] in _PACKAGES:
+        return " ".join(str(error).split())
+    if isinstance(error, MemoryError):
+        return "not enough memory"
+    name = type(error).__name__
+    places = [
+        frame
+        for frame in traceback.extract_tb(error.__traceback__)
+        if any(package in Path(frame.filename).parts for package in _PACKAGES)
+    ]
+    place = f" in {Path(places[-1].filename).name}, line {places[-1].lineno}" if places else ""
+    return f"unexpected {name}: {error}{place}, a defect of fem-seal"
