@@ -107,15 +107,16 @@ def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: 
     """Check a case file and print what follows from it in closed form, without solving."""
     from fem_seal import console
     from fem_seal.case import load_case
-    from fem_seal.derived import derive
+    from fem_seal.derived import closed_form_limits, derive
 
     case = load_case(case_file)
-    numbers = console.derived_numbers(case, derive(case))
+    derived = derive(case)
+    numbers = console.derived_numbers(case, derived)
     from fem_seal import pipeline
 
     law = pipeline.interface_law(case, pipeline.rough_contact(case))
     numbers["contact_size_m"] = pipeline.sizing(case, law).contact_size
-    _warn(_remarks(case))
+    _warn([*_remarks(case), *filter(None, [closed_form_limits(case, derived)])])
     if json:
         typer.echo(console.as_json(numbers))
     elif not quiet:

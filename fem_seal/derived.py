@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fem_seal.errors import InputError
 from fem_seal.interface import exponential_law, rough_contact
 from fem_seal.load_limits import refused_loads
@@ -116,6 +118,31 @@ def derive(case: Case) -> Derived:
             for number, point in enumerate(case.load.points)
         ),
     )
+
+
+def closed_form_limits(case: Case, derived: Derived) -> str:
+    """Why the closed forms are not what a run finds: faces that bend differently within the contact; "" if they do not.
+
+    Parameters
+    ----------
+    case : Case
+    derived : Derived
+        Of the same case.
+    """
+    for load in derived.loads:
+        closed = load.crossover or load.hertz
+        if closed is None:
+            continue
+        # Beyond two standard deviations there is a twentieth of the load; Hertz's contact ends there.
+        inside = case.contact.breaks[np.abs(case.contact.breaks) < 2 * closed.std]
+        if len(inside):
+            nearest = 1e6 * float(np.abs(inside).min())
+            return (
+                f"from {load.fluid_pressure / 1e5:.6g} bar on the contact is wider than the stretch on which the faces "
+                f"bend as they do at first touch ({nearest:.3g} um to one side of it): the closed forms (Hertz, "
+                "crossover) do not hold there, and the calculated peak differs from theirs"
+            )
+    return ""
 
 
 def _derive_load(

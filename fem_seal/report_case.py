@@ -210,12 +210,12 @@ def accuracy(result: SealResult) -> list[tuple[str, str]]:
     iterations = [load.contact.iterations for load in result.loads]
     residuals = [load.contact.residuals[-1] for load in result.loads if load.contact.residuals]
     rows = [
-        ("error of the peak pressure", _error(error.peak_pressure)),
-        ("error of the width (FWHM)", _error(error.fwhm)),
-        ("error of the std. deviation", _error(error.std)),
+        ("mesh error of the peak pressure", _error(error.peak_pressure)),
+        ("mesh error of the width (FWHM)", _error(error.fwhm)),
+        ("mesh error of the std. deviation", _error(error.std)),
     ]
     if error.leak_rate is not None:
-        rows.append(("error of the leak rate", _error(error.leak_rate)))
+        rows.append(("mesh error of the leak rate", _error(error.leak_rate)))
     rows.append(("iterations per load", f"{min(iterations)} to {max(iterations)}"))
     if residuals:
         rows.append(("residual of the gap", f"{number(max(residuals), 1)} decay lengths"))

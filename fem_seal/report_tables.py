@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem_seal.caution import Level
+from fem_seal.derived import closed_form_limits, derive
 from fem_seal.load_names import load_name
 from fem_seal.readable import Unit, flow, quantity, trimmed, unit_for, worth
 
@@ -178,6 +179,8 @@ def comparison_note(result: SealResult) -> str:
     law = result.case.interface.law
     if result.unloaded is not None:
         return " The closed forms are for elastic bodies: the differences show what yielding does."
+    if limits := closed_form_limits(result.case, derive(result.case)):
+        return f" {limits[0].upper()}{limits[1:]}."
     if law == "smooth":
         return " Small differences to Hertz are those of the mesh and of the curved sealing line."
     if law == "exponential":

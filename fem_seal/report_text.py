@@ -346,6 +346,7 @@ DEFINITIONS = (
     ("leak rate", "volume per time through the whole circumference, all fluid pressures as differences"),
     (
         "discretisation error",
-        "upper estimate from the load with the largest closing force, solved again on a mesh twice as coarse",
+        "error of the mesh alone: upper estimate from the load with the largest closing force, solved again on a mesh "
+        "twice as coarse; shape, supports, roughness and the theory itself it cannot see",
     ),
 )

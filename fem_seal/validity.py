@@ -55,6 +55,9 @@ FLUID_OPENS = 0.1
 _FLUID_LIFTS = 0.5
 # Plastic strain up to which small-strain theory holds.
 _LARGE_STRAIN = 0.1
+# Separation of the surfaces over the radius to which their faces bend, in the mean over the contact pressure, above
+# which the law of parallel planes is stretched, and above which it means nothing; see docs/theory_geometry.md.
+_THICK_LAYER, _NO_LAYER = 0.1, 1.0
 # Beyond this share of the ball's radius the contact is no narrow line any more.
 _NARROW = 0.2
 
@@ -117,7 +120,7 @@ def load_cautions(
     surface : RoughContact, optional
         The case's rough contact.
     """
-    bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _above_hardness)
+    bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _thick_layer, _above_hardness)
     yield from (caution for check in bodies for caution in check(case, model, loads))
     if surface is not None:
         yield from _interface_cautions(case, surface, loads)
@@ -325,6 +328,27 @@ def _wide(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[
         )
 
 
+def _thick_layer(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+    line = model.line
+    shares = []
+    for load in loads:
+        forces = load.contact.point_forces
+        shares.append(float(np.maximum(load.contact.gap, 0.0) * line.bend @ forces / forces.sum()))
+    share = max(shares)
+    if share > _THICK_LAYER:
+        load = loads[shares.index(share)]
+        apart = float(load.contact.gap[int(np.argmax(load.contact.pressure))])
+        yield Caution(
+            "thick layer",
+            Level.OUTSIDE if share > _NO_LAYER else Level.DOUBTFUL,
+            f"surfaces stand apart by {share:.2g} of the radius to which their faces bend",
+            f"at {load_name(load, loads)} the surfaces stand {1e6 * apart:.3g} um apart, {share:.2g} of the radius to "
+            "which their faces bend where they carry the load; the interface law is that of parallel planes, and peak "
+            "and width are uncertain by about the decay length over that radius. A larger edge radius or smoother "
+            "surfaces cure it",
+        )
+
+
 def _above_hardness(case: Case, model: ContactModel | None, loads: Sequence[Loaded]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.peak_pressure)
     peak, hardness = load.contact.profile.peak_pressure, case.hardness
@@ -521,6 +545,6 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
             "mesh",
             Level.DOUBTFUL,
             f"estimated discretisation error {100 * worst:.2g} %",
-            f"the estimated discretisation error is {100 * worst:.2g} %; a [mesh] contact_size below the present "
-            f"{1e6 * size:.3g} um reduces it",
+            f"the estimated discretisation error, that of the mesh alone, is {100 * worst:.2g} %; a [mesh] "
+            f"contact_size below the present {1e6 * size:.3g} um reduces it",
         )

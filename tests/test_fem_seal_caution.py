@@ -13,8 +13,12 @@ from sample_results import STEEL, case, rough_result
 import fem_seal
 import leak
 from fem_seal import validity
+from fem_seal.case import Case
 from fem_seal.caution import VALID, Caution, Level, Validity, worst_first
+from fem_seal.derived import closed_form_limits, derive
+from fem_seal.pipeline import run
 from fem_seal.profile import PressureProfile
+from fem_seal.report_tables import comparison_note
 from fem_seal.results import TargetContact
 from fem_seal.validity import load_validity
 from fem_seal.yielding import PlasticZone, YieldedZone
@@ -252,3 +256,62 @@ def test_a_mesh_error_that_is_not_known_is_no_clean_bill():
     result, unknown = rough_result(), DiscretisationError(math.nan, math.nan, math.nan, None)
     found = load_validity(result.case, result.loads[0], result.surface, unknown)
     assert found.reasons == ("discretisation error not estimated",)
+
+
+# ---------------------------------------------------------------- faces that bend within the thickness of the layer
+
+
+def edge_case(edge_radius: str, u0: str) -> Case:
+    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
+    return Case(
+        closure={
+            "shape": "cone",
+            "angle": "45 deg",
+            "mean_radius": "5 mm",
+            "outer_radius": "7 mm",
+            "material": steel,
+        },
+        seat={"shape": "sharp-edge", "bore_radius": "5 mm", "edge_radius": edge_radius, "material": steel},
+        interface={"law": "exponential", "u0": u0, "p_c": "5 GPa"},
+        load={"fluid_pressure": ["2 bar"]},
+    )
+
+
+@pytest.mark.parametrize(
+    ("edge_radius", "u0", "level"),
+    [("300 um", 1e-6, "valid"), ("30 um", 1e-6, "doubtful"), ("15 um", 5e-6, "outside the theory")],
+)
+def test_a_layer_that_is_not_thin_against_the_edge_says_so(edge_radius, u0, level):
+    """u = u0 ln(p_c/p) is a fiftieth, a sixth and twice the radius of the edge here."""
+    result = run(edge_case(edge_radius, f"{u0} m"))
+    (load,) = result.loads
+    assert load.validity.level == level
+    if level != "valid":
+        apart = u0 * math.log(5e9 / load.contact.profile.peak_pressure)
+        said = next(text for text in result.warnings if "radius to which" in text)
+        assert f"stand {1e6 * apart:.3g} um apart" in said
+
+
+def test_check_and_report_say_where_the_closed_forms_do_not_hold():
+    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
+    tables = {
+        "closure": {"shape": "ball", "radius": "20 mm", "material": steel},
+        "interface": {"law": "exponential", "u0": "0.76 um", "p_c": "5 GPa"},
+        "load": {"fluid_pressure": ["2 bar", "20 bar"]},
+    }
+    land = {
+        "shape": "conical-land",
+        "angle": "45 deg",
+        "land_width": "0.2 mm",
+        "edge_radius": "0.1 mm",
+        "material": steel,
+    }
+    narrow = Case(**tables, seat=land)
+    said = closed_form_limits(narrow, derive(narrow))
+    assert said.startswith("from 2 bar on")
+    result = run(narrow)
+    assert said[1:] in comparison_note(result)
+    crossover = derive(narrow).loads[0].crossover
+    assert abs(result.loads[0].contact.profile.peak_pressure / crossover.peak_pressure - 1) > 0.05
+    wide = Case(**tables, seat={"shape": "cone", "angle": "45 deg", "material": steel})
+    assert closed_form_limits(wide, derive(wide)) == ""
