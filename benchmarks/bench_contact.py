@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from fem_seal.condensation import ContactModel, condense
-from fem_seal.contact import solve
-from fem_seal.contact_size import element_sizes
+from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.newton import solve
+from fem_seal.contact.sizing import element_sizes
 from fem_seal.materials import Material, effective_modulus
 from leak import ExponentialLaw
 from meshes import Ball, ConicalSeat, ContactGeometry, SealMesh, build

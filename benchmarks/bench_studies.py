@@ -57,14 +57,15 @@ def ready():
     """Load in a worker what the designs need."""
     import gmsh  # noqa: F401
 
-    import fem_seal.studies.evaluate  # noqa: F401
+    import fem_seal.studies.responses  # noqa: F401
 
 
 def memory(points):
     """Resident memory of the coordinating process while rows stream through it, with workers that solve nothing."""
     from fem_seal import Study
-    from fem_seal.studies import session
-    from fem_seal.studies.work import Row
+    from fem_seal.studies import progress, session, work
+    from fem_seal.studies import store as studies_store
+    from fem_seal.studies.store import Row
 
     class Instant:
         """A pool whose designs take no time."""
@@ -77,14 +78,14 @@ def memory(points):
 
     seen = []
     study = Study(CASE, **latin(points))
-    recipe = session.Recipe.of(study)
+    recipe = work.Recipe.of(study)
     with tempfile.TemporaryDirectory() as folder:
-        store = session.create(
+        store = studies_store.create(
             Path(folder) / "study.sqlite", session._column_types(study), study.output_names
         )
         store.set_design(recipe.key(point) for point in study.points)
         start = time.perf_counter()
-        session._fill(recipe, store, Instant(), study, session.Silent())
+        session._fill(recipe, store, Instant(), study, progress.Silent())
         wall = time.perf_counter() - start
         store.close()
     rest = seen[len(seen) // 10 :]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import fem_seal
-from fem_seal.case_uncertainty import Spread, Uncertainty
-from fem_seal.uncertainty import leak_interval
+from fem_seal.analysis.uncertainty import leak_interval
+from fem_seal.case.uncertainty import Spread, Uncertainty
 
 STEEL = {
     "youngs_modulus": "210 GPa",

@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from fem_seal import Case, load_case
-from fem_seal.condensation import ContactModel, condense
-from fem_seal.contact import solve
-from fem_seal.contact_solution import ContactSolution
-from fem_seal.pipeline import axial_forces, interface_law, sizing
+from fem_seal.analysis.problem import axial_forces, interface_law, sizing
+from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.newton import solve
+from fem_seal.contact.solution import ContactSolution
 from meshes import SealMesh, build_contact
 
 

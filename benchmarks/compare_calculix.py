@@ -27,8 +27,8 @@ from measured_process import Cost, measured
 
 import fem_seal
 import leak
-from fem_seal.contact import solve
-from fem_seal.pipeline import axial_forces, interface_law
+from fem_seal.analysis.problem import axial_forces, interface_law
+from fem_seal.contact.newton import solve
 from fem_seal.profile import PressureProfile
 from meshes import SealMesh
 

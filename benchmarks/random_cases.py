@@ -21,9 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fem_seal
-from fem_seal.contact_solution import ContactSolution
+from fem_seal.analysis.load_solver import model_and_contacts
+from fem_seal.analysis.problem import axial_forces, interface_law
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, SealError
-from fem_seal.pipeline import axial_forces, interface_law, model_and_contacts
 from leak import crossover_line
 from meshes import MeshesError
 

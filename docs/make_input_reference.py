@@ -7,9 +7,10 @@ from pathlib import Path
 
 from pydantic.fields import FieldInfo
 
-from fem_seal.case import Case
-from fem_seal.case_bodies import MaterialTable, Table
-from fem_seal.case_messages import allowed_range, choices, tables_of, toml
+from fem_seal.case.bodies import MaterialTable
+from fem_seal.case.case import Case
+from fem_seal.case.fields import Table
+from fem_seal.case.messages import allowed_range, choices, tables_of, toml
 from fem_seal.materials import LIBRARY
 from fem_seal.units import DIMENSIONS
 from leak import FLUIDS, GASES

@@ -19,11 +19,11 @@ from verification_page import Figure, Section, markdown
 from verification_shapes import hydrostatic_section, pairs_section, sizes_section
 
 import leak
-from fem_seal.condensation import ContactModel, condense
-from fem_seal.contact import solve
-from fem_seal.contact_size import element_sizes
-from fem_seal.contact_solution import ContactSolution
-from fem_seal.laws import HardContact, Law
+from fem_seal.contact.laws import HardContact, Law
+from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.newton import solve
+from fem_seal.contact.sizing import element_sizes
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.loads import closing_force, line_load
 from fem_seal.materials import Material, effective_modulus
 from meshes import Ball, ConicalSeat, ContactGeometry, build

@@ -9,13 +9,13 @@ import numpy as np
 from verification_page import Figure, Section
 
 import leak
-from fem_seal.condensation import condense
-from fem_seal.contact import solve
-from fem_seal.contact_size import element_sizes
-from fem_seal.contact_solution import ContactSolution
-from fem_seal.contact_zone import solve_fitted
-from fem_seal.further_loads import FurtherLoads
-from fem_seal.laws import HardContact, Law
+from fem_seal.contact.laws import HardContact, Law
+from fem_seal.contact.model import condense
+from fem_seal.contact.newton import solve
+from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.refit import solve_fitted
+from fem_seal.contact.sizing import element_sizes
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.materials import Material, effective_modulus
 from meshes import (
     Ball,

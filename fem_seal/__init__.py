@@ -11,56 +11,108 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from fem_seal.case import Case, load_case
-    from fem_seal.errors import ConvergenceError, InputError, SealError
-    from fem_seal.materials import Material
+from fem_seal.version import __version__
 
-__version__ = "0.1.0"
+if TYPE_CHECKING:
+    from fem_seal import contact
+    from fem_seal.analysis.closed_forms import derive
+    from fem_seal.analysis.questions import axial_force_for_leak, blow_off_pressures
+    from fem_seal.bodies.held_body import Supports
+    from fem_seal.case.case import Case, load_case
+    from fem_seal.contact.coupled import Seal
+    from fem_seal.contact.fluid_path import FlowThrough, HeldFluid
+    from fem_seal.contact.laws import HardContact
+    from fem_seal.contact.model import ContactModel, condense
+    from fem_seal.contact.newton import solve
+    from fem_seal.contact.other_loads import FurtherLoads
+    from fem_seal.contact.penetration import blow_off_pressure, solve_penetration
+    from fem_seal.contact.solution import ContactSettings, ContactSolution, body_fields
+    from fem_seal.errors import ConvergenceError, InputError, SealError
+    from fem_seal.materials import Material, effective_modulus, material
+    from fem_seal.profile import PressureProfile
+    from fem_seal.result import SealResult, run
+    from fem_seal.studies.results import StudyResult
+    from fem_seal.studies.study import Study, load_study
 
 # Where each public name lives; loaded on first use, so that importing fem_seal takes no time.
 _HOME = {
-    "Case": "fem_seal.case",
-    "load_case": "fem_seal.case",
+    "Case": "fem_seal.case.case",
+    "load_case": "fem_seal.case.case",
     "Material": "fem_seal.materials",
     "material": "fem_seal.materials",
     "effective_modulus": "fem_seal.materials",
     "SealError": "fem_seal.errors",
     "InputError": "fem_seal.errors",
     "ConvergenceError": "fem_seal.errors",
-    "derive": "fem_seal.derived",
-    "run": "fem_seal.pipeline",
-    "SealResult": "fem_seal.results",
-    "axial_force_for_leak": "fem_seal.inverse_questions",
-    "blow_off_pressures": "fem_seal.inverse_questions",
-    "condense": "fem_seal.condensation",
-    "ContactModel": "fem_seal.condensation",
-    "solve": "fem_seal.contact",
-    "solve_penetration": "fem_seal.penetration",
-    "Seal": "fem_seal.coupled_contact",
-    "FlowThrough": "fem_seal.fluid_paths",
-    "HeldFluid": "fem_seal.fluid_paths",
-    "blow_off_pressure": "fem_seal.blow_off",
-    "FurtherLoads": "fem_seal.further_loads",
-    "Supports": "fem_seal.held_body",
-    "body_fields": "fem_seal.stress",
-    "ContactSettings": "fem_seal.contact_solution",
-    "ContactSolution": "fem_seal.contact_solution",
-    "HardContact": "fem_seal.laws",
+    "derive": "fem_seal.analysis.closed_forms",
+    "run": "fem_seal.result",
+    "SealResult": "fem_seal.result",
+    "axial_force_for_leak": "fem_seal.analysis.questions",
+    "blow_off_pressures": "fem_seal.analysis.questions",
+    "condense": "fem_seal.contact.model",
+    "ContactModel": "fem_seal.contact.model",
+    "solve": "fem_seal.contact.newton",
+    "solve_penetration": "fem_seal.contact.penetration",
+    "Seal": "fem_seal.contact.coupled",
+    "FlowThrough": "fem_seal.contact.fluid_path",
+    "HeldFluid": "fem_seal.contact.fluid_path",
+    "blow_off_pressure": "fem_seal.contact.penetration",
+    "FurtherLoads": "fem_seal.contact.other_loads",
+    "Supports": "fem_seal.bodies.held_body",
+    "body_fields": "fem_seal.contact.solution",
+    "ContactSettings": "fem_seal.contact.solution",
+    "ContactSolution": "fem_seal.contact.solution",
+    "HardContact": "fem_seal.contact.laws",
     "PressureProfile": "fem_seal.profile",
     "Study": "fem_seal.studies.study",
     "load_study": "fem_seal.studies.study",
     "StudyResult": "fem_seal.studies.results",
 }
 
-__all__ = ["Case", "ConvergenceError", "InputError", "Material", "SealError", "load_case", *_HOME]
+__all__ = [
+    "Case",
+    "ContactModel",
+    "ContactSettings",
+    "ContactSolution",
+    "ConvergenceError",
+    "FlowThrough",
+    "FurtherLoads",
+    "HardContact",
+    "HeldFluid",
+    "InputError",
+    "Material",
+    "PressureProfile",
+    "Seal",
+    "SealError",
+    "SealResult",
+    "Study",
+    "StudyResult",
+    "Supports",
+    "__version__",
+    "axial_force_for_leak",
+    "blow_off_pressure",
+    "blow_off_pressures",
+    "body_fields",
+    "condense",
+    "contact",
+    "derive",
+    "effective_modulus",
+    "load_case",
+    "load_study",
+    "material",
+    "run",
+    "solve",
+    "solve_penetration",
+]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "contact":
+        return import_module("fem_seal.contact")
     if name not in _HOME:
         raise AttributeError(f"module 'fem_seal' has no attribute {name!r}")
     return getattr(import_module(_HOME[name]), name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOME})
+    return sorted(__all__)

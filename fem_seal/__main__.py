@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import sys
 
+from fem_seal.version import __version__
+
 
 def main() -> int:
     """Run the command line with the arguments of the process; return its exit code."""
     # Asked for by scripts and editors all the time, and answered before the parser of the command line is
     # loaded.
     if sys.argv[1:] == ["--version"]:
-        from fem_seal import __version__
-
         try:
             sys.stdout.write(f"fem-seal {__version__}\n")
             sys.stdout.flush()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import errno
+import math
+import shutil
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -13,12 +16,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fem_seal import __version__
+from fem_seal.analysis.caution import Level
+from fem_seal.analysis.results import DIGITS, digits_near_opening
+from fem_seal.cli_study import app as study_app
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError
-from fem_seal.studies.command import app as study_app
+from fem_seal.files import as_json
+from fem_seal.output.case_words import section_text
+from fem_seal.units import rounded
+from fem_seal.version import __version__
 
 if TYPE_CHECKING:
-    from fem_seal.case import Case
+    from rich.table import Table
+
+    from fem_seal.case.case import Case
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -63,30 +73,30 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Solve all loads of a case: tables, VTK files, mesh and report into the output folder."""
-    from fem_seal import console
-    from fem_seal.case import load_case
+    from fem_seal.case.case import load_case
 
     case = load_case(case_file)
     if variants:
         case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
-    from fem_seal import pipeline, result_files
-    from fem_seal.folder_lock import alone
-    from fem_seal.tables import leak_rows
+    from fem_seal import result as seal_result
+    from fem_seal.folders import alone
+    from fem_seal.output import files
+    from fem_seal.output.columns import leak_rows
 
     _load_meanwhile("matplotlib.backends.backend_svg", "matplotlib.figure", "jinja2")
     with alone(folder), _progress(quiet) as progress:
-        result = pipeline.run(case, progress=progress)
+        result = seal_result.run(case, progress=progress)
         progress("writing results")
-        failures = result_files.write(result, folder)
+        failures = files.write(result, folder)
     warnings = (*result.warnings, *failures)
     _warn(warnings)
     rows = leak_rows(result)
     if json:
-        typer.echo(console.as_json({"folder": str(folder), "loads": rows, "warnings": warnings}))
+        typer.echo(as_json({"folder": str(folder), "loads": rows, "warnings": warnings}))
     elif not quiet:
-        console.show_leak_table(rows, case.title)
-        console.show_leakage(case, rows)
+        show_leak_table(rows, case.title)
+        show_leakage(case, rows)
         _list_files(folder)
 
 
@@ -105,23 +115,23 @@ def _load_meanwhile(*modules: str) -> None:
 @app.command()
 def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: Debug = False) -> None:
     """Check a case file and print what follows from it in closed form, without solving."""
-    from fem_seal import console
-    from fem_seal.case import load_case
-    from fem_seal.derived import closed_form_limits, derive
+    from fem_seal.analysis.closed_forms import closed_form_limits, derive
+    from fem_seal.case.case import load_case
+    from fem_seal.output import summary
 
     case = load_case(case_file)
     derived = derive(case)
-    numbers = console.derived_numbers(case, derived)
-    from fem_seal import pipeline
+    numbers = summary.derived_numbers(case, derived)
+    from fem_seal.analysis import problem
 
-    law = pipeline.interface_law(case, pipeline.rough_contact(case))
-    numbers["contact_size_m"] = pipeline.sizing(case, law).contact_size
+    law = problem.interface_law(case, problem.rough_contact(case))
+    numbers["contact_size_m"] = problem.sizing(case, law).contact_size
     _warn([*_remarks(case), *filter(None, [closed_form_limits(case, derived)])])
     if json:
-        typer.echo(console.as_json(numbers))
+        typer.echo(as_json(numbers))
     elif not quiet:
         typer.echo(f"{case_file} is valid: {case.title}")
-        console.show_derived(numbers)
+        show_derived(numbers)
 
 
 @app.command()
@@ -135,23 +145,21 @@ def mesh(
     """Mesh a case, write mesh.msh and print how good the elements are."""
     from dataclasses import asdict
 
-    from fem_seal import console
-    from fem_seal.case import load_case
+    from fem_seal.case.case import load_case
 
     case = load_case(case_file)
     folder = _results_folder(output, case)
-    from fem_seal import pipeline
-    from fem_seal.folder_lock import alone
-    from fem_seal.results_folder import replaced_together
+    from fem_seal.analysis import problem
+    from fem_seal.folders import alone, replaced_together
 
-    seal_mesh = pipeline.build_mesh(case)
+    seal_mesh = problem.build_mesh(case)
     path = folder / "mesh.msh"
     with alone(folder), replaced_together(folder, whole=False) as draft:
         seal_mesh.write(draft / path.name)
     _warn_of_mixture(folder)
     quality = asdict(seal_mesh.quality)
     if json:
-        typer.echo(console.as_json({"file": str(path), **quality}))
+        typer.echo(as_json({"file": str(path), **quality}))
     elif not quiet:
         typer.echo(f"{quality['elements']} triangles, {quality['vertices']} vertices")
         typer.echo(
@@ -174,12 +182,11 @@ def leak(
     debug: Debug = False,
 ) -> None:
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
-    from fem_seal import console
-    from fem_seal.case import load_case
-    from fem_seal.folder_lock import alone
-    from fem_seal.profile_file import read_profiles
-    from fem_seal.profile_leak import leak_of_profiles, write_rows
-    from fem_seal.results_folder import replaced_together
+    from fem_seal.analysis.flow import leak_of_profiles
+    from fem_seal.analysis.profile_file import read_profiles
+    from fem_seal.case.case import load_case
+    from fem_seal.folders import alone, replaced_together
+    from fem_seal.output.columns import write_rows
 
     case = load_case(case_file)
     profiles = read_profiles(profile_file)
@@ -189,10 +196,10 @@ def leak(
         write_rows(rows, draft / "leak.csv")
     _warn_of_mixture(folder)
     if json:
-        typer.echo(console.as_json({"folder": str(folder), "loads": rows}))
+        typer.echo(as_json({"folder": str(folder), "loads": rows}))
     elif not quiet:
-        console.show_leak_table(rows, f"{profile_file.name}: {case.title}")
-        console.show_leakage(case, rows)
+        show_leak_table(rows, f"{profile_file.name}: {case.title}")
+        show_leakage(case, rows)
         _list_files(folder)
 
 
@@ -230,11 +237,9 @@ def surface(
     debug: Debug = False,
 ) -> None:
     """What measured scans say about a surface: key figures, power spectrum, picture."""
-    from fem_seal import console
-    from fem_seal.case_roughness import scan_case
-    from fem_seal.folder_lock import alone
-    from fem_seal.results_folder import replaced_together
-    from fem_seal.surface_files import surface_lines, surface_numbers, write_surface
+    from fem_seal.case.roughness import scan_case
+    from fem_seal.folders import alone, replaced_together
+    from fem_seal.output.surface import surface_lines, surface_numbers, write_surface
 
     entries = {
         "unit": unit.split(",") if unit and "," in unit else unit,
@@ -254,7 +259,7 @@ def surface(
         write_surface(measured, draft)
     _warn(measured.warnings)
     if json:
-        typer.echo(console.as_json({"folder": str(folder), **surface_numbers(measured)}))
+        typer.echo(as_json({"folder": str(folder), **surface_numbers(measured)}))
     elif not quiet:
         for name, text in surface_lines(measured):
             typer.echo(f"  {name:24}{text}")
@@ -264,10 +269,9 @@ def surface(
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of the case file, for editors that complete and check while one types."""
-    from fem_seal import console
-    from fem_seal.schema import case_schema
+    from fem_seal.case.case import case_schema
 
-    typer.echo(console.as_json(case_schema()))
+    typer.echo(as_json(case_schema()))
 
 
 def _results_folder(output: Path | None, case: Case) -> Path:
@@ -288,8 +292,8 @@ def _made(folder: Path) -> Path:
 
 
 def _remarks(case: Case) -> list[str]:
-    from fem_seal.left_out import left_out
-    from fem_seal.load_limits import refused_loads
+    from fem_seal.analysis.left_out import left_out
+    from fem_seal.case.load_limits import refused_loads
 
     remarks = []
     if case.roughness is None:
@@ -300,14 +304,14 @@ def _remarks(case: Case) -> list[str]:
         remarks.extend(case.roughness.remarks())
     remarks.extend(one.text for one in left_out(case.load, refused_loads(case)))
     if case.load.target_leak_rate is not None:
-        from fem_seal.inverse_questions import target_remarks
+        from fem_seal.analysis.closed_forms import target_remarks
 
         remarks.extend(target_remarks(case))
     return remarks
 
 
 def _warn_of_mixture(folder: Path) -> None:
-    from fem_seal.results_folder import unfinished
+    from fem_seal.folders import unfinished
 
     said = unfinished(folder)
     _warn([f"{folder}: {said}"] if said else [])
@@ -397,3 +401,233 @@ def _said_by_system(error: OSError) -> str:
     if error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)):
         return f"{error.filename or 'output'}: cannot be written ({reason})"
     return f"{error.filename or 'file'}: {reason}"
+
+
+# Wider than any table.
+_ENDLESS = 100_000
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the results as it is shown: its name in the files, heading, unit and factor from SI."""
+
+    key: str
+    heading: str
+    unit: str
+    factor: float
+
+
+LEAK_COLUMNS = (
+    Column("fluid_pressure_Pa", "p fluid", "bar", 1e-5),
+    Column("axial_force_N", "force", "N", 1.0),
+    Column("peak_pressure_Pa", "p peak", "MPa", 1e-6),
+    Column("fwhm_m", "FWHM", "mm", 1e3),
+    Column("std_m", "std dev", "mm", 1e3),
+    Column("critical_separation_m", "u_c", "um", 1e6),
+    Column("leak_rate_m3_per_s", "leak rate", "mm³/s", 1e9),
+    Column("leak_rate_Pa_m3_per_s", "leak rate", "mbar l/s", 10.0),
+    Column("leak_rate_low_m3_per_s", "low", "mm³/s", 1e9),
+    Column("leak_rate_high_m3_per_s", "high", "mm³/s", 1e9),
+    Column("leak_rate_elastic_m3_per_s", "elastic", "mm³/s", 1e9),
+    Column("max_von_mises_Pa", "von Mises", "MPa", 1e-6),
+    Column("effective_seal_radius_m", "r fluid", "mm", 1e3),
+    Column("blow_off_pressure_Pa", "opens at", "bar", 1e-5),
+    Column("force_for_target_leak_N", "target force", "N", 1.0),
+    Column("opening_margin_N", "to opening", "N", 1.0),
+    Column("opening_margin_Pa", "to opening", "bar", 1e-5),
+)
+# What follows from the contact force, and is worth fewer digits close to opening; the narrowest gap only like ln F_N.
+_OF_CONTACT_FORCE = {
+    "axial_force_N": 0,
+    "peak_pressure_Pa": 0,
+    "critical_separation_m": 1,
+    "leak_rate_m3_per_s": 0,
+    "leak_rate_Pa_m3_per_s": 0,
+    "leak_rate_low_m3_per_s": 0,
+    "leak_rate_high_m3_per_s": 0,
+    "leak_rate_elastic_m3_per_s": 0,
+    "opening_margin_N": 0,
+    "opening_margin_Pa": 0,
+}
+
+
+def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
+    """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks."""
+    columns = [column for column in LEAK_COLUMNS if any(_filled(row.get(column.key)) for row in rows)]
+    cells = [
+        [_cell(row.get(column.key), column.factor, _digits(row, column)) for column in columns]
+        for row in rows
+    ]
+    headings = [f"{column.heading}\n{column.unit}" for column in columns]
+    levels = [Level(row["validity"]) for row in rows]
+    # what tells the rows apart stays beside every part of a table that is too wide
+    several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
+    keys = 2 if several_forces and columns[1].key == "axial_force_N" else 1
+    if any(level.mark for level in levels):
+        headings.insert(keys, "")
+        for line, level in zip(cells, levels, strict=True):
+            line.insert(keys, level.mark)
+        keys += 1
+    show_table(title, headings, cells, keys)
+    for level in Level:
+        if level.mark and level in levels:
+            what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
+            print(f"  {level.mark} {level}: {what}; why, says validity_reasons in leak.csv")  # noqa: T201
+
+
+def _digits(row: Mapping[str, Any], column: Column) -> int:
+    """Significant digits that a number of a row is worth."""
+    share = row.get("opening_margin")
+    if not _filled(share) or column.key not in _OF_CONTACT_FORCE:
+        return DIGITS
+    assert share is not None  # it is filled
+    return min(digits_near_opening(share) + _OF_CONTACT_FORCE[column.key], DIGITS)
+
+
+def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Print the leak rate of the highest fluid pressure in the units of leak testing, and its classes.
+
+    Of several forces at this pressure it is the one that closes most.
+    """
+    from fem_seal.output.report.words import leakage_lines
+
+    row = max(rows, key=lambda row: (row["fluid_pressure_Pa"], row.get("axial_force_N", 0.0)))
+    if not _filled(row.get("leak_rate_m3_per_s")):
+        return
+    pressure = row["fluid_pressure_Pa"]
+    forces = {one.get("applied_force_N") for one in rows if one["fluid_pressure_Pa"] == pressure}
+    force = row.get("applied_force_N") if len(forces) > 1 else None
+    share = row.get("opening_margin", math.nan)
+    digits = 3 if math.isnan(share) else min(digits_near_opening(share), 3)
+    level, reason = row["validity"], next(iter(row["validity_reasons"]), "")
+    rate = row["leak_rate_m3_per_s"]
+    for line in leakage_lines(case, pressure, rate, force, digits=digits, level=level, reason=reason):
+        print(line)  # noqa: T201
+
+
+def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
+    """Print a table, numbers to the right and none of them cut.
+
+    A terminal that is too narrow gets it in parts below each other. What is no terminal has no width.
+
+    Parameters
+    ----------
+    title : str
+    headings : sequence of str
+        Of two lines at most.
+    rows : sequence of sequence of str
+    keys : int
+        So many first columns say which row it is; they stand in every part.
+    """
+    from rich.console import Console
+
+    # the terminal's own width decides how many columns stand side by side, never how many digits of one
+    console = Console(width=_ENDLESS, highlight=False)
+    # above the table and not its title, which would be broken to the width of the table
+    console.print(title, style="bold", markup=False, soft_wrap=True)
+    widths = [
+        max(len(line) for cell in (heading, *column) for line in cell.split("\n"))
+        for heading, *column in zip(headings, *rows, strict=True)
+    ]
+    for part in _parts(widths, keys):
+        console.print(_table([headings[n] for n in part], [[row[n] for n in part] for row in rows]))
+
+
+def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+    from rich import box
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD)
+    for heading in headings:
+        table.add_column(escape(heading), justify="right", no_wrap=True)
+    for row in rows:
+        table.add_row(*(escape(cell) for cell in row))
+    return table
+
+
+def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:
+    """Columns that stand side by side: as many as fit beside the keys, and one at least."""
+    room = shutil.get_terminal_size().columns if sys.stdout.isatty() else _ENDLESS
+    # a blank on either side of each column, one between two and one at either end
+    taken = [width + 3 for width in widths]
+    alone = 1 + sum(taken[:keys])
+    part, used = list(range(keys)), alone
+    for n in range(keys, len(widths)):
+        if len(part) > keys and used + taken[n] > room:
+            yield part
+            part, used = list(range(keys)), alone
+        part.append(n)
+        used += taken[n]
+    yield part
+
+
+def _filled(value: float | None) -> bool:
+    return value is not None and not math.isnan(value)
+
+
+def _cell(value: float | None, factor: float, digits: int = DIGITS) -> str:
+    if value is None or math.isnan(value):
+        return "-"
+    if digits < DIGITS and math.isfinite(value) and value:
+        exponent = math.floor(math.log10(abs(rounded(value * factor, digits))) + 1e-12)
+        if -4 <= exponent < DIGITS:
+            return f"{rounded(value * factor, digits):.{max(digits - 1 - exponent, 0)}f}"
+    # so many digits, also when they are zeros: columns stay aligned
+    return f"{value * factor:#.{digits}g}".removesuffix(".")
+
+
+_CHECK_COLUMNS = (
+    Column("fluid_pressure_Pa", "p fluid", "bar", 1e-5),
+    Column("axial_force_N", "force", "N", 1.0),
+    Column("line_load_N_per_m", "line load", "kN/m", 1e-3),
+    Column("hertz_peak_pressure_Pa", "Hertz p0", "MPa", 1e-6),
+    Column("hertz_half_width_m", "half width", "mm", 1e3),
+    Column("gaussian_peak_pressure_Pa", "Gauss p0", "MPa", 1e-6),
+    Column("crossover_peak_pressure_Pa", "crossover p0", "MPa", 1e-6),
+    Column("crossover_fwhm_m", "FWHM", "mm", 1e3),
+    Column("crossover_std_m", "std dev", "mm", 1e3),
+    Column("blow_off_pressure_Pa", "opens at", "bar", 1e-5),
+    Column("force_for_target_leak_N", "target force", "N", 1.0),
+)
+
+_CHECK_LINES = (
+    Column("touch_radius_m", "radius of first touch r0", "mm", 1e3),
+    Column("contact_angle_rad", "angle of the contact normal", "deg", 180 / math.pi),
+    Column("relative_radius_m", "radius of relative curvature", "mm", 1e3),
+    Column("effective_modulus_Pa", "effective modulus E*", "GPa", 1e-9),
+    Column("hardness_Pa", "hardness", "GPa", 1e-9),
+    Column("rms_height_m", "rms height", "um", 1e6),
+    Column("rms_slope", "rms slope", "", 1.0),
+    Column("decay_length_m", "decay length u0", "um", 1e6),
+    Column("law_pressure_Pa", "p_c", "GPa", 1e-9),
+    Column("viscosity_Pa_s", "viscosity", "mPa s", 1e3),
+    Column("contact_size_m", "element size in the contact", "um", 1e6),
+)
+
+
+def _dimension(key: str, value: float) -> str:
+    return f"{math.degrees(value):.4g} deg" if key.endswith("angle") else f"{1e3 * value:.4g} mm"
+
+
+def show_derived(numbers: Mapping[str, Any]) -> None:
+    """Print the derived numbers of a case."""
+    for body, lengths in numbers["dimensions"].items():
+        shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
+        if body in numbers["sections"]:
+            shown += section_text(numbers["sections"][body]).values()
+        print(f"  {body:10}" + ", ".join(shown))  # noqa: T201
+    for column in _CHECK_LINES:
+        value = numbers[column.key]
+        if value is not None and math.isfinite(value):
+            print(f"  {column.heading:30}{_cell(value, column.factor)} {column.unit}".rstrip())  # noqa: T201
+    rows = numbers["loads"]
+    columns = [column for column in _CHECK_COLUMNS if any(row[column.key] is not None for row in rows)]
+    closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
+    show_table(
+        "Closed-form pressure profiles"
+        if closed
+        else "Loads (no closed-form profiles: the faces fit each other)",
+        [f"{column.heading}\n{column.unit}" for column in columns],
+        [[_cell(row[column.key], column.factor) for column in columns] for row in rows],
+    )

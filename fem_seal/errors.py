@@ -134,3 +134,7 @@ class OutputError(SealError, OSError):
 
 class ClusterError(SealError, RuntimeError):
     """The processes that calculate a study are gone or cannot calculate; designs that are done are kept."""
+
+
+class TextTableError(SealError, ValueError):
+    """A file is not a table of numbers, or not the one that is wanted."""

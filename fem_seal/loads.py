@@ -121,3 +121,20 @@ def line_load(closing_force: float, sealing_radius: float, angle: float) -> floa
     20000.0
     """
     return closing_force / (2 * math.pi * sealing_radius * math.cos(angle))
+
+
+# Prandtl's strip, the most that a narrow contact carries: (2 + pi)/sqrt(3) of the flow stress.
+CONSTRAINT = 2.97
+
+
+def plastic_half_width(line_load: float, flow_stress: float) -> float:
+    """Half-width of a contact in the fully plastic range [m].
+
+    Parameters
+    ----------
+    line_load : float
+        f_N [N/m].
+    flow_stress : float
+        [Pa]
+    """
+    return line_load / (2 * CONSTRAINT * flow_stress)

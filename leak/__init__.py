@@ -18,10 +18,6 @@ Examples
 393 mm^3/s
 """
 
-from leak.abel import profile_density
-from leak.anisotropy import DirectionalGap, anisotropic_medium
-from leak.conductivity import Conductivity, ConductivityTable, dimension_number, effective_medium
-from leak.directional_spectra import StretchedRoughness, stretched_roughness, stretched_spectrum
 from leak.errors import (
     ConductivityError,
     FluidError,
@@ -32,21 +28,36 @@ from leak.errors import (
     SpectrumError,
     SurfaceError,
 )
-from leak.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
-from leak.fluids import FLUIDS, Liquid, is_liquid, liquid
-from leak.gas_conductivity import GasConductivity, GasConductivityTable, gas_conductivity_table
-from leak.gas_flow import GasLeakResult, gas_leak_flow
-from leak.gases import GASES, Gas, gas, is_gas
-from leak.interface_law import ExponentialLaw, RoughSurfaceLaw, TabulatedLaw
-from leak.leak_rate import LeakResult, leak_flow, leak_rate
-from leak.leak_units import (
+from leak.flow.conductivity import Conductivity, ConductivityTable, GasConductivity, GasConductivityTable
+from leak.flow.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
+from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
+from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
+from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
+from leak.flow.rough_contact import RoughContact, gas_conductivity_table
+from leak.fluids.find import gas, is_gas, is_liquid, liquid
+from leak.fluids.library import FLUIDS, GASES
+from leak.fluids.properties import Gas, Liquid
+from leak.standards import (
+    LeakageClass,
+    LeakageLimit,
     bubbles_per_minute,
     drops_per_minute,
+    leakage_class,
+    leakage_limits,
     millibar_litres_per_second,
     millilitres_per_minute,
+    nominal_size_of_bore,
 )
-from leak.leakage_class import LeakageClass, LeakageLimit, leakage_class, leakage_limits, nominal_size_of_bore
-from leak.line_contact import (
+from leak.surfaces.line_spectrum import profile_density
+from leak.surfaces.measured import MeasuredSurface, measure
+from leak.surfaces.random import random_line_scan, random_map
+from leak.surfaces.scan_files import read_topographies, read_topography
+from leak.surfaces.scans import HeightMap, LineScan, height_map, line_scan
+from leak.surfaces.settings import ScanSettings, SelfAffineContinuation
+from leak.surfaces.spectrum import PowerSpectrum
+from leak.surfaces.stretched import StretchedRoughness, stretched_roughness, stretched_spectrum
+from leak.theory.interface_law import ExponentialLaw, RoughSurfaceLaw, TabulatedLaw
+from leak.theory.line_contact import (
     CrossoverLine,
     GaussianLine,
     HertzLine,
@@ -55,15 +66,8 @@ from leak.line_contact import (
     gaussian_line,
     hertz_line,
 )
-from leak.measured_surface import MeasuredSurface, measure
-from leak.persson import relative_contact_area
-from leak.plasticity import AreaFractions, area_fractions, remaining_fraction
-from leak.random_surface import random_line_scan, random_map
-from leak.rough_contact import RoughContact
-from leak.scan_settings import ScanSettings, SelfAffineContinuation
-from leak.spectrum import PowerSpectrum
-from leak.topography import HeightMap, LineScan, height_map, line_scan
-from leak.topography_files import read_topographies, read_topography
+from leak.theory.persson import relative_contact_area
+from leak.theory.plasticity import AreaFractions, area_fractions, remaining_fraction
 
 __all__ = [
     "FLUIDS",

@@ -1,29 +1,30 @@
 """Axisymmetric geometry and mesh of metal seals: exact shapes, graded triangles, named boundaries."""
 
-from meshes.ball import Ball
 from meshes.build import build, build_contact
-from meshes.conical_land import ConicalLand
-from meshes.conical_seat import ConicalSeat
-from meshes.contact_geometry import ContactGeometry
-from meshes.curve import Curve
-from meshes.disc import Disc
+from meshes.drawings.meshed_body import MeshedBody
+from meshes.drawings.profile import Profile
+from meshes.drawings.section import read_section
 from meshes.errors import GeometryError, MeshesError, MeshingError
-from meshes.flat_seat import FlatSeat
-from meshes.meshed_body import MeshedBody
-from meshes.outline import Outline, Segment
-from meshes.profile import Profile
-from meshes.rounded_cone import RoundedCone
-from meshes.rounding import chain, rounded
-from meshes.seal_mesh import Quality, SealMesh
-from meshes.section_file import read_section
-from meshes.shape import Shape, housing, plunger
-from meshes.sharp_edge import SharpEdge
-from meshes.sizing import Sizing
-from meshes.spherical_seat import SphericalSeat
-from meshes.spherical_tip import SphericalTip
-from meshes.toroidal_edge import ToroidalEdge
-from meshes.toroidal_seat import ToroidalSeat
-from meshes.touch import first_touch
+from meshes.geometry.contact_geometry import ContactGeometry
+from meshes.geometry.curve import Curve
+from meshes.geometry.outline import Outline
+from meshes.geometry.rounding import chain, rounded
+from meshes.geometry.segment import Segment
+from meshes.geometry.touch import first_touch
+from meshes.mesh.seal_mesh import Quality, SealMesh
+from meshes.mesh.sizing import Sizing
+from meshes.shapes.ball import Ball
+from meshes.shapes.conical_land import ConicalLand
+from meshes.shapes.conical_seat import ConicalSeat
+from meshes.shapes.disc import Disc
+from meshes.shapes.flat_seat import FlatSeat
+from meshes.shapes.rounded_cone import RoundedCone
+from meshes.shapes.shape import Shape, housing, plunger
+from meshes.shapes.sharp_edge import SharpEdge
+from meshes.shapes.spherical_seat import SphericalSeat
+from meshes.shapes.spherical_tip import SphericalTip
+from meshes.shapes.toroidal_edge import ToroidalEdge
+from meshes.shapes.toroidal_seat import ToroidalSeat
 
 __all__ = [
     "Ball",

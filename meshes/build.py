@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.contact_geometry import ContactGeometry
+from meshes.drawings.meshed_body import MeshedOutline
 from meshes.errors import GeometryError, MeshingError
+from meshes.geometry.contact_geometry import ContactGeometry
+from meshes.geometry.outline import Outline
 from meshes.gmsh_session import gmsh_session
-from meshes.meshed_body import MeshedOutline, joined
-from meshes.outline import Outline
-from meshes.seal_mesh import SealMesh
-from meshes.shape import Shape
-from meshes.sizing import Sizing
+from meshes.mesh.seal_mesh import SealMesh, joined
+from meshes.mesh.sizing import Sizing
+from meshes.shapes.shape import Shape
 
 if TYPE_CHECKING:
     from skfem import MeshTri
 
-FloatArray = NDArray[np.float64]
+    from meshes.arrays import FloatArray
 
 # The condensed contact is a dense matrix of two nodes per element and two components: a gigabyte at this number.
 _MOST_VERTICES = 1600

@@ -10,8 +10,8 @@ import hypothesis
 import pytest
 
 import meshes
-from fem_seal.condensation import ContactModel, condense
-from fem_seal.contact_size import element_sizes
+from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.sizing import element_sizes
 from fem_seal.loads import closing_force, line_load
 from fem_seal.materials import Material
 

@@ -11,15 +11,14 @@ from scipy.sparse.linalg import spsolve
 from skfem import MeshTri, MeshTri2
 
 import meshes
-from fem_seal.condensation import ContactModel, condense
-from fem_seal.contact_size import element_sizes
-from fem_seal.elasticity import displacement_basis
-from fem_seal.elastoplastic_body import BodyState, ElastoplasticBody
-from fem_seal.hardening import HardeningCurve
-from fem_seal.held_body import Supports
-from fem_seal.laws import Law
+from fem_seal.bodies.elasticity import displacement_basis
+from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
+from fem_seal.bodies.held_body import Supports
+from fem_seal.contact.laws import Law
+from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.sizing import element_sizes
 from fem_seal.loads import closing_force, line_load
-from fem_seal.materials import Material, effective_modulus
+from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from leak import ExponentialLaw
 
 YIELD, E, NU = 250e6, 210e9, 0.3

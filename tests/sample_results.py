@@ -6,8 +6,8 @@ from functools import cache
 from typing import Any
 
 import fem_seal
-from fem_seal.case import Case
-from fem_seal.results import SealResult
+from fem_seal.case.case import Case
+from fem_seal.result import SealResult
 
 STEEL = {
     "name": "steel <1.4122>",

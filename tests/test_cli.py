@@ -173,12 +173,12 @@ def test_missing_case_file_and_unusable_output_folder(call, tmp_path):
 
 
 def fail_with(monkeypatch, error):
-    from fem_seal import pipeline
+    from fem_seal import result as seal_result
 
     def run(case, progress=None):
         raise error
 
-    monkeypatch.setattr(pipeline, "run", run)
+    monkeypatch.setattr(seal_result, "run", run)
 
 
 def test_no_convergence_leaves_with_3(call, monkeypatch, tmp_path):

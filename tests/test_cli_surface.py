@@ -10,9 +10,9 @@ import pytest
 
 import leak
 from fem_seal import cli
-from fem_seal.readable import number
-from fem_seal.spectrum_file import read_spectrum
-from fem_seal.surface_files import surface_lines, surface_numbers
+from fem_seal.case.input_files import read_spectrum
+from fem_seal.output.surface import surface_lines, surface_numbers
+from fem_seal.units import number
 
 SCAN = Path(__file__).parent.parent / "examples" / "seat_scan.csv"
 

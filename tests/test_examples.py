@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fem_seal import load_case, run
-from fem_seal.derived import derive
+from fem_seal.analysis.closed_forms import derive
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 CASES = sorted(EXAMPLES.glob("*.toml"))

@@ -12,16 +12,16 @@ from sample_results import STEEL, case, rough_result
 
 import fem_seal
 import leak
-from fem_seal import validity
-from fem_seal.case import Case
-from fem_seal.caution import VALID, Caution, Level, Validity, worst_first
-from fem_seal.derived import closed_form_limits, derive
-from fem_seal.pipeline import run
+from fem_seal.analysis import warnings
+from fem_seal.analysis.caution import VALID, Caution, Level, Validity, worst_first
+from fem_seal.analysis.closed_forms import closed_form_limits, derive
+from fem_seal.analysis.results import TargetContact
+from fem_seal.analysis.warnings import load_validity
+from fem_seal.case.case import Case
+from fem_seal.contact.yielding import PlasticZone, YieldedZone
+from fem_seal.output.report.tables import comparison_note
 from fem_seal.profile import PressureProfile
-from fem_seal.report_tables import comparison_note
-from fem_seal.results import TargetContact
-from fem_seal.validity import load_validity
-from fem_seal.yielding import PlasticZone, YieldedZone
+from fem_seal.result import run
 
 SURFACE = leak.RoughContact(
     leak.PowerSpectrum.self_affine(
@@ -89,8 +89,8 @@ def test_an_elastic_body_is_outside_the_theory_from_one_and_a_half_times_its_yie
     excess, level, monkeypatch
 ):
     zone = YieldedZone("seat", 300e6, excess * 300e6, (0.014, 0.0), 1e-5, 2e-5)
-    monkeypatch.setattr(validity, "yielding_of", lambda contact, materials: {"seat": zone})
-    (found,) = validity._yielding(case(), model(), [load()])
+    monkeypatch.setattr(warnings, "yielding_of", lambda contact, materials: {"seat": zone})
+    (found,) = warnings._yielding(case(), model(), [load()])
     assert found.level is level
     assert found.reason == f"seat: von Mises stress {excess:.3g} times its yield stress"
 
@@ -100,8 +100,8 @@ def test_the_body_that_is_further_above_its_yield_stress_comes_first(monkeypatch
         name: YieldedZone(name, 300e6, excess * 300e6, (0.014, 0.0), 1e-5, 2e-5)
         for name, excess in (("closure", 2.0), ("seat", 5.0))
     }
-    monkeypatch.setattr(validity, "yielding_of", lambda contact, materials: zones)
-    assert [one.reason[:7] for one in validity._yielding(case(), model(), [load()])] == ["seat: v", "closure"]
+    monkeypatch.setattr(warnings, "yielding_of", lambda contact, materials: zones)
+    assert [one.reason[:7] for one in warnings._yielding(case(), model(), [load()])] == ["seat: v", "closure"]
 
 
 @pytest.mark.parametrize(
@@ -112,8 +112,8 @@ def test_plastic_strain_has_to_stay_on_its_curve_and_small(strain, levels, monke
     material = {key: value for key, value in STEEL.items() if key != "yield_stress"}
     of = case(seat={"shape": "cone", "angle": "45 deg", "material": {**material, "stress_strain": curve}})
     zone = PlasticZone("seat", 300e6, strain, (0.014, 0.0), 1e-5, 2e-5)
-    monkeypatch.setattr(validity, "yielding_of", lambda contact, materials: {"seat": zone})
-    assert [one.level for one in validity._table_left(of, model(), [load()])] == levels
+    monkeypatch.setattr(warnings, "yielding_of", lambda contact, materials: {"seat": zone})
+    assert [one.level for one in warnings._table_left(of, model(), [load()])] == levels
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ def test_plastic_strain_has_to_stay_on_its_curve_and_small(strain, levels, monke
     ],
 )
 def test_contact_cut_off(share, radius, level):
-    assert level_of(validity._cut_off(case(), model(radius), [load(end_share=share)])) is level
+    assert level_of(warnings._cut_off(case(), model(radius), [load(end_share=share)])) is level
 
 
 @pytest.mark.parametrize(
@@ -134,11 +134,11 @@ def test_contact_cut_off(share, radius, level):
     [(0.29, Level.VALID), (0.31, Level.DOUBTFUL), (0.99, Level.DOUBTFUL), (1.01, Level.OUTSIDE)],
 )
 def test_no_body_carries_more_than_its_hardness(share, level):
-    assert level_of(validity._above_hardness(case(), None, [load(peak=share * 3.5e9)])) is level
+    assert level_of(warnings._above_hardness(case(), None, [load(peak=share * 3.5e9)])) is level
     # also where asperities are kept elastic
     elastic = case(leak={"plasticity": False})
     expected = Level.OUTSIDE if share > 1 else Level.VALID
-    assert level_of(validity._above_hardness(elastic, None, [load(peak=share * 3.5e9)])) is expected
+    assert level_of(warnings._above_hardness(elastic, None, [load(peak=share * 3.5e9)])) is expected
 
 
 @pytest.mark.parametrize(
@@ -147,16 +147,16 @@ def test_no_body_carries_more_than_its_hardness(share, level):
 )
 def test_fluid_pressure_that_is_not_coupled(share, level):
     pressed = [load(fluid_pressure=share * 50e6)]
-    assert level_of(validity._fluid_opens(case(), SURFACE, pressed)) is level
+    assert level_of(warnings._fluid_opens(case(), SURFACE, pressed)) is level
     coupled = case(load={"fluid_pressure": "20 bar", "closing": "penetration"})
-    assert level_of(validity._fluid_opens(coupled, SURFACE, pressed)) is Level.VALID
+    assert level_of(warnings._fluid_opens(coupled, SURFACE, pressed)) is Level.VALID
 
 
 def test_what_is_sealed_or_nearly_so_is_doubtful_and_what_is_blown_open_has_no_result():
     sealing = SURFACE.sealing_pressure
-    assert level_of(validity._sealed(case(), SURFACE, [load(peak=1.01 * sealing)])) is Level.DOUBTFUL
-    assert level_of(validity._nearly_sealed(case(), SURFACE, [load(peak=0.9 * sealing)])) is Level.DOUBTFUL
-    assert level_of(validity._blown_open([load(leak_rate=math.inf)])) is Level.OUTSIDE
+    assert level_of(warnings._sealed(case(), SURFACE, [load(peak=1.01 * sealing)])) is Level.DOUBTFUL
+    assert level_of(warnings._nearly_sealed(case(), SURFACE, [load(peak=0.9 * sealing)])) is Level.DOUBTFUL
+    assert level_of(warnings._blown_open([load(leak_rate=math.inf)])) is Level.OUTSIDE
 
 
 # ---------------------------------------------------------------- loads of a run
@@ -190,7 +190,7 @@ def test_the_paper_s_loads_are_valid():
 
 
 def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
-    from fem_seal.results import DiscretisationError
+    from fem_seal.analysis.results import DiscretisationError
 
     result, coarse = rough_result(), DiscretisationError(0.01, 0.0, 0.0, None)
     found = load_validity(result.case, result.loads[0], result.surface, coarse)
@@ -206,7 +206,7 @@ def test_a_force_for_the_target_that_is_outside_the_theory_is_said_at_its_load()
     assert found.validity.level is Level.DOUBTFUL
     assert any("force for the target leak rate outside the theory" in one for one in found.validity.reasons)
     contact = TargetContact(found.fluid_pressure, 0.0, found.contact, found.critical_separation)
-    assert not validity.target_validity(result.case, result.surface, contact).outside
+    assert not warnings.target_validity(result.case, result.surface, contact).outside
 
 
 # ---------------------------------------------------------------- numbers that agree
@@ -232,26 +232,26 @@ def test_limits_are_those_of_the_documentation():
         (row,) = [cells for name, cells in rows.items() if name.startswith(start)]
         return [cell.strip() for cell in row]
 
-    assert limits("von Mises stress of a body") == ["above 1", f"above {validity._LARGEST_EXCESS:g}"]
+    assert limits("von Mises stress of a body") == ["above 1", f"above {warnings._LARGEST_EXCESS:g}"]
     assert limits("pressure at the end of a face") == [
-        f"above {validity._CUT_OFF:.0e}".replace("e-06", "e-6"),
-        f"above {100 * validity._MUCH_CUT_OFF:g} %",
+        f"above {warnings._CUT_OFF:.0e}".replace("e-06", "e-6"),
+        f"above {100 * warnings._MUCH_CUT_OFF:g} %",
     ]
-    assert limits("plastic strain, for")[1] == f"above {100 * validity._LARGE_STRAIN:g} %"
-    assert limits("peak pressure over")[0].startswith(f"above {validity._NEAR_HARDNESS:g},")
+    assert limits("plastic strain, for")[1] == f"above {100 * warnings._LARGE_STRAIN:g} %"
+    assert limits("peak pressure over")[0].startswith(f"above {warnings._NEAR_HARDNESS:g},")
     assert limits("fluid pressure over") == [
-        f"above {validity.FLUID_OPENS:g}",
-        f"above {validity._FLUID_LIFTS:g}",
+        f"above {warnings.FLUID_OPENS:g}",
+        f"above {warnings._FLUID_LIFTS:g}",
     ]
-    assert limits("few channels")[0] == f"above {validity._FEW_CHANNELS:g}"
-    assert limits("width of the contact")[0] == f"above {validity._NARROW:g}"
-    assert limits("share of the height")[0] == f"above {100 * validity._LONG_WAVES:g} %"
-    errors = f"above {100 * validity._LARGEST_ERROR:g} %; {100 * validity._LARGEST_ERROR_OF_PATH:g} %"
+    assert limits("few channels")[0] == f"above {warnings._FEW_CHANNELS:g}"
+    assert limits("width of the contact")[0] == f"above {warnings._NARROW:g}"
+    assert limits("share of the height")[0] == f"above {100 * warnings._LONG_WAVES:g} %"
+    errors = f"above {100 * warnings._LARGEST_ERROR:g} %; {100 * warnings._LARGEST_ERROR_OF_PATH:g} %"
     assert limits("discretisation error")[0].startswith(errors)
 
 
 def test_a_mesh_error_that_is_not_known_is_no_clean_bill():
-    from fem_seal.results import DiscretisationError
+    from fem_seal.analysis.results import DiscretisationError
 
     result, unknown = rough_result(), DiscretisationError(math.nan, math.nan, math.nan, None)
     found = load_validity(result.case, result.loads[0], result.surface, unknown)

@@ -8,8 +8,10 @@ import sys
 import pytest
 from sample_results import case
 
-from fem_seal import console, tables
-from fem_seal.caution import Caution, Level, Validity
+from fem_seal import cli
+from fem_seal.analysis import caution
+from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.output import columns as output_columns
 
 
 def row(pressure=20e5, level=Level.VALID, **entries):
@@ -19,12 +21,12 @@ def row(pressure=20e5, level=Level.VALID, **entries):
     )
     numbers = {
         name: 1.2345e-13 * (n + 1) if "leak_rate" in name else 12345.6 * (n + 1)
-        for n, name in enumerate(tables.LEAK_COLUMNS)
+        for n, name in enumerate(output_columns.LEAK_COLUMNS)
     }
     return {
         **numbers,
         "fluid_pressure_Pa": pressure,
-        **tables.validity_entries(Validity(cautions)),
+        **caution.validity_entries(Validity(cautions)),
         **entries,
     }
 
@@ -37,7 +39,7 @@ def shown(capsys, monkeypatch, rows, width=None):
     monkeypatch.setattr(sys.stdout, "isatty", lambda: width is not None)
     if width is not None:
         monkeypatch.setenv("COLUMNS", str(width))
-    console.show_leak_table(rows, "Title")
+    cli.show_leak_table(rows, "Title")
     return re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
 
 
@@ -52,8 +54,8 @@ def test_a_terminal_folds_columns_and_cuts_no_number(width, capsys, monkeypatch)
     assert "…" not in text
     assert max(len(line.rstrip()) for line in table.splitlines()) <= width
     for one in ROWS:
-        for column in console.LEAK_COLUMNS:
-            assert console._cell(one[column.key], column.factor) in text.split()
+        for column in cli.LEAK_COLUMNS:
+            assert cli._cell(one[column.key], column.factor) in text.split()
     # every part begins with the pressure, and its rows carry their marks
     firsts = [line[0] for line in cells(table) if line[0] in ("5.000", "20.00", "1800")]
     parts = len(firsts) // 3
@@ -73,7 +75,7 @@ def test_a_file_gets_all_columns_side_by_side(columns, capsys, monkeypatch):
     assert line == [
         "1800",
         "!",
-        *(console._cell(ROWS[2][column.key], column.factor) for column in console.LEAK_COLUMNS[1:]),
+        *(cli._cell(ROWS[2][column.key], column.factor) for column in cli.LEAK_COLUMNS[1:]),
     ]
 
 
@@ -88,7 +90,7 @@ def test_on_a_real_terminal(width, tmp_path):
     import termios
 
     script = (
-        "from fem_seal.console import show_table\n"
+        "from fem_seal.cli import show_table\n"
         "show_table('Title', [f'column {n}\\nmm³/s' for n in range(12)], [['2.018e-05'] * 12] * 2)\n"
     )
     ours, theirs = pty.openpty()
@@ -133,10 +135,10 @@ def test_marks_have_a_legend_and_valid_rows_none(capsys, monkeypatch):
 
 def test_no_class_is_claimed_outside_the_theory(capsys):
     of = case(load={"fluid_pressure": ["5 bar", "20 bar", "1800 bar"]})
-    console.show_leakage(of, ROWS[:2])
+    cli.show_leakage(of, ROWS[:2])
     doubtful = capsys.readouterr().out
     assert "ISO 5208 A" in doubtful and "(doubtful: seat: 7.4 times its yield stress)" in doubtful
-    console.show_leakage(of, ROWS)
+    cli.show_leakage(of, ROWS)
     outside = capsys.readouterr().out
     assert "ISO" not in outside and "FCI" not in outside
     assert "not claimed, because the leak rate is outside the theory" in outside

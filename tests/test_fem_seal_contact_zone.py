@@ -11,11 +11,11 @@ import pytest
 from conftest import STEEL
 
 import meshes
-from fem_seal.condensation import condense
-from fem_seal.contact import solve
-from fem_seal.contact_size import element_sizes
-from fem_seal.contact_solution import ContactSolution
-from fem_seal.contact_zone import better_sizing, solve_fitted
+from fem_seal.contact.model import condense
+from fem_seal.contact.newton import solve
+from fem_seal.contact.refit import better_sizing, solve_fitted
+from fem_seal.contact.sizing import element_sizes
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 from fem_seal.materials import effective_modulus
 from fem_seal.profile import PressureProfile

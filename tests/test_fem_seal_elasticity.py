@@ -6,9 +6,16 @@ import numpy as np
 import pytest
 from skfem import Basis, MeshTri, condense, solve
 
-from fem_seal.elasticity import displacement_basis, lame_parameters, pressure_load, stiffness_matrix
+from fem_seal.bodies.elasticity import (
+    displacement_basis,
+    lame_parameters,
+    node_dofs,
+    pressure_load,
+    quadratic_nodes,
+    stiffness_matrix,
+)
+from fem_seal.bodies.fields import stress_operator, von_mises
 from fem_seal.materials import Material
-from fem_seal.stress import node_dofs, quadratic_nodes, stress_operator, von_mises
 
 STEEL = Material("steel", 210e9, 0.3)
 INNER, OUTER, HEIGHT = 0.01, 0.02, 0.005

@@ -14,22 +14,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plastic_solids import CURVE, HARDENING, LAW, NU, PERFECT, YIELD, E, ring_solid, seal
 
-from fem_seal.case import load_case
-from fem_seal.contact import solve
-from fem_seal.elasticity import stiffness_matrix
-from fem_seal.elastoplastic_body import ElastoplasticBody
-from fem_seal.elastoplastic_contact import PlasticSettings
-from fem_seal.elastoplastic_path import LoadPath, PathLoad, load_path
+from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes, stiffness_matrix
+from fem_seal.bodies.elastoplastic import ElastoplasticBody
+from fem_seal.bodies.fields import BodyField, von_mises
+from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.plastic_flow import PlasticState, elastic_tangent, radial_return
+from fem_seal.case.case import load_case
+from fem_seal.contact.imprint import Imprint
+from fem_seal.contact.laws import HardContact, Law
+from fem_seal.contact.load_path import LoadPath, PathLoad, load_path
+from fem_seal.contact.newton import solve
+from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.contact.yielding import yielded_zone
 from fem_seal.errors import ConvergenceError, InputError
-from fem_seal.further_loads import FurtherLoads
-from fem_seal.hardening import HardeningCurve
-from fem_seal.held_body import Supports
-from fem_seal.imprint import Imprint
-from fem_seal.laws import HardContact, Law
-from fem_seal.materials import Material
-from fem_seal.plastic_flow import PlasticState, elastic_tangent, flow
-from fem_seal.stress import BodyField, node_dofs, quadratic_nodes, von_mises
-from fem_seal.yielding import yielded_zone
+from fem_seal.materials import HardeningCurve, Material
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))
 
@@ -110,7 +109,7 @@ def test_return_keeps_the_laws_of_plastic_flow(path: list[np.ndarray]) -> None:
     """On any path: on or inside the yield surface, no plastic volume, no negative dissipation."""
     state = PlasticState.virgin()
     for strain in path:
-        answer = flow(strain, state, HARDENING, CURVE)
+        answer = radial_return(strain, state, HARDENING, CURVE)
         increment = answer.state.strain - state.strain
         grown = answer.state.accumulated - state.accumulated
         limit = CURVE.flow_stress(answer.state.accumulated)
@@ -129,7 +128,7 @@ def test_return_keeps_the_laws_of_plastic_flow(path: list[np.ndarray]) -> None:
 
 
 def test_pure_shear_flows_at_the_shear_yield_stress() -> None:
-    answer = flow(np.array([0, 0, 0, 0.01]), PlasticState.virgin(), PERFECT, PERFECT.hardening)
+    answer = radial_return(np.array([0, 0, 0, 0.01]), PlasticState.virgin(), PERFECT, PERFECT.hardening)
     assert answer.stress == pytest.approx([0, 0, 0, YIELD / np.sqrt(3)], abs=1e-6 * YIELD)
 
 
@@ -137,12 +136,14 @@ def test_tangent_is_the_derivative_of_the_stress() -> None:
     rng = np.random.default_rng(7)
     strain = rng.uniform(-4e-3, 4e-3, (40, 4))
     before = PlasticState(rng.uniform(-1e-3, 1e-3, (40, 4)) * [1, 1, 1, 1], rng.uniform(0, 4e-3, 40))
-    answer = flow(strain, before, HARDENING, CURVE)
+    answer = radial_return(strain, before, HARDENING, CURVE)
     assert 5 < answer.yielding.sum() <= 40
     assert np.abs(answer.tangent - np.swapaxes(answer.tangent, -1, -2)).max() < 1e-9 * E
     step = 1e-8
     for k in range(4):
-        up, down = (flow(strain + s * step * np.eye(4)[k], before, HARDENING, CURVE) for s in (1, -1))
+        up, down = (
+            radial_return(strain + s * step * np.eye(4)[k], before, HARDENING, CURVE) for s in (1, -1)
+        )
         same = up.yielding == down.yielding
         slope = (up.stress - down.stress) / (2 * step)
         assert slope[same] == pytest.approx(answer.tangent[same, :, k], abs=1e-6 * E)

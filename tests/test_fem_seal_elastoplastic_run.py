@@ -17,24 +17,24 @@ from matplotlib.figure import Figure
 from sample_results import case as elastic_case
 
 import fem_seal
-import fem_seal.pipeline
-from fem_seal import pictures_contact, pictures_leak, pictures_plastic, report_text
-from fem_seal.case import Case, load_case
-from fem_seal.closed_forms import profile_sizes
-from fem_seal.contact import solve
-from fem_seal.derived import derive
-from fem_seal.elastoplastic_contact import ElastoplasticContact
-from fem_seal.elastoplastic_fields import ElastoplasticField
-from fem_seal.elastoplastic_path import PathLoad, load_path
+import fem_seal.analysis.problem
+from fem_seal.analysis.closed_forms import derive, profile_sizes
+from fem_seal.analysis.load_names import different, load_axis, load_name
+from fem_seal.bodies.fields import ElastoplasticField, von_mises
+from fem_seal.case.case import Case, load_case
+from fem_seal.contact.load_path import ElastoplasticContact, PathLoad, load_path
+from fem_seal.contact.newton import solve
+from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.yielding import plastic_zone, yielding_of
 from fem_seal.errors import InputError
-from fem_seal.further_loads import FurtherLoads
-from fem_seal.load_names import different, load_axis, load_name
 from fem_seal.loads import closing_force
-from fem_seal.pictures import style
-from fem_seal.results import SealResult
-from fem_seal.stress import von_mises
-from fem_seal.summary import summary
-from fem_seal.yielding import plastic_zone, yielding_of
+from fem_seal.output.pictures import contact as pictures_contact
+from fem_seal.output.pictures import fields as pictures_fields
+from fem_seal.output.pictures import leak as pictures_leak
+from fem_seal.output.pictures.style import style
+from fem_seal.output.report import words
+from fem_seal.output.summary import summary
+from fem_seal.result import SealResult
 
 YIELD = 200e6
 CASE = """
@@ -106,7 +106,7 @@ def folder(result: SealResult, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 def test_a_run_is_the_load_path_of_the_case(result: SealResult) -> None:
     """The same contacts as those of the solver called by hand on the same mesh; same code, so to round-off."""
-    case, law = result.case, fem_seal.pipeline.interface_law(result.case, None)
+    case, law = result.case, fem_seal.analysis.problem.interface_law(result.case, None)
     fit = FurtherLoads(seat={"wall": 2e-6})
     forces = [closing_force(case.touch_radius, pressure) for pressure in (300e5, 50e5)]
     path = load_path(result.model, law, [PathLoad(force, fit) for force in forces], at_rest=fit)
@@ -127,7 +127,7 @@ def test_the_mesh_covers_the_contact_that_yielding_makes_wide(result: SealResult
 
 def test_a_coined_seat_is_wider_than_a_new_one(result: SealResult) -> None:
     """50 bar after 300 bar, against the same load on the elastic seat: that alone does not reach the yield stress."""
-    coined, law = result.loads[1].contact, fem_seal.pipeline.interface_law(result.case, None)
+    coined, law = result.loads[1].contact, fem_seal.analysis.problem.interface_law(result.case, None)
     alone = solve(result.model, law, axial_force=coined.axial_force, loads=coined.loads)
     assert alone.fields["seat"].von_mises.max() < YIELD
     assert coined.profile.std > 1.02 * alone.profile.std
@@ -251,22 +251,19 @@ def test_a_load_that_comes_back_has_a_number(proof: SealResult) -> None:
 def test_the_headline_says_what_leaks_after_the_highest_load(proof: SealResult, result: SealResult) -> None:
     before, highest, after = (f"{load.leak.leak_rate * 6e7:#.3g}" for load in proof.loads if load.leak)
     assert before != after
-    assert report_text.headline(proof) == (
+    assert words.headline(proof) == (
         f"The seal leaks {before} ml/min at 50 bar and {highest} ml/min at 300 bar; after 300 bar, "
         f"{after} ml/min at 50 bar."
     )
     up = replace(proof, loads=proof.loads[1:] + proof.loads[1:2])
-    assert (
-        report_text.headline(up)
-        == f"The seal leaks {after} ml/min at 50 bar and {highest} ml/min at 300 bar."
-    )
+    assert words.headline(up) == f"The seal leaks {after} ml/min at 50 bar and {highest} ml/min at 300 bar."
     # down from the highest load: there is nothing before it
     coined = result.loads[1].contact.profile
-    said = report_text.headline(result)
+    said = words.headline(result)
     assert said.startswith("At 300 bar the contact is ")
     assert f"; after 300 bar, {coined.fwhm * 1e3:.3f} mm wide under " in said
     down = replace(proof, loads=proof.loads[1:])
-    assert report_text.headline(down) == (
+    assert words.headline(down) == (
         f"The seal leaks {highest} ml/min at 300 bar; after 300 bar, {after} ml/min at 50 bar."
     )
 
@@ -309,7 +306,7 @@ def test_plastic_strain_is_drawn_whole_with_a_readable_scale(
     less = replace(state, plastic=replace(state.plastic, accumulated=share * state.plastic.accumulated))
     unloaded = replace(proof.unloaded, states={"seat": less})
     weaker = replace(proof, unloaded=unloaded)
-    figure = drawn(monkeypatch, pictures_plastic, lambda: pictures_plastic.imprint_picture(weaker))
+    figure = drawn(monkeypatch, pictures_fields, lambda: pictures_fields.imprint_picture(weaker))
     FigureCanvasAgg(figure).draw()
     _, view, scale = figure.axes
     field = unloaded.fields["seat"]
@@ -325,12 +322,12 @@ def test_plastic_strain_is_drawn_whole_with_a_readable_scale(
 
 
 def test_the_report_says_what_it_compares(proof: SealResult) -> None:
-    (fact,) = [fact for fact in report_text.facts(proof) if fact.name == "Largest stress in the bodies"]
+    (fact,) = [fact for fact in words.facts(proof) if fact.name == "Largest stress in the bodies"]
     body = proof.loads[1].max_von_mises_at[0]
     assert body == "closure"  # the seat cannot carry it
     assert fact.remark == "von Mises, in the closure"
     derived = derive(proof.case)
-    (said,) = [text for text in report_text.reasons(proof, derived) if "smooth elastic" in text]
+    (said,) = [text for text in words.reasons(proof, derived) if "smooth elastic" in text]
     hertz, profile = derived.loads[1].hertz, proof.loads[1].contact.profile
     assert hertz is not None
     # Hertz' bodies touch over 2 a; half of the peak is reached over sqrt(3) a

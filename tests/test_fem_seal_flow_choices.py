@@ -11,13 +11,13 @@ from sample_results import SPECTRUM, STEEL, case, rough_result
 
 import fem_seal
 import leak
+from fem_seal.analysis.flow import leak_of_profiles
+from fem_seal.analysis.problem import rough_contact
+from fem_seal.analysis.profile_file import read_profiles
+from fem_seal.analysis.variants import theory_variants
 from fem_seal.errors import InputError
-from fem_seal.interface import rough_contact
-from fem_seal.profile_file import read_profiles
-from fem_seal.profile_leak import leak_of_profiles
-from fem_seal.results import SealResult
-from fem_seal.tables import write_profile_csv
-from fem_seal.theory_variants import theory_variants
+from fem_seal.output.columns import write_profile_csv
+from fem_seal.result import SealResult
 
 
 def stretched(gamma: float) -> dict[str, dict[str, object]]:

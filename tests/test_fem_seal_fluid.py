@@ -12,11 +12,12 @@ from sample_results import STEEL, case, rough_result
 
 import fem_seal
 import leak
+from fem_seal.analysis.leakage import leakage, nominal_size
 from fem_seal.errors import InputError
-from fem_seal.leakage import in_words, leakage, leakage_lines, leakage_table, nominal_size
-from fem_seal.report import report
-from fem_seal.summary import summary
-from fem_seal.tables import leak_table
+from fem_seal.output.columns import leak_table, leakage_table
+from fem_seal.output.report.page import report
+from fem_seal.output.report.words import leakage_lines, leakage_text
+from fem_seal.output.summary import summary
 from fem_seal.units import parse_quantity
 
 
@@ -117,7 +118,7 @@ def test_readable_leak_and_class():
     result = rough_result()
     load = result.loads[-1]
     found = leakage(result.case, load.fluid_pressure, load.leak.leak_rate)
-    assert "ml/min" in in_words(found) and "drops/min" in in_words(found)
+    assert "ml/min" in leakage_text(found) and "drops/min" in leakage_text(found)
     assert [one.standard for one in found.classes] == ["ISO 5208", "API 598", "FCI 70-2"]
     size = nominal_size(result.case)
     assert size.estimated and size.size == 0.025

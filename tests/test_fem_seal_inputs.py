@@ -15,9 +15,9 @@ from pathlib import Path
 import pytest
 
 from fem_seal import cli
-from fem_seal.case import load_case
+from fem_seal.case.case import load_case
 from fem_seal.errors import InputError, OutputError
-from fem_seal.regular_files import UnreadableFileError, check_file, read_bytes, read_text
+from fem_seal.files import UnreadableFileError, check_file, read_bytes, read_text
 from fem_seal.studies.session import description
 from fem_seal.studies.store import Row, create
 from fem_seal.studies.study import load_study
@@ -474,7 +474,7 @@ def test_drawing_that_cannot_be_read_is_waited_for_once(tmp_path, monkeypatch) -
         calls.append(options["time_limit"])
         raise GeometryError(f"{path.name}: cannot be read as STEP (takes longer than 20 s)")
 
-    monkeypatch.setattr("fem_seal.case_profiles.read_section", read)
+    monkeypatch.setattr("fem_seal.case.drawn.read_section", read)
     case = step_case(tmp_path, b"")
     for _ in range(3):
         with pytest.raises(InputError, match=r'seat\.file = "x\.step": cannot be read as STEP'):

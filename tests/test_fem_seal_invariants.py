@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from sample_results import STEEL
 
 import fem_seal
-from fem_seal.case import Case
-from fem_seal.tables import leak_rows
+from fem_seal.case.case import Case
+from fem_seal.output.columns import leak_rows
 
 # Round-off of the input, and what a Newton iteration leaves.
 SAME = 1e-8

@@ -12,15 +12,17 @@ import pytest
 from sample_results import STEEL, case
 
 import fem_seal
-from fem_seal import cli, pipeline, result_files
-from fem_seal.afterwards import Afterwards
-from fem_seal.derived import derive
+from fem_seal import cli
+from fem_seal.analysis import chain, flow
+from fem_seal.analysis.afterwards import Afterwards
+from fem_seal.analysis.closed_forms import derive
+from fem_seal.analysis.left_out import left_out
+from fem_seal.analysis.load_solver import LoadSolver, SolvedLoads
+from fem_seal.analysis.opening import opening_margin
+from fem_seal.analysis.results import digits_near_opening
+from fem_seal.case.load_limits import refused_loads
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, OutputError
-from fem_seal.left_out import left_out
-from fem_seal.load_limits import refused_loads
-from fem_seal.load_solver import LoadSolver
-from fem_seal.opening import digits_near_opening, opening_margin
-from fem_seal.solved_loads import SolvedLoads
+from fem_seal.output import files
 
 # 20 bar lift a closure that touches at 14.142 mm with 1256.64 N.
 OPENS = math.pi * case().touch_radius ** 2 * 20e5
@@ -156,28 +158,28 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
     def failing(*arguments, **options):
         raise ZeroDivisionError("float division by zero")
 
-    monkeypatch.setattr(pipeline, broken, failing)
+    monkeypatch.setattr(chain, broken, failing)
     result = fem_seal.run(case())
     (said, *_) = [text for text in result.warnings if "could not be calculated" in text]
     assert said.startswith(
         f"{named}: could not be calculated (unexpected ZeroDivisionError: float division by"
     )
     assert np.all(result.table.leak_rate_m3_per_s > 0)
-    failures = result_files.write(result, tmp_path)
+    failures = files.write(result, tmp_path)
     assert (tmp_path / "leak.csv").is_file() and (tmp_path / "profile.csv").is_file()
     assert failures == (), failures
     assert said in json.loads((tmp_path / "summary.json").read_text())["warnings"]
 
 
 def test_a_leak_rate_that_fails_costs_no_contact(monkeypatch):
-    leak_of_contact = pipeline.leak_of_contact
+    leak_of_contact = flow.leak_of_contact
 
     def failing(case, table, contact, fluid_pressure):
         if fluid_pressure == 5e5:
             raise ZeroDivisionError("float division by zero")
         return leak_of_contact(case, table, contact, fluid_pressure)
 
-    monkeypatch.setattr(pipeline, "leak_of_contact", failing)
+    monkeypatch.setattr(flow, "leak_of_contact", failing)
     result = fem_seal.run(case())
     assert result.table.leak_rate_m3_per_s.isna().tolist() == [False, True, False]
     assert result.table.peak_pressure_Pa.notna().all()
@@ -189,7 +191,7 @@ def test_a_file_that_cannot_be_made_costs_no_other(broken, monkeypatch, tmp_path
     def failing(*arguments):
         raise KeyError("no such picture")
 
-    monkeypatch.setattr(result_files, broken, failing)
+    monkeypatch.setattr(files, broken, failing)
     result = fem_seal.run(case(load={"fluid_pressure": "20 bar"}))
     with pytest.warns(UserWarning, match="could not be calculated"):
         result.write(tmp_path)

@@ -14,22 +14,19 @@ from sample_results import case
 
 import fem_seal
 import meshes
-from fem_seal.condensation import condense
-from fem_seal.derived import derive
+from fem_seal.analysis.closed_forms import derive, target_remarks
+from fem_seal.analysis.load_names import different, load_axis, load_name
+from fem_seal.analysis.profile_file import read_profiles
+from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
+from fem_seal.bodies.held_body import Supports
+from fem_seal.contact.model import condense
+from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.errors import InputError
-from fem_seal.far_field import far_field_sentence
-from fem_seal.further_loads import FurtherLoads
-from fem_seal.held_body import Supports
-from fem_seal.inverse_questions import target_remarks
-from fem_seal.leakage import leakage_lines
-from fem_seal.load_names import different, load_axis, load_name
 from fem_seal.loads import closing_force
-from fem_seal.profile_file import read_profiles
-from fem_seal.report import report
-from fem_seal.report_text import headline
-from fem_seal.stress import node_dofs, quadratic_nodes
-from fem_seal.summary import summary
-from fem_seal.tables import write_profile_csv
+from fem_seal.output.columns import write_profile_csv
+from fem_seal.output.report.page import report
+from fem_seal.output.report.words import far_field_sentence, headline, leakage_lines
+from fem_seal.output.summary import summary
 
 VALVE = {
     "fluid_pressure": ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"],

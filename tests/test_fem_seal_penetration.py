@@ -12,19 +12,22 @@ import fem_seal
 import leak
 import meshes
 from fem_seal import HardContact, solve
-from fem_seal.blow_off import blow_off_pressure
-from fem_seal.condensation import condense
-from fem_seal.coupled_contact import Seal
-from fem_seal.elasticity import pressure_load, stiffness_matrix
+from fem_seal.analysis.problem import condensed, interface_law, sizing
+from fem_seal.bodies.elasticity import node_dofs, pressure_load, quadratic_nodes, stiffness_matrix
+from fem_seal.bodies.held_body import Supports
+from fem_seal.contact.coupled import Seal
+from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
+from fem_seal.contact.fluid_path import FlowThrough, HeldFluid
+from fem_seal.contact.model import condense
+from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.penetration import (
+    blow_off_pressure,
+    effective_radius,
+    solve_at_contact_force,
+    solve_penetration,
+)
 from fem_seal.errors import ConvergenceError, OpenSealError
-from fem_seal.fixed_point import first_fixed_point, fixed_point
-from fem_seal.fluid_paths import FlowThrough, HeldFluid
-from fem_seal.further_loads import FurtherLoads
-from fem_seal.held_body import Supports
-from fem_seal.load_solver import condensed
-from fem_seal.penetration import effective_radius, solve_at_contact_force, solve_penetration
-from fem_seal.pipeline import build_contact, interface_law, sizing
-from fem_seal.stress import node_dofs, quadratic_nodes
+from meshes import build_contact
 
 LAW = leak.ExponentialLaw(p_c=10e9, u0=0.76e-6)
 PRESSURE = 20e5

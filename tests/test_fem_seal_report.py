@@ -14,14 +14,14 @@ import pytest
 from sample_results import STEEL, case, rough_result, single_result, smooth_result
 
 import fem_seal
-from fem_seal import report_tables, report_text
-from fem_seal.caution import Caution, Level, Validity
-from fem_seal.closed_forms import profile_sizes
-from fem_seal.derived import derive
-from fem_seal.pictures import logarithmic, number_dots, panels
-from fem_seal.report import report
-from fem_seal.results import SealResult
-from fem_seal.summary import summary
+from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.closed_forms import derive, profile_sizes
+from fem_seal.output.pictures.style import logarithmic, number_dots, panels
+from fem_seal.output.report import tables
+from fem_seal.output.report import words as report_words
+from fem_seal.output.report.page import report
+from fem_seal.output.summary import summary
+from fem_seal.result import SealResult
 
 FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}
 ALL_PICTURES = {
@@ -281,7 +281,7 @@ def leakless(result):
 
 def test_tiles_carry_the_validity_and_no_class_is_claimed_outside_the_theory():
     outside = judged(leakless(rough_result()), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)
-    tiles = report_text.facts(outside)
+    tiles = report_words.facts(outside)
     assert {tile.level for tile in tiles} == {Level.OUTSIDE}
     assert not any("sealed" in tile.value or "ISO" in tile.value + tile.remark for tile in tiles)
     (of_class,) = [tile for tile in tiles if tile.name.startswith("Leakage class")]
@@ -290,32 +290,30 @@ def test_tiles_carry_the_validity_and_no_class_is_claimed_outside_the_theory():
     classes = [attributes.get("class") for tag, attributes in page.tags if tag == "li"]
     assert classes.count("outside") == len(tiles)
     assert page.text.count("outside theory") == 0 and page.text.count("outside the theory") > len(tiles)
-    doubtful = report_text.facts(judged(rough_result(), Level.VALID, Level.VALID, Level.DOUBTFUL))
+    doubtful = report_words.facts(judged(rough_result(), Level.VALID, Level.VALID, Level.DOUBTFUL))
     assert {tile.level for tile in doubtful} == {Level.DOUBTFUL}
     assert any("ISO 5208" in tile.value + tile.remark for tile in doubtful)
 
 
 def test_headline_claims_nothing_outside_the_theory():
     result = leakless(rough_result())
-    assert report_text.headline(result).startswith("Sealed at every load up to 20 bar")
-    some = report_text.headline(judged(result, Level.VALID, Level.DOUBTFUL, Level.OUTSIDE))
+    assert report_words.headline(result).startswith("Sealed at every load up to 20 bar")
+    some = report_words.headline(judged(result, Level.VALID, Level.DOUBTFUL, Level.OUTSIDE))
     assert "Sealed" not in some and "at an unknown rate at 20 bar" in some
     assert "outside the theory at 20 bar (seat: 7.4 times its yield stress)" in some
     assert "doubtful at 5 bar" in some
-    every = report_text.headline(judged(result, *[Level.OUTSIDE] * 3))
+    every = report_words.headline(judged(result, *[Level.OUTSIDE] * 3))
     assert every.startswith("At 20 bar no leak rate can be claimed.") and "at every load" in every
-    assert "doubtful" not in report_text.headline(rough_result())
+    assert "doubtful" not in report_words.headline(rough_result())
 
 
 def test_loads_and_their_reasons_stand_in_the_tables():
     page = Page(report(judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)))
     assert "How far each load can be trusted" in page.text
-    table = report_tables.load_table(
-        rough_result(), profile_sizes(rough_result(), derive(rough_result().case))
-    )
+    table = tables.load_table(rough_result(), profile_sizes(rough_result(), derive(rough_result().case)))
     assert [row[0] for row in table.rows] == ["2", "5", "20"]
     marked = judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)
-    table = report_tables.load_table(marked, profile_sizes(marked, derive(marked.case)))
+    table = tables.load_table(marked, profile_sizes(marked, derive(marked.case)))
     assert [row[0] for row in table.rows] == ["2", "5 ?", "20 !"]
     assert "in leak.csv. ? doubtful, ! outside the theory." in page.text
     assert "How far each load can be trusted" not in Page(report(rough_result())).text

@@ -12,8 +12,8 @@ from conftest import STEEL
 from scipy.sparse import csc_matrix, diags, identity, kron
 
 import meshes
-from fem_seal.condensation import condense
-from fem_seal.restricted_inverse import restricted_inverse
+from fem_seal.bodies.restricted_inverse import restricted_inverse
+from fem_seal.contact.model import condense
 
 
 @pytest.fixture

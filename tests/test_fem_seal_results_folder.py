@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 from sample_results import rough_result, single_result
 
-from fem_seal import result_files, results_folder
-from fem_seal.atomic_files import write_text
+from fem_seal import folders
 from fem_seal.cli import main
 from fem_seal.errors import InputError, OutputError
-from fem_seal.folder_lock import FILE as LOCK
-from fem_seal.folder_lock import alone
-from fem_seal.results_folder import UNFINISHED, replaced_together, unfinished
+from fem_seal.files import write_text
+from fem_seal.folders import FILE as LOCK
+from fem_seal.folders import UNFINISHED, alone, replaced_together, unfinished
+from fem_seal.output import files
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
@@ -58,7 +58,7 @@ def test_the_second_run_leaves_nothing_of_the_first(two_runs):
 def test_every_file_that_a_run_writes_is_known_as_one(two_runs):
     """Or it would be left behind by a later run without it."""
     written = contents(two_runs[0]).keys() - {"notes.txt", "contact_0.vtu"}
-    assert all(results_folder._OF_A_RUN.fullmatch(name) for name in written)
+    assert all(folders._OF_A_RUN.fullmatch(name) for name in written)
 
 
 @posix
@@ -68,8 +68,8 @@ def test_killed_at_any_moment_it_mixes_nothing_silently(two_runs, tmp_path, monk
     before, after = map(contents, two_runs)
     # drawing takes seconds; what is killed here are the files
     drawn = after["report.html"].decode()
-    monkeypatch.setattr(result_files, "write_report", lambda result, path: write_text(path, drawn))
-    monkeypatch.setattr(result_files, "write_summary", _said(after["summary.json"].decode()))
+    monkeypatch.setattr(files, "write_report", lambda result, path: write_text(path, drawn))
+    monkeypatch.setattr(files, "write_summary", _said(after["summary.json"].decode()))
     seen = {"before": 0, "after": 0, "marked": 0}
     moment = 0
     while True:
@@ -150,7 +150,7 @@ def test_a_full_disc_leaves_the_old_results(two_runs, tmp_path, monkeypatch):
     def full(result, path, *_):
         raise OutputError(f"{path}: cannot be written (no space left on device)")
 
-    monkeypatch.setattr(result_files, "write_report", full)
+    monkeypatch.setattr(files, "write_report", full)
     with pytest.raises(OutputError) as raised:
         single_result().write(folder)
     # where it would have stood, not the draft that is gone
@@ -216,7 +216,7 @@ def test_a_part_of_another_calculation_is_marked(two_runs, tmp_path, capsys):
 HOLDER = """
 import sys, time
 from pathlib import Path
-from fem_seal.folder_lock import alone
+from fem_seal.folders import alone
 with alone(Path(sys.argv[1])):
     print("mine", flush=True)
     time.sleep(600)
@@ -245,9 +245,9 @@ def test_a_second_run_is_refused_while_the_first_lives(tmp_path, capsys):
 
 def test_a_lock_that_was_removed_meanwhile_is_taken_anew(tmp_path, monkeypatch):
     """Opened before its owner removes it, locked after: another process may have a new one by then."""
-    from fem_seal import folder_lock
+    from fem_seal import folders
 
-    lock = folder_lock._lock
+    lock = folders._lock
     removed = []
 
     def too_late(handle):
@@ -256,7 +256,7 @@ def test_a_lock_that_was_removed_meanwhile_is_taken_anew(tmp_path, monkeypatch):
             (tmp_path / LOCK).unlink()
             removed.append(True)
 
-    monkeypatch.setattr(folder_lock, "_lock", too_late)
+    monkeypatch.setattr(folders, "_lock", too_late)
     with alone(tmp_path):
         assert (tmp_path / LOCK).exists()
         with pytest.raises(InputError), alone(tmp_path):
@@ -268,18 +268,18 @@ def test_a_lock_that_was_removed_meanwhile_is_taken_anew(tmp_path, monkeypatch):
 def test_without_locks_nobody_is_kept_out(tmp_path, monkeypatch, reason):
     import errno
 
-    from fem_seal import folder_lock
+    from fem_seal import folders
 
     def none(handle):
         raise OSError(getattr(errno, reason), "no locks here")
 
-    monkeypatch.setattr(folder_lock, "_lock", none)
+    monkeypatch.setattr(folders, "_lock", none)
     with alone(tmp_path), alone(tmp_path):
         pass
 
 
 def test_a_folder_that_is_deleted_during_the_run_is_made_again(tmp_path, monkeypatch):
-    from fem_seal import pipeline
+    from fem_seal import result as seal_result
 
     folder = tmp_path / "out"
 
@@ -287,6 +287,6 @@ def test_a_folder_that_is_deleted_during_the_run_is_made_again(tmp_path, monkeyp
         shutil.rmtree(folder)
         return single_result()
 
-    monkeypatch.setattr(pipeline, "run", run)
+    monkeypatch.setattr(seal_result, "run", run)
     assert main(["run", str(EXAMPLES / "smooth.toml"), "-q", "-o", str(folder)]) == 0
     assert {"leak.csv", "report.html", "summary.json"} <= contents(folder).keys()

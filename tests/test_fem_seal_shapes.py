@@ -8,11 +8,12 @@ import math
 import pytest
 
 from fem_seal import Case, InputError, load_case, run
-from fem_seal.case_dimensions import chosen_dimensions, dimensions
-from fem_seal.case_messages import choices, tables_of
-from fem_seal.console import derived_numbers, show_derived
-from fem_seal.derived import derive
-from fem_seal.report_case import seal_groups
+from fem_seal.analysis.closed_forms import derive
+from fem_seal.case.messages import choices, tables_of
+from fem_seal.cli import show_derived
+from fem_seal.output.case_words import chosen_dimensions, dimensions
+from fem_seal.output.report.case import seal_groups
+from fem_seal.output.summary import derived_numbers
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
 CLOSURES = {

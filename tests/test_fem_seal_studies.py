@@ -13,18 +13,21 @@ import pandas as pd
 import pytest
 
 import fem_seal
-from fem_seal import InputError, Study, load_study, pipeline
+from fem_seal import InputError, Study, load_study
+from fem_seal import result as seal_result
+from fem_seal.analysis.sampling import LogNormal, Normal
 from fem_seal.errors import Problem
-from fem_seal.folder_lock import alone
-from fem_seal.studies import designs, evaluate, shared_models, store, work
-from fem_seal.studies.analysis import pareto_front
-from fem_seal.studies.distributions import LogNormal, Normal
-from fem_seal.studies.evaluate import FAST, responses
+from fem_seal.folders import alone
+from fem_seal.output.columns import LEAK_COLUMNS, leak_rows
+from fem_seal.studies import designs, store, work
+from fem_seal.studies import responses as studies_responses
+from fem_seal.studies import shared as studies_shared
+from fem_seal.studies.designs_table import pareto_front
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError
 from fem_seal.studies.progress import Lines
+from fem_seal.studies.responses import FAST, responses
 from fem_seal.studies.session import run_study
-from fem_seal.studies.study_tables import Design
-from fem_seal.tables import LEAK_COLUMNS, leak_rows
+from fem_seal.studies.tables import Design
 from meshes import Sizing
 
 CASE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"
@@ -383,7 +386,7 @@ def test_a_design_has_one_load(tmp_path):
 def test_fast_way_gives_the_numbers_of_a_complete_run(changes):
     case = fem_seal.load_case(CASE).replace(changes)
     fast = responses(case, tuple(FAST))
-    complete = leak_rows(pipeline.run(case))[0]
+    complete = leak_rows(seal_result.run(case))[0]
     for name, value in fast.items():
         # another mesh, both within 2e-4 of the limit of small elements; the stress is a maximum over nodes
         tolerance = 1e-2 if name == "max_von_mises_Pa" else 3e-4
@@ -417,11 +420,11 @@ def test_designs_with_rounded_edges_share_meshes(monkeypatch):
     case = fem_seal.load_case(LAND)
     columns = ("leak_rate_m3_per_s", "peak_pressure_Pa", "fwhm_m")
     pressures = [f"{pressure} bar" for pressure in (9, 9.5, 10, 10.5, 11, 11.5)]
-    built = shared_models._light_model.cache_info().misses
+    built = studies_shared._light_model.cache_info().misses
     found = [responses(case.replace({"load.fluid_pressure": one}), columns) for one in pressures]
     # a size may cross a step once in this range, of six designs with as many spots of their own
-    assert shared_models._light_model.cache_info().misses - built <= 2
-    monkeypatch.setattr(shared_models, "rounded", lambda sizing, contact, *, exact_size: sizing)
+    assert studies_shared._light_model.cache_info().misses - built <= 2
+    monkeypatch.setattr(studies_shared, "rounded", lambda sizing, contact, *, exact_size: sizing)
     own = responses(case.replace({"load.fluid_pressure": pressures[0]}), columns)
     for name in columns:
         # what docs/studies.md promises
@@ -433,7 +436,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
     (edge, *_), (_, end) = contact.breaks.tolist(), contact.reach
     spots = ((edge, 1.1e-6), (end, 7.3e-6), (1.23e-5, 2.9e-6), (end - 1e-8, 3e-6))
     sizing = Sizing(4e-5, 1e-4, (0.9 * contact.reach[0], end), 0.1, 0.2, 1e-3, spots)
-    rounded = shared_models.rounded(sizing, contact)
+    rounded = studies_shared.rounded(sizing, contact)
     (at_edge, fine), (near, size), (beside_end, _), (at_end, _) = sorted(rounded.spots)
     assert (at_edge, at_end) == (edge, end)
     assert 2**-0.25 * 1.1e-6 < fine <= 1.1e-6
@@ -442,7 +445,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
     assert beside_end <= end
     # a neighbour's
     moved = replace(sizing, spots=((edge, 1.12e-6), (end, 7.2e-6), (1.25e-5, 2.92e-6), (end - 1e-8, 2.95e-6)))
-    assert shared_models.rounded(moved, contact) == rounded
+    assert studies_shared.rounded(moved, contact) == rounded
 
 
 CURVE = {"plastic_strain": [0, 0.1], "stress": ["300 MPa", "400 MPa"]}
@@ -463,8 +466,8 @@ YIELDING = {"yield_stress": None, "stress_strain": CURVE}
 def test_what_takes_a_complete_run_is_documented(changes, column, monkeypatch):
     case = fem_seal.load_case(CASE).replace({"load.fluid_pressure": "10 bar", **changes})
     runs = []
-    monkeypatch.setattr(evaluate, "_complete_run", lambda case, columns: runs.append(columns))
-    evaluate.evaluate(case, (column,))
+    monkeypatch.setattr(studies_responses, "_complete_run", lambda case, columns: runs.append(columns))
+    studies_responses.evaluate(case, (column,))
     assert runs == [(column,)]
     text = (CASE.parent.parent / "docs" / "studies.md").read_text()
     paragraph = next(part for part in text.split("\n\n") if "complete `fem-seal run`" in part)
@@ -789,8 +792,7 @@ def test_sensitivity_finds_the_parameter_that_matters(tmp_path):
         responses=["leak_rate_m3_per_s"],
     )
     result = run_study(study, folder=tmp_path, workers=0)
-    from fem_seal.studies.analysis import Designs
-    from fem_seal.studies.sensitivity import sensitivities
+    from fem_seal.studies.designs_table import Designs, sensitivities
 
     file = store.open_to_read(tmp_path / store.FILE)
     (found,) = sensitivities(Designs.read(file))
@@ -907,8 +909,8 @@ def test_example(name, tmp_path):
 
 def test_every_key_of_a_study_file_is_documented():
     text = (CASE.parent.parent / "docs" / "studies.md").read_text()
-    from fem_seal.case_messages import tables_of
-    from fem_seal.studies.study_tables import StudyTables
+    from fem_seal.case.messages import tables_of
+    from fem_seal.studies.tables import StudyTables
 
     for key, field in StudyTables.model_fields.items():
         assert f"`{key}`" in text or f"`[{key}]`" in text

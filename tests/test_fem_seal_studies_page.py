@@ -9,17 +9,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fem_seal.studies import plots, plots_goals, plots_statistics
-from fem_seal.studies.analysis import LEAK_RATE, Designs
+from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.studies.designs import unit_points
-from fem_seal.studies.display import Display, short
+from fem_seal.studies.designs_table import LEAK_RATE, Designs, sensitivities
 from fem_seal.studies.exports import dataset
 from fem_seal.studies.expressions import Constraint
-from fem_seal.studies.page import page
-from fem_seal.studies.sections import sections
-from fem_seal.studies.sensitivity import sensitivities
-from fem_seal.studies.study_tables import Design
-from fem_seal.tables import LEAK_COLUMNS
+from fem_seal.studies.page import plots, plots_goals, plots_statistics
+from fem_seal.studies.page.display import Display, short
+from fem_seal.studies.page.page import page, sections
+from fem_seal.studies.tables import Design
 
 CASE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"
 PRESSURE, ML = "peak_pressure_Pa", 1e-6 / 60
@@ -480,7 +478,7 @@ def test_no_class_is_claimed_outside_the_theory():
 def test_a_first_order_index_above_the_total_is_called_noise():
     from dataclasses import replace
 
-    from fem_seal.studies.sections import _sobol
+    from fem_seal.studies.page.page import _sobol
 
     designs = sensitive("sobol-sensitivity")
     (found, *_) = sensitivities(designs)

@@ -180,8 +180,7 @@ def test_a_port_that_is_taken_is_passed_over_in_silence(recwarn):
 
 def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
     """Whoever calculates the third design dies at once."""
-    from fem_seal.studies.cluster import Cluster
-    from fem_seal.studies.pools import local_client
+    from fem_seal.studies.pools import Cluster, local_client
     from fem_seal.studies.work import Chunk, Recipe
 
     study = load_study(_small(tmp_path))
@@ -223,7 +222,7 @@ def test_a_scheduler_by_its_address(tmp_path):
 def test_nobody_waits_for_ever(tmp_path):
     from dask.distributed import Client, LocalCluster
 
-    from fem_seal.studies.cluster import Cluster
+    from fem_seal.studies.pools import Cluster
     from fem_seal.studies.work import Chunk, Recipe
 
     study = load_study(_small(tmp_path))
@@ -248,16 +247,16 @@ def _small(folder):
 
 def _arm(deadly):
     """Make this process die when it calculates a certain design."""
-    from fem_seal.studies import evaluate
+    from fem_seal.studies import responses
 
-    harmless = evaluate.evaluate
+    harmless = responses.evaluate
 
     def armed(case, columns, *, interpolate=True):
         if case.load.axial_force == deadly:
             os.kill(os.getpid(), signal.SIGKILL)
         return harmless(case, columns, interpolate=interpolate)
 
-    evaluate.evaluate = armed
+    responses.evaluate = armed
 
 
 def _plugin():

@@ -11,10 +11,10 @@ import pytest
 
 import fem_seal
 from fem_seal import InputError, Study
-from fem_seal.caution import VALID, Level
+from fem_seal.analysis.caution import VALID, Level
 from fem_seal.cli import main
 from fem_seal.studies import store
-from fem_seal.studies.evaluate import evaluate
+from fem_seal.studies.responses import evaluate
 from fem_seal.studies.session import run_study
 
 CASE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"

@@ -13,11 +13,17 @@ import pytest
 from sample_results import case, rough_result, single_result, smooth_result
 
 import fem_seal
-from fem_seal.atomic_files import write_bytes, write_text
 from fem_seal.errors import OutputError
-from fem_seal.readable import flow, given, number, percent, quantity, trimmed, unit_for
-from fem_seal.summary import summary, write_summary
-from fem_seal.tables import PROFILE_COLUMNS, leak_table, profile_array, write_leak_csv, write_profile_csv
+from fem_seal.files import write_bytes, write_text
+from fem_seal.output.columns import (
+    PROFILE_COLUMNS,
+    leak_table,
+    profile_array,
+    write_leak_csv,
+    write_profile_csv,
+)
+from fem_seal.output.summary import summary, write_summary
+from fem_seal.units import given, leak_rate_text, number, percent, quantity, trimmed, unit_for
 
 LEAK_HEADER = (
     "fluid_pressure_Pa,axial_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
@@ -206,7 +212,7 @@ def test_numbers_for_readers():
     assert number(1.234e-9) == "1.23·10⁻⁹"
     assert number(-0.5) == "−0.500"
     assert percent(0.0388) == "3.9 %"
-    assert flow(0.0) == "none, sealed"
+    assert leak_rate_text(0.0) == "none, sealed"
     assert unit_for("flow", 1e-30).name == "pl/min"
 
 

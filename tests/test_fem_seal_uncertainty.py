@@ -14,21 +14,18 @@ from scipy.stats import norm
 
 import fem_seal
 import leak
-from fem_seal import uncertainty as module
-from fem_seal.case_uncertainty import Spread, Uncertainty
+from fem_seal.analysis import uncertainty as module
+from fem_seal.analysis.response_surface import fit
+from fem_seal.analysis.results import LeakInterval
+from fem_seal.analysis.sampling import UncertainInput
+from fem_seal.analysis.uncertainty import UncertainScans, leak_interval, uncertain_inputs, weighted_mean
+from fem_seal.analysis.variants import theory_variants
+from fem_seal.case.roughness import UncertainHeight
+from fem_seal.case.uncertainty import Spread, Uncertainty
 from fem_seal.errors import InputError
-from fem_seal.report import report
-from fem_seal.response_surface import fit
-from fem_seal.summary import summary
-from fem_seal.theory_variants import theory_variants, variant_rows
-from fem_seal.uncertain_inputs import (
-    UncertainHeight,
-    UncertainInput,
-    UncertainScans,
-    uncertain_inputs,
-    weighted_mean,
-)
-from fem_seal.uncertainty import LeakInterval, leak_interval
+from fem_seal.output.columns import variant_rows
+from fem_seal.output.report.page import report
+from fem_seal.output.summary import summary
 
 TEN_PER_CENT = Spread(relative=0.1)
 
@@ -165,7 +162,7 @@ SCANNED = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=2e3, 
 
 def scans(folder, heights):
     """Three scans of the same surface, with all heights times a factor, as text files."""
-    from leak.random_surface import random_line_scan
+    from leak.surfaces.random import random_line_scan
 
     spectrum = leak.PowerSpectrum.self_affine(
         rms_height=1e-6, hurst=0.8, q_low=2e3, q_rolloff=2e4, q_high=6e5
@@ -192,7 +189,7 @@ def test_spectrum_between_scans(tmp_path, monkeypatch):
     table = {"samples": 64, "spectrum": {"distribution": "scans"}}
     both = result(*files, uncertainty=table).uncertainty
     with monkeypatch.context() as patch:
-        patch.setattr("fem_seal.uncertain_inputs.uncertain_heights", lambda case: ())
+        patch.setattr("fem_seal.case.roughness.uncertain_heights", lambda case: ())
         interval = result(*files, uncertainty=table).uncertainty
     low, high = (rates(result(file))[0] for file in (files[0], files[2]))
     assert low < interval.low[0] < interval.median[0] < interval.high[0] < high

@@ -11,8 +11,8 @@ import pytest
 from sample_results import case, rough_result, single_result, smooth_result
 
 import leak
-from fem_seal import validity
-from leak.molecular_size import molecular_size
+from fem_seal.analysis import warnings
+from leak.fluids.names import molecular_size
 
 PAPER = leak.PowerSpectrum.self_affine(
     rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.14159e6
@@ -48,16 +48,16 @@ def pressure_at(area: float) -> float:
 
 def test_sealed():
     tight, leaky = load(peak=1.01 * SURFACE.sealing_pressure), load()
-    words = said(validity._sealed, [leaky, tight])
+    words = said(warnings._sealed, [leaky, tight])
     assert "A/A0 = 0.42" in words
     assert f"{SURFACE.sealing_pressure / 1e6:.4g} MPa" in words
-    assert said(validity._sealed, [leaky, load(peak=0.99 * SURFACE.sealing_pressure)]) == ""
-    assert said(validity._nearly_sealed, [tight]) == ""
+    assert said(warnings._sealed, [leaky, load(peak=0.99 * SURFACE.sealing_pressure)]) == ""
+    assert said(warnings._nearly_sealed, [tight]) == ""
 
 
 def test_loads_that_differ_in_their_force_alone_are_named_by_it():
     tight = [load(peak=factor * SURFACE.sealing_pressure, applied_force=300 * factor) for factor in (3, 2)]
-    words = said(validity._sealed, [load(), *tight])
+    words = said(warnings._sealed, [load(), *tight])
     assert "at 20 bar with 900 N the peak" in words and "(from 20 bar with 600 N on" in words
 
 
@@ -65,7 +65,7 @@ def test_loads_that_differ_in_their_force_alone_are_named_by_it():
     ("area", "words"), [(0.14, ""), (0.17, "factor 1.7"), (0.3, "factor 3.3"), (0.41, "3.3")]
 )
 def test_few_channels_left(area, words):
-    found = said(validity._nearly_sealed, [load(), load(peak=pressure_at(area))])
+    found = said(warnings._nearly_sealed, [load(), load(peak=pressure_at(area))])
     assert words in found
     assert (f"A/A0 = {area:.2g}" in found) == bool(words)
 
@@ -86,7 +86,7 @@ def test_factors_are_those_of_the_direct_numerical_results(reference_folder):
         )
         low = 0.0
         # beyond 0.32 there is no direct result
-        for limit, factor in ((validity._FEW_CHANNELS, 1.3), *validity._FACTORS):
+        for limit, factor in ((warnings._FEW_CHANNELS, 1.3), *warnings._FACTORS):
             inside = (area > low) & (area <= limit)
             assert worst_factor(comparison.default[inside]) < factor
             low = limit
@@ -117,11 +117,11 @@ def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference_
                     direct = math.exp(np.log(part[column][part["p_over_Eh"] == p]).mean())
                     theory = (float(contact.effective_separation(p)) / spectrum.rms_height) ** 3
                     area = float(contact.contact_area(p))
-                    assert 0.9 < theory / direct < validity._lay_factor(area, number), (number, p)
+                    assert 0.9 < theory / direct < warnings._lay_factor(area, number), (number, p)
                     worst[number] = max(worst.get(number, 0.0), theory / direct)
     # and they are not wildly larger than needed
-    assert worst[0.2] > 0.9 * validity._lay_factor(0.16, 0.2)
-    assert worst[5.0] > 0.9 * validity._lay_factor(0.16, 5.0)
+    assert worst[0.2] > 0.9 * warnings._lay_factor(0.16, 0.2)
+    assert worst[5.0] > 0.9 * warnings._lay_factor(0.16, 5.0)
 
 
 @pytest.mark.parametrize(
@@ -136,14 +136,14 @@ def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference_
 )
 def test_the_factor_knows_the_lay(peklenik, area, words):
     surface = replace(SURFACE, peklenik=peklenik)
-    found = said(validity._nearly_sealed, [load(peak=pressure_at(area))], surface)
+    found = said(warnings._nearly_sealed, [load(peak=pressure_at(area))], surface)
     assert words in found
     assert bool(found) == bool(words)
 
 
 def test_roughness_known_too_short():
-    assert said(validity._range, [load(std=0.9 / PAPER.q_low)]) == ""
-    words = said(validity._range, [load(), load(std=1.1 / PAPER.q_low)])
+    assert said(warnings._range, [load(std=0.9 / PAPER.q_low)]) == ""
+    words = said(warnings._range, [load(), load(std=1.1 / PAPER.q_low)])
     assert "6283 um" in words
     assert "1100 um" in words
     assert "909 1/m" in words
@@ -154,8 +154,8 @@ def test_waves_longer_than_the_contact():
     q = np.geomspace(PAPER.q_low, PAPER.q_high, 4000)
     above = PAPER.height_variance_above(q) / PAPER.rms_height**2
     half = float(np.interp(-0.5, -above, q))
-    assert "50 % of the height variance" in said(validity._long_waves, [load(), load(std=1 / half)])
-    assert said(validity._long_waves, [load(std=1 / q[above > 0.91][-1])]) == ""
+    assert "50 % of the height variance" in said(warnings._long_waves, [load(), load(std=1 / half)])
+    assert said(warnings._long_waves, [load(std=1 / q[above > 0.91][-1])]) == ""
 
 
 def test_sizes_of_molecules():
@@ -181,11 +181,11 @@ def test_sizes_of_molecules():
 def test_channels_narrower_than_a_molecule(fluid, size):
     assert molecular_size(fluid) == size
     of = case(fluid={"name": fluid})
-    words = said(validity._molecules, [load(), load(critical_separation=0.9 * size)], of=of)
+    words = said(warnings._molecules, [load(), load(critical_separation=0.9 * size)], of=of)
     assert f"{0.9 * size * 1e9:.2g} nm" in words
-    assert said(validity._molecules, [load(), load(critical_separation=1.1 * size)], of=of) == ""
+    assert said(warnings._molecules, [load(), load(critical_separation=1.1 * size)], of=of) == ""
     # sealed: another warning's business
-    assert said(validity._molecules, [load(critical_separation=0.0)], of=of) == ""
+    assert said(warnings._molecules, [load(critical_separation=0.0)], of=of) == ""
 
 
 def test_every_fluid_of_the_library_has_a_molecular_size():
@@ -195,20 +195,20 @@ def test_every_fluid_of_the_library_has_a_molecular_size():
 
 
 def test_fluid_pressure_opens_the_gap():
-    assert said(validity._fluid_opens, [load(fluid_pressure=0.09 * 50e6)]) == ""
-    words = said(validity._fluid_opens, [load(), load(fluid_pressure=0.2 * 50e6)])
+    assert said(warnings._fluid_opens, [load(fluid_pressure=0.09 * 50e6)]) == ""
+    words = said(warnings._fluid_opens, [load(), load(fluid_pressure=0.2 * 50e6)])
     assert "0.2 of the peak" in words
     assert "1.3 times" in words
     local = case(leak={"fluid_in_gap": "local"})
-    assert said(validity._fluid_opens, [load(fluid_pressure=0.2 * 50e6)], of=local) == ""
+    assert said(warnings._fluid_opens, [load(fluid_pressure=0.2 * 50e6)], of=local) == ""
     open_seal = load(fluid_pressure=55e6, leak_rate=np.inf)
-    assert "lifts the seal open" in said(validity._fluid_opens, [load(), open_seal], of=local)
-    assert "several times" in said(validity._fluid_opens, [load(fluid_pressure=0.8 * 50e6)])
+    assert "lifts the seal open" in said(warnings._fluid_opens, [load(), open_seal], of=local)
+    assert "several times" in said(warnings._fluid_opens, [load(fluid_pressure=0.8 * 50e6)])
 
 
 def test_the_expected_increase_is_about_that_of_the_local_closure():
     """What the warning foretells, 1 + 1.7 p_f/p0, against the calculation with fluid pressure taken off the load."""
-    from leak.fluid_in_gap import coupled_leak_flow
+    from leak.flow.fluid_in_gap import coupled_leak_flow
 
     x = np.linspace(-6, 6, 241) * 0.139e-3
     p = 50e6 * np.exp(-0.5 * (x / 0.139e-3) ** 2)
@@ -223,9 +223,9 @@ def test_the_expected_increase_is_about_that_of_the_local_closure():
 
 
 def test_peak_pressure_near_the_hardness():
-    (caution,) = validity._above_hardness(case(), rough_result().model, [load(peak=0.4 * 3.5e9)])
+    (caution,) = warnings._above_hardness(case(), rough_result().model, [load(peak=0.4 * 3.5e9)])
     assert "0.4 of the hardness" in caution.text
-    assert not list(validity._above_hardness(case(), rough_result().model, [load(peak=0.2 * 3.5e9)]))
+    assert not list(warnings._above_hardness(case(), rough_result().model, [load(peak=0.2 * 3.5e9)]))
 
 
 def test_the_paper_s_case_is_free_of_warnings():
@@ -240,11 +240,11 @@ def test_checks_of_the_interface_are_part_of_a_run():
         rms_height=0.1e-6, hurst=0.8, q_low=1e6, q_rolloff=1e6, q_high=1e8
     )
     surface = replace(result.surface, spectrum=spectrum)
-    found = validity.contact_cautions(
+    found = warnings.contact_cautions(
         result.case, result.model, result.loads, result.discretisation_error, surface
     )
     assert any("known too short" in one.text for one in found)
-    own = validity.contact_cautions(
+    own = warnings.contact_cautions(
         result.case, result.model, result.loads, result.discretisation_error, result.surface
     )
     assert set(result.warnings) <= {caution.text for caution in own}

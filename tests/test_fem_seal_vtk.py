@@ -12,9 +12,9 @@ import pytest
 from sample_results import rough_result, smooth_result
 from scipy.interpolate import CubicSpline
 
-from fem_seal.results import SealResult
-from fem_seal.stress import body_fields
-from fem_seal.vtk import write_contact, write_contact_line
+from fem_seal.contact.solution import body_fields
+from fem_seal.output.vtk import write_contact, write_contact_line
+from fem_seal.result import SealResult
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.effective_gap import _folded_above
-from leak.separation import density, mean_lost_separation
+from leak.flow.effective_gap import _folded_above
+from leak.theory.separation import density, mean_lost_separation
 
 E, HARDNESS = 115e9, 3.5e9
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from leak.cubic_spline import cubic_spline_slopes
+from leak.numerics.curves import cubic_spline_slopes
 
 
 @pytest.mark.parametrize("n", [3, 4, 5, 60])

@@ -239,8 +239,8 @@ def test_finer_steps_and_profiles_change_little(drop, monkeypatch):
     x, p = gauss(101, reach=5.0)
     sigma = conductivity()
     usual = coupled(x, p, sigma, drop).leak_rate
-    monkeypatch.setattr("leak.fluid_in_gap._STEPS", 3000)
-    monkeypatch.setattr("leak.fluid_in_gap._FIRST_STEPS", 600)
+    monkeypatch.setattr("leak.flow.fluid_in_gap._STEPS", 3000)
+    monkeypatch.setattr("leak.flow.fluid_in_gap._FIRST_STEPS", 600)
     fine = coupled(*gauss(501, reach=5.0), sigma, drop).leak_rate
     assert usual == pytest.approx(fine, rel=1e-4)
 

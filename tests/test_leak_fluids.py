@@ -7,7 +7,7 @@ import sys
 import pytest
 
 import leak
-from leak.fluids import walther
+from leak.fluids.library import walther
 
 
 def test_water():

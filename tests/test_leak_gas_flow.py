@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.rarefied_flow import flow_factor, poiseuille_flow_rate
+from leak.flow.rarefied import flow_factor, poiseuille_flow_rate
 
 R0 = 0.0141421
 SPECTRUM = leak.PowerSpectrum.self_affine(rms_height=0.3e-6, hurst=0.8, q_low=1e4, q_rolloff=1e5, q_high=1e7)

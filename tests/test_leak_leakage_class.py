@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import leak
-from leak.leak_units import BUBBLE_VOLUME, DROP_VOLUME
-from leak.leakage_class import STANDARDS, read_nominal_size
+from leak.standards import BUBBLE_VOLUME, DROP_VOLUME, STANDARDS, read_nominal_size
 
 
 def limits(nominal_size: float, **options) -> dict[tuple[str, str], float]:

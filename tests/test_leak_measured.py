@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import leak
-from leak.periodogram import periodogram
+from leak.surfaces.periodogram import periodogram
 
 SANDBLASTED = {"rms_height": 1.9e-6, "q_low": 1e3, "q_rolloff": 3e4, "q_high": 3e6}
 LENGTH, POINTS = 0.0125, 12_500

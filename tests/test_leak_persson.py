@@ -12,8 +12,8 @@ from scipy.integrate import quad
 from scipy.special import erf, exp1
 
 import leak
-from leak.kernel import kernel
-from leak.persson import ElasticRoughness, low_pressure_law, separations
+from leak.theory.kernel import kernel
+from leak.theory.persson import ElasticRoughness, low_pressure_law, separations
 
 E = 115e9
 GAMMA = 0.45

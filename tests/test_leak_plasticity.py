@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.plasticity import PlasticRoughness
+from leak.theory.plasticity import PlasticRoughness
 
 E, HARDNESS = 115e9, 3.5e9
 

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.line_contact import crossover_line, gaussian_line
+from leak.theory.line_contact import crossover_line, gaussian_line
 
 QUICK = settings(max_examples=12, deadline=None)
 MANY = settings(max_examples=60, deadline=None)

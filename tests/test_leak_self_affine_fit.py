@@ -94,7 +94,7 @@ def test_the_height_of_the_surface_is_in_its_interval(waves, hurst):
 
 def test_the_leak_rate_of_the_true_surface_is_in_the_interval_of_two_wavelengths():
     """The effective gap cubed, at a fiftieth of the area in contact, elastic."""
-    from fem_seal.uncertain_inputs import UncertainHeight
+    from fem_seal.case.roughness import UncertainHeight
 
     def flow(spectrum):
         contact = leak.RoughContact(spectrum, effective_modulus=115e9)
@@ -119,7 +119,7 @@ def test_the_leak_rate_of_the_true_surface_is_in_the_interval_of_two_wavelengths
 
 
 def test_long_waves_are_changed_and_short_ones_stay():
-    from fem_seal.uncertain_inputs import UncertainHeight
+    from fem_seal.case.roughness import UncertainHeight
 
     surface = leak.measure(Scans(0.2e-3, 0.8)(0))
     q_r = surface.rolloff.wavenumber

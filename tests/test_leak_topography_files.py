@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.length_units import LENGTH_UNITS
+from leak.surfaces.scan_files import LENGTH_UNITS
 
 # What each file holds: points, length [m], rms height without tilt [m], with what it was compared.
 FILES = {

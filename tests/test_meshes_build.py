@@ -14,7 +14,7 @@ import pytest
 import meshes
 from meshes import Ball, ConicalSeat, GeometryError, MeshingError, SealMesh, Sizing
 from meshes.build import facets_between
-from meshes.seal_mesh import section_area
+from meshes.mesh.seal_mesh import section_area
 
 SIZING = Sizing(20e-6, 0.3e-3, (-0.8e-3, 0.8e-3), 0.1, 0.25, 2.5e-3)
 CLOSURE_NAMES = {"closure_contact", "closure_inner", "closure_outer", "closure_top", "closure_axis"}

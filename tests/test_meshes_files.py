@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from meshes import Curve, GeometryError, MeshedBody, Profile, Segment, read_section
-from meshes.biarcs import fitted
+from meshes.geometry.biarcs import fitted
 from meshes.gmsh_session import gmsh_session
 
 SEAT = [(3.5, 3.5), (11.3, 11.3), (22.0, 11.3), (22.0, -11.5), (3.5, -11.5)]

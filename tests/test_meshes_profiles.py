@@ -27,7 +27,7 @@ from meshes import (
     build,
     read_section,
 )
-from meshes.biarcs import fitted, through
+from meshes.geometry.biarcs import fitted, through
 from meshes.gmsh_session import gmsh_session
 
 MM, DEG = 1e-3, math.pi / 180

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fem_seal.case import Case
+from fem_seal.case.case import Case
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -15,13 +15,12 @@ import numpy as np
 import pytest
 from conftest import STEEL, ball_on_cone
 
-from fem_seal.condensation import ContactModel, condense
-from fem_seal.contact import solve
-from fem_seal.contact_solution import ContactSettings, ContactSolution
+from fem_seal.contact.laws import HardContact
+from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.newton import solve
+from fem_seal.contact.solution import ContactSettings, ContactSolution, body_fields
 from fem_seal.errors import ConvergenceError
-from fem_seal.laws import HardContact
 from fem_seal.materials import Material
-from fem_seal.stress import body_fields
 from leak import ExponentialLaw, TabulatedLaw, crossover_line, hertz_line
 from meshes import Ball, ConicalSeat, ContactGeometry, Sizing, build
 

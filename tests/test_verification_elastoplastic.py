@@ -21,11 +21,10 @@ from plastic_solids import (
 )
 from scipy.linalg import solveh_banded
 
-from fem_seal.elasticity import pressure_load
-from fem_seal.elastoplastic_contact import PlasticSettings
-from fem_seal.elastoplastic_path import PathLoad, load_path
-from fem_seal.hardening import HardeningCurve
-from fem_seal.materials import Material
+from fem_seal.bodies.elasticity import pressure_load
+from fem_seal.contact.load_path import PathLoad, load_path
+from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.materials import HardeningCurve, Material
 
 
 def hill_displacement(r: np.ndarray, c: float) -> np.ndarray:

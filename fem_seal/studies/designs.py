@@ -10,20 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal.case_fields import Quantity, shown
+from fem_seal.analysis.sampling import LogNormal, Normal
+from fem_seal.case.fields import Quantity, shown
 from fem_seal.errors import InputError, Problem
-from fem_seal.regular_files import UnreadableFileError, read_text
-from fem_seal.studies.distributions import LogNormal, Normal
+from fem_seal.files import UnreadableFileError, read_text
 from fem_seal.studies.entries import Entry, Value, entry_at
 from fem_seal.studies.parameters import Parameter
-from fem_seal.studies.study_tables import MOST_POINTS, Design
+from fem_seal.studies.tables import MOST_POINTS, Design
 
 if TYPE_CHECKING:
-    from fem_seal.case import Case
-
-FloatArray = NDArray[np.float64]
+    from fem_seal.arrays import FloatArray
+    from fem_seal.case.case import Case
 
 # Kinds whose designs are points for sensitivity indices.
 SENSITIVITY = ("sobol-sensitivity", "morris")

@@ -8,17 +8,16 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
-from fem_seal.case_bodies import MaterialTable
-from fem_seal.case_fields import Number, OneOrMany, Pressures, Quantity, shown
+from fem_seal.case.bodies import MaterialTable
+from fem_seal.case.fields import Number, OneOrMany, Pressures, Quantity, shown
 from fem_seal.errors import InputError, Problem
 from fem_seal.materials import Material
-from fem_seal.readable import Unit, unit_for
-from fem_seal.units import DIMENSIONS
+from fem_seal.units import DIMENSIONS, Unit, unit_for
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-    from fem_seal.case import Case
+    from fem_seal.case.case import Case
 
 Value = float | str | bool
 
@@ -176,7 +175,7 @@ def _fields(table: object) -> dict[str, Any]:
 
 def _holds_table(field: Any) -> bool:
     """Whether a table would stand here if there were one: it has to be in the base case to be varied."""
-    from fem_seal.case_messages import tables_of
+    from fem_seal.case.messages import tables_of
 
     return bool(tables_of(field))
 

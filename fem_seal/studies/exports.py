@@ -7,10 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.atomic_files import write_bytes
 from fem_seal.errors import InputError, OutputError, Problem
-from fem_seal.studies.analysis import Designs
-from fem_seal.tables import split_unit
+from fem_seal.files import write_bytes
+from fem_seal.studies.designs_table import Designs
+from fem_seal.units import split_unit
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.caution import Level
+from fem_seal.analysis.caution import Level
+from fem_seal.analysis.sampling import LogUniform, Uniform
 from fem_seal.errors import InputError, OutputError, Problem
-from fem_seal.studies.distributions import LogUniform, Uniform
+from fem_seal.studies.progress import Progress
+from fem_seal.studies.store import Row, Store
 from fem_seal.studies.work import Chunk, Recipe, check_unchanged
 
 if TYPE_CHECKING:
@@ -24,20 +26,18 @@ if TYPE_CHECKING:
     from optuna.samplers import TPESampler
     from optuna.trial import FrozenTrial, Trial
 
+    from fem_seal.studies.plan import StudyPlan
     from fem_seal.studies.pools import Pool
-    from fem_seal.studies.progress import Progress
-    from fem_seal.studies.store import Row, Store
-    from fem_seal.studies.study import Study
 
 _NAME = "fem-seal"
 
 
-def search_space(study: Study) -> dict[str, BaseDistribution]:
+def search_space(study: StudyPlan) -> dict[str, BaseDistribution]:
     """Where optuna looks: numbers between bounds, or one of the levels.
 
     Parameters
     ----------
-    study : Study
+    study : StudyPlan
     """
     from optuna.distributions import CategoricalDistribution, FloatDistribution
 
@@ -51,13 +51,13 @@ def search_space(study: Study) -> dict[str, BaseDistribution]:
 
 
 def optimise(
-    study: Study, recipe: Recipe, about: Mapping[str, Any], store: Store, pool: Pool, progress: Progress
+    study: StudyPlan, recipe: Recipe, about: Mapping[str, Any], store: Store, pool: Pool, progress: Progress
 ) -> None:
     """Try designs until there are as many as asked for.
 
     Parameters
     ----------
-    study : Study
+    study : StudyPlan
         With [optimise].
     recipe : Recipe
     about : dict
@@ -85,7 +85,7 @@ def optimise(
 
 
 def _optimise(
-    study: Study, recipe: Recipe, about: Mapping[str, Any], store: Store, pool: Pool, progress: Progress
+    study: StudyPlan, recipe: Recipe, about: Mapping[str, Any], store: Store, pool: Pool, progress: Progress
 ) -> None:
     settings = study.optimise
     assert settings is not None
@@ -113,7 +113,7 @@ def _optimise(
         progress.end()
 
 
-def _batch(search: OptunaStudy, study: Study, space: dict[str, BaseDistribution]) -> list[Trial]:
+def _batch(search: OptunaStudy, study: StudyPlan, space: dict[str, BaseDistribution]) -> list[Trial]:
     """Trials to be calculated next: what is left of the batch that was interrupted, or a new one; empty at the end."""
     from optuna.trial import Trial
 
@@ -154,7 +154,7 @@ def _trials(search: OptunaStudy) -> list[FrozenTrial]:
     return search.get_trials(deepcopy=False)
 
 
-def _search(study: Study, store: Store) -> OptunaStudy:
+def _search(study: StudyPlan, store: Store) -> OptunaStudy:
     import optuna
     from optuna.storages import RDBStorage
 
@@ -215,7 +215,7 @@ def _rows(recipe: Recipe, store: Store, pool: Pool, points: Any) -> list[Row]:
     return [found[key] for key in keys]
 
 
-def _tell(search: OptunaStudy, study: Study, trial: Trial, row: Row) -> None:
+def _tell(search: OptunaStudy, study: StudyPlan, trial: Trial, row: Row) -> None:
     from optuna.trial import TrialState
 
     if row.reason is not None:

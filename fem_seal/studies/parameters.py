@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal.case_fields import Quantity, shown
+from fem_seal.analysis.sampling import Distribution, LogNormal, LogUniform, Normal, Uniform
+from fem_seal.case.fields import Quantity, shown
 from fem_seal.errors import InputError, Problem
-from fem_seal.studies.distributions import Distribution, LogNormal, LogUniform, Normal, Uniform
 from fem_seal.studies.entries import Entry, Value
+from fem_seal.units import parse_quantity
 
-FloatArray = NDArray[np.float64]
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
 
 _MOST_LEVELS = 100_000
 _RANGE_KEYS = ("start", "stop", "num", "spacing")
@@ -211,8 +212,6 @@ _MAKE: dict[str, Callable[[Entry, str, Mapping[str, Any]], Distribution]] = {
 
 def _width(entry: Entry, key: str, given: object) -> float:
     """A standard deviation: of the entry's dimension, but not inside its range."""
-    from fem_seal.units import parse_quantity
-
     try:
         if isinstance(entry.marker, Quantity):
             width = parse_quantity(given, entry.marker.dimension)

@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 import logging
+import os
 import signal
+import time
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING, Protocol
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from itertools import pairwise
+from queue import Empty, SimpleQueue
+from threading import Event
+from typing import TYPE_CHECKING, Any, Protocol
+from uuid import uuid4
 
+import numpy as np
+
+from fem_seal.arrays import FloatArray
 from fem_seal.errors import ClusterError, InputError, Problem
-from fem_seal.studies.cluster import Cluster
-from fem_seal.studies.time_limit import OvertimeError, ended_after, slow_line
-from fem_seal.studies.work import Chunk, Recipe, calculate, overtime_row
+from fem_seal.studies.progress import duration
+from fem_seal.studies.store import Row
+from fem_seal.studies.time_limit import OvertimeError, ended_after, slow_line, watched
+from fem_seal.studies.work import Chunk, Recipe, calculate, failed_row, overtime_row
 
 if TYPE_CHECKING:
-    import numpy as np
-    from dask.distributed import Client
-    from numpy.typing import NDArray
+    from dask.distributed import Client, Worker
 
-    from fem_seal.studies.store import Row
-
-    FloatArray = NDArray[np.float64]
 
 _HERE = "127.0.0.1"
 # Longest wait for a worker [s]: a process that died has its successor in seconds, a batch job waits for its turn.
@@ -55,7 +62,7 @@ class OwnProcess:
     def results(self, recipe: Recipe, chunks: Iterable[Chunk]) -> Iterator[list[Row]]:
         """See `Pool`."""
         # the limit is that of designs, not of loading what calculates them
-        import fem_seal.studies.evaluate  # noqa: F401
+        import fem_seal.studies.responses  # noqa: F401
 
         for chunk in chunks:
             for point in chunk.points:
@@ -95,7 +102,7 @@ def pool(
     scheduler : str, optional
         Address of a running scheduler, ``tcp://...``.
     retries, note
-        See `fem_seal.studies.cluster.Cluster`.
+        See `fem_seal.studies.pools.Cluster`.
     stuck
         See `OwnProcess`.
 
@@ -227,3 +234,330 @@ def _cores() -> int:
 
     # what this process may use, which in a container or under a job scheduler is less than the machine has
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+# Chunks on the way per worker: enough that none waits for the next one, few enough that memory stays flat.
+_AHEAD = 3
+# Longest silence before the cluster is asked whether it still knows the chunks [s].
+_HEARTBEAT = 2.0
+# Longest wait for one answer of a cluster that is there [s].
+_ANSWER = 30.0
+# Between the last words of a worker and its end [s].
+_FAREWELL = 2.0
+KEPT = "the designs that are done are kept, --resume (resume=True) continues"
+
+
+class Cluster:
+    """Calculates on the workers of a dask cluster.
+
+    Parameters
+    ----------
+    client : dask.distributed.Client
+    retries : int
+        How often designs are tried again after their worker died.
+    patience : float
+        Longest time without any worker [s]; in a queue of batch jobs the first one may take hours.
+    note : callable
+        Told if there are no workers.
+    """
+
+    def __init__(
+        self, client: Client, retries: int, patience: float, note: Callable[[str], None] = lambda text: None
+    ) -> None:
+        self._client = client
+        self._retries = retries
+        self._patience = patience
+        self._note = note
+
+    def results(self, recipe: Recipe, chunks: Iterable[Chunk]) -> Iterator[list[Row]]:
+        """Rows of each chunk, in any order.
+
+        Only a few chunks per worker are on the way at a time. When workers die, dask gives their chunks to others. The
+        designs of a chunk that dask gives up are tried at the end, one by one with nothing else on the way: one design
+        that kills every worker then costs nothing but itself. A design that reaches its time limit is known by name: it
+        is a failed row, its worker ends itself, and the rest of its chunk is calculated like any other.
+
+        Raises
+        ------
+        ClusterError
+            If the scheduler is gone, no worker comes, or workers cannot calculate at all.
+        InputError
+            If a file of the designs has changed.
+        """
+        workers = _Workers(self._client, self._patience, self._note)
+        on_the_way = _OnTheWay(self._client, recipe, workers, self._note)
+        try:
+            yield from self._results(recipe, chunks, workers, on_the_way)
+        finally:
+            on_the_way.close()
+
+    def _results(
+        self, recipe: Recipe, chunks: Iterable[Chunk], workers: _Workers, on_the_way: _OnTheWay
+    ) -> Iterator[list[Row]]:
+        shares = _Shares(list(chunks), workers.addresses())
+        suspects = deque[tuple[Chunk, int]]()
+        while True:
+            for worker in on_the_way.with_room():
+                chunk = shares.next(worker)
+                if chunk is None:
+                    break
+                on_the_way.send(chunk, worker)
+            if not on_the_way:
+                if not suspects:
+                    return
+                suspect, attempt = suspects.popleft()
+                on_the_way.send(suspect, None, attempt)
+            sent, rows = on_the_way.next()
+            if rows is not None:
+                yield rows
+            elif any(late := on_the_way.late(sent.chunk)):
+                yield [overtime_row(recipe, point) for point in sent.chunk.points[late]]
+                if not all(late):
+                    shares.give_back(sent.worker, Chunk(sent.chunk.points[np.logical_not(late)]))
+            elif sent.attempt < self._retries or len(sent.chunk.points) > 1:
+                suspects.extend((Chunk(point[None]), sent.attempt + 1) for point in sent.chunk.points)
+            else:
+                reason = "every worker that calculated it died; it may need more memory than a worker has"
+                yield [failed_row(recipe, point, reason) for point in sent.chunk.points]
+
+
+@dataclass(frozen=True)
+class _Sent:
+    """A chunk that is on the way: meant for a worker, after so many attempts."""
+
+    chunk: Chunk
+    worker: str | None
+    attempt: int
+
+
+def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> list[Row]:
+    """What a worker does: `calculate`, and tell the coordinator of designs that take long."""
+    from distributed import get_worker
+
+    # the limit is that of designs, not of loading what calculates them
+    import fem_seal.studies.responses  # noqa: F401
+
+    worker = get_worker()
+    return [row for point in chunk.points for row in _calculate_one(recipe, point, worker, topic)]
+
+
+def _calculate_one(recipe: Recipe, point: FloatArray, worker: Worker, topic: str) -> list[Row]:
+    # a worker without a nanny has no successor, and may be a thread of the user's own process
+    replaceable = worker.nanny is not None
+
+    def slow(seconds: float) -> None:
+        worker.log_event(topic, {"slow": slow_line(recipe.named(point), seconds, recipe.time_limit)})
+
+    def over(ended: Event) -> None:
+        worker.log_event(
+            topic, {"over": point.tolist(), "worker": worker.address, "replaceable": replaceable}
+        )
+        # nothing less ends a design that is deep in a library; first what was told has to reach the coordinator
+        if not ended.wait(_FAREWELL) and replaceable:
+            os._exit(1)
+
+    with watched(recipe.time_limit, slow, over):
+        return calculate(recipe, Chunk(point[None]))
+
+
+@dataclass(frozen=True)
+class _Over:
+    """A worker says that it has reached the time limit of a design."""
+
+    point: tuple[float, ...]
+    worker: str
+    replaceable: bool
+
+
+class _OnTheWay:
+    """Chunks that workers have been given and have not given back."""
+
+    def __init__(
+        self, client: Client, recipe: Recipe, workers: _Workers, note: Callable[[str], None]
+    ) -> None:
+        self._client = client
+        self._recipe = recipe
+        self._workers = workers
+        self._note = note
+        self._late = set[tuple[float, ...]]()
+        # of this study alone, on a scheduler that may have several
+        self._topic = f"fem-seal-{uuid4().hex}"
+        client.subscribe_topic(self._topic, self._hear)
+        self._sent: dict[Any, _Sent] = {}
+        self._settled = SimpleQueue[Any]()
+        # chunks that the scheduler did not calculate any more when it was asked last
+        self._doubtful = set[str]()
+
+    def close(self) -> None:
+        """Listen to workers no longer."""
+        if self._client.status == "running":
+            self._client.unsubscribe_topic(self._topic)
+
+    def __bool__(self) -> bool:
+        return bool(self._sent)
+
+    def late(self, chunk: Chunk) -> list[bool]:
+        """Which of its designs have reached their time limit."""
+        return [tuple(point) in self._late for point in chunk.points.tolist()]
+
+    def with_room(self) -> Iterator[str | None]:
+        """A worker for each chunk that may be sent; None, for whichever comes, while there is no worker."""
+        there = Counter(one.worker for one in self._sent.values())
+        addresses: list[str | None] = [*self._workers.addresses()] or [None]
+        free = _AHEAD * len(addresses) - len(self._sent)
+        for worker in addresses:
+            for _ in range(min(_AHEAD - there[worker], free)):
+                free -= 1
+                yield worker
+
+    def send(self, chunk: Chunk, worker: str | None, attempt: int = 0) -> None:
+        """Give a chunk to a worker, or to another one if that is busy or gone."""
+        future = self._client.submit(
+            _calculate_watched,
+            self._recipe,
+            chunk,
+            self._topic,
+            pure=False,
+            workers=None if worker is None else [worker],
+            allow_other_workers=worker is not None,
+        )
+        self._sent[future] = _Sent(chunk, worker, attempt)
+        future.add_done_callback(self._settled.put)
+
+    def next(self) -> tuple[_Sent, list[Row] | None]:
+        """Wait for one: what it was, and its rows; None if its workers died or one of its designs is late."""
+        future = None
+        while future is None:
+            with suppress(Empty):
+                future = self._settled.get(timeout=_HEARTBEAT)
+            if isinstance(future, _Over):
+                future = self._given_up(future)
+            else:
+                future = future if future in self._sent else self._fallen()
+        sent = self._sent.pop(future)
+        try:
+            return sent, self._rows(future)
+        finally:
+            future.release()
+
+    def _rows(self, future: Any) -> list[Row] | None:
+        from distributed.scheduler import KilledWorker
+
+        if future.status == "finished":
+            try:
+                return list(future.result(timeout=_ANSWER))
+            except Exception:  # calculated, but lost on the way back with the worker that held it
+                return None
+        error = future.exception(timeout=_ANSWER) if future.status == "error" else None
+        if error is None or isinstance(error, KilledWorker):
+            return None
+        if isinstance(error, InputError):
+            raise error
+        # a design that fails is a row: what ends up here is the worker's own fault
+        message = f"a worker cannot calculate: {type(error).__name__}: {error}"
+        raise ClusterError(f"{message}. Install this version of fem-seal where workers run; {KEPT}")
+
+    def _hear(self, event: tuple[float, dict[str, Any]]) -> None:
+        """What a worker says; called from the client's own thread."""
+        _, said = event
+        if "slow" in said:
+            self._note(said["slow"])
+        else:
+            self._settled.put(_Over(tuple(said["over"]), said["worker"], said["replaceable"]))
+
+    def _given_up(self, over: _Over) -> Any:
+        """The chunk of a design that has reached its time limit; None if it is not on the way any more."""
+        self._late.add(over.point)
+        meant = [
+            future
+            for future, sent in self._sent.items()
+            if any(tuple(point) == over.point for point in sent.chunk.points.tolist())
+        ]
+        # or dask would give it to another worker
+        self._client.cancel(meant)
+        if not over.replaceable:
+            # what it is busy with never ends: it gets nothing more
+            _asked(self._client, self._client.scheduler.retire_workers, workers=[over.worker])
+        return meant[0] if meant else None
+
+    def _fallen(self) -> Any:
+        """After a silence: a chunk that is not calculated any more although nobody said so; None if all are well."""
+        if self._client.status == "closed":
+            raise ClusterError(f"the connection to the scheduler is lost; {KEPT}")
+        self._workers.addresses()
+        for future in self._sent:
+            if future.status != "pending":
+                return future
+        keys = [future.key for future in self._sent]
+        states = _asked(self._client, self._client.scheduler.get_task_status, keys=keys) or {}
+        doubtful = {key for key, state in states.items() if state in (None, "forgotten", "memory", "erred")}
+        # at the first look its result may just be on the way to us
+        fallen = doubtful & self._doubtful
+        self._doubtful = doubtful
+        return next((future for future in self._sent if future.key in fallen), None)
+
+
+class _Workers:
+    """Who is there."""
+
+    def __init__(self, client: Client, patience: float, note: Callable[[str], None]) -> None:
+        self._client = client
+        self._patience = patience
+        self._note = note
+        self._noted = False
+        self._addresses: list[str] = []
+        self._last_seen = time.monotonic()
+        self._next_look = 0.0
+
+    def addresses(self) -> list[str]:
+        """Addresses of the workers, as they were at most a heartbeat ago.
+
+        Raises
+        ------
+        ClusterError
+            If there has been none for too long.
+        """
+        now = time.monotonic()
+        if now >= self._next_look:
+            self._addresses = sorted(_asked(self._client, self._client.scheduler.ncores) or ())
+            self._next_look = time.monotonic() + _HEARTBEAT
+        if self._addresses:
+            self._last_seen, self._noted = now, False
+        elif now - self._last_seen > self._patience:
+            raise ClusterError(f"there has been no worker for {self._patience:.0f} s; {KEPT}")
+        elif now - self._last_seen > _ANSWER and not self._noted:
+            self._noted = True
+            self._note(f"no worker is there; waiting for one up to {duration(self._patience)}")
+        return self._addresses
+
+
+def _asked(client: Client, what: Any, **about: Any) -> Any:
+    """Answer of the scheduler; None if it gives none."""
+    try:
+        return client.sync(what, **about, callback_timeout=_ANSWER)
+    except (OSError, TimeoutError):
+        return None
+
+
+class _Shares:
+    """Neighbouring chunks for each worker: what one of them has worked out the others need not work out again."""
+
+    def __init__(self, chunks: list[Chunk], workers: list[str]) -> None:
+        count = max(len(workers), 1)
+        ends = [len(chunks) * n // count for n in range(count + 1)]
+        parts = [deque(chunks[start:end]) for start, end in pairwise(ends)]
+        addresses: list[str | None] = [*workers] or [None]
+        self._parts = dict(zip(addresses, parts, strict=True))
+
+    def next(self, worker: str | None) -> Chunk | None:
+        """The next chunk for a worker; who has none left, or is new, takes over half of the largest share."""
+        own = self._parts.setdefault(worker, deque())
+        if not own:
+            largest = max(self._parts.values(), key=len)
+            for _ in range(-(-len(largest) // 2)):
+                own.appendleft(largest.pop())
+        return own.popleft() if own else None
+
+    def give_back(self, worker: str | None, chunk: Chunk) -> None:
+        """A chunk that is to be calculated again, by this worker or another one."""
+        self._parts.setdefault(worker, deque()).appendleft(chunk)

@@ -43,7 +43,7 @@ class StudyResult:
         ``reason`` says why a design failed. ``validity`` is "valid", "doubtful" or "outside the theory",
         ``validity_reasons`` says why. A constraint's column says whether it is met.
         """
-        from fem_seal.studies.analysis import Designs
+        from fem_seal.studies.designs_table import Designs
 
         return self._read(Designs.read).table
 
@@ -67,7 +67,7 @@ class StudyResult:
 
         They meet all constraints and, unless the study keeps such designs, are not outside the theory.
         """
-        from fem_seal.studies.analysis import Designs
+        from fem_seal.studies.designs_table import Designs
 
         designs = self._read(Designs.read)
         return designs.table.loc[designs.best(count)]
@@ -75,13 +75,13 @@ class StudyResult:
     @cached_property
     def left_out(self) -> int:
         """How many designs meet all constraints but are left out of the best ones for being outside the theory."""
-        from fem_seal.studies.analysis import Designs
+        from fem_seal.studies.designs_table import Designs
 
         return int(self._read(Designs.read).left_out)
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the page with plots, ``report.html`` in the study's folder unless a path is given."""
-        from fem_seal.studies.page import write_page
+        from fem_seal.studies.page.page import write_page
 
         return write_page(self.folder, self.folder / "report.html" if path is None else Path(path))
 

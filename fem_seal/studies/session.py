@@ -11,26 +11,25 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal import __version__
-from fem_seal.atomic_files import write_text
 from fem_seal.errors import InputError, Problem
-from fem_seal.folder_lock import alone
-from fem_seal.studies.cluster import KEPT
-from fem_seal.studies.pools import Pool, pool
+from fem_seal.files import write_text
+from fem_seal.folders import alone
+from fem_seal.studies.pools import KEPT, Pool, pool
 from fem_seal.studies.progress import Progress, Silent
 from fem_seal.studies.results import StudyResult
 from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, create
 from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
 from fem_seal.studies.work import Chunk, Recipe, check_unchanged, chunks
+from fem_seal.version import __version__
 
 if TYPE_CHECKING:
     from dask.distributed import Client
 
-    from fem_seal.studies.study import Study
+    from fem_seal.studies.plan import StudyPlan
 
 
 def run_study(
-    study: Study,
+    study: StudyPlan,
     client: Client | None = None,
     *,
     folder: str | Path | None = None,
@@ -45,7 +44,7 @@ def run_study(
 
     Parameters
     ----------
-    study : Study
+    study : StudyPlan
     client, folder, workers, resume, retry_failed, progress
         See `fem_seal.studies.study.Study.run`; with ``workers=0`` this process calculates.
     scheduler : str, optional
@@ -119,7 +118,7 @@ def run_study(
     return StudyResult(place, temporary=temporary)
 
 
-def _calculate(study: Study, store: Store, ready: Pool, progress: Progress) -> None:
+def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) -> None:
     recipe, about = Recipe.of(study), description(study)
     if study.optimise is not None:
         from fem_seal.studies.optimise import optimise
@@ -130,7 +129,7 @@ def _calculate(study: Study, store: Store, ready: Pool, progress: Progress) -> N
         _fill(recipe, store, ready, study, progress)
 
 
-def _fill(recipe: Recipe, store: Store, ready: Pool, study: Study, progress: Progress) -> None:
+def _fill(recipe: Recipe, store: Store, ready: Pool, study: StudyPlan, progress: Progress) -> None:
     counts = store.counts()
     progress.begin(len(study.points), len(study.points) - counts["open"])
     try:
@@ -157,15 +156,15 @@ def _missing(recipe: Recipe, store: Store, all_chunks: Iterable[Chunk]) -> Itera
             yield Chunk(chunk.points[left])
 
 
-def _column_types(study: Study) -> dict[str, str]:
+def _column_types(study: StudyPlan) -> dict[str, str]:
     return {
         one.name: "REAL" if one.numeric else TRUTH if one.entry.truth else "TEXT" for one in study.parameters
     }
 
 
-def description(study: Study) -> dict[str, Any]:
+def description(study: StudyPlan) -> dict[str, Any]:
     """What a reader of the file has to know about the columns; in JSON's types."""
-    from fem_seal.leakage import nominal_size
+    from fem_seal.analysis.leakage import nominal_size
 
     case = study.case
     return {
@@ -200,14 +199,14 @@ def description(study: Study) -> dict[str, Any]:
 
 
 def _keep_fields(
-    study: Study, store: Store, folder: Path, progress: Progress, stuck: Callable[[], None]
+    study: StudyPlan, store: Store, folder: Path, progress: Progress, stuck: Callable[[], None]
 ) -> None:
     """Complete results of chosen designs, unless they are there already."""
     wanted = study.run_settings.keep_fields
     if wanted == "none":
         return
-    from fem_seal.pipeline import run
-    from fem_seal.studies.analysis import Designs
+    from fem_seal.result import run
+    from fem_seal.studies.designs_table import Designs
 
     numbers = Designs.read(store).best(1) if wanted == "best" else list(wanted)
     for number in numbers:

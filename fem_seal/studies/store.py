@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import InputError, OutputError, Problem
-from fem_seal.regular_files import UnreadableFileError, check_file
+from fem_seal.files import UnreadableFileError, check_file
 
 if TYPE_CHECKING:
     import pandas as pd

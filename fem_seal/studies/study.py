@@ -2,40 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from fem_seal.case import Case, load_case
-from fem_seal.case_messages import problems
+from fem_seal.case.case import Case, load_case
+from fem_seal.case.messages import problems
 from fem_seal.errors import InputError, Problem
-from fem_seal.regular_files import UnreadableFileError, read_text
+from fem_seal.files import UnreadableFileError, read_text, read_toml
 from fem_seal.studies import designs
-from fem_seal.studies.checks import check_changes, check_design, check_designs, check_kept, check_load
-from fem_seal.studies.entries import Value, entry_at, with_open_materials
-from fem_seal.studies.expressions import Constraint, Expression
-from fem_seal.studies.formulas import needed_columns, read_constraints, read_formulas, read_goals
+from fem_seal.studies.entries import entry_at, with_open_materials
 from fem_seal.studies.parameters import Parameter, read_parameter
-from fem_seal.studies.study_tables import Design, Optimise, Report, Run, StudyTables
+from fem_seal.studies.plan import (
+    StudyPlan,
+    check_changes,
+    check_design,
+    check_designs,
+    check_kept,
+    check_load,
+    needed_columns,
+    read_constraints,
+    read_formulas,
+    read_goals,
+)
+from fem_seal.studies.progress import Progress
+from fem_seal.studies.tables import StudyTables
 from fem_seal.studies.work import contents_of_files
-from fem_seal.toml_file import read_toml
 
 if TYPE_CHECKING:
     from dask.distributed import Client
 
-    from fem_seal.studies.progress import Progress
     from fem_seal.studies.results import StudyResult
 
-FloatArray = NDArray[np.float64]
 
-
-class Study:
+class Study(StudyPlan):
     """One case, the entries that vary, the designs, and what is wanted of each.
 
     Parameters
@@ -73,36 +77,26 @@ class Study:
         )
         read = _read_tables({**tables, "base": name})
         self.file = file
-        """Study file, None if made in code."""
         case = base if isinstance(base, Case) else load_case(folder / base)
         case = _changed(case, _placed_files(read.changes, folder), read.parameters)
         self._given = dict(tables)
-        self.title: str = read.title or (file.stem if file else case.title)
-        self.design: Design = read.design
-        self.run_settings: Run = read.run
-        self.report: Report = read.report
-        self.keeps_outside: bool = read.outside_theory == "keep"
-        """Whether designs outside the theory count like any other."""
-        self.optimise: Optimise | None = read.optimise
-        self.parameters: tuple[Parameter, ...]
-        self.points: FloatArray
-        """Designs, shape (designs, parameters), as the numbers of `Parameter.value`; none of an optimisation."""
+        self.title = read.title or (file.stem if file else case.title)
+        self.design = read.design
+        self.run_settings = read.run
+        self.report = read.report
+        self.keeps_outside = read.outside_theory == "keep"
+        self.optimise = read.optimise
         self._read_points(with_open_materials(case, list(read.parameters)), read, folder)
-        self.files: dict[str, str] = contents_of_files(self.case, self.parameters)
-        """Files that the designs are made of, with hashes of their contents."""
-        self.derived: dict[str, Expression] = read_formulas(self, read.derived, read.responses)
-        self.constraints: dict[str, Constraint] = read_constraints(self, read.constraints)
-        self.goals: dict[str, Expression]
-        """What is minimised: the goals of the optimisation, or of the report; large ones with a minus sign."""
+        self.files = contents_of_files(self.case, self.parameters)
+        self.derived = read_formulas(self, read.derived, read.responses)
+        self.constraints = read_constraints(self, read.constraints)
         self.goals = read_goals(self, read)
-        self.responses: tuple[str, ...] = needed_columns(self, read.responses)
-        """Columns of leak.csv that are calculated."""
+        self.responses = needed_columns(self, read.responses)
         check_kept(self)
         check_designs(self)
 
     def _read_points(self, case: Case, read: StudyTables, folder: Path) -> None:
         self.case = case
-        """The base case with the study's changes."""
         design = read.design
         if design.kind == "list":
             if read.parameters or read.optimise:
@@ -125,42 +119,6 @@ class Study:
             self.points = nothing if read.optimise else designs.points(design, self.parameters)
         check_changes(read.changes, self.names)
         check_load(self.case, self.names)
-
-    @property
-    def names(self) -> list[str]:
-        """Paths of the parameters."""
-        return [one.name for one in self.parameters]
-
-    @property
-    def output_names(self) -> list[str]:
-        """Names of all columns that follow from a design."""
-        return [*self.responses, *self.derived]
-
-    def values(self, point: Sequence[float] | FloatArray) -> dict[str, Value]:
-        """Value of each parameter in a design, SI, texts as they are."""
-        return {one.name: one.value(number) for one, number in zip(self.parameters, point, strict=True)}
-
-    def changes(self, point: Sequence[float] | FloatArray) -> dict[str, Any]:
-        """Entries of the case in a design, as they would be written in a case file."""
-        return {
-            one.name: one.entry.written(one.value(number))
-            for one, number in zip(self.parameters, point, strict=True)
-        }
-
-    def case_of(self, point: Sequence[float] | FloatArray) -> Case:
-        """The case of a design.
-
-        Raises
-        ------
-        InputError
-            If the design contradicts itself.
-        """
-        return self.case.replace(self.changes(point))
-
-    @cached_property
-    def written(self) -> dict[str, Any]:
-        """The tables of the study as they were given."""
-        return dict(self._given)
 
     def run(
         self,

@@ -13,21 +13,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal import __version__
+from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.store import Row
 from fem_seal.studies.time_limit import overtime_reason
+from fem_seal.version import __version__
 
 if TYPE_CHECKING:
-    from fem_seal.case import Case
-    from fem_seal.caution import Validity
-    from fem_seal.studies.study import Study
-
-FloatArray = NDArray[np.float64]
+    from fem_seal.analysis.caution import Validity
+    from fem_seal.case.case import Case
+    from fem_seal.studies.plan import StudyPlan
 
 # A chunk is what is lost when a worker dies and what travels at once: about a second of work, by these estimates of
 # what new bodies, a new surface and a further design cost [s]; a cone takes less, a land with its edges more.
@@ -70,7 +68,7 @@ class Recipe:
     files: dict[str, str]
 
     @classmethod
-    def of(cls, study: Study) -> Recipe:
+    def of(cls, study: StudyPlan) -> Recipe:
         """The recipe of a study.
 
         Raises
@@ -167,7 +165,7 @@ def _row(recipe: Recipe, point: Sequence[float]) -> Row:
 
 
 def _outputs(recipe: Recipe, point: Sequence[float]) -> tuple[tuple[float | None, ...], Validity]:
-    from fem_seal.studies.evaluate import evaluate
+    from fem_seal.studies.responses import evaluate
 
     changes = {
         one.name: one.entry.written(one.value(number))
@@ -204,7 +202,7 @@ def _reason(error: BaseException) -> str:
 
 def chunks(recipe: Recipe, points: FloatArray) -> Iterator[Chunk]:
     """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other."""
-    from fem_seal.studies.evaluate import takes_complete_run
+    from fem_seal.studies.responses import takes_complete_run
 
     if len(points) == 0:
         return
@@ -236,7 +234,7 @@ def _fingerprint(
     case: Case, columns: Sequence[str], derived: Mapping[str, Expression], interpolate: bool
 ) -> str:
     """Hash of the base case with the contents of its files, of what is calculated, and of the program's version."""
-    from fem_seal.summary import input_tables
+    from fem_seal.case.case import input_tables
 
     tables = {name: entry for name, entry in input_tables(case).items() if name != "output"}
     about = {

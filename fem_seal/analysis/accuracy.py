@@ -1,0 +1,178 @@
+"""How far a load can be trusted: the same load on larger elements, and with another far field."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from fem_seal.analysis.load_solver import LoadSolver, solve_load
+from fem_seal.analysis.problem import condensed, interference, supports
+from fem_seal.analysis.results import DiscretisationError, FarFieldChange
+from fem_seal.bodies.held_body import Supports
+from fem_seal.contact.laws import Law
+from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.errors import ConvergenceError, InputError
+from meshes import ContactGeometry, GeometryError, MeshingError, SealMesh, Sizing, build_contact
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+
+# Of a result whose estimate failed.
+NOT_ESTIMATED = DiscretisationError(math.nan, math.nan, math.nan, None)
+# The coarser mesh of the error estimate has elements this much larger, its path load steps.
+COARSER = 2
+_STEPS = PlasticSettings().steps
+
+
+@dataclass(frozen=True)
+class CoarserLoad:
+    """One load of a case on larger elements than those of the result.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+    mesh : SealMesh
+    number : int
+        Which of the case's loads it is.
+    contact : ContactSolution
+    """
+
+    solver: LoadSolver
+    mesh: SealMesh
+    number: int
+    contact: ContactSolution
+
+    @property
+    def fluid_pressure(self) -> float:
+        """Fluid pressure of the load [Pa]."""
+        return self.solver.case.load.fluid_pressure[self.number]
+
+    def solve(self, solver: LoadSolver) -> ContactSolution:
+        """The same load and load steps with another solver."""
+        return solve_load(solver, self.number, steps=_STEPS // COARSER, start=self.contact)
+
+
+def on_coarser_mesh(case: Case, law: Law, sizing: Sizing, number: int) -> CoarserLoad:
+    """Solve one load of a case on elements larger by `COARSER`.
+
+    Parameters
+    ----------
+    case : Case
+    law : Law
+    sizing : Sizing
+        Of the result.
+    number : int
+        Which of the case's loads.
+    """
+    mesh = build_contact(case.contact, sizing.refined(1 / COARSER))
+    solver = LoadSolver(case, law, condensed(case, mesh))
+    return CoarserLoad(solver, mesh, number, solve_load(solver, number, steps=_STEPS // COARSER))
+
+
+def discretisation_error(
+    result: ContactSolution, coarser: CoarserLoad, sizing: Sizing
+) -> DiscretisationError:
+    """How far a load may be from that on infinitely small elements.
+
+    Parameters
+    ----------
+    result : ContactSolution
+    coarser : CoarserLoad
+        The same load on larger elements.
+    sizing : Sizing
+        Of the result.
+    """
+    case = coarser.solver.case
+    if not case.contact.has_ready_mesh:
+        return _compared(coarser, result, coarser.contact)
+    # A ready mesh cannot be made coarser, but finer.
+    fine_mesh = build_contact(case.contact.with_finer_meshes(), sizing.refined(COARSER))
+    solver = LoadSolver(case, coarser.solver.law, condensed(case, fine_mesh))
+    fine = solve_load(solver, coarser.number, steps=_STEPS * COARSER)
+    return _compared(coarser, fine, result, of_coarse=True)
+
+
+def _compared(
+    load: CoarserLoad, fine: ContactSolution, coarse: ContactSolution, *, of_coarse: bool = False
+) -> DiscretisationError:
+    """Error of the fine or of the coarse one of two contacts."""
+    # Load steps of implicit Euler are of first order; elements of second at least.
+    order = 1 if load.solver.yields else 2
+
+    def estimated(fine: float, coarse: float) -> float:
+        """Relative error by Richardson's rule."""
+        return abs(coarse / fine - 1) / (COARSER**order - 1) * (COARSER**order if of_coarse else 1.0)
+
+    a, b, flow, leak_rate = fine.profile, coarse.profile, load.solver.flow, None
+    if flow is not None:
+        leaks = flow.leak(a, load.fluid_pressure).leak_rate
+        if 0 < leaks < float("inf"):
+            leak_rate = estimated(leaks, flow.leak(b, load.fluid_pressure).leak_rate)
+    return DiscretisationError(
+        estimated(a.peak_pressure, b.peak_pressure),
+        estimated(a.fwhm, b.fwhm),
+        estimated(a.std, b.std),
+        leak_rate,
+    )
+
+
+_LARGER = 2.0
+_LENGTHS = ("outer_radius", "height")
+
+
+def far_field(load: CoarserLoad) -> tuple[FarFieldChange, ...]:
+    """Solve one load with a housing twice as large, and with its wall held if it is free and free if it is held.
+
+    Parameters
+    ----------
+    load : CoarserLoad
+    """
+    changes = []
+    for name, model in _variations(load.solver.case, load.mesh):
+        # Close to blow-off the seal may open with another support: that is told by the blow-off pressure.
+        with suppress(InputError, ConvergenceError):
+            changes.append(_change(name, load, load.solve(replace(load.solver, model=model))))
+    return tuple(changes)
+
+
+def _variations(case: Case, mesh: SealMesh) -> Iterator[tuple[str, ContactModel]]:
+    materials = {"closure": case.closure.material, "seat": case.seat.material}
+    held = supports(case)
+    if interference(case):
+        return  # another size or support is another fit: that is no question of the far field
+    # The larger housing is no question of this case if it cannot be built.
+    with suppress(GeometryError, MeshingError):
+        larger = _larger_housing(case)
+        if larger is not None:
+            model = condense(build_contact(larger, mesh.sizing), materials, held)
+            yield "a housing twice as wide and high", model
+    other = Supports(wall="fixed" if held.wall == "free" else "free")
+    name = "holding its wall" if other.wall == "fixed" else "leaving its wall free"
+    yield name, condense(mesh, materials, other)
+
+
+def _larger_housing(case: Case) -> ContactGeometry | None:
+    closure = case.closure.body()
+    seat: Any = case.seat.body(closure)
+    known = {field.name for field in fields(seat)} if is_dataclass(seat) else set()
+    if not set(_LENGTHS) <= known:
+        return None
+    larger = replace(seat, **{name: _LARGER * getattr(seat, name) for name in _LENGTHS})
+    return ContactGeometry.of(closure.outline, larger.outline)
+
+
+def _change(name: str, base: CoarserLoad, changed: ContactSolution) -> FarFieldChange:
+    before, after, flow = base.contact.profile, changed.profile, base.solver.flow
+    leak_rate = None
+    if flow is not None:
+        leaks = flow.leak(before, base.fluid_pressure).leak_rate
+        if 0 < leaks < float("inf"):
+            leak_rate = flow.leak(after, base.fluid_pressure).leak_rate / leaks - 1
+    return FarFieldChange(
+        name, after.peak_pressure / before.peak_pressure - 1, after.fwhm / before.fwhm - 1, leak_rate
+    )

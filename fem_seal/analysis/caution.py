@@ -1,0 +1,126 @@
+"""How far a result can be trusted: what speaks against it, and what that makes of its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+
+class Level(StrEnum):
+    """How far numbers can be trusted, worse and worse. What belongs to which level stands in docs/validity.md."""
+
+    VALID = "valid"
+    DOUBTFUL = "doubtful"
+    OUTSIDE = "outside the theory"
+
+    @property
+    def mark(self) -> str:
+        """What stands beside such numbers in a table."""
+        return {"valid": "", "doubtful": "?"}.get(self, "!")
+
+
+_RANK = {level: rank for rank, level in enumerate(Level)}
+
+
+@dataclass(frozen=True)
+class Caution:
+    """One thing that a user should know before believing a result.
+
+    Parameters
+    ----------
+    kind : str
+        What it is about, in two words at most: "yield stress", "cut off", "mesh".
+    level : Level
+        What it makes of the numbers.
+    reason : str
+        A clause with the number behind it, about one load that need not be named.
+    text : str
+        The whole sentence: which load, where, what to do.
+    """
+
+    kind: str
+    level: Level
+    reason: str
+    text: str
+
+
+def worst_first(cautions: Iterable[Caution]) -> tuple[Caution, ...]:
+    """Cautions in the order of their levels, those of one level as they came.
+
+    Parameters
+    ----------
+    cautions : iterable of Caution
+    """
+    return tuple(sorted(cautions, key=lambda one: -_RANK[one.level]))
+
+
+@dataclass(frozen=True)
+class Validity:
+    """How far the numbers of one load can be trusted, and why no further.
+
+    Parameters
+    ----------
+    cautions : tuple of Caution
+        The worst first; see `Validity.of`.
+
+    Examples
+    --------
+    >>> soft = Caution("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")
+    >>> str(Validity.of([soft]).level), str(Validity().level)
+    ('outside the theory', 'valid')
+    """
+
+    cautions: tuple[Caution, ...] = ()
+
+    @classmethod
+    def of(cls, cautions: Iterable[Caution]) -> Validity:
+        """The verdict of some cautions.
+
+        Parameters
+        ----------
+        cautions : iterable of Caution
+        """
+        return cls(worst_first(cautions))
+
+    @property
+    def level(self) -> Level:
+        """That of the worst caution."""
+        return self.cautions[0].level if self.cautions else Level.VALID
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the numbers are not simply valid, the worst reason first."""
+        return tuple(one.reason for one in self.cautions)
+
+    @property
+    def outside(self) -> bool:
+        """Whether the theory does not hold, so that nothing may be claimed from the numbers."""
+        return self.level is Level.OUTSIDE
+
+    def without(self, kind: str) -> Validity:
+        """The verdict without the cautions of one kind.
+
+        Parameters
+        ----------
+        kind : str
+        """
+        return Validity(tuple(one for one in self.cautions if one.kind != kind))
+
+
+VALID = Validity()
+
+
+# How far the numbers of a row can be trusted, in words, and why no further.
+VALIDITY_COLUMNS = ("validity", "validity_reasons")
+
+
+def validity_entries(validity: Validity) -> dict[str, Any]:
+    """`VALIDITY_COLUMNS` of a row: the level in words and the list of reasons, the worst first.
+
+    Parameters
+    ----------
+    validity : Validity
+    """
+    return dict(zip(VALIDITY_COLUMNS, (str(validity.level), list(validity.reasons)), strict=True))

@@ -1,0 +1,330 @@
+"""What closed forms say: before anything is solved, and beside what was calculated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_seal.analysis.flow import CaseFlow
+from fem_seal.analysis.problem import exponential_law, interface_law, rough_contact
+from fem_seal.analysis.results import SealSolution
+from fem_seal.arrays import FloatArray
+from fem_seal.case.load_limits import refused_loads
+from fem_seal.contact.laws import Law
+from fem_seal.errors import InputError, Problem
+from fem_seal.loads import blow_off_of_sealed_area, closing_force, expected_force, line_load
+from leak import CrossoverLine, GaussianLine, HertzLine, crossover_line, gaussian_line, hertz_line
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+
+
+@dataclass(frozen=True)
+class DerivedLoad:
+    """One load of a case with its closed pressure profiles.
+
+    Parameters
+    ----------
+    fluid_pressure : float
+        [Pa]
+    closing_force : float
+        Axial force F_N that presses the closure on the seat [N]; with closing "penetration" what is expected of it.
+    line_load : float
+        f_N [N/m].
+    hertz : HertzLine or None
+        Smooth elastic bodies; None for faces that fit each other along a stretch, and for a load that cannot be
+        calculated, as the other profiles.
+    gaussian : GaussianLine or None
+        Rigid bodies with the exponential law; None for a smooth interface.
+    crossover : CrossoverLine or None
+        Elastic bodies with the exponential law, exact for half-spaces; None for a smooth interface.
+    blow_off_pressure : float or None
+        Fluid pressure that lifts the closure off the circle of first touch [Pa]; None where it closes.
+    force_for_target : float or None
+        Force of spring or actuator for the target leak rate [N], from a Gaussian profile of the expected width; None
+        without a target, or if no sensible force reaches it.
+    """
+
+    fluid_pressure: float
+    closing_force: float
+    line_load: float
+    hertz: HertzLine | None
+    gaussian: GaussianLine | None
+    crossover: CrossoverLine | None
+    blow_off_pressure: float | None
+    force_for_target: float | None
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Closed-form numbers of a case.
+
+    Parameters
+    ----------
+    touch_radius : float
+        Radius r0 of the circle of first touch [m].
+    effective_modulus : float
+        E* [Pa].
+    relative_radius : float
+        Radius of relative curvature across the contact line [m]; inf for faces that fit each other along a stretch.
+    hardness : float or None
+        Penetration hardness used for the asperities [Pa]; None without asperity plasticity.
+    rms_height, rms_slope : float or None
+        Of the combined roughness [m], [-]; None without roughness.
+    decay_length : float or None
+        u0 of p = p_c exp(-u/u0) [m]: as given, gamma times rms height, or of the spectrum at low pressure;
+        None for a smooth interface.
+    law_pressure : float or None
+        p_c [Pa].
+    loads : tuple of DerivedLoad
+        One per fluid pressure.
+    """
+
+    touch_radius: float
+    effective_modulus: float
+    relative_radius: float
+    hardness: float | None
+    rms_height: float | None
+    rms_slope: float | None
+    decay_length: float | None
+    law_pressure: float | None
+    loads: tuple[DerivedLoad, ...]
+
+
+def derive(case: Case) -> Derived:
+    """Closed-form numbers of a case: geometry, loads, and the Hertz, Gaussian and crossover profiles.
+
+    Parameters
+    ----------
+    case : Case
+
+    Returns
+    -------
+    Derived
+        With law "persson" the exponential of the elastic spectrum at low pressure stands for the law.
+    """
+    surface, refused = rough_contact(case), refused_loads(case)
+    decay_length, law_pressure = exponential_law(case, surface)
+    return Derived(
+        touch_radius=case.touch_radius,
+        effective_modulus=case.effective_modulus,
+        relative_radius=case.contact.relative_radius,
+        hardness=surface.hardness if surface else None,
+        rms_height=surface.spectrum.rms_height if surface else None,
+        rms_slope=surface.spectrum.rms_slope if surface else None,
+        decay_length=decay_length,
+        law_pressure=law_pressure,
+        loads=tuple(
+            _derive_load(case, *point, decay_length, profiles=number not in refused)
+            for number, point in enumerate(case.load.points)
+        ),
+    )
+
+
+def closed_form_limits(case: Case, derived: Derived) -> str:
+    """Why the closed forms are not what a run finds: faces that bend differently within the contact; "" if they do not.
+
+    Parameters
+    ----------
+    case : Case
+    derived : Derived
+        Of the same case.
+    """
+    for load in derived.loads:
+        closed = load.crossover or load.hertz
+        if closed is None:
+            continue
+        # Beyond two standard deviations there is a twentieth of the load; Hertz's contact ends there.
+        inside = case.contact.breaks[np.abs(case.contact.breaks) < 2 * closed.std]
+        if len(inside):
+            nearest = 1e6 * float(np.abs(inside).min())
+            return (
+                f"from {load.fluid_pressure / 1e5:.6g} bar on the contact is wider than the stretch on which the faces "
+                f"bend as they do at first touch ({nearest:.3g} um to one side of it): the closed forms (Hertz, "
+                "crossover) do not hold there, and the calculated peak differs from theirs"
+            )
+    return ""
+
+
+def _derive_load(
+    case: Case, fluid_pressure: float, axial_force: float, decay_length: float | None, *, profiles: bool
+) -> DerivedLoad:
+
+    r0, R, E = case.touch_radius, case.contact.relative_radius, case.effective_modulus
+    profiles = profiles and not math.isinf(R)
+    side = case.load.pressure_side
+    force = expected_force(r0, fluid_pressure, axial_force, side, case.load.closing)
+    f = line_load(force, r0, case.contact.angle)
+    return DerivedLoad(
+        fluid_pressure=fluid_pressure,
+        closing_force=force,
+        line_load=f,
+        hertz=hertz_line(f, R, E) if profiles else None,
+        gaussian=gaussian_line(f, R, decay_length) if decay_length and profiles else None,
+        crossover=crossover_line(f, R, E, decay_length) if decay_length and profiles else None,
+        blow_off_pressure=blow_off_of_sealed_area(r0, axial_force) if side == "inner" else None,
+        force_for_target=_force_for_target(case, fluid_pressure),
+    )
+
+
+def _force_for_target(case: Case, fluid_pressure: float) -> float | None:
+    target = case.load.target_leak_rate
+    if target is None:
+        return None
+
+    try:
+        force = expected_contact_force(case, interface_law(case, rough_contact(case)), fluid_pressure, target)
+    except InputError:
+        return None
+    return force - closing_force(case.touch_radius, fluid_pressure, 0.0, case.load.pressure_side)
+
+
+CLOSED_FORMS = ("hertz", "gaussian", "crossover")
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Measures of one kind of profile, one entry per load.
+
+    Parameters
+    ----------
+    peak_pressure : ndarray
+        [Pa]
+    fwhm : ndarray
+        Full width at half maximum [m].
+    std : ndarray
+        Standard deviation [m].
+    """
+
+    peak_pressure: FloatArray
+    fwhm: FloatArray
+    std: FloatArray
+
+    @classmethod
+    def of(cls, profiles: Sequence[Any]) -> Sizes:
+        """Measure profiles, calculated or closed; each is measured once, because some search for their width."""
+        return cls(
+            *(np.array([getattr(p, name) for p in profiles]) for name in ("peak_pressure", "fwhm", "std"))
+        )
+
+
+def profile_sizes(result: SealSolution, derived: Derived) -> dict[str, Sizes]:
+    """Sizes of the "calculated" profiles and of each closed form that the case has, over its loads.
+
+    Parameters
+    ----------
+    result : SealSolution
+    derived : Derived
+        Closed forms of the case.
+    """
+    sizes = {"calculated": Sizes.of(result.profiles)}
+    for name in CLOSED_FORMS:
+        profiles = [getattr(load, name) for load in derived.loads]
+        if all(profile is not None for profile in profiles):
+            sizes[name] = Sizes.of(profiles)
+    return sizes
+
+
+# Step of the force while a target is looked for, and how far down from the largest sensible force.
+_STEP = 4.0
+_LEAST = 1e-9
+# Leak rates are compared within this factor of the target: sealed and blown open have to be something, too.
+_FARTHEST = 1e6
+
+
+def expected_contact_force(case: Case, law: Law, fluid_pressure: float, target: float) -> float:
+    """Force F_N at which a Gaussian profile of the expected width leaks as much as the target [N].
+
+    Parameters
+    ----------
+    case : Case
+    law : Law
+    fluid_pressure : float
+        [Pa]
+    target : float
+        [m^3/s]
+
+    Raises
+    ------
+    InputError
+        If no sensible force does.
+    """
+    from scipy.optimize import brentq
+
+    flow = CaseFlow(case, law)
+
+    def excess(log_force: float) -> float:
+        profile = flow.expected_profile(math.exp(log_force))
+        return log_excess(flow.leak(profile, fluid_pressure).leak_rate, target)
+
+    highest = math.log(largest_force(case))
+    area = math.pi * case.touch_radius**2
+    at = min(math.log(abs(closing_force(case.touch_radius, fluid_pressure)) + 1e-12 * area), highest)
+    step = math.log(_STEP) * (1 if excess(at) > 0 else -1)
+    while True:
+        ahead = min(at + step, highest)
+        if excess(ahead) * step <= 0:
+            return math.exp(float(brentq(excess, at, ahead, xtol=1e-3)))
+        if ahead == highest:
+            raise target_problem(
+                case,
+                f"even a contact force of {largest_force(case):.4g} N, the largest for small strains, leaves "
+                f"{flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate:.4g} m^3/s at "
+                f"{fluid_pressure / 1e5:.4g} bar; allowed is a larger target, or take a smoother surface",
+                target,
+            )
+        if ahead < highest + math.log(_LEAST):
+            raise target_problem(
+                case,
+                f"a contact that carries next to nothing leaks less at {fluid_pressure / 1e5:.4g} bar; any force "
+                "that closes the seal meets it",
+                target,
+            )
+        at = ahead
+
+
+def target_remarks(case: Case) -> tuple[str, ...]:
+    """Why the target leak rate of a case cannot be met, before anything is solved; empty if it can.
+
+    Parameters
+    ----------
+    case : Case
+        With a target.
+    """
+    law, target = interface_law(case, rough_contact(case)), case.load.target_leak_rate
+    assert target is not None
+    remarks = []
+    for pressure in dict.fromkeys(case.load.fluid_pressure):
+        try:
+            expected_contact_force(case, law, pressure, target)
+        except InputError as error:
+            remarks.append(str(error))
+    return tuple(remarks)
+
+
+def largest_force(case: Case) -> float:
+    """Largest force F_N with small strains [N]: Hertz half-width a tenth of contact radius and relative curvature."""
+    contact, modulus = case.contact, case.effective_modulus
+    r0, R = contact.touch_radius, contact.relative_radius
+    if math.isinf(R):
+        # Faces that fit each other: the pressure at which Hertz' contact would be as wide, all over the face.
+        start, end = contact.reach
+        f = (end - start) * modulus / 20
+    else:
+        f = math.pi * modulus * (min(r0, R) / 10) ** 2 / (4 * R)
+    return f / line_load(1.0, r0, contact.angle)
+
+
+def log_excess(leak_rate: float, target: float) -> float:
+    """ln of a leak rate over the target, within bounds: sealed and blown open are something, too."""
+    return math.log(min(max(leak_rate / target, 1 / _FARTHEST), _FARTHEST))
+
+
+def target_problem(case: Case, message: str, target: float | None) -> InputError:
+    """What is wrong with a target leak rate."""
+    shown = None if target is None else f"{target:.4g} m^3/s"
+    return InputError(Problem("load.target_leak_rate", message, shown), file=case.file)

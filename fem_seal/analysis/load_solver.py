@@ -1,0 +1,343 @@
+"""All loads of a case: each by its way of closing, on a mesh that fits what was found."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from fem_seal.analysis.afterwards import told
+from fem_seal.analysis.flow import CaseFlow
+from fem_seal.analysis.problem import condensed, interference, sizing
+from fem_seal.contact.coupled import Seal
+from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
+from fem_seal.contact.laws import Law
+from fem_seal.contact.load_path import LoadPath, PathLoad, Unloaded, load_path, yielding_bodies
+from fem_seal.contact.model import ContactModel
+from fem_seal.contact.newton import solve
+from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.penetration import (
+    blow_off_pressure,
+    least_closing_force,
+    solve_at_contact_force,
+    solve_penetration,
+)
+from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.contact.refit import solve_fitted
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.errors import (
+    ConvergenceError,
+    InputError,
+    LoadProblem,
+    NoLoadLeftError,
+    OpenSealError,
+    Problem,
+    SealError,
+)
+from fem_seal.loads import blow_off_of_sealed_area, closing_force
+from meshes import SealMesh, Sizing, build_contact
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+
+
+@dataclass(frozen=True)
+class LoadSolver:
+    """Solves loads of a case on one model.
+
+    Parameters
+    ----------
+    case : Case
+    law : Law
+        Between contact pressure and gap.
+    model : ContactModel
+    """
+
+    case: Case
+    law: Law
+    model: ContactModel
+
+    def solve(
+        self, fluid_pressure: float, axial_force: float, start: ContactSolution | None = None
+    ) -> ContactSolution:
+        """Contact under a fluid pressure [Pa] and the force of spring or actuator [N].
+
+        Raises
+        ------
+        InputError
+            If these leave the seal open.
+        ConvergenceError
+        """
+        if self.case.load.closing == "sealed-area":
+            return self._sealed_area(axial_force + self._closes(fluid_pressure), start)
+        try:
+            return solve_penetration(
+                self.seal, closing_force=axial_force, fluid_pressure=fluid_pressure, start=start
+            )
+        except OpenSealError as error:
+            least = least_closing_force(self.seal, fluid_pressure)
+            allowed = "" if least is None else f"; allowed is an axial_force above {least:.5g} N"
+            problem = Problem(
+                "load.axial_force",
+                f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",
+                f"{axial_force:.6g} N",
+            )
+            raise InputError(problem, file=self.case.file) from error
+
+    def at_contact_force(
+        self, fluid_pressure: float, contact_force: float, start: ContactSolution | None = None
+    ) -> tuple[ContactSolution, float]:
+        """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the spring force that this takes [N]."""
+        if self.case.load.closing == "sealed-area":
+            return self._sealed_area(contact_force, start), contact_force - self._closes(fluid_pressure)
+        contact = solve_at_contact_force(
+            self.seal, contact_force=contact_force, fluid_pressure=fluid_pressure, start=start
+        )
+        return contact, contact.closing_force
+
+    def blow_off_pressure(self, axial_force: float) -> float:
+        """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not."""
+        load = self.case.load
+        if load.closing == "penetration":
+            return blow_off_pressure(self.seal, closing_force=axial_force)
+        return blow_off_of_sealed_area(self.case.touch_radius, axial_force, load.pressure_side)
+
+    def opening_force(self, fluid_pressure: float) -> float | None:
+        """Force of spring or actuator [N] below which the seal is open at a fluid pressure [Pa]; None if not found."""
+        if self.case.load.closing == "penetration":
+            return least_closing_force(self.seal, fluid_pressure)
+        return -self._closes(fluid_pressure)
+
+    @property
+    def yields(self) -> bool:
+        """Whether a body yields, so that its loads are no questions of their own but a path."""
+        return bool(yielding_bodies(self.model))
+
+    @cached_property
+    def flow(self) -> CaseFlow | None:
+        """Flow through the contacts; None without roughness or fluid."""
+        known = self.case.roughness is not None and self.case.fluid is not None
+        return CaseFlow(self.case, self.law) if known else None
+
+    @cached_property
+    def seal(self) -> Seal:
+        """What stays the same at every load."""
+        return Seal(self.model, self.law, self._path, interference(self.case))
+
+    @cached_property
+    def _path(self) -> FluidPath:
+        side, flow = self.case.load.pressure_side, self.flow
+        if flow is None:
+            return HeldFluid(side)
+        return FlowThrough(
+            lambda profile, pressure: flow.leak(profile, pressure).fluid_pressure,
+            flow.surface.sealing_pressure,
+            side,
+        )
+
+    def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
+        fit = FurtherLoads.press_fit(interference(self.case))
+        return solve(self.model, self.law, axial_force=force, loads=fit, start=start)
+
+    def _closes(self, fluid_pressure: float) -> float:
+        return closing_force(self.case.touch_radius, fluid_pressure, 0.0, self.case.load.pressure_side)
+
+
+# What keeps one load from being solved: it opens the seal, does not converge, or its numbers leave their range.
+_NO_SOLUTION = (SealError, ValueError, RuntimeError, ArithmeticError)
+
+
+@dataclass(frozen=True)
+class SolvedLoads:
+    """Contacts of all loads under which the seal is closed, and what is left after the last.
+
+    Parameters
+    ----------
+    contacts : sequence of ContactSolution
+        In the order of the case.
+    unloaded : Unloaded or None
+        None where no body yields: elastic bodies come back.
+    failures : mapping
+        Number of each load without a contact, with the error that says why.
+    not_unloaded : ConvergenceError or None
+        Why it is not known what is left after the last load, though a body yields.
+    """
+
+    contacts: Sequence[ContactSolution]
+    unloaded: Unloaded | None = None
+    failures: Mapping[int, Exception] = field(default_factory=dict)
+    not_unloaded: ConvergenceError | None = None
+
+    @property
+    def problems(self) -> dict[int, LoadProblem]:
+        """Number of each load without a contact, with the reason."""
+        return {number: _problem(error) for number, error in self.failures.items()}
+
+
+def solve_loads(solver: LoadSolver) -> SolvedLoads:
+    """Solve all loads of a case on a model; those that cannot be solved do not keep the others from it.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+    """
+    points = solver.case.load.points
+    if solver.yields:
+        return _solved_path(solver)
+    contacts: list[ContactSolution] = []
+    failures: dict[int, Exception] = {}
+    for number, point in enumerate(points):
+        try:
+            contacts.append(solver.solve(*point))
+        except _NO_SOLUTION as error:
+            failures[number] = error
+    return SolvedLoads(contacts, failures=failures)
+
+
+def _solved_path(solver: LoadSolver) -> SolvedLoads:
+    """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
+    numbers = range(len(solver.case.load.points))
+    try:
+        path = _path(solver, len(numbers))
+    except ConvergenceError as error:
+        contacts: tuple[ContactSolution, ...] = error.partial if isinstance(error.partial, tuple) else ()
+        failures = {number: error for number in numbers[len(contacts) :]}
+        return SolvedLoads(contacts, None, failures, None if failures else error)
+    unsolved = {} if path.stopped is None else dict.fromkeys(numbers[len(path.contacts) :], path.stopped)
+    return SolvedLoads(path.contacts, path.unloaded, unsolved)
+
+
+def _problem(error: Exception) -> LoadProblem:
+    if isinstance(error, InputError):
+        first = error.problems[0]
+        return LoadProblem(first.key, first.message, first.value)
+    return LoadProblem("load", told(error), kind="solution")
+
+
+def solve_load(
+    solver: LoadSolver, number: int, *, steps: int | None = None, start: ContactSolution | None = None
+) -> ContactSolution:
+    """One load of a case; the bodies that yield go through those before it.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+    number : int
+        Which of the case's loads.
+    steps : int, optional
+        Load steps from zero to a load with bodies that yield; those of `PlasticSettings` unless given.
+    start : ContactSolution, optional
+        To start from, if no body yields.
+
+    Raises
+    ------
+    InputError
+        If the load leaves the seal open.
+    ConvergenceError
+    """
+    if solver.yields:
+        path = _path(solver, number + 1, steps)
+        if path.stopped is not None:
+            raise path.stopped
+        return path.contacts[-1]
+    return solver.solve(*solver.case.load.points[number], start=start)
+
+
+def _path(solver: LoadSolver, count: int, steps: int | None = None) -> LoadPath:
+    """The first `count` loads of the case, and the unloading."""
+    case, settings = solver.case, PlasticSettings()
+    fit = FurtherLoads.press_fit(interference(case))
+    loads = [
+        PathLoad(closing_force(case.touch_radius, pressure, force, case.load.pressure_side), fit)
+        for pressure, force in case.load.points[:count]
+    ]
+    if steps is not None:
+        settings = replace(settings, steps=steps)
+    return load_path(solver.model, solver.law, loads, at_rest=fit, settings=settings, partial=True)
+
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Says what is being done and keeps how long it took.
+
+    Parameters
+    ----------
+    progress : callable
+        Told in words what is being done.
+    timings : dict
+        Wall time [s] by name of the step.
+    """
+
+    progress: Progress
+    timings: dict[str, float] = field(default_factory=dict)
+
+    @contextmanager
+    def step(self, name: str, text: str) -> Iterator[None]:
+        """Time what happens inside; a step that comes again adds to its time."""
+        self.progress(text)
+        start = time.perf_counter()
+        yield
+        self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
+
+
+def model_and_contacts(
+    case: Case, law: Law, clock: Clock | None = None
+) -> tuple[SealMesh, ContactModel, SolvedLoads]:
+    """All loads of a case on a mesh whose zone and element sizes fit what was found on it.
+
+    Parameters
+    ----------
+    case : Case
+    law : Law
+        See `interface_law`.
+    clock : Clock, optional
+        Told what is being done.
+
+    Raises
+    ------
+    NoLoadLeftError
+        If no load has a contact.
+    GeometryError, MeshingError, ConvergenceError
+    """
+    clock = clock or Clock(lambda text: None)
+    size_given = case.mesh.contact_size is not None
+    meshes: list[SealMesh] = []
+    solved: list[SolvedLoads] = []
+    # a load that does not converge is tried on a finer mesh once, before the others go on without it
+    finer_may_help = not (size_given or case.contact.has_ready_mesh)
+
+    def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
+        nonlocal finer_may_help
+        with clock.step("mesh", "meshing closure and seat"):
+            meshes.append(build_contact(case.contact, sizing))
+        with clock.step("condense", "condensing both bodies on the contact line"):
+            solver = LoadSolver(case, law, condensed(case, meshes[-1]))
+        along = ", one after the other in load steps, and unloading" if solver.yields else ""
+        with clock.step("contact", f"solving {len(case.load.fluid_pressure)} contacts{along}"):
+            found = solve_loads(solver)
+        unconverged = [error for error in found.failures.values() if isinstance(error, ConvergenceError)]
+        if unconverged and finer_may_help:
+            finer_may_help = False
+            raise unconverged[0]
+        if not found.contacts:
+            raise _no_load_left(case, found)
+        solved.append(found)
+        return found.contacts
+
+    contacts = solve_fitted(sizing(case, law), case.contact, solve_on, size_given=size_given)
+    return meshes[-1], contacts[0].model, solved[-1]
+
+
+def _no_load_left(case: Case, solved: SolvedLoads) -> Exception:
+    """The error of a case without a contact at any of its loads."""
+    errors = list(solved.failures.values())
+    if all(isinstance(error, ConvergenceError) for error in errors):
+        return errors[0]
+    problems = {problem.kind: problem for problem in reversed(solved.problems.values())}
+    return NoLoadLeftError(*problems.values(), file=case.file)

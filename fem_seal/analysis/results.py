@@ -1,0 +1,408 @@
+"""What a calculation leaves behind: numbers without a face."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.analysis.caution import VALID, Validity
+from fem_seal.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from fem_seal.case.case import Case
+    from fem_seal.contact.load_path import Unloaded
+    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.profile import PressureProfile
+    from leak import LeakResult, RoughContact
+    from meshes import SealMesh
+
+
+@dataclass(frozen=True, eq=False)
+class LoadResult:
+    """One load of a case.
+
+    Parameters
+    ----------
+    fluid_pressure : float
+        Pressure difference across the seal [Pa].
+    axial_force : float
+        Force F_N that the solid contact carries [N].
+    line_load : float
+        f_N [N/m].
+    contact : ContactSolution
+    leak, leak_elastic : LeakResult or None
+        With and without asperity plasticity on the same contact; None without roughness or fluid.
+    critical_separation, critical_separation_elastic : float or None
+        u_c at the peak pressure [m].
+    max_von_mises : float
+        Largest von Mises stress in both bodies [Pa].
+    max_von_mises_at : tuple
+        Name of the body and place (r, z) [m] of `max_von_mises`.
+    applied_force : float
+        Force of spring or actuator on the closure [N], positive where it closes.
+    effective_radius : float or None
+        Radius of the circle whose area times the fluid pressure is the fluid's force on the closure [m]; None unless
+        the fluid gets between the surfaces.
+    blow_off_pressure : float or None
+        Fluid pressure that lifts the closure off at this applied force [Pa], infinite if none does; None if not asked.
+    force_for_target : float or None
+        Smallest applied force for which the leak rate stays below the target [N]; None if not asked or not found.
+    validity : Validity
+        How far the numbers can be trusted, and why no further; see docs/validity.md.
+    target_validity : Validity or None
+        The same of `force_for_target`; None without it.
+    opening : OpeningMargin or None
+        How far the load is from opening the seal; None where neither fluid nor spring opens it, or it is not known.
+    """
+
+    fluid_pressure: float
+    axial_force: float
+    line_load: float
+    contact: ContactSolution
+    leak: LeakResult | None
+    leak_elastic: LeakResult | None
+    critical_separation: float | None
+    critical_separation_elastic: float | None
+    max_von_mises: float
+    max_von_mises_at: tuple[str, float, float]
+    applied_force: float = 0.0
+    effective_radius: float | None = None
+    blow_off_pressure: float | None = None
+    force_for_target: float | None = None
+    validity: Validity = VALID
+    target_validity: Validity | None = None
+    opening: OpeningMargin | None = None
+
+    @property
+    def digits(self) -> int:
+        """Significant digits that numbers which follow from the contact force are worth, four at most."""
+        return 4 if self.opening is None else self.opening.digits
+
+    @property
+    def point(self) -> tuple[float, float]:
+        """Fluid pressure [Pa] and force of spring or actuator [N]."""
+        return self.fluid_pressure, self.applied_force
+
+    @property
+    def gap_pressure(self) -> NDArray[np.float64] | None:
+        """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
+        return self.contact.loads.gap_pressure if self.leak is None else self.leak.fluid_pressure
+
+
+def strongest_load(loads: Sequence[LoadResult]) -> int:
+    """Number of the load with the largest closing force F_N."""
+    return max(range(len(loads)), key=lambda n: loads[n].axial_force)
+
+
+@dataclass(frozen=True, eq=False)
+class TargetContact:
+    """The contact that leaks as much as the target, at one of the fluid pressures of a case.
+
+    Parameters
+    ----------
+    fluid_pressure : float
+        [Pa]
+    applied_force : float
+        Force of spring or actuator that it takes [N].
+    contact : ContactSolution
+    critical_separation : float
+        u_c at the peak pressure [m].
+    """
+
+    fluid_pressure: float
+    applied_force: float
+    contact: ContactSolution
+    critical_separation: float
+
+    @property
+    def point(self) -> tuple[float, float]:
+        """Fluid pressure [Pa] and force of spring or actuator [N]."""
+        return self.fluid_pressure, self.applied_force
+
+
+@dataclass(frozen=True, eq=False)
+class GivenContact:
+    """A contact of which nothing but the pressure profile is known.
+
+    Parameters
+    ----------
+    profile : PressureProfile
+    """
+
+    profile: PressureProfile
+
+
+@dataclass(frozen=True, eq=False)
+class GivenLoad:
+    """The leak of a given pressure profile.
+
+    Parameters
+    ----------
+    fluid_pressure : float
+        [Pa]
+    contact : GivenContact
+    leak : LeakResult
+    critical_separation : float
+        u_c at the peak pressure [m].
+    applied_force : float
+        Not known, and the same for all [N].
+    """
+
+    fluid_pressure: float
+    contact: GivenContact
+    leak: LeakResult
+    critical_separation: float
+    applied_force: float = 0.0
+
+    @property
+    def point(self) -> tuple[float, float]:
+        """Fluid pressure [Pa] and force of spring or actuator [N]."""
+        return self.fluid_pressure, self.applied_force
+
+
+@dataclass(frozen=True)
+class InterfaceVariant:
+    """What another choice of the interface law does to the load with the largest closing force.
+
+    Parameters
+    ----------
+    name : str
+    peak_pressure, fwhm, std : float
+        [Pa], [m], [m].
+    leak_rate : float or None
+        [m^3/s].
+    """
+
+    name: str
+    peak_pressure: float
+    fwhm: float
+    std: float
+    leak_rate: float | None
+
+
+@dataclass(frozen=True)
+class DiscretisationError:
+    """Estimated error of the load with the largest closing force, from the same solve on elements twice as large.
+
+    A third of the difference: what the finer solution's error would be if it fell with the second power of the
+    element size. It falls with the fourth, so that this is an upper estimate. Where a body yields, the load steps are
+    twice as large, too, and it is the whole difference: their error falls with the first power of their size.
+
+    Parameters
+    ----------
+    peak_pressure, fwhm, std : float
+        Relative.
+    leak_rate : float or None
+        Relative.
+    """
+
+    peak_pressure: float
+    fwhm: float
+    std: float
+    leak_rate: float | None
+
+
+@dataclass(frozen=True)
+class SealSolution:
+    """Everything that a case gave, as numbers.
+
+    `SealResult` has its table and its files besides; see there for the fields.
+    """
+
+    case: Case
+    seal_mesh: SealMesh
+    model: ContactModel
+    surface: RoughContact | None
+    loads: tuple[LoadResult, ...]
+    discretisation_error: DiscretisationError
+    interface_variants: tuple[InterfaceVariant, ...] = ()
+    warnings: tuple[str, ...] = ()
+    timings: dict[str, float] = field(default_factory=dict)
+    uncertainty: LeakInterval | None = None
+    theory_variants: tuple[TheoryVariant, ...] = ()
+    far_field: tuple[FarFieldChange, ...] = ()
+    unloaded: Unloaded | None = None
+
+    @property
+    def strongest(self) -> LoadResult:
+        """The load with the largest closing force; for it error, far field and interface laws are compared."""
+        return self.loads[strongest_load(self.loads)]
+
+    @property
+    def profiles(self) -> tuple[PressureProfile, ...]:
+        """Pressure profile of each load."""
+        return tuple(load.contact.profile for load in self.loads)
+
+    @property
+    def contact(self) -> tuple[ContactSolution, ...]:
+        """Contact solution of each load."""
+        return tuple(load.contact for load in self.loads)
+
+
+@dataclass(frozen=True)
+class FarFieldChange:
+    """What a change far from the contact does to the load with the largest closing force, relative.
+
+    Parameters
+    ----------
+    name : str
+        What was changed.
+    peak_pressure, fwhm : float
+    leak_rate : float or None
+        None without a leak rate, or where it is zero.
+    """
+
+    name: str
+    peak_pressure: float
+    fwhm: float
+    leak_rate: float | None
+
+    @property
+    def largest(self) -> float:
+        """Largest of the changes."""
+        return max(abs(self.peak_pressure), abs(self.fwhm), abs(self.leak_rate or 0.0))
+
+
+@dataclass(frozen=True)
+class TheoryVariant:
+    """One reading of the theory and the leak rates that it gives.
+
+    Parameters
+    ----------
+    plastic : bool or None
+        p(u) of the plastically smoothed (True) or of the elastic surface; None if the case gives the law itself.
+    conductivity : {"bruggeman", "critical-junction"}
+    separation_width : {"effective", "plain"} or None
+        Width of the Gaussians in P(u); None for the critical junction, which needs no P(u).
+    percolation_threshold : float
+    leak_rate : tuple of float
+        At each load [m^3/s].
+    used : bool
+        Whether it is the one that the case asks for.
+    """
+
+    plastic: bool | None
+    conductivity: str
+    separation_width: str | None
+    percolation_threshold: float
+    leak_rate: tuple[float, ...]
+    used: bool
+
+    @property
+    def interface_law(self) -> str:
+        """The law in a word."""
+        return "given" if self.plastic is None else "plastic" if self.plastic else "elastic"
+
+
+@dataclass(frozen=True)
+class LeakInterval:
+    """Leak rates of all samples at all loads, and what is said about them.
+
+    Parameters
+    ----------
+    inputs : tuple of str
+        Keys of the uncertain inputs.
+    confidence : float
+        Share of the samples between `low` and `high`.
+    seed : int
+    runs : int
+        Samples whose contact and leak rate were calculated; the others follow from a polynomial through them.
+    leak_rate : ndarray, shape (loads, samples)
+        [m^3/s], zero where sealed, infinite where the fluid has blown the contact open.
+    shares : ndarray, shape (loads, inputs)
+        First-order share of each input in the variance of ln Q; their sum falls short of one by what inputs do only
+        together. NaN where a sample is sealed or blown open.
+    error : float or None
+        Largest relative error of the polynomial at samples that were calculated beside it, at both ends of the
+        interval; None if every sample was calculated.
+    """
+
+    inputs: tuple[str, ...]
+    confidence: float
+    seed: int
+    runs: int
+    leak_rate: FloatArray = field(repr=False)
+    shares: FloatArray
+    error: float | None
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return int(self.leak_rate.shape[1])
+
+    @cached_property
+    def low(self) -> FloatArray:
+        """Lower end of the interval at each load, shape (loads,) [m^3/s]."""
+        return self._quantile(0.5 - 0.5 * self.confidence)
+
+    @cached_property
+    def median(self) -> FloatArray:
+        """Leak rate that half of the samples exceed, shape (loads,) [m^3/s]."""
+        return self._quantile(0.5)
+
+    @cached_property
+    def high(self) -> FloatArray:
+        """Upper end of the interval at each load, shape (loads,) [m^3/s]."""
+        return self._quantile(0.5 + 0.5 * self.confidence)
+
+    def _quantile(self, share: float) -> FloatArray:
+        # between a finite and an infinite leak rate there is nothing to interpolate
+        method = "linear" if np.isfinite(self.leak_rate).all() else "nearest"
+        return np.asarray(np.quantile(self.leak_rate, share, axis=1, method=method))  # type: ignore[call-overload]
+
+    @cached_property
+    def sealed(self) -> FloatArray:
+        """Share of the samples that do not leak, shape (loads,)."""
+        return (self.leak_rate == 0).mean(axis=1)
+
+
+# Digits of numbers as they are shown far from opening.
+DIGITS = 4
+
+
+@dataclass(frozen=True)
+class OpeningMargin:
+    """Distance of a load from opening the seal.
+
+    Parameters
+    ----------
+    force : float
+        By which the force of spring or actuator may fall at this fluid pressure before the seal opens [N].
+    pressure : float
+        By which the fluid pressure may change under this force: rise where it lifts the closure, fall where it holds
+        it against the spring [Pa].
+    share : float
+        Either of them over what acts; the same number, as force and pressure that open the seal are in proportion.
+    """
+
+    force: float
+    pressure: float
+    share: float
+
+    @property
+    def digits(self) -> int:
+        """Significant digits that what the solid contact carries is worth, see `digits_near_opening`."""
+        return digits_near_opening(self.share)
+
+
+def digits_near_opening(share: float) -> int:
+    """Significant digits that what the solid contact carries is worth, four at most.
+
+    It is the difference of spring and fluid: their relative errors count 1/share times, and each factor of ten costs a
+    digit.
+
+    Parameters
+    ----------
+    share : float
+        See `OpeningMargin.share`.
+    """
+    return min(max(DIGITS + round(math.log10(share)), 1), DIGITS) if share > 0 else 1

@@ -1,0 +1,455 @@
+"""Leak rate with an interval: what uncertain inputs do to it, by quasi-Monte Carlo."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.analysis.response_surface import ResponseSurface, fit
+from fem_seal.analysis.results import LeakInterval, SealSolution
+from fem_seal.analysis.sampling import UncertainInput, sobol_points
+from fem_seal.arrays import FloatArray
+from fem_seal.case.checks import contradictions
+from fem_seal.case.roughness import (
+    SHAPE,
+    SelfAffine,
+    UncertainHeight,
+    scan_spectra,
+    self_affine_part,
+    uncertain_heights,
+)
+from fem_seal.case.uncertainty import Uncertainty
+from fem_seal.errors import ConvergenceError, InputError, Problem
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.solution import ContactSolution
+    from leak import PowerSpectrum, RoughContact
+
+_FIRST_RUNS = 16
+# Left-out runs must be predicted this well: an error that adds 0.05 % to the width of the interval.
+_ERROR_OF_STD = 0.03
+_SMALLEST_ERROR = 2e-4
+# Beside the runs of the polynomial: samples at both ends of the interval, calculated to see how well it does there.
+_CHECKS = 4
+
+
+def leak_interval(
+    result: SealSolution,
+    settings: Uncertainty | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> LeakInterval:
+    """Leak rate of a result with an interval from uncertain inputs.
+
+    The samples are a scrambled Sobol sequence. For the first of them the whole chain is calculated: interface law,
+    contact on the condensed bodies, flow conductivity, leak rate. If ln Q turns out to be a smooth function of the
+    inputs, a polynomial through these runs gives the others; if not (a sample is sealed or blown open), all are
+    calculated. A liquid's viscosity needs no runs: Q is inversely proportional to it.
+
+    Parameters
+    ----------
+    result : SealSolution
+        Of a case with roughness and fluid.
+    settings : Uncertainty, optional
+        Instead of the case's own table [uncertainty].
+    progress : callable, optional
+        Told in words what is being done.
+
+    Returns
+    -------
+    LeakInterval
+
+    Raises
+    ------
+    InputError
+        If the case has no roughness or no fluid, no input is uncertain, or one does not fit the case.
+    ConvergenceError
+        If the contact of a sample does not converge.
+
+    References
+    ----------
+    A. B. Owen, SIAM J. Numer. Anal. 34, 1884 (1997): scrambled nets. B. Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008).
+
+    Examples
+    --------
+    >>> from fem_seal.case.uncertainty import Spread, Uncertainty
+    >>> settings = Uncertainty(samples=1024, hardness=Spread(relative=0.1))
+    >>> leak_interval(fem_seal.run(case), settings).high                # doctest: +SKIP
+    """
+    if settings is not None:
+        case = result.case.model_copy(update={"uncertainty": settings})
+        result = replace(result, case=case)
+    settings = result.case.uncertainty
+    if settings is None:
+        raise InputError(Problem("uncertainty", "is missing; say which inputs are uncertain"))
+    wrong = contradictions(result.case)
+    if wrong:
+        raise InputError(*wrong)
+    return _interval(_Study.of(result, settings), settings, progress or (lambda text: None))
+
+
+def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], None]) -> LeakInterval:
+    viscosity = study.viscosity
+    runs, rates, surface = _runs(study, progress)
+    error = None
+    if surface is None:
+        nominal = rates * viscosity[:, None]
+    else:
+        nominal = np.exp(surface(study.scores))
+        checked = _ends(nominal / viscosity[:, None], settings.confidence)
+        truth = study.leak_rates(checked)
+        with np.errstate(divide="ignore"):
+            error = float(np.abs(nominal[checked] / truth - 1).max())
+        nominal[checked], nominal[: len(rates)] = truth, rates
+        runs += len(checked)
+    leak_rate = nominal / viscosity[:, None]
+    return LeakInterval(
+        tuple(one.name for one in study.inputs),
+        settings.confidence,
+        settings.seed,
+        runs,
+        leak_rate.T,
+        _shares(study, nominal, surface),
+        error,
+    )
+
+
+def _runs(study: _Study, progress: Callable[[str], None]) -> tuple[int, FloatArray, ResponseSurface | None]:
+    """Calculate samples until a polynomial through them is good enough; None instead of it if all are calculated."""
+    total = len(study.uniform)
+    if not study.calculated:
+        nominal = np.array([[load.leak.leak_rate for load in study.result.loads if load.leak is not None]])
+        return 0, np.repeat(nominal, total, axis=0) / study.viscosity[:, None], None
+    count, rates = 0, np.empty((0, len(study.result.loads)))
+    goal = min(total, _FIRST_RUNS * 2 ** min(study.scores.shape[1] - 1, 3))
+    while count < total:
+        progress(f"uncertainty: samples {count + 1} to {goal} of {total}")
+        rates = np.concatenate([rates, study.leak_rates(range(count, goal))])
+        count = goal
+        if np.all((rates > 0) & np.isfinite(rates)) and count < total:
+            surface = fit(study.scores[:count], np.log(rates), study.scores)
+            allowed = np.maximum(_ERROR_OF_STD * np.sqrt(surface.variance), _SMALLEST_ERROR)
+            if np.all(surface.error <= allowed):
+                return count, rates, surface
+            goal = min(total, 2 * count)
+        else:
+            goal = total
+    return count, rates / study.viscosity[:, None], None
+
+
+def _ends(leak_rate: FloatArray, confidence: float) -> list[int]:
+    """Samples at the ends of the interval of the last load."""
+    order = np.argsort(leak_rate[:, -1])
+    last = len(order) - 1
+    places = np.array([0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence]) * last
+    near = [int(order[min(last, int(place) + n)]) for place in places for n in range(_CHECKS // 2)]
+    return sorted(set(near))
+
+
+def _shares(study: _Study, nominal: FloatArray, surface: ResponseSurface | None) -> FloatArray:
+    """First-order shares in the variance of ln Q, shape (loads, inputs)."""
+    loads, inputs = nominal.shape[1], study.inputs
+    if not np.all((nominal > 0) & np.isfinite(nominal)):
+        return np.full((loads, len(inputs)), np.nan)
+    own = float(np.log(study.viscosity).var())
+    if surface is None and study.calculated:
+        surface = fit(study.scores, np.log(nominal), study.scores)
+    variances = np.zeros((loads, len(inputs)))
+    total = np.full(loads, own)
+    if surface is not None:
+        total += surface.variance
+    for n, one in enumerate(inputs):
+        if one in study.calculated and surface is not None:
+            variances[:, n] = surface.variance_of(study.columns(one))
+        elif one not in study.calculated:
+            variances[:, n] = own
+    return variances / total[:, None]
+
+
+@dataclass(frozen=True)
+class _Study:
+    """All samples of the inputs of one result.
+
+    Parameters
+    ----------
+    uniform : ndarray, shape (samples, dimensions)
+        Numbers between 0 and 1.
+    """
+
+    result: SealSolution
+    inputs: tuple[AnyInput, ...]
+    uniform: FloatArray
+
+    @classmethod
+    def of(cls, result: SealSolution, settings: Uncertainty) -> _Study:
+        inputs = uncertain_inputs(result.case)
+        dimensions = sum(one.dimensions for one in inputs)
+        return cls(result, inputs, sobol_points(settings.samples, dimensions, settings.seed))
+
+    @cached_property
+    def calculated(self) -> tuple[AnyInput, ...]:
+        """Inputs whose effect is not known beforehand: all but a liquid's viscosity."""
+        return tuple(one for one in self.inputs if one.name != "viscosity")
+
+    @cached_property
+    def values(self) -> dict[str, FloatArray]:
+        """Factors (samples, 1) or weights (samples, scans) of each input."""
+        values, column = {}, 0
+        for one in self.inputs:
+            values[one.name] = one.values(self.uniform[:, column : column + one.dimensions])
+            column += one.dimensions
+        return values
+
+    @cached_property
+    def viscosity(self) -> FloatArray:
+        """Factor of the viscosity of each sample, shape (samples,)."""
+        if "viscosity" not in self.values:
+            return np.ones(len(self.uniform))
+        return self.values["viscosity"][:, 0]
+
+    @cached_property
+    def scores(self) -> FloatArray:
+        """Variables of the polynomial, shape (samples, dimensions of `calculated`)."""
+        parts = [one.scores(self.values[one.name]) for one in self.calculated]
+        return np.concatenate(parts, axis=1) if parts else np.empty((len(self.uniform), 0))
+
+    def columns(self, wanted: AnyInput) -> list[int]:
+        """Columns of `scores` that belong to an input."""
+        first = 0
+        for one in self.calculated:
+            if one is wanted:
+                break
+            first += one.dimensions
+        return list(range(first, first + wanted.dimensions))
+
+    def leak_rates(self, samples: Sequence[int]) -> FloatArray:
+        """Leak rates at the case's own viscosity, calculated, shape (samples, loads) [m^3/s]."""
+        # numpy and LAPACK leave Python's lock for most of the time, so two samples run side by side
+        with ThreadPoolExecutor(2) as pool:
+            return np.array(list(pool.map(self._leak_rates, samples)))
+
+    def _leak_rates(self, sample: int) -> list[float]:
+        from fem_seal.analysis import flow
+
+        result, case = self.result, self.result.case
+        factors = {
+            one.name: float(self.values[one.name][sample, 0])
+            for one in self.calculated
+            if isinstance(one, UncertainInput)
+        }
+        surface = self._surface(sample, factors)
+        contacts = self._contacts(surface, factors)
+        # with the range of the case itself, as long as it will do, the table's own error is that of all samples
+        table = flow.conductivity_table(case, surface, [*result.contact, *contacts])
+        return [
+            flow.leak_of_contact(case, table, contact, load.fluid_pressure).leak_rate
+            for contact, load in zip(contacts, result.loads, strict=True)
+        ]
+
+    def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:
+        assert self.result.surface is not None
+        means = {
+            one.name: one.spectrum(self.values[one.name][sample])
+            for one in self.calculated
+            if isinstance(one, UncertainScans)
+        }
+        for one in self.calculated:
+            if isinstance(one, UncertainHeight):
+                roughness = self.result.case.roughness
+                assert roughness is not None
+                mean = means[one.key] if one.key in means else roughness.parts[one.key].build()
+                means[one.key] = one.spectrum(mean, float(self.values[one.name][sample, 0]))
+        return changed_surface(self.result.case, self.result.surface, factors, means)
+
+    def _contacts(self, surface: RoughContact, factors: dict[str, float]) -> list[ContactSolution]:
+        """Contact of every load; that of the case itself where its law and its bodies have not changed."""
+        from fem_seal.analysis.problem import interface_law
+        from fem_seal.contact.newton import solve
+
+        result = self.result
+        law = interface_law(result.case, surface)
+        stiffness = factors.get("youngs_modulus", 1.0)
+        if stiffness == 1 and law is self._law:
+            return [load.contact for load in result.loads]
+        model = _stiffer(result.model, stiffness)
+        try:
+            return [
+                solve(model, law, axial_force=load.axial_force, loads=load.contact.loads, start=load.contact)
+                for load in result.loads
+            ]
+        except ConvergenceError as error:
+            changes = ", ".join(f"{name} times {factor:.4g}" for name, factor in factors.items())
+            raise ConvergenceError(f"uncertainty, sample with {changes}: {error}") from error
+
+    @cached_property
+    def _law(self) -> object:
+        from fem_seal.analysis.problem import interface_law
+
+        return interface_law(self.result.case, self.result.surface)
+
+
+def _stiffer(model: ContactModel, factor: float) -> ContactModel:
+    """Model of the same bodies with both Young's moduli times a factor, as far as a contact needs it."""
+    if factor == 1:
+        return model
+
+    def body(one):  # type: ignore[no-untyped-def]
+        material = replace(one.material, youngs_modulus=one.material.youngs_modulus * factor)
+        # The wall of a pressed-in housing moves as far as before; pressures move a stiffer body less.
+        loads = {
+            name: load if name == "wall" else replace(load, opening=load.opening / factor)
+            for name, load in one.loads.items()
+        }
+        return replace(one, held=replace(one.held, material=material), loads=loads)
+
+    return replace(
+        model, closure=body(model.closure), seat=body(model.seat), compliance=model.compliance / factor
+    )
+
+
+@dataclass(frozen=True)
+class UncertainScans:
+    """The spectrum, from the differences between n scans: their mean with random weights.
+
+    The weights are uniform over all sets of n positive numbers with sum one (Bayesian bootstrap): what else the mean
+    of n scans could have been.
+
+    Parameters
+    ----------
+    name : {"spectrum", "seat", "closure"}
+        Which spectrum of the case it is.
+    scans : tuple of PowerSpectrum
+        One of each scan; two or more.
+
+    References
+    ----------
+    D. B. Rubin, Ann. Stat. 9, 130 (1981).
+    """
+
+    name: str
+    scans: tuple[PowerSpectrum, ...]
+
+    @property
+    def dimensions(self) -> int:
+        """Number of random numbers that it takes."""
+        return len(self.scans) - 1
+
+    def values(self, uniform: FloatArray) -> FloatArray:
+        """Weights from numbers between 0 and 1, by breaking a stick; shape (n, scans - 1) to (n, scans)."""
+        left = len(self.scans) - 1 - np.arange(self.dimensions)
+        rest = (1.0 - uniform) ** (1.0 / left)
+        before = np.cumprod(np.column_stack([np.ones(len(uniform)), rest]), axis=1)
+        return np.asarray(before * np.column_stack([1.0 - rest, np.ones(len(uniform))]), dtype=float)
+
+    def scores(self, values: FloatArray) -> FloatArray:
+        """Variables in which a leak rate is a smooth function: all weights but the last."""
+        return values[:, :-1]
+
+    def spectrum(self, weights: FloatArray) -> PowerSpectrum:
+        """Mean spectrum with weights, shape (scans,)."""
+        return weighted_mean(self.scans, weights)
+
+
+def weighted_mean(spectra: Sequence[PowerSpectrum], weights: FloatArray) -> PowerSpectrum:
+    """Weighted mean of spectra.
+
+    Parameters
+    ----------
+    spectra : sequence of PowerSpectrum
+    weights : ndarray
+        One for each; those of 1e-6 or less are left out.
+    """
+    parts = [
+        scaled(one, float(np.sqrt(weight)))
+        for one, weight in zip(spectra, weights, strict=True)
+        if weight > 1e-6
+    ]
+    return reduce(lambda total, one: total + one, parts)
+
+
+def scaled(spectrum: PowerSpectrum, factor: float) -> PowerSpectrum:
+    """Spectrum of a surface with all heights times a factor."""
+    from leak import PowerSpectrum
+
+    return spectrum if factor == 1 else PowerSpectrum(spectrum.wavenumber, spectrum.density * factor**2)
+
+
+AnyInput = UncertainInput | UncertainScans | UncertainHeight
+
+
+def uncertain_inputs(case: Case) -> tuple[AnyInput, ...]:
+    """The uncertain inputs of a case, in the order of its table, and last what its scans are too short to show.
+
+    Parameters
+    ----------
+    case : Case
+        With a table [uncertainty].
+    """
+    assert case.uncertainty is not None
+    inputs: list[AnyInput] = [
+        UncertainInput.of(name, spread) for name, spread in case.uncertainty.spreads.items()
+    ]
+    if case.uncertainty.spectrum is not None:
+        inputs += [UncertainScans(key, scans) for key, scans in scan_spectra(case.roughness).items()]
+    return (*inputs, *uncertain_heights(case.roughness, between_scans=case.uncertainty.spectrum is not None))
+
+
+def changed_surface(
+    case: Case,
+    surface: RoughContact,
+    factors: Mapping[str, float],
+    means: Mapping[str, PowerSpectrum] | None = None,
+) -> RoughContact:
+    """The rough contact with some of its inputs changed.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact
+        The case's own.
+    factors : mapping
+        Factor of each uncertain input by its key.
+    means : mapping, optional
+        Spectra that stand instead of the case's own, by their key in [roughness].
+    """
+    means = dict(means or {})
+    if any(key in factors for key in SHAPE):
+        key = self_affine_part(case.roughness)
+        assert key is not None
+        means[key] = _reshaped(case, key, factors)
+    spectrum, peklenik = surface.spectrum, surface.peklenik
+    if means:
+        assert case.roughness is not None
+        spectrum, peklenik = case.roughness.combined(means)
+    hardness = surface.hardness
+    return replace(
+        surface,
+        spectrum=scaled(spectrum, factors.get("rms_height", 1.0)),
+        effective_modulus=surface.effective_modulus * factors.get("youngs_modulus", 1.0),
+        hardness=None if hardness is None else hardness * factors.get("hardness", 1.0),
+        peklenik=peklenik,
+    )
+
+
+def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectrum:
+    """Self-affine spectrum with other exponent or ends and the same rms height."""
+    from leak import PowerSpectrum
+
+    assert case.roughness is not None
+    given = case.roughness.parts[key]
+    assert isinstance(given, SelfAffine)
+    q_high = given.q_high * factors.get("q_high", 1.0)
+    q_high = max(q_high, given.q_rolloff, 1.001 * given.q_low)
+    return PowerSpectrum.self_affine(
+        rms_height=given.rms_height,
+        hurst=min(max(given.hurst * factors.get("hurst", 1.0), 0.01), 1.0),
+        q_low=given.q_low,
+        q_rolloff=min(max(given.q_rolloff * factors.get("q_rolloff", 1.0), given.q_low), q_high),
+        q_high=q_high,
+    )

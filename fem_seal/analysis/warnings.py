@@ -1,0 +1,548 @@
+"""Where a result leaves the range in which its theory holds: what that makes of it, with the number behind it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Protocol, TypeAlias
+
+import numpy as np
+
+from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.load_names import load_name
+from fem_seal.arrays import FloatArray
+from fem_seal.contact.load_path import yielding_bodies
+from fem_seal.contact.model import ContactModel
+from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
+from fem_seal.units import number
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import DiscretisationError, GivenLoad, LoadResult, TargetContact
+    from fem_seal.case.case import Case
+    from leak import PowerSpectrum
+
+    Solved: TypeAlias = LoadResult | TargetContact
+    Loaded: TypeAlias = Solved | GivenLoad
+
+# von Mises stress over the yield stress of a body that is solved as elastic from which on the contact is another one.
+_LARGEST_EXCESS = 1.5
+# Share of what acts that is left to opening below which the contact force is a small difference of large ones.
+_NEAR_OPENING = 0.05
+# Pressure at the ends of the contact zone over the peak pressure above which contact is cut off, and above which what
+# is missing shows in the result.
+_CUT_OFF, _MUCH_CUT_OFF = 1e-6, 1e-2
+# Share of the hardness above which the theory of yielding asperities is stretched; above the hardness it is void.
+_NEAR_HARDNESS = 0.3
+_LARGEST_ERROR = 2e-3
+# With load steps: what 16 of them leave on a perfectly plastic seat (docs/theory_elastoplastic.md).
+_LARGEST_ERROR_OF_PATH = 1e-2
+# The theory's own A/A0 beyond which its flow conductivity differs from direct numerical results by more than 30 %,
+# and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification.md).
+_FEW_CHANNELS = 0.15
+_FACTORS = ((0.2, 1.7), (1.0, 3.3))
+# With a lay the conductivity is too high by up to (longer over shorter correlation length)^exponent: up to some A/A0
+# where the fluid crosses the lay, and where it flows along it. Direct results for ratios of 2 and 5, up to A/A0 = 0.16.
+_LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 0.3), (0.07, 0.5), (1.0, 1.35)), 0.3, 0.16
+_WORTH_SAYING = 1.3
+# Share of the height variance in waves too long to be roughness of this contact.
+_LONG_WAVES = 0.1
+# Fluid pressure over peak contact pressure from which on it opens the gap noticeably: a fifth more leaks at 0.1.
+FLUID_OPENS = 0.1
+# ... and from which on a leak rate that does not take it into account says nothing.
+_FLUID_LIFTS = 0.5
+# Plastic strain up to which small-strain theory holds.
+_LARGE_STRAIN = 0.1
+# Separation of the surfaces over the radius to which their faces bend, in the mean over the contact pressure, above
+# which the law of parallel planes is stretched, and above which it means nothing; see docs/theory_geometry.md.
+_THICK_LAYER, _NO_LAYER = 0.1, 1.0
+# Beyond this share of the ball's radius the contact is no narrow line any more.
+_NARROW = 0.2
+
+
+class Surface(Protocol):
+    """What the checks ask of a rough contact."""
+
+    @property
+    def spectrum(self) -> PowerSpectrum:
+        """Of the combined roughness."""
+
+    @property
+    def percolation_threshold(self) -> float:
+        """A/A0 from which on no path is open."""
+
+    @property
+    def sealing_pressure(self) -> float:
+        """Nominal pressure at which it is reached [Pa]."""
+
+    @property
+    def peklenik(self) -> float:
+        """Correlation length along the flow over that across it."""
+
+    def contact_area(self, pressure: float, /) -> FloatArray | float:
+        """A/A0 under a nominal pressure [Pa]."""
+
+
+def contact_cautions(
+    case: Case,
+    model: ContactModel,
+    loads: Sequence[LoadResult],
+    error: DiscretisationError,
+    surface: Surface | None = None,
+) -> tuple[Caution, ...]:
+    """Everything that a user should know before believing the result, one caution of each kind for all loads.
+
+    Parameters
+    ----------
+    case : Case
+    model : ContactModel
+    loads : sequence of LoadResult
+    error : DiscretisationError
+    surface : RoughContact, optional
+        The case's rough contact.
+    """
+    return (*_of_surface(case), *load_cautions(case, model, loads, surface), *_coarse(model, error))
+
+
+def load_cautions(
+    case: Case, model: ContactModel, loads: Sequence[LoadResult], surface: Surface | None = None
+) -> Iterator[Caution]:
+    """What the numbers of the loads themselves say against them, without mesh and roughness.
+
+    Parameters
+    ----------
+    case : Case
+    model : ContactModel
+    loads : sequence of LoadResult
+        What is said is about the worst of them.
+    surface : RoughContact, optional
+        The case's rough contact.
+    """
+    bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _thick_layer, _above_hardness)
+    yield from (caution for check in bodies for caution in check(case, model, loads))
+    if surface is not None:
+        yield from _interface_cautions(case, surface, loads)
+
+
+def _interface_cautions(
+    case: Case, surface: Surface, loads: Sequence[LoadResult | GivenLoad]
+) -> Iterator[Caution]:
+    interface = (_sealed, _nearly_sealed, _range, _long_waves)
+    flow = () if case.fluid is None else (_molecules, _fluid_opens, _dense_gas)
+    yield from (caution for check in (*interface, *flow) for caution in check(case, surface, loads))
+
+
+def load_validity(
+    case: Case,
+    load: LoadResult,
+    surface: Surface | None = None,
+    error: DiscretisationError | None = None,
+) -> Validity:
+    """How far the numbers of one load can be trusted, by its own checks alone.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    surface : RoughContact, optional
+        The case's rough contact.
+    error : DiscretisationError, optional
+        Of the mesh; left out where it is not known.
+    """
+    model = load.contact.model
+    mesh = () if error is None else _coarse(model, error)
+    own = load_cautions(case, model, [load], surface)
+    return Validity.of((*_of_surface(case), *own, *mesh, *_of_target(load)))
+
+
+def profile_validity(case: Case, surface: Surface, load: GivenLoad) -> Validity:
+    """How far the leak rate of a given pressure profile can be trusted; of its bodies nothing is known.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact
+        The case's rough contact.
+    load : GivenLoad
+    """
+    return Validity.of(
+        (
+            *_of_surface(case),
+            *_above_hardness(case, None, [load]),
+            *_interface_cautions(case, surface, [load]),
+        )
+    )
+
+
+def target_cautions(case: Case, surface: Surface, answers: Sequence[TargetContact]) -> Iterator[Caution]:
+    """What a user should know before believing the force for a target leak rate.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact
+        The case's rough contact.
+    answers : sequence of TargetContact
+        At least one.
+    """
+    ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
+    named = dict.fromkeys(f"{one.applied_force:.4g} N at {one.fluid_pressure / 1e5:.4g} bar" for one in ends)
+    for caution in _at_target(case, surface, answers):
+        text = f"at the force for the target leak rate, {' to '.join(named)}: {caution.text}"
+        yield replace(caution, text=text)
+
+
+def target_validity(case: Case, surface: Surface, answer: TargetContact) -> Validity:
+    """How far the force for a target leak rate can be trusted at one fluid pressure.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact
+        The case's rough contact.
+    answer : TargetContact
+    """
+    return Validity.of(_at_target(case, surface, [answer]))
+
+
+def _at_target(case: Case, surface: Surface, answers: Sequence[TargetContact]) -> Iterator[Caution]:
+    model = answers[0].contact.model
+    bodies, interface = (_yielding, _cut_off, _wide, _above_hardness), (_nearly_sealed, _molecules)
+    yield from (caution for check in bodies for caution in check(case, model, answers))
+    yield from (caution for check in interface for caution in check(case, surface, answers))
+
+
+def _of_surface(case: Case) -> Iterator[Caution]:
+    for text in case.roughness.remarks() if case.roughness else ():
+        yield Caution("roughness", Level.DOUBTFUL, text, text)
+
+
+def _of_target(load: LoadResult) -> Iterator[Caution]:
+    """What is wrong with the force for the target leak rate, which stands in the row of a load, at that load."""
+    found = load.target_validity
+    if found is not None and found.cautions:
+        reason = f"force for the target leak rate {found.level}: {found.reasons[0]}"
+        yield Caution("target", Level.DOUBTFUL, reason, reason)
+
+
+def _near_opening(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    close = [(load.opening, load) for load in loads if load.opening and load.opening.share < _NEAR_OPENING]
+    if close:
+        margin, load = min(close, key=lambda item: item[0].share)
+        share = max(margin.share, 0.0)
+        others = f" ({len(close)} loads are closer than {100 * _NEAR_OPENING:g} %)" if len(close) > 1 else ""
+        counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
+        text = (
+            f"{load_name(load, loads)} is {100 * share:.2g} % from opening the seal: {number(margin.force, 2)} N of "
+            f"the {load.applied_force:.6g} N of the spring, or {number(margin.pressure / 1e5, 2)} bar{others}. What "
+            f"the contact carries is the small difference of spring and fluid: an error of either counts {counts} "
+            "in it, in the peak pressure and in the leak rate"
+        )
+        yield Caution("near opening", Level.DOUBTFUL, f"{100 * share:.2g} % from opening the seal", text)
+
+
+def _yielding_of(case: Case, load: Solved) -> Mapping[str, YieldedZone | PlasticZone]:
+    return yielding_of(load.contact, {"closure": case.closure.material, "seat": case.seat.material})
+
+
+def _yielding(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+    zones = [(load, zone) for load in loads for zone in _yielding_of(case, load).values()]
+    elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
+    # the body that is further above its yield stress comes first
+    for name in dict.fromkeys(zone.body for _, zone in sorted(elastic, key=lambda item: -item[1].excess)):
+        over = [(load, zone) for load, zone in elastic if zone.body == name]
+        load, zone = max(over, key=lambda item: item[1].von_mises)
+        first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
+        r, z = zone.place
+        level = Level.OUTSIDE if zone.excess > _LARGEST_EXCESS else Level.DOUBTFUL
+        yield Caution(
+            "yield stress",
+            level,
+            f"{name}: von Mises stress {zone.excess:.3g} times its yield stress",
+            f"{name}: von Mises stress {zone.von_mises / 1e6:.4g} MPa at {load_name(load, loads)} is "
+            f"{zone.excess:.3g} times the yield stress {zone.yield_stress / 1e6:.4g} MPa, at r = {r * 1e3:.4g} mm, "
+            f"z = {z * 1e3:.4g} mm, {zone.depth * 1e6:.3g} um from the contact line; it is passed down to "
+            f"{zone.deepest * 1e6:.3g} um (from {first} on). The body is solved as elastic, the true "
+            "contact is wider and its peak pressure lower; a stress_strain curve in its material solves it as "
+            "elastoplastic",
+        )
+
+
+def _table_left(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    for name, body in (("closure", case.closure), ("seat", case.seat)):
+        curve = body.material.hardening
+        found = [(load, _yielding_of(case, load).get(name)) for load in loads]
+        zones = [(load, zone) for load, zone in found if isinstance(zone, PlasticZone)]
+        if curve is None or not zones:
+            continue
+        load, zone = max(zones, key=lambda item: item[1].strain)
+        if zone.strain > curve.last_strain:
+            yield Caution(
+                "stress-strain curve",
+                Level.OUTSIDE,
+                f"{name}: plastic strain {100 * zone.strain:.3g} % beyond the end of its stress_strain curve",
+                f"{name}: plastic strain {100 * zone.strain:.3g} % at {load_name(load, loads)} is beyond "
+                f"the end of its stress_strain curve, {100 * curve.last_strain:.3g} %; the stress stays at its last "
+                f"value, {curve.stress[-1] / 1e6:.4g} MPa, from there on",
+            )
+        if zone.strain > _LARGE_STRAIN:
+            yield Caution(
+                "large strain",
+                Level.OUTSIDE,
+                f"{name}: plastic strain {100 * zone.strain:.3g} %, too large for small-strain theory",
+                f"{name}: plastic strain reaches {100 * zone.strain:.3g} % at {load_name(load, loads)}; the "
+                f"theory is for small strains, and above {100 * _LARGE_STRAIN:g} % imprint and width are estimates",
+            )
+
+
+def _cut_off(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+    for end, side in ((0, "bore"), (-1, "outer")):
+        shares = [float(load.contact.pressure[end]) / load.contact.profile.peak_pressure for load in loads]
+        if max(shares) > _CUT_OFF:
+            load = loads[shares.index(max(shares))]
+            # where faces fit each other along a stretch, that they end is part of the contact
+            fitting = math.isinf(model.relative_radius)
+            much = max(shares) > _MUCH_CUT_OFF and not fitting
+            level = Level.OUTSIDE if much else Level.DOUBTFUL
+            yield Caution(
+                "cut off",
+                level,
+                f"contact cut off at the {side} end of the seat's face with {max(shares):.2g} of its peak pressure",
+                f"at {load_name(load, loads)} the contact reaches the {side} end of the seat's face with "
+                f"{max(shares):.2g} of its peak pressure (x = {model.line.x[end] * 1e3:.4g} mm); it is cut off there",
+            )
+
+
+def _wide(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+    load = max(loads, key=lambda load: load.contact.profile.std)
+    share = 2 * load.contact.profile.std / model.touch_radius
+    if share > _NARROW:
+        yield Caution(
+            "wide contact",
+            Level.DOUBTFUL,
+            f"wide contact: two standard deviations are {share:.2g} of its radius",
+            f"the contact is wide: two standard deviations are {share:.2g} of its radius at "
+            f"{load_name(load, loads)}; line loads and closed-form profiles assume a narrow line",
+        )
+
+
+def _thick_layer(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+    line = model.line
+    shares = []
+    for load in loads:
+        forces = load.contact.point_forces
+        shares.append(float(np.maximum(load.contact.gap, 0.0) * line.bend @ forces / forces.sum()))
+    share = max(shares)
+    if share > _THICK_LAYER:
+        load = loads[shares.index(share)]
+        apart = float(load.contact.gap[int(np.argmax(load.contact.pressure))])
+        yield Caution(
+            "thick layer",
+            Level.OUTSIDE if share > _NO_LAYER else Level.DOUBTFUL,
+            f"surfaces stand apart by {share:.2g} of the radius to which their faces bend",
+            f"at {load_name(load, loads)} the surfaces stand {1e6 * apart:.3g} um apart, {share:.2g} of the radius to "
+            "which their faces bend where they carry the load; the interface law is that of parallel planes, and peak "
+            "and width are uncertain by about the decay length over that radius. A larger edge radius or smoother "
+            "surfaces cure it",
+        )
+
+
+def _above_hardness(case: Case, model: ContactModel | None, loads: Sequence[Loaded]) -> Iterator[Caution]:
+    load = max(loads, key=lambda load: load.contact.profile.peak_pressure)
+    peak, hardness = load.contact.profile.peak_pressure, case.hardness
+    asperities_yield = case.leak.plasticity and case.roughness is not None
+    if hardness is None or peak <= (_NEAR_HARDNESS if asperities_yield else 1.0) * hardness:
+        return
+    share = peak / hardness
+    why = (
+        "no body carries a mean pressure above its hardness"
+        if share > 1
+        else "the theory of yielding asperities holds far below it"
+    )
+    yield Caution(
+        "hardness",
+        Level.OUTSIDE if share > 1 else Level.DOUBTFUL,
+        f"peak pressure {share:.2g} of the hardness",
+        f"peak pressure {peak / 1e6:.4g} MPa at {load_name(load, loads)} is {share:.2g} of the hardness; {why}",
+    )
+
+
+def _sealed(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+    tight = [load for load in loads if load.contact.profile.peak_pressure >= surface.sealing_pressure]
+    if tight:
+        load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
+        peak = load.contact.profile.peak_pressure
+        first = load_name(min(tight, key=lambda load: load.point), loads)
+        yield Caution(
+            "sealed",
+            Level.DOUBTFUL,
+            f"sealed by the percolation threshold, A/A0 = {surface.percolation_threshold:.2g}",
+            f"sealed: at {load_name(load, loads)} the peak pressure {peak / 1e6:.4g} MPa is above "
+            f"{surface.sealing_pressure / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
+            f"touches and no path is open (from {first} on, of the loads calculated); a leak rate of "
+            "zero is no better known than this percolation threshold",
+        )
+
+
+def _nearly_sealed(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+    leaky = [load for load in loads if load.contact.profile.peak_pressure < surface.sealing_pressure]
+    if not leaky:
+        return
+    load = max(leaky, key=lambda load: load.contact.profile.peak_pressure)
+    area = float(surface.contact_area(load.contact.profile.peak_pressure))
+    factor = next(factor for limit, factor in _FACTORS if area <= limit) if area > _FEW_CHANNELS else 1.0
+    lay = _lay_factor(area, surface.peklenik)
+    if lay > max(factor, _WORTH_SAYING):
+        beyond = f"; beyond A/A0 = {_LAY_KNOWN:g} there are none" if area > _LAY_KNOWN else ""
+        yield Caution(
+            "lay",
+            Level.DOUBTFUL,
+            f"roughness with a lay: leak rate up to a factor {lay:.2g} too large",
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}; the roughness "
+            f"has a lay (peklenik = {surface.peklenik:.3g}), and with it the theory's flow conductivity is above "
+            f"direct numerical results by up to a factor {lay:.2g}, on the safe side{beyond}",
+        )
+    elif area > _FEW_CHANNELS:
+        yield Caution(
+            "few channels",
+            Level.DOUBTFUL,
+            f"A/A0 = {area:.2g} at the peak: few channels, leak rate up to a factor {factor:g} off",
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}; "
+            f"above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
+            f"numerical results by up to a factor {factor:g} up or down",
+        )
+
+
+def _lay_factor(area: float, peklenik: float) -> float:
+    """Largest factor by which the theory's flow conductivity is above direct numerical results because of a lay."""
+    if peklenik >= 1.0:
+        return float(peklenik**_LAY_ALONG)
+    return float(peklenik ** -next(exponent for limit, exponent in _LAY_ACROSS if area <= limit))
+
+
+def _range(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+    load = max(loads, key=lambda load: load.contact.profile.std)
+    std, q_low = load.contact.profile.std, surface.spectrum.q_low
+    if q_low * std > 1:
+        yield Caution(
+            "roughness range",
+            Level.DOUBTFUL,
+            "roughness known too short for the width of the contact",
+            f"the roughness is known too short: its longest wave, 2 pi/q_low = {2 * np.pi / q_low * 1e6:.4g} um, is "
+            f"shorter than 2 pi times the standard deviation of the contact, {std * 1e6:.4g} um at "
+            f"{load_name(load, loads)}; longer waves fit into the contact, and if the surface has them it "
+            "leaks more. Let the spectrum begin below "
+            f"q = {1 / std:.3g} 1/m",
+        )
+
+
+def _long_waves(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+    load = min(loads, key=lambda load: load.contact.profile.std)
+    std, spectrum = load.contact.profile.std, surface.spectrum
+    above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
+    if 1 - above > _LONG_WAVES:
+        yield Caution(
+            "long waves",
+            Level.DOUBTFUL,
+            f"{100 * (1 - above):.2g} % of the height variance in waves longer than the contact is wide",
+            f"{100 * (1 - above):.2g} % of the height variance is in waves longer than 2 pi times the standard "
+            f"deviation of the contact, {std * 1e6:.4g} um at {load_name(load, loads)}; they are waviness "
+            "along the contact rather than roughness inside it, and the contact pressure follows them",
+        )
+
+
+def _molecules(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+    from leak.fluids.names import molecular_size
+
+    assert case.fluid is not None
+    size = molecular_size(case.fluid.name)
+    narrow = [load for load in loads if load.critical_separation and load.critical_separation < size]
+    if narrow:
+        load = min(narrow, key=lambda load: load.critical_separation or 0.0)
+        yield Caution(
+            "molecules",
+            Level.DOUBTFUL,
+            "critical separation below the size of a molecule of the fluid",
+            f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
+            f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm; "
+            "the theory takes the fluid as continuous, in truth the seal is tight there",
+        )
+
+
+def _fluid_opens(case: Case, surface: Surface, loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
+    if case.leak.fluid_in_gap == "local":
+        yield from _blown_open(loads)
+    if case.leak.fluid_in_gap == "local" or case.load.closing == "penetration":
+        return
+    load = max(loads, key=lambda load: load.fluid_pressure / load.contact.profile.peak_pressure)
+    share = load.fluid_pressure / load.contact.profile.peak_pressure
+    if share > FLUID_OPENS:
+        most = (
+            f"about {1 + 1.7 * share:.2g} times as much" if share < _FLUID_LIFTS else "several times as much"
+        )
+        yield Caution(
+            "fluid opens",
+            Level.OUTSIDE if share > _FLUID_LIFTS else Level.DOUBTFUL,
+            f"fluid pressure {share:.2g} of the peak contact pressure, opens the gap unaccounted for",
+            f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure; "
+            'how it moves the surfaces is not taken into account. [load] closing = "penetration" calculates it; the '
+            f'upper bound, [leak] fluid_in_gap = "local", is {most}',
+        )
+
+
+def _blown_open(loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
+    blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
+    if blown:
+        load = min(blown, key=lambda load: load.point)
+        yield Caution(
+            "lifted open",
+            Level.OUTSIDE,
+            "lifted open: fluid pressure not below the peak contact pressure",
+            f"at {load_name(load, loads)} the fluid pressure is not below the peak contact pressure, "
+            f"{load.contact.profile.peak_pressure / 1e6:.4g} MPa: the fluid lifts the seal open, no finite leak rate "
+            "exists",
+        )
+
+
+def _dense_gas(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+    assert case.fluid is not None
+    gas = case.fluid.gas
+    if gas is None:
+        return
+    highest = max(load.fluid_pressure for load in loads) + (case.fluid.outlet_pressure or 0.0)
+    if highest > gas.dilute_pressure:
+        yield Caution(
+            "dense gas",
+            Level.DOUBTFUL,
+            f"{gas.name} at {highest / 1e5:.4g} bar is no dilute ideal gas",
+            f"{gas.name} at {highest / 1e5:.4g} bar is no dilute ideal gas: above "
+            f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
+            "which the leak rate does not take into account",
+        )
+
+
+def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution]:
+    estimates = (error.peak_pressure, error.std, error.leak_rate or 0.0)
+    if not all(math.isfinite(one) for one in estimates):
+        reason = "discretisation error not estimated"
+        yield Caution("mesh", Level.DOUBTFUL, reason, f"the {reason}: how much the mesh changes is not known")
+        return
+    worst = max(estimates)
+    if yielding_bodies(model):
+        if worst > _LARGEST_ERROR_OF_PATH:
+            yield Caution(
+                "mesh",
+                Level.DOUBTFUL,
+                f"estimated error of elements and load steps {100 * worst:.2g} %",
+                f"the estimated error of elements and load steps is {100 * worst:.2g} %; loads between zero and the "
+                "highest one, and a smaller [mesh] contact_size reduce it",
+            )
+    elif worst > _LARGEST_ERROR:
+        size = float(np.diff(model.line.vertices).min())
+        yield Caution(
+            "mesh",
+            Level.DOUBTFUL,
+            f"estimated discretisation error {100 * worst:.2g} %",
+            f"the estimated discretisation error, that of the mesh alone, is {100 * worst:.2g} %; a [mesh] "
+            f"contact_size below the present {1e6 * size:.3g} um reduces it",
+        )

@@ -1,0 +1,1 @@
+"""Finite elements of one body: elasticity, plasticity, its answer at the contact line, its fields."""

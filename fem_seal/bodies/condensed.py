@@ -1,0 +1,129 @@
+"""A body seen from its contact line: what it answers to any pressure on it.
+
+The pressure acts at quadrature points of the contact line along the contact normal n; the same point forces,
+with opposite sign, act on both bodies. A body answers with the normal displacement of its quadratic trace, so
+the compliance between quadrature points is T S T^T with T the trace and S the compliance of the trace's
+nodes. Where the normal turns it is that of the trace's nodes, interpolated by T like the displacement. The closure
+floats: its axial rigid motion is an unknown of the contact problem, and its closing force is a pressure on its top
+that balances whatever acts elsewhere. Fluid on the wetted surfaces and a housing pressed into a bore are further
+columns of the same factorisation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
+from fem_seal.bodies.fields import BodyField, stress_operator
+from fem_seal.bodies.held_body import HeldBody
+from fem_seal.materials import Material
+
+if TYPE_CHECKING:
+    from skfem import Basis
+
+
+@dataclass(frozen=True)
+class BoundaryLoad:
+    """Answer of a body to a unit load away from the contact line, balanced on the closure by its closing load.
+
+    Parameters
+    ----------
+    axial_force : float
+        Axial force that the load exerts on the body [N per unit], positive upwards.
+    opening : ndarray, shape (m,)
+        How far the body's surface moves away from the other body at the points of the contact line [m per unit].
+    response : ndarray, shape (dofs,)
+        Displacement of the whole body [m per unit].
+    """
+
+    axial_force: float
+    opening: FloatArray
+    response: FloatArray
+
+
+@dataclass(frozen=True)
+class CondensedBody:
+    """One elastic body seen from its contact line.
+
+    Parameters
+    ----------
+    held : HeldBody
+        The body with its contact line and supports.
+    compliance : ndarray, shape (n, n)
+        Normal displacement of the trace nodes under unit forces at them along the normal [m/N].
+    loads : mapping of BoundaryLoad
+        "inner" and "outer": a fluid pressure of 1 Pa on the wetted surface inside and outside the contact line, the
+        top of the closure being outside; of a seat with fixed wall also "wall": the wall moved inwards by 1 m.
+    solve : callable or None
+        From nodal forces (dofs,) [N] to displacements [m]; None where only the contact line matters.
+    """
+
+    held: HeldBody
+    compliance: FloatArray
+    loads: Mapping[str, BoundaryLoad]
+    solve: Callable[[FloatArray], FloatArray] | None
+
+    @property
+    def basis(self) -> Basis:
+        """Displacement basis of the body."""
+        return self.held.basis
+
+    @property
+    def material(self) -> Material:
+        """Material of the body."""
+        return self.held.material
+
+    @property
+    def trace(self) -> csr_matrix:
+        """From the body's n trace nodes to the m points of the contact line, shape (m, n)."""
+        return self.held.trace
+
+    @property
+    def contact_nodes(self) -> NDArray[np.int64]:
+        """The trace nodes among the body's quadratic nodes, along increasing x."""
+        return self.held.contact_nodes
+
+    @property
+    def contact_x(self) -> FloatArray:
+        """Arc length of the trace nodes from first touch [m]."""
+        return self.held.contact_x
+
+    @cached_property
+    def stress_operator(self) -> csr_matrix:
+        """From displacement dofs [m] to nodal stress [Pa], see `fem_seal.bodies.fields.stress_operator`."""
+        return stress_operator(self.basis, self.material)
+
+    def displacement(self, point_forces: FloatArray) -> FloatArray:
+        """Displacement dofs [m] under normal forces [N] at the points of the contact line.
+
+        Raises
+        ------
+        ValueError
+            If the body was condensed for its contact line alone.
+        """
+        if self.solve is None:
+            raise ValueError(f"the {self.held.name} was condensed for its contact line alone")
+        return self.held.counted(self.solve(self.held.nodal_forces(point_forces)))
+
+
+def body_field(name: str, body: CondensedBody, displacement: FloatArray, pressure: FloatArray) -> BodyField:
+    """Field of a body under a displacement [m] and a contact pressure at its nodes [Pa]."""
+    points, triangles = quadratic_nodes(body.basis.mesh)
+    return BodyField(
+        name,
+        points,
+        triangles,
+        displacement[node_dofs(body.basis)].T,
+        (body.stress_operator @ displacement).reshape(len(points), 4),
+        body.contact_nodes,
+        body.contact_x,
+        pressure,
+    )

@@ -1,0 +1,78 @@
+"""Axisymmetric linear elasticity on a straight-sided triangle mesh with quadratic displacement."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from fem_seal.materials import Material
+
+if TYPE_CHECKING:
+    from skfem import Basis, MeshTri
+
+    from fem_seal.arrays import FloatArray
+
+
+def lame_parameters(material: Material) -> tuple[float, float]:
+    """Return lambda and mu [Pa] of an isotropic solid."""
+    E, nu = material.youngs_modulus, material.poissons_ratio
+    return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+
+
+def displacement_basis(mesh: MeshTri) -> Basis:
+    """Quadratic vector basis (u_r, u_z); integration exact for constant strain times r."""
+    from skfem import Basis, ElementTriP2, ElementVector
+
+    return Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+
+
+def stiffness_matrix(basis: Basis, material: Material) -> csr_matrix:
+    """Assemble int 2 pi r sigma(u) : epsilon(v) dr dz [N/m].
+
+    Strains e_rr = du_r/dr, e_zz = du_z/dz, e_tt = u_r/r, g_rz = du_r/dz + du_z/dr; sigma = D epsilon. All elements
+    are multiplied at once, three times faster than one weak form for each pair of shape functions.
+    """
+    lam, mu = lame_parameters(material)
+    D = np.diag([2 * mu, 2 * mu, 2 * mu, mu])
+    D[:3, :3] += lam
+    r = np.asarray(basis.global_coordinates())[0]
+    B = np.empty((*r.shape, 4, basis.Nbfun))
+    for n, (u,) in enumerate(basis.basis):
+        (u_rr, u_rz), (u_zr, u_zz) = u.grad
+        B[..., 0, n], B[..., 1, n], B[..., 2, n], B[..., 3, n] = u_rr, u_zz, np.asarray(u)[0] / r, u_rz + u_zr
+    weighted = (2 * np.pi * r * basis.dx)[..., None, None] * (D @ B)
+    shape = (len(r), -1, basis.Nbfun)
+    element = B.reshape(shape).transpose(0, 2, 1) @ weighted.reshape(shape)
+    dofs = basis.element_dofs.T
+    rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
+    return csr_matrix((element.ravel(), (rows.ravel(), columns.ravel())), shape=(basis.N, basis.N))
+
+
+def pressure_load(basis: Basis, boundary: str) -> FloatArray:
+    """Nodal forces [N] of a unit pressure (1 Pa, pushing into the body) on a named boundary; none if it is missing."""
+    from skfem import LinearForm
+
+    if boundary not in (basis.mesh.boundaries or {}):
+        # A contact line that reaches to the end of its face leaves nothing wetted beside it.
+        return np.zeros(basis.N)
+
+    @LinearForm
+    def push(v, w):  # type: ignore[no-untyped-def]
+        r, _ = w.x
+        return -2 * np.pi * r * (v[0] * w.n[0] + v[1] * w.n[1])
+
+    return push.assemble(basis.boundary(boundary))
+
+
+def quadratic_nodes(mesh: MeshTri) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Corner and mid-edge points (n, 2) [m] and the triangles (m, 6) over them, in VTK's order."""
+    points = np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)]).T
+    return points, np.vstack([mesh.t, mesh.nvertices + mesh.t2f]).T
+
+
+def node_dofs(basis: Basis) -> NDArray[np.int64]:
+    """Radial and axial dof of every quadratic node, shape (2, n)."""
+    return np.hstack([basis.nodal_dofs, basis.facet_dofs])

@@ -1,0 +1,167 @@
+"""Elastoplastic body on quadratic triangles: internal forces and consistent tangent, all elements at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix, csr_matrix
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.elasticity import quadratic_nodes
+from fem_seal.bodies.plastic_flow import Flow, PlasticState, radial_return
+from fem_seal.materials import HardeningCurve, Material
+
+if TYPE_CHECKING:
+    from skfem import Basis
+
+# Corners, then the middles of the edges 01, 12, 20, in the reference triangle.
+_NODES = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
+
+
+@dataclass(frozen=True)
+class BodyState:
+    """Where an elastoplastic body is on its path.
+
+    Parameters
+    ----------
+    displacement : ndarray, shape (dofs,)
+        [m].
+    stress : ndarray, shape (elements, points, 4)
+        (rr, zz, tt, rz) at the quadrature points [Pa].
+    plastic : PlasticState
+        At the quadrature points.
+    """
+
+    displacement: FloatArray
+    stress: FloatArray
+    plastic: PlasticState
+
+
+@dataclass(frozen=True)
+class ElastoplasticBody:
+    """A body of J2 material with isotropic hardening, small strain.
+
+    Parameters
+    ----------
+    basis : skfem.Basis
+        Quadratic displacement, see `fem_seal.bodies.elasticity.displacement_basis`.
+    material : Material
+        With its hardening curve.
+    free : ndarray of int
+        Dofs that are not held.
+
+    Raises
+    ------
+    ValueError
+        If the material has no hardening curve.
+    """
+
+    basis: Basis
+    material: Material
+    free: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        if self.material.hardening is None:
+            raise ValueError(f"{self.material.name}: has no hardening curve, it does not yield")
+
+    @property
+    def hardening(self) -> HardeningCurve:
+        """Flow stress over plastic strain."""
+        assert self.material.hardening is not None  # checked when made
+        return self.material.hardening
+
+    @property
+    def virgin(self) -> BodyState:
+        """The body before its first load."""
+        shape = self.weight.shape
+        return BodyState(np.zeros(self.basis.N), np.zeros((*shape, 4)), PlasticState.virgin(*shape))
+
+    @cached_property
+    def weight(self) -> FloatArray:
+        """Volume that each quadrature point stands for, 2 pi r dr dz [m^3]; shape (elements, points)."""
+        return 2 * np.pi * self._radius * self.basis.dx
+
+    @cached_property
+    def strain_shapes(self) -> FloatArray:
+        """Strains (rr, zz, tt, g_rz) of each shape function [1/m]; shape (elements, points, 4, shapes)."""
+        columns = []
+        for (shape,) in self.basis.basis:
+            u_r, _ = np.asarray(shape)
+            (u_rr, u_rz), (u_zr, u_zz) = shape.grad
+            columns.append(np.stack([u_rr, u_zz, u_r / self._radius, u_rz + u_zr], axis=-1))
+        return np.stack(columns, axis=-1)
+
+    def strain(self, displacement: FloatArray) -> FloatArray:
+        """Strain at the quadrature points; shape (elements, points, 4)."""
+        local = displacement[self.basis.element_dofs].T
+        return np.einsum("eqis,es->eqi", self.strain_shapes, local)
+
+    def respond(self, displacement: FloatArray, before: BodyState) -> Flow:
+        """Stress, tangent and state after a step from `before` to a displacement."""
+        return radial_return(self.strain(displacement), before.plastic, self.material, self.hardening)
+
+    def internal_forces(self, stress: FloatArray) -> FloatArray:
+        """int sigma : epsilon(v) 2 pi r dr dz of every test function [N]; shape (dofs,)."""
+        local = np.einsum("eqis,eqi,eq->se", self.strain_shapes, stress, self.weight)
+        forces = np.bincount(self.basis.element_dofs.ravel(), local.ravel(), minlength=self.basis.N)
+        return np.asarray(forces, dtype=np.float64)
+
+    def stiffness(self, tangent: FloatArray) -> csc_matrix:
+        """Stiffness of the free dofs with a given tangent (elements, points, 4, 4) at the quadrature points [N/m]."""
+        shapes = self.strain_shapes
+        stress = (self.weight[..., None, None] * tangent) @ shapes
+        elements, _, _, count = shapes.shape
+        local = shapes.reshape(elements, -1, count).transpose(0, 2, 1) @ stress.reshape(elements, -1, count)
+        place, indices, indptr = self._pattern
+        data = np.bincount(place, local.ravel(), minlength=len(indices) + 1)[:-1]
+        return csc_matrix((data, indices, indptr), shape=(len(self.free), len(self.free)))
+
+    @cached_property
+    def nodal_average(self) -> csr_matrix:
+        """From values at the quadrature points to the quadratic nodes, shape (nodes, elements * points).
+
+        In each triangle the linear function closest to the values is taken to its nodes; triangles that share a node
+        are averaged, weighted by their area.
+        """
+        points, triangles = quadratic_nodes(self.basis.mesh)
+        x, weights = self.basis.X, self.basis.W
+        linear = np.column_stack([np.ones(len(weights)), *x])
+        fit = np.linalg.solve(linear.T @ (weights[:, None] * linear), linear.T * weights)
+        extrapolate = np.column_stack([np.ones(6), *_NODES]) @ fit  # (node, point)
+        area = self.basis.dx.sum(axis=1)
+        share = area[:, None] / np.bincount(triangles.ravel(), np.repeat(area, 6))[triangles]
+        elements, count = self.weight.shape
+        columns = np.arange(elements * count).reshape(elements, 1, count)
+        shape = (elements, 6, count)
+        entries = (share[..., None] * extrapolate).ravel()
+        index = (
+            np.broadcast_to(triangles[..., None], shape).ravel(),
+            np.broadcast_to(columns, shape).ravel(),
+        )
+        return csr_matrix((entries, index), shape=(len(points), elements * count))
+
+    @cached_property
+    def _radius(self) -> FloatArray:
+        return np.asarray(self.basis.global_coordinates())[0]
+
+    @cached_property
+    def _pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]]:
+        """Place of every entry of every element matrix in the data of the assembled one, and its CSC pattern.
+
+        Entries of held dofs go to one place more, behind the data.
+        """
+        number = np.full(self.basis.N, -1, dtype=np.int64)
+        number[self.free] = np.arange(len(self.free))
+        dofs = number[self.basis.element_dofs].T
+        row, column = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
+        kept = ((row >= 0) & (column >= 0)).ravel()
+        key = (column * len(self.free) + row).ravel()
+        entries, place = np.unique(key[kept], return_inverse=True)
+        places = np.full(len(key), len(entries), dtype=np.int64)
+        places[kept] = place
+        indptr = np.searchsorted(entries, np.arange(len(self.free) + 1) * len(self.free))
+        return places, (entries % len(self.free)).astype(np.int32), indptr.astype(np.int32)

@@ -1,0 +1,243 @@
+"""A body as a contact sees it: where it is touched, how it is held, and what else can load it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix, csr_matrix
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.elasticity import displacement_basis, node_dofs, pressure_load, quadratic_nodes
+from fem_seal.bodies.restricted_inverse import restricted_inverse
+from fem_seal.materials import Material
+from meshes import SealMesh
+
+if TYPE_CHECKING:
+    from skfem import Basis
+
+
+@dataclass(frozen=True)
+class Supports:
+    """How the seat is held; its bottom always is, along the axis.
+
+    Parameters
+    ----------
+    wall : {"free", "fixed"}
+        Whether the outer wall of the housing is held radially.
+    """
+
+    wall: Literal["free", "fixed"] = "free"
+
+
+@dataclass(frozen=True)
+class HeldBody:
+    """Discrete body with its contact line, supports and further loads; nothing is said about its material law.
+
+    Parameters
+    ----------
+    name : str
+        "closure" or "seat".
+    basis : skfem.Basis
+        Displacement basis.
+    material : Material
+    contact_nodes : ndarray of int, shape (n,)
+        The nodes of the contact line among the body's quadratic nodes, along increasing x.
+    contact_x : ndarray, shape (n,)
+        Their arc length from first touch [m].
+    normal : ndarray, shape (2, n)
+        Unit normal (r, z) at these nodes, into the body; along it a contact pressure acts.
+    trace : csr_matrix, shape (m, n)
+        From these nodes to the m points of the contact line.
+    free : ndarray of int
+        Dofs that are not held.
+    balance : ndarray, shape (dofs,)
+        Nodal forces of what holds a floating body, of unit axial sum: the closing load on the closure's top. Motion
+        is counted from there, the mean displacement weighted with this load being zero. All zero if supports hold it.
+    further : mapping of ndarray, shape (dofs,)
+        Nodal forces [N] of a unit of each further load, such as 1 Pa on the "inner" and "outer" wetted surface; not
+        balanced.
+    wall : ndarray of int
+        Radial dofs of an outer wall that is held and can be moved.
+    """
+
+    name: str
+    basis: Basis
+    material: Material
+    contact_nodes: NDArray[np.int64]
+    contact_x: FloatArray
+    normal: FloatArray
+    trace: csr_matrix
+    free: NDArray[np.int64]
+    balance: FloatArray
+    further: Mapping[str, FloatArray]
+    wall: NDArray[np.int64]
+
+    @cached_property
+    def contact_dofs(self) -> NDArray[np.int64]:
+        """Radial and axial dof of the contact nodes, shape (2, n)."""
+        return node_dofs(self.basis)[:, self.contact_nodes]
+
+    def nodal_forces(self, point_forces: FloatArray) -> FloatArray:
+        """Nodal forces (dofs,) [N] of normal forces at the points of the contact line [N], balanced."""
+        forces = np.zeros(self.basis.N)
+        forces[self.contact_dofs] = self.normal * (self.trace.T @ point_forces)
+        return self.balanced(forces)
+
+    def balanced(self, forces: FloatArray) -> FloatArray:
+        """Nodal forces (dofs,) [N] together with what holds a floating body against them."""
+        return forces - self.balance * forces[node_dofs(self.basis)[1]].sum()
+
+    def counted(self, displacement: FloatArray) -> FloatArray:
+        """Displacement (dofs,) [m] without the axial rigid motion of a floating body."""
+        counted = displacement.copy()
+        counted[node_dofs(self.basis)[1]] -= self.balance @ displacement
+        return counted
+
+    def retreat(self, displacement: FloatArray) -> FloatArray:
+        """How far the contact nodes move along the normal into the body [m], shape (n,)."""
+        return np.sum(self.normal * self.counted(displacement)[self.contact_dofs], axis=0)
+
+    def condensed(self, stiffness: csc_matrix) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """Factorise a stiffness of the free dofs, and see the body from its contact line.
+
+        Parameters
+        ----------
+        stiffness : csc_matrix, shape (free dofs, free dofs)
+            [N/m]
+
+        Returns
+        -------
+        compliance : ndarray, shape (n, n)
+            Retreat of the contact nodes per unit normal force at each [m/N].
+        solve : callable
+            From nodal forces (dofs,) or (dofs, k) to displacements.
+
+        Raises
+        ------
+        RuntimeError
+            If the stiffness is not positive definite.
+
+        Notes
+        -----
+        (F - c s)^T K^-1 (F - c s) with the unit normal forces F and the shares s of each that the load c balances.
+        """
+        number = np.full(self.basis.N, -1)
+        number[self.free] = np.arange(len(self.free))
+        place = number[self.contact_dofs]
+        loaded, solve_free = restricted_inverse(stiffness, place[place >= 0])
+        inverse = np.zeros((place.size, place.size))
+        movable = np.flatnonzero(place.ravel() >= 0)
+        inverse[np.ix_(movable, movable)] = loaded
+
+        def solve(forces: FloatArray) -> FloatArray:
+            displacement = np.zeros_like(forces)
+            displacement[self.free] = solve_free(forces[self.free])
+            return displacement
+
+        along = self.normal.ravel()[:, None] * inverse * self.normal.ravel()
+        compliance = along.reshape(*self.normal.shape, *self.normal.shape).sum(axis=(0, 2))
+        if self.balance.any():
+            share, balanced = self.normal[1], solve(self.balance)
+            cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
+            compliance += self.balance @ balanced * np.outer(share, share) - cross - cross.T
+        return compliance, solve
+
+
+def held_body(
+    seal_mesh: SealMesh,
+    name: str,
+    material: Material,
+    x: FloatArray,
+    area_weight: FloatArray,
+    supports: Supports | None = None,
+) -> HeldBody:
+    """One body of a seal: the seat stands on its bottom, the closure floats under its closing load.
+
+    Parameters
+    ----------
+    seal_mesh : SealMesh
+    name : str
+        "closure" or "seat".
+    material : Material
+    x : ndarray, shape (m,)
+        Points of the contact line, arc length from first touch [m].
+    area_weight : ndarray, shape (m,)
+        Area of the seat that each of them stands for [m^2].
+    supports : Supports, optional
+    """
+    contact = seal_mesh.contact
+    basis = displacement_basis(seal_mesh.closure if name == "closure" else seal_mesh.seat)
+    nodes, trace = trace_matrix(basis, f"{name}_contact", contact.coordinate, x)
+    contact_x = contact.coordinate(*quadratic_nodes(basis.mesh)[0][nodes].T)
+    # Towards the body's inside: up into the closure, down into the seat.
+    normal = contact.normal(contact_x) * (1.0 if name == "closure" else -1.0)
+    balance, wall = np.zeros(basis.N), np.zeros(0, dtype=np.int64)
+    further = {side: pressure_load(basis, f"{name}_{side}") for side in ("inner", "outer")}
+    # Between the surfaces fluid acts on both bodies along the contact normal. What a face that leans away from it feels
+    # more or less belongs to the fluid at that end of the line, so that fluid all around is even pressure.
+    on_line = node_dofs(basis)[:, nodes]
+    lacking = pressure_load(basis, f"{name}_contact")[on_line] - normal * (trace.T @ area_weight)
+    for side, beyond in (("inner", contact_x < 0), ("outer", contact_x > 0)):
+        further[side][on_line] += np.where(beyond, lacking, 0.0)
+    if name == "closure":
+        closing = pressure_load(basis, "closure_top")
+        further["outer"] += closing
+        axial = node_dofs(basis)[1]
+        balance = closing / closing[axial].sum()
+        # Fluid all around must lift nothing, and that up to first touch acts on the area of its circle. What is left to
+        # that is the node there, which stands on both sides, or of a ready mesh its facets across the ends of the line.
+        in_gap, sealed = area_weight * (trace @ normal[1]), np.pi * contact.touch_radius**2
+        middle = int(np.argmin(np.abs(contact_x)))
+        for side, end, area in (
+            ("inner", 0, sealed - in_gap[x < 0].sum()),
+            ("outer", -1, -sealed - in_gap[x > 0].sum()),
+        ):
+            node = on_line[1, end if contact.has_ready_mesh else middle]
+            further[side][node] += area - further[side][axial].sum()
+        held = np.append(_dofs(basis, "closure_axis", 1), _dofs(basis, "closure_top", 2)[0])
+    else:
+        held = _dofs(basis, "seat_bottom", 2)
+        if supports is not None and supports.wall == "fixed":
+            wall = _dofs(basis, "seat_wall", 1)
+            held = np.concatenate([held, wall])
+    free = np.setdiff1d(np.arange(basis.N), held)
+    return HeldBody(name, basis, material, nodes, contact_x, normal, trace, free, balance, further, wall)
+
+
+def trace_matrix(
+    basis: Basis, boundary: str, coordinate: Callable[[FloatArray, FloatArray], FloatArray], x: FloatArray
+) -> tuple[NDArray[np.int64], csr_matrix]:
+    """Quadratic trace on a contact line evaluated at the arc lengths `x`.
+
+    Returns
+    -------
+    nodes : ndarray of int, shape (n,)
+        The trace nodes among the body's quadratic nodes, along increasing x.
+    trace : csr_matrix, shape (len(x), n)
+    """
+    mesh = basis.mesh
+    facets = np.asarray((mesh.boundaries or {})[boundary])
+    ends = coordinate(*mesh.p[:, mesh.facets[:, facets].ravel()]).reshape(2, -1)
+    order = np.argsort(ends.mean(axis=0))
+    facets, ends = facets[order], ends[:, order]
+    first = ends.min(axis=0)
+    facet = np.clip(np.searchsorted(first, x, side="right") - 1, 0, len(facets) - 1)
+    t = (x - ends[0, facet]) / (ends[1, facet] - ends[0, facet])
+    shape = np.stack([(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)])
+    vertex, vertex_index = np.unique(mesh.facets[:, facets], return_inverse=True)
+    vertex_index = vertex_index.reshape(2, -1)
+    columns = np.stack([vertex_index[0, facet], vertex_index[1, facet], len(vertex) + facet])
+    rows = np.tile(np.arange(len(x)), 3)
+    trace = csr_matrix((shape.ravel(), (rows, columns.ravel())), shape=(len(x), len(vertex) + len(facets)))
+    nodes = np.concatenate([vertex, mesh.nvertices + facets])
+    along = np.argsort(coordinate(*quadratic_nodes(mesh)[0][nodes].T))
+    return nodes[along], trace[:, along]
+
+
+def _dofs(basis: Basis, boundary: str, component: int) -> NDArray[np.int64]:
+    return np.asarray(basis.get_dofs(boundary).all([f"u^{component}"]))

@@ -1,0 +1,225 @@
+"""The case: everything that one calculation needs, read from a TOML file or made in code."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import PrivateAttr, ValidationError
+
+from fem_seal.case.bodies import place_body_files
+from fem_seal.case.checks import contradictions
+from fem_seal.case.messages import problems
+from fem_seal.case.roughness import place_files
+from fem_seal.case.tables import CaseTables
+from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError
+from fem_seal.files import read_toml
+
+
+class Case(CaseTables):
+    """One seal with its loads. All numbers are SI floats; angles are in radian.
+
+    Built from the same tables and texts that stand in the case file:
+
+    >>> case = Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     interface={"law": "smooth"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ... )
+    >>> case.closure.radius
+    0.02
+    >>> round(case.replace({"seat.angle": "60 deg"}).touch_radius, 6)
+    0.017321
+
+    Raises
+    ------
+    InputError
+        If anything is wrong; it lists every problem.
+    """
+
+    _input: dict[str, Any] = PrivateAttr(default_factory=dict)
+
+    def __init__(self, /, **tables: Any) -> None:
+        self._read(tables, None)
+        self._input = copy.deepcopy(tables)
+
+    def _read(self, tables: dict[str, Any], like: Case | None) -> None:
+        """Read and check tables; those that are the very ones of another case are taken from it as they were read."""
+        known = {
+            name for name, table in tables.items() if like is not None and like._input.get(name) is table
+        }
+        try:
+            super().__init__(**{**tables, **{name: getattr(like, name) for name in known}})
+        except ValidationError as error:
+            raise InputError(*problems(error, type(self))) from None
+        if like is not None and {"closure", "seat"} <= known:
+            self._contact = like._contact
+        wrong = contradictions(self)
+        if wrong:
+            none_left = all(isinstance(problem, LoadProblem) for problem in wrong)
+            raise (NoLoadLeftError if none_left else InputError)(*wrong)
+        # what the user wrote, so that `replace` checks a change exactly as it checks a file
+        self._input = tables
+
+    @property
+    def named_files(self) -> tuple[str, ...]:
+        """Absolute paths of the files that the tables name."""
+        return tuple(dict.fromkeys(str(Path(file).absolute()) for file in _named_files(self._input)))
+
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **tables: Any) -> Case:
+        """A changed copy, checked like a new case.
+
+        Parameters
+        ----------
+        changes : mapping, optional
+            Dotted keys with their new entries: ``{"seat.angle": "50 deg"}``.
+        **tables
+            The same as nested tables: ``seat={"angle": "50 deg"}``. Tables are merged; a table with another
+            `shape` or `kind` replaces the old one. None removes an entry.
+
+        Raises
+        ------
+        InputError
+            If the changed case is wrong.
+        """
+        changed = self._input
+        for key, value in copy.deepcopy(dict(changes or {})).items():
+            *parents, last = str(key).split(".")
+            nested: Any = {last: value}
+            for parent in reversed(parents):
+                nested = {parent: nested}
+            changed = _merged(changed, nested)
+        case = Case.__new__(Case)
+        try:
+            case._read(_merged(changed, copy.deepcopy(tables)), self)
+        except InputError as error:
+            raise error.in_file(self._file) from None
+        case._file = self._file
+        return case
+
+
+def load_case(path: str | Path) -> Case:
+    """Read and check a case file.
+
+    Parameters
+    ----------
+    path : path
+        TOML file. Files named in it are looked for beside it, and the results folder is placed beside it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or anything in it is wrong; it lists every problem.
+
+    Examples
+    --------
+    >>> case = load_case("examples/ball_cone.toml")     # doctest: +SKIP
+    >>> case.seat.angle                                 # doctest: +SKIP
+    0.7853981633974483
+    """
+    path = Path(path)
+    tables = read_toml(path, "case")
+    tables.setdefault("title", path.stem)
+    _place_files(tables, path)
+    try:
+        case = Case(**tables)
+    except InputError as error:
+        raise error.in_file(path) from None
+    case._file = path
+    return case
+
+
+def _place_files(tables: dict[str, Any], path: Path) -> None:
+    """Make the files named in the tables relative to the case file, and name the results folder after it."""
+    folder = path.absolute().parent
+    place_files(tables.get("roughness"), folder)
+    for body in ("closure", "seat"):
+        place_body_files(tables.get(body), folder)
+    output = tables.setdefault("output", {})
+    if isinstance(output, dict) and isinstance(output.get("folder", ""), str):
+        output["folder"] = str(folder / output.get("folder", f"{path.stem}.out"))
+
+
+def _named_files(entry: Any, name: str = "") -> Iterator[str]:
+    if isinstance(entry, Mapping):
+        for key, value in entry.items():
+            yield from _named_files(value, key)
+    elif isinstance(entry, (list, tuple)):
+        for value in entry:
+            yield from _named_files(value, name)
+    elif name in ("file", "files") and isinstance(entry, str):
+        yield entry
+
+
+def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+    """A new table; entries without a change are the very ones of the old table."""
+    merged = dict(old)
+    for key, value in new.items():
+        before = merged.get(key)
+        if value is None:
+            merged.pop(key, None)
+        elif isinstance(value, Mapping):
+            same = isinstance(before, dict) and all(
+                value.get(k, before.get(k)) == before.get(k) for k in ("shape", "kind")
+            )
+            merged[key] = _merged(before if same and before else {}, value)
+        else:
+            merged[key] = value
+    return merged
+
+
+def case_schema() -> dict[str, Any]:
+    """JSON Schema of what may stand in a case file.
+
+    Returns
+    -------
+    dict
+        Draft 2020-12. Ranges of quantities and contradictions between tables are beyond a schema; `load_case`
+        checks them.
+
+    Examples
+    --------
+    >>> sorted(case_schema()["required"])
+    ['closure', 'load', 'seat']
+    """
+    schema = _as_written(Case.model_json_schema(mode="validation"))
+    schema["description"] = 'One seal with its loads; quantities are texts with units, such as "20 mm".'
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "fem-seal case", **schema}
+
+
+def _as_written(schema: dict[str, Any]) -> dict[str, Any]:
+    """Schema of the file instead of the models: TOML has no null, and titles would only repeat the keys."""
+    cleaned: dict[str, Any] = {}
+    for key, value in schema.items():
+        if key == "title" and isinstance(value, str):
+            continue
+        if key == "default" and (value is None or isinstance(value, dict)):
+            continue
+        if isinstance(value, dict):
+            cleaned[key] = _as_written(value)
+        elif isinstance(value, list):
+            cleaned[key] = [_as_written(one) if isinstance(one, dict) else one for one in value]
+        else:
+            cleaned[key] = value
+    choices = [one for one in cleaned.get("anyOf", []) if one != {"type": "null"}]
+    if len(choices) == 1:
+        del cleaned["anyOf"]
+        return {**choices[0], **cleaned}
+    return cleaned
+
+
+def input_tables(case: Case) -> dict[str, Any]:
+    """The case as nested tables in SI with all defaults filled in."""
+    return {name: _plain(value) for name, value in case if name != "title"}
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "model_fields_set"):
+        return {name: _plain(entry) for name, entry in value}
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
+    return [_plain(entry) for entry in value] if isinstance(value, (tuple, list)) else value

@@ -1,0 +1,276 @@
+"""What each table cannot know alone: contradictions between the tables of a case."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from fem_seal.case.fields import shown
+from fem_seal.case.load_limits import problems_of_all_loads
+from fem_seal.case.roughness import SHAPE, SelfAffine, scan_spectra, self_affine_part, uncertain_heights
+from fem_seal.case.tables import CaseTables, curves
+from fem_seal.errors import Problem
+from meshes import GeometryError
+
+# Interference of a press fit over the radius of the wall, up to which strains are small.
+_LARGEST_FIT = 0.01
+
+
+def contradictions(case: CaseTables) -> list[Problem]:
+    """Everything in a case that does not fit together."""
+    return [
+        *(geometry := list(_bodies(case))),
+        *_spectrum(case),
+        *_interface(case),
+        *_hardness(case),
+        *(load := list(_load(case))),
+        *([] if geometry or load else problems_of_all_loads(case)),
+        *_fluid(case),
+        *_flow(case),
+        *uncertainty_problems(case),
+        *yielding_problems(case),
+    ]
+
+
+def _flow(case: CaseTables) -> Iterator[Problem]:
+    if case.leak.fluid_in_gap == "local" and case.fluid is not None and case.fluid.gas is not None:
+        yield Problem(
+            "leak.fluid_in_gap",
+            'only for liquids, but the fluid is a gas; remove it, or set "uncoupled"',
+            '"local"',
+        )
+    directed = case.roughness is not None and (
+        case.roughness.peklenik != 1 or case.roughness.along is not None
+    )
+    if directed and case.leak.conductivity == "critical-junction":
+        yield Problem(
+            "leak.conductivity",
+            "one junction knows no direction, but the roughness has one (peklenik, or along and across); use "
+            '"bruggeman"',
+            '"critical-junction"',
+        )
+
+
+def _bodies(case: CaseTables) -> Iterator[Problem]:
+    wrong = [*case.closure.problems(), *case.seat.problems()]
+    if wrong:
+        yield from wrong
+        return
+    try:
+        r0 = case.touch_radius
+    except GeometryError as error:
+        yield _geometry_problem(str(error))
+        return
+    size = case.mesh.contact_size
+    if size is not None and size > r0 / 4:
+        yield Problem(
+            "mesh.contact_size",
+            f"too coarse for a contact circle of {_mm(r0)}; allowed is up to {_mm(r0 / 4)}",
+            _mm(size),
+        )
+    yield from _press_fit(case)
+
+
+def _press_fit(case: CaseTables) -> Iterator[Problem]:
+    """Around a small bore the strain is up to three times that of the wall, which must stay small, too."""
+    interference, wall = getattr(case.seat, "interference", None) or 0.0, case.contact.seat.largest_radius
+    if interference > _LARGEST_FIT * wall:
+        yield Problem(
+            "seat.interference",
+            f"is {100 * interference / wall:.2g} % of the radius of the wall, {_mm(wall)}; the theory is for small "
+            f"strains and allows up to {100 * _LARGEST_FIT:g} %, {_mm(_LARGEST_FIT * wall)}",
+            _mm(interference),
+        )
+
+
+def _geometry_problem(message: str) -> Problem:
+    """A geometry that cannot be, at its key if the message begins with one."""
+    named = re.match(r"(closure|seat) (\w+) = ([^:]+): (.+)", message, re.DOTALL)
+    if named is None:
+        return Problem("seat", message)
+    body, key, value, what = named.groups()
+    return Problem(f"{body}.{key}", what, value)
+
+
+def _spectrum(case: CaseTables) -> Iterator[Problem]:
+    for name, spectrum in case.roughness.parts.items() if case.roughness else ():
+        if isinstance(spectrum, SelfAffine):
+            yield from _wavenumbers(f"roughness.{name}", spectrum)
+
+
+def _wavenumbers(key: str, spectrum: SelfAffine) -> Iterator[Problem]:
+    if spectrum.q_low >= spectrum.q_high:
+        yield Problem(
+            f"{key}.q_low",
+            f"must be below q_high = {spectrum.q_high:g} 1/m",
+            f"{spectrum.q_low:g} 1/m",
+        )
+    elif not spectrum.q_low <= spectrum.q_rolloff <= spectrum.q_high:
+        yield Problem(
+            f"{key}.q_rolloff",
+            f"must lie between q_low = {spectrum.q_low:g} 1/m and q_high = {spectrum.q_high:g} 1/m",
+            f"{spectrum.q_rolloff:g} 1/m",
+        )
+
+
+def _interface(case: CaseTables) -> Iterator[Problem]:
+    interface, rough = case.interface, case.roughness is not None
+    if interface.law == "persson" and not rough:
+        yield Problem(
+            "roughness",
+            'is missing; interface.law = "persson" takes p(u) from the spectrum. Add [roughness], or use '
+            'law = "smooth"',
+        )
+    if interface.law != "exponential":
+        for key in ("gamma", "u0", "p_c"):
+            if getattr(interface, key) is not None:
+                yield Problem(
+                    f"interface.{key}",
+                    f'only with law = "exponential", but law = "{interface.law}"; remove it',
+                )
+    if interface.law != "persson" and interface.plastic:
+        yield Problem(
+            "interface.plastic", f'only with law = "persson", but law = "{interface.law}"; remove it', "true"
+        )
+    if interface.law == "exponential" and interface.gamma is not None and interface.u0 is not None:
+        yield Problem(
+            "interface.gamma",
+            "u0 is given as well, and u0 = gamma times rms height; remove one of them",
+            f"{interface.gamma:g}",
+        )
+    if interface.law == "exponential" and not rough:
+        for key, source in (("u0", "gamma times rms height"), ("p_c", "spectrum")):
+            if getattr(interface, key) is None:
+                yield Problem(
+                    f"interface.{key}",
+                    f"is missing; without [roughness] there is no {source} to take it from",
+                )
+        if interface.gamma is not None:
+            yield Problem(
+                "interface.gamma",
+                "needs [roughness] with its rms height; give u0 instead",
+                f"{interface.gamma:g}",
+            )
+
+
+def _hardness(case: CaseTables) -> Iterator[Problem]:
+    if case.roughness is None or case.hardness is not None:
+        return
+    closure, seat = shown(case.closure.material.name), shown(case.seat.material.name)
+    bodies = f"closure.material = {closure} and seat.material = {seat} have none"
+    remedy = 'add hardness = "3.5 GPa" (your value) to the table of one of them'
+    if case.leak.plasticity:
+        yield Problem(
+            "leak.plasticity", f"needs a hardness, but {bodies}; {remedy}, or set plasticity = false", "true"
+        )
+    if case.interface.plastic:
+        yield Problem(
+            "interface.plastic", f"needs a hardness, but {bodies}; {remedy}, or set plastic = false", "true"
+        )
+
+
+def _load(case: CaseTables) -> Iterator[Problem]:
+    load = case.load
+    if isinstance(load.axial_force, tuple) and len(load.axial_force) != len(load.fluid_pressure):
+        yield Problem(
+            "load.axial_force",
+            f"has {len(load.axial_force)} entries, but fluid_pressure has {len(load.fluid_pressure)}; give one for "
+            "each fluid pressure, one for all, or a single fluid_pressure for all forces",
+        )
+    if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
+        yield Problem(
+            "leak.fluid_in_gap",
+            'load.closing = "penetration" already solves contact and fluid pressure in the gap together; remove it',
+            '"local"',
+        )
+    if load.target_leak_rate is not None and (case.roughness is None or case.fluid is None):
+        missing = "roughness" if case.roughness is None else "fluid"
+        yield Problem(
+            "load.target_leak_rate",
+            f"needs a leak rate, and there is none without [{missing}]; add it",
+            f"{load.target_leak_rate:.4g} m^3/s",
+        )
+
+
+def _fluid(case: CaseTables) -> Iterator[Problem]:
+    fluid = case.fluid
+    if fluid is None:
+        return
+    if fluid.gas is None and fluid.outlet_pressure is not None:
+        yield Problem(
+            "fluid.outlet_pressure",
+            f"only for a gas; the leak of a liquid ({shown(fluid.name)}) depends on the pressure difference alone, "
+            "remove it",
+            f"{fluid.outlet_pressure:.6g} Pa",
+        )
+    if fluid.gas is not None and case.uncertainty is not None and case.uncertainty.viscosity is not None:
+        yield Problem(
+            "uncertainty.viscosity",
+            f"only for a liquid, whose leak rate is inversely proportional to it; remove it for {shown(fluid.name)}",
+        )
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.6g} mm"
+
+
+def yielding_problems(case: CaseTables) -> Iterator[Problem]:
+    """What in a case with a stress_strain curve needs bodies that do not remember their loads."""
+    if not curves(case):
+        return
+    bodies = [name for name in ("closure", "seat") if getattr(case, name).material.hardening is not None]
+    because = f"a body that yields ({' and '.join(bodies)}: material.stress_strain) remembers its loads"
+    remedy = "or leave stress_strain out"
+    if case.load.closing == "penetration":
+        yield Problem(
+            "load.closing",
+            f"the fluid's way between the surfaces is solved together with elastic bodies, but {because}; use "
+            f'"sealed-area", {remedy}',
+            '"penetration"',
+        )
+    if case.load.target_leak_rate is not None:
+        yield Problem(
+            "load.target_leak_rate",
+            f"the force for it is looked for by trying forces, but {because}, each of the tries, too; list the forces "
+            f"in load.axial_force instead, {remedy}",
+            f"{case.load.target_leak_rate:.4g} m^3/s",
+        )
+    if case.uncertainty is not None:
+        yield Problem(
+            "uncertainty",
+            f"the samples solve each load on its own, but {because}; remove the table (a study can vary the inputs: "
+            f"it solves the whole path of every design), {remedy}",
+        )
+
+
+def uncertainty_problems(case: CaseTables) -> Iterator[Problem]:
+    """What in [uncertainty] does not fit the other tables."""
+    table = case.uncertainty
+    if table is None:
+        return
+    for name in ("roughness", "fluid"):
+        if getattr(case, name) is None:
+            yield Problem("uncertainty", f"is about the leak rate, which needs a table [{name}]; add it")
+    if (
+        not table.spreads
+        and table.spectrum is None
+        and not any(uncertain_heights(case.roughness, between_scans=table.spectrum is not None))
+    ):
+        yield Problem(
+            "uncertainty", "names no uncertain input; add one, such as hardness = { relative = 0.1 }"
+        )
+    if table.hardness is not None and not case.leak.plasticity:
+        yield Problem("uncertainty.hardness", "has no effect with leak.plasticity = false; remove it")
+    if case.roughness is None:
+        return
+    shape = [key for key in SHAPE if key in table.spreads]
+    if self_affine_part(case.roughness) is None:
+        for key in shape:
+            yield Problem(
+                f"uncertainty.{key}", 'needs one spectrum of kind "self-affine" in [roughness]; remove it'
+            )
+    if table.spectrum is not None and not scan_spectra(case.roughness):
+        yield Problem(
+            "uncertainty.spectrum",
+            'needs a spectrum of kind "profile" with two or more files; give the scans, or remove it',
+        )

@@ -1,0 +1,154 @@
+"""The table [closure] of the case file: one model for each shape."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+import meshes
+from fem_seal.case.bodies import (
+    INCLINATION,
+    LENGTH,
+    SMALL_LENGTH,
+    Body,
+    MaterialField,
+    dimension,
+    material_field,
+)
+from fem_seal.errors import Problem
+from meshes import Shape
+
+
+class Ball(Body):
+    """[closure] shape = "ball": a ball, solid or hollow."""
+
+    shape: Literal["ball"] = Field(description="shape of the closure", examples=["ball"])
+    radius: Annotated[float, LENGTH] = Field(description="radius R of the ball", examples=["20 mm"])
+    cavity_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the cavity of a hollow ball; solid unless given", "15 mm"
+    )
+    material: MaterialField = material_field()
+
+    def body(self) -> Shape:
+        """The closure that is meshed."""
+        return meshes.Ball(self.radius, self.cavity_radius or 0.0)
+
+
+class Cone(Body):
+    """[closure] shape = "cone": a poppet, a conical face with rounded edges between a flat nose and a stem."""
+
+    shape: Literal["cone"] = Field(description="shape of the closure", examples=["cone"])
+    angle: Annotated[float, INCLINATION] = Field(
+        description="inclination of the conical face to the horizontal plane, the angle between the axis and its "
+        "normal (as seat.angle); the half-angle of the cone is 90 deg minus this",
+        examples=["45 deg"],
+    )
+    outer_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the upper edge of the face before rounding, and of the stem; one or two of outer_radius, "
+        "inner_radius and mean_radius are needed; twice the inner radius unless given",
+        "20 mm",
+    )
+    inner_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the lower edge of the face before rounding; half the outer radius unless given", "10 mm"
+    )
+    mean_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the middle of the face; the mean of the other two", "15 mm"
+    )
+    edge_radius: Annotated[float, SMALL_LENGTH] | None = dimension(
+        "rounding of both edges; a tenth of the length of the face unless given", "1 mm"
+    )
+    height: Annotated[float, LENGTH] | None = dimension(
+        "length of the stem above the face; the outer radius unless given", "20 mm"
+    )
+    material: MaterialField = material_field()
+
+    def problems(self) -> Iterator[Problem]:
+        """What is wrong with the radii together."""
+        known = [key for key in ("outer_radius", "inner_radius", "mean_radius") if getattr(self, key)]
+        if not 1 <= len(known) <= 2:
+            which = "none is given" if not known else "all three are given"
+            yield Problem(
+                "closure.outer_radius",
+                f"one or two of outer_radius, inner_radius and mean_radius are needed, but {which}",
+            )
+
+    def body(self) -> Shape:
+        """The closure that is meshed."""
+        return meshes.RoundedCone.of(
+            self.angle,
+            outer_radius=self.outer_radius,
+            inner_radius=self.inner_radius,
+            mean_radius=self.mean_radius,
+            edge_radius=self.edge_radius,
+            height=self.height,
+        )
+
+
+class Torus(Body):
+    """[closure] shape = "torus": a plunger whose rim has a circular section."""
+
+    shape: Literal["torus"] = Field(description="shape of the closure", examples=["torus"])
+    centre_radius: Annotated[float, LENGTH] = Field(
+        description="distance of the centre of the rim's section from the axis", examples=["15 mm"]
+    )
+    radius: Annotated[float, LENGTH] = Field(
+        description="radius of the rim's section; the plunger's own radius is centre_radius + radius",
+        examples=["3 mm"],
+    )
+    recess: Annotated[float, SMALL_LENGTH] | None = dimension(
+        "how far the flat inside the rim lies above the rim's lowest circle; half the radius unless given, less where "
+        "the rim would begin within half the centre_radius",
+        "1 mm",
+    )
+    height: Annotated[float, LENGTH] | None = dimension(
+        "from the widest circle of the rim to the top; the plunger's radius unless given", "10 mm"
+    )
+    material: MaterialField = material_field()
+
+    def body(self) -> Shape:
+        """The closure that is meshed."""
+        return meshes.ToroidalEdge.of(self.centre_radius, self.radius, recess=self.recess, height=self.height)
+
+
+class SphericalTip(Body):
+    """[closure] shape = "spherical-tip": a rod whose end is a spherical cap of larger radius."""
+
+    shape: Literal["spherical-tip"] = Field(description="shape of the closure", examples=["spherical-tip"])
+    radius: Annotated[float, LENGTH] = Field(description="radius of the cap", examples=["30 mm"])
+    stem_radius: Annotated[float, LENGTH] = Field(
+        description="radius of the rod, below that of the cap", examples=["20 mm"]
+    )
+    edge_radius: Annotated[float, SMALL_LENGTH] | None = dimension(
+        "rounding between cap and rod; a twentieth of stem_radius unless given", "1 mm"
+    )
+    height: Annotated[float, LENGTH] | None = dimension(
+        "length of the rod above the cap; stem_radius unless given", "20 mm"
+    )
+    material: MaterialField = material_field()
+
+    def body(self) -> Shape:
+        """The closure that is meshed."""
+        return meshes.SphericalTip.of(
+            self.radius, self.stem_radius, edge_radius=self.edge_radius, height=self.height
+        )
+
+
+class Disc(Body):
+    """[closure] shape = "disc": a flat disc with a rounded rim."""
+
+    shape: Literal["disc"] = Field(description="shape of the closure", examples=["disc"])
+    radius: Annotated[float, LENGTH] = Field(description="radius of the disc", examples=["20 mm"])
+    edge_radius: Annotated[float, LENGTH] | None = dimension(
+        "rounding of the lower rim; a twentieth of the radius, at most a quarter of the height, unless given",
+        "1 mm",
+    )
+    height: Annotated[float, LENGTH] | None = dimension(
+        "thickness of the disc; half its radius unless given", "10 mm"
+    )
+    material: MaterialField = material_field()
+
+    def body(self) -> Shape:
+        """The closure that is meshed."""
+        return meshes.Disc.of(self.radius, edge_radius=self.edge_radius, height=self.height)

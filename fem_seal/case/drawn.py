@@ -1,0 +1,244 @@
+"""The shape "profile" of closure and seat: an outline in the case file, a drawing, or a mesh."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from fem_seal.case.bodies import Body, MaterialField, dimension, material_field
+from fem_seal.case.fields import Place, Quantity, Table
+from fem_seal.case.seats import Held
+from fem_seal.errors import Problem
+from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
+from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
+
+_PLACE = Place(Quantity("length", "-10 m", "10 m"))
+_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
+_DRAWINGS, _MESHES = (".dxf", ".step", ".stp"), (".msh",)
+
+
+class Piece(Table):
+    """A line or an arc of an outline, from the end of the one before to here."""
+
+    to: Annotated[tuple[float, float], _PLACE] = Field(
+        description="end point, [r, z]; z is free up to a shift. The first entry is only the starting point",
+        examples=[["12 mm", "0 mm"]],
+    )
+    centre: Annotated[tuple[float, float], _PLACE] | None = Field(
+        None,
+        description="centre of an arc that goes the short way, less than 180 deg; a line unless given",
+        examples=[["12 mm", "3 mm"]],
+    )
+    radius: Annotated[float, Quantity("length", "-10 m", "10 m")] | None = Field(
+        None,
+        description="radius of an arc of less than 180 deg instead of its centre, positive where it bends to the left",
+        examples=["3 mm"],
+    )
+    name: Literal["face", "inner", "outer", "top", "axis", "cavity", "wall", "bottom"] | None = Field(
+        None,
+        description="boundary that the piece belongs to; found by its place unless given: the top, which is pushed, "
+        "is the highest piece that looks upwards with all that continue it without a corner of more than 40 deg",
+        examples=["face"],
+    )
+
+
+class ProfileSource(Table):
+    """Where an outline comes from."""
+
+    outline: list[Piece] | None = Field(
+        None,
+        description="lines and arcs, once around, the last one ending where the first begins; in either sense",
+        examples=[
+            [{"to": ["0 mm", "0 mm"]}, {"to": ["9 mm", "0 mm"]}, {"to": ["9 mm", "9 mm"], "radius": "20 mm"}]
+        ],
+    )
+    file: str | None = Field(
+        None,
+        description="instead of outline: a section as .dxf (LINE, ARC, CIRCLE, LWPOLYLINE, ELLIPSE, SPLINE), as .step "
+        "(or a solid, which is cut), or a gmsh mesh .msh whose lines are named after their boundaries, which is used "
+        "as it is; relative to the case file",
+        examples=["seat.dxf"],
+    )
+    axis: Literal["x", "y", "z"] = Field(
+        "y",
+        description="coordinate of the file along the axis of the seal; r is the other one of the plane in which the "
+        "section lies; a .dxf is drawn in x and y",
+    )
+    length_unit: Literal["m", "cm", "mm", "um", "in"] | None = Field(
+        None,
+        description="unit of a .dxf or .msh; what a .dxf says or mm, and m for a .msh, unless given; a .step knows its "
+        "own",
+        examples=["mm"],
+    )
+    layer: str | None = Field(
+        None,
+        description="layer of a .dxf with this body; unless given, all that are not switched off or frozen",
+        examples=["SEAT"],
+    )
+    tolerance: Annotated[float, Quantity("length", "0.1 nm", "1 mm")] | None = dimension(
+        "largest distance between splines or ellipses of a drawing and the arcs that stand for them; 10 nm unless "
+        "given",
+        "10 nm",
+    )
+    time_limit: Annotated[float, Quantity("time", "1 s", "1 h")] | None = Field(
+        None,
+        description="longest time that reading the file may take: a damaged .step can keep OpenCASCADE busy for ever; "
+        "20 s unless given",
+        examples=["20 s"],
+    )
+
+    def source_problems(self, name: str) -> Iterator[Problem]:
+        """What is wrong with the keys together."""
+        if (self.outline is None) == (self.file is None):
+            which = "neither is given" if self.file is None else "both are given"
+            yield Problem(f"{name}.outline", f"outline or file is needed, but {which}")
+            return
+        if self.file is None:
+            return
+        kind = Path(self.file).suffix.lower()
+        if kind not in (*_DRAWINGS, *_MESHES):
+            yield Problem(
+                f"{name}.file",
+                f"must end with {', '.join((*_DRAWINGS, *_MESHES))}",
+                f'"{Path(self.file).name}"',
+            )
+        else:
+            try:
+                check_file(self.file, MOST_BYTES_OF_DRAWING)
+            except UnreadableFileError as error:
+                yield Problem(f"{name}.file", str(error), f'"{self.file}"')
+        if self.layer is not None and kind != ".dxf":
+            yield Problem(f"{name}.layer", "only for a .dxf; remove it", f'"{self.layer}"')
+        if self.tolerance is not None and kind in _MESHES:
+            yield Problem(
+                f"{name}.tolerance", "a .msh has no curves; remove it", f"{1e9 * self.tolerance:g} nm"
+            )
+        if self.length_unit is not None and kind in (".step", ".stp"):
+            yield Problem(f"{name}.length_unit", "a .step says its unit; remove it", f'"{self.length_unit}"')
+
+    def source_body(self, name: str) -> Shape:
+        """The body that is meshed, or is a mesh already."""
+        if self.outline is not None:
+            return _written(name, self.outline)
+        assert self.file is not None  # `source_problems` has looked
+        path = Path(self.file)
+        found = _read(
+            path,
+            path.stat().st_mtime_ns,
+            name,
+            self.axis,
+            self.length_unit,
+            self.layer,
+            self.tolerance or 1e-8,
+            self.time_limit or 20.0,
+        )
+        if isinstance(found, GeometryError):
+            raise found
+        return found
+
+
+# A file that cannot be read is kept as well: every design of a study would wait for its time limit anew.
+@lru_cache(maxsize=16)
+def _read(
+    path: Path,
+    changed: int,
+    name: str,
+    axis: Any,
+    unit: str | None,
+    layer: str | None,
+    tolerance: float,
+    time_limit: float,
+) -> Shape | GeometryError:
+    length_unit = _UNITS[unit] if unit else None
+    try:
+        if path.suffix.lower() in _MESHES:
+            return MeshedBody.read(
+                path, name, axis=axis, length_unit=length_unit or 1.0, time_limit=time_limit
+            )
+        return read_section(
+            path,
+            name,
+            axis=axis,
+            length_unit=length_unit,
+            layer=layer,
+            tolerance=tolerance,
+            time_limit=time_limit,
+        )
+    except GeometryError as error:
+        return _at_file(error, path, name)
+
+
+def _at_file(error: GeometryError, path: Path, name: str) -> GeometryError:
+    """The error at the key of the file, where its message begins with it."""
+    _, found, what = str(error).partition(f"{path.name}: ")
+    return GeometryError(f'{name} file = "{path.name}": {what}') if found else error
+
+
+def _written(name: str, pieces: list[Piece]) -> Profile:
+    segments = []
+    for n, (before, piece) in enumerate(pairwise(pieces), start=2):
+        if before.to == piece.to:
+            raise GeometryError(f"{name} outline: entry {n} ends where it begins")
+        centre = piece.centre
+        if piece.radius is not None:
+            if centre is not None:
+                raise GeometryError(f"{name} outline: entry {n} has centre and radius; remove one of them")
+            centre = _centre(name, n, before.to, piece.to, piece.radius)
+        if centre is not None:
+            first, last = math.dist(centre, before.to), math.dist(centre, piece.to)
+            if abs(first - last) > 1e-6 * max(first, last):
+                raise GeometryError(
+                    f"{name} outline: entry {n} begins {first:.6g} m from its centre, but ends {last:.6g} m from it"
+                )
+        segments.append(Segment(before.to, piece.to, piece.name or "", centre))
+    return Profile(name, tuple(segments))
+
+
+def _centre(
+    name: str, entry: int, start: tuple[float, float], end: tuple[float, float], radius: float
+) -> tuple[float, float]:
+    chord = math.dist(start, end)
+    if abs(radius) <= 0.5 * chord:
+        raise GeometryError(
+            f"{name} outline: entry {entry} has radius = {radius:.6g} m, but an arc of less than 180 deg between "
+            f"points {chord:.6g} m apart has more than {0.5 * chord:.6g} m"
+        )
+    height = math.copysign(math.sqrt(radius**2 - 0.25 * chord**2), radius)
+    left = (start[1] - end[1]) / chord, (end[0] - start[0]) / chord
+    return 0.5 * (start[0] + end[0]) + height * left[0], 0.5 * (start[1] + end[1]) + height * left[1]
+
+
+class ClosureProfile(ProfileSource, Body):
+    """[closure] shape = "profile": a closure with any outline of lines and arcs."""
+
+    shape: Literal["profile"] = Field(description="shape of the closure", examples=["profile"])
+    material: MaterialField = material_field()
+
+    def problems(self) -> Iterator[Problem]:
+        """What is wrong with the source of the outline."""
+        yield from self.source_problems("closure")
+
+    def body(self) -> Shape:
+        """The closure that is meshed."""
+        return self.source_body("closure")
+
+
+class SeatProfile(ProfileSource, Held):
+    """[seat] shape = "profile": a seat with any outline of lines and arcs."""
+
+    shape: Literal["profile"] = Field(description="shape of the seat", examples=["profile"])
+
+    def problems(self) -> Iterator[Problem]:
+        """What is wrong with the support or the source of the outline."""
+        yield from super().problems()
+        yield from self.source_problems("seat")
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed."""
+        return self.source_body("seat")

@@ -1,0 +1,332 @@
+"""Types of the entries of a case file: quantities, numbers and lists of pressures, each with its range.
+
+Each is a marker inside `typing.Annotated`: it reads what the user wrote, checks the range and returns SI
+floats, and it describes itself in the JSON Schema of the case file.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from fem_seal.units import DIMENSIONS, NUMBER, parse_quantity
+
+# More loads than this in one case are a slip (num = 20000): a study is made of several cases.
+MOST_PRESSURES = 1000
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity with unit; `low` and `high` bound it, written as the user would, both allowed.
+
+    Parameters
+    ----------
+    dimension : str
+        One of `units.DIMENSIONS`.
+    low, high : str
+        Smallest and largest physical value.
+    """
+
+    dimension: str
+    low: str
+    high: str
+    exclusive: bool = False
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return (
+            f"above {self.low} and below {self.high}" if self.exclusive else f"from {self.low} to {self.high}"
+        )
+
+    def read(self, text: object) -> float:
+        """Value in SI; ValueError if it is no such quantity or outside the range."""
+        value = parse_quantity(text, self.dimension)
+        low, high = parse_quantity(self.low, self.dimension), parse_quantity(self.high, self.dimension)
+        inside = low < value < high if self.exclusive else low <= value <= high
+        if not inside:
+            raise ValueError(f"out of range; allowed is {self.range}")
+        return value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        dimension = DIMENSIONS[self.dimension]
+        return {"type": "string", "pattern": rf"^\s*{NUMBER}\s*\S.*$", "examples": [*dimension.examples]}
+
+
+@dataclass(frozen=True)
+class OneOrMany(Quantity):
+    """A quantity, or a list of quantities; a float or a tuple of floats in SI."""
+
+    def read(self, value: object) -> float | tuple[float, ...]:  # type: ignore[override]
+        """Value or values in SI in the user's order; ValueError names the entry that is wrong."""
+        if not isinstance(value, (list, tuple)):
+            return super().read(value)
+        if not 0 < len(value) <= MOST_PRESSURES:
+            raise ValueError(f"has {len(value)} entries; allowed are 1 to {MOST_PRESSURES}")
+        return tuple(self._read_entry(entry, n) for n, entry in _count(value))
+
+    def _read_entry(self, entry: object, number: int) -> float:
+        try:
+            return super().read(entry)
+        except ValueError as error:
+            raise ValueError(f"entry {number}, {shown(entry)}, {error}") from None
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        one = super().__get_pydantic_json_schema__(schema, handler)
+        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}]}
+
+
+@dataclass(frozen=True)
+class NominalSizeEntry(Quantity):
+    """A nominal pipe size, "DN 25" or "NPS 1", or a length."""
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return f'"DN 25", "NPS 1" or a length {super().range}'
+
+    def read(self, text: object) -> float:
+        """Size in metres; ValueError if it is neither."""
+        from leak.standards import read_nominal_size
+
+        size = read_nominal_size(text) if isinstance(text, str) else None
+        return super().read(text) if size is None else size
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {
+            "type": "string",
+            "pattern": rf"^\s*({NUMBER}\s*\S.*|[dD][nN]\s*\d+|[nN][pP][sS]\s*\d.*)\s*$",
+            "examples": ["DN 25", "NPS 1", "26.5 mm"],
+        }
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number without unit between `low` and `high`, both allowed unless `exclusive_low`."""
+
+    low: float
+    high: float
+    exclusive_low: bool = False
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return f"{'above' if self.exclusive_low else 'from'} {self.low:g} to {self.high:g}"
+
+    def read(self, value: object) -> float:
+        """Value as float; ValueError if it is no number or outside the range."""
+        wanted = f"write a number {self.range}, without quotes and without unit"
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise ValueError(f"is not a number; {wanted}")
+        # compared before the conversion: an integer of 400 digits is no float
+        inside = self.low < value <= self.high if self.exclusive_low else self.low <= value <= self.high
+        if not inside:
+            raise ValueError(
+                f"out of range; {wanted}" if value == value else f"is not a finite number; {wanted}"
+            )
+        return float(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {
+            "type": "number",
+            "exclusiveMinimum" if self.exclusive_low else "minimum": self.low,
+            "maximum": self.high,
+        }
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A list of numbers, each within the range of `number`; a tuple after reading."""
+
+    number: Number
+
+    def read(self, value: object) -> tuple[float, ...]:
+        """The numbers; ValueError names the entry that is wrong."""
+        if not isinstance(value, (list, tuple)) or not 0 < len(value) <= MOST_PRESSURES:
+            raise ValueError(f"must be a list of 1 to {MOST_PRESSURES} numbers, such as [0, 0.1]")
+        return tuple(self._read_entry(entry, n) for n, entry in _count(value))
+
+    def _read_entry(self, entry: object, number: int) -> float:
+        try:
+            return self.number.read(entry)
+        except ValueError as error:
+            raise ValueError(f"entry {number}, {shown(entry)}, {error}") from None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        one = self.number.__get_pydantic_json_schema__(schema, handler)
+        return {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point [r, z] of a section, two lengths; a tuple [m]."""
+
+    length: Quantity
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return f"[r, z], each {self.length.range}"
+
+    def read(self, value: object) -> tuple[float, float]:
+        """The point; ValueError names the coordinate that is wrong."""
+        if not isinstance(value, (list, tuple)) or len(value) != 2:
+            raise ValueError('must be [r, z], such as ["12 mm", "0 mm"]')
+        r, z = (self._read_entry(entry, name) for entry, name in zip(value, ("r", "z"), strict=True))
+        return r, z
+
+    def _read_entry(self, entry: object, name: str) -> float:
+        try:
+            return self.length.read(entry)
+        except ValueError as error:
+            raise ValueError(f"{name}, {shown(entry)}, {error}") from None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        one = self.length.__get_pydantic_json_schema__(schema, handler)
+        return {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
+
+
+@dataclass(frozen=True)
+class Pressures:
+    """One pressure, a list of pressures, or a range ``{ start, stop, num, spacing }``; a tuple [Pa]."""
+
+    pressure: Quantity
+
+    def read(self, value: object) -> tuple[float, ...]:
+        """Pressures [Pa] in the user's order; ValueError names the entry that is wrong."""
+        if isinstance(value, dict):
+            return self._read_range(value)
+        entries = value if isinstance(value, (list, tuple)) else [value]
+        if not 0 < len(entries) <= MOST_PRESSURES:
+            raise ValueError(f"has {len(entries)} entries; allowed are 1 to {MOST_PRESSURES}")
+        return tuple(
+            self._read_entry(entry, f"entry {n}" if len(entries) > 1 else "") for n, entry in _count(entries)
+        )
+
+    def _read_entry(self, entry: object, name: str) -> float:
+        try:
+            return self.pressure.read(entry)
+        except ValueError as error:
+            raise ValueError(f"{name}, {shown(entry)}, {error}" if name else str(error)) from None
+
+    def _read_range(self, table: dict[Any, Any]) -> tuple[float, ...]:
+        known = ("start", "stop", "num", "spacing")
+        unknown = [shown(key) for key in table if key not in known]
+        missing = [key for key in known[:3] if key not in table]
+        if unknown or missing:
+            wrong = f"unknown key {unknown[0]}" if unknown else f"{missing[0]} is missing"
+            raise ValueError(f'{wrong}; write a range as {{ start = "1 bar", stop = "20 bar", num = 20 }}')
+        start, stop = (self._read_entry(table[key], key) for key in ("start", "stop"))
+        num, spacing = table["num"], table.get("spacing", "linear")
+        if not isinstance(num, int) or isinstance(num, bool) or not 2 <= num <= MOST_PRESSURES:
+            raise ValueError(f"num, {shown(num)}, must be a whole number from 2 to {MOST_PRESSURES}")
+        if spacing not in ("linear", "log"):
+            raise ValueError(f'spacing, {shown(spacing)}, must be "linear" or "log"')
+        if start >= stop:
+            raise ValueError(
+                f"start must be below stop, but start = {shown(table['start'])}, stop = {shown(table['stop'])}"
+            )
+        if spacing == "linear":
+            return (*(start + (stop - start) * n / (num - 1) for n in range(num - 1)), stop)
+        return (start, *(start * (stop / start) ** (n / (num - 1)) for n in range(1, num - 1)), stop)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        one = self.pressure.__get_pydantic_json_schema__(schema, handler)
+        spaced = {
+            "type": "object",
+            "properties": {
+                "start": one,
+                "stop": one,
+                "num": {"type": "integer", "minimum": 2, "maximum": MOST_PRESSURES},
+                "spacing": {"enum": ["linear", "log"], "default": "linear"},
+            },
+            "required": ["start", "stop", "num"],
+            "additionalProperties": False,
+        }
+        many = {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}
+        return {"anyOf": [one, many, spaced]}
+
+
+def _count(entries: list[Any] | tuple[Any, ...]) -> enumerate[Any]:
+    return enumerate(entries, start=1)
+
+
+def shown(value: object) -> str:
+    """A value as the user would recognise it from the file, cut to one short line."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        text = '"' + value.replace("\n", "\\n") + '"'
+    elif isinstance(value, float) and math.isfinite(value):
+        text = f"{value:g}"
+    elif isinstance(value, int) and abs(value) > 10**18:
+        return "a number of more than 18 digits"
+    elif isinstance(value, dict):
+        return "{ ... }"
+    elif isinstance(value, (list, tuple)) and len(value) <= 3:
+        text = "[" + ", ".join(map(shown, value)) + "]"
+    else:
+        text = repr(value)
+    return text if len(text) <= 60 else text[:56] + " ..."
+
+
+class Table(BaseModel):
+    """Base of all tables: frozen, unknown keys refused, nothing converted silently."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=False)
+
+
+class Whole(Number):
+    """A whole number between `low` and `high`."""
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return f"from {int(self.low)} to {int(self.high)}"
+
+    def read(self, value: object) -> int:
+        """Value as int; ValueError if it is no whole number in the range."""
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise ValueError(
+                f"is not a whole number; write one {self.range}, without quotes and without unit"
+            )
+        super().read(value)
+        return value
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {"type": "integer", "minimum": int(self.low), "maximum": int(self.high)}

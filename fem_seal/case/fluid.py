@@ -1,0 +1,124 @@
+"""The table of the case file that describes the fluid: a liquid or a gas."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import ConfigDict, Field, model_validator
+
+from fem_seal.case.fields import Quantity, Table, shown
+from fem_seal.errors import QuantityError
+from fem_seal.units import parse_quantity
+
+if TYPE_CHECKING:
+    from leak import Gas, Liquid
+
+_COOLPROP = "CoolProp:"
+_ATMOSPHERE = 101325.0
+_ROOM_TEMPERATURE = 293.15
+
+
+class Fluid(Table):
+    """[fluid]: the liquid or gas that leaks, from the library by name, or a liquid by its viscosity."""
+
+    model_config = ConfigDict(
+        json_schema_extra=lambda schema: schema.update(
+            anyOf=[{"required": ["name"]}, {"required": ["viscosity"]}], required=[]
+        )
+    )
+    name: str = Field(
+        "user-defined",
+        description='library entry, "CoolProp:..." with the optional package CoolProp, or any name beside viscosity',
+        examples=["helium"],
+        max_length=80,
+    )
+    temperature: Annotated[float, Quantity("temperature", "50 K", "1500 K")] = Field(
+        _ROOM_TEMPERATURE,
+        description="temperature of the fluid, at which its properties are taken",
+        examples=["20 degC"],
+        json_schema_extra={"default": "20 degC"},
+    )
+    viscosity: Annotated[float, Quantity("viscosity", "1e-4 mPa s", "1e6 Pa s")] = Field(
+        description="dynamic viscosity; taken from the library unless given", examples=["1 mPa s"]
+    )
+    outlet_pressure: Annotated[float, Quantity("pressure", "0 Pa", "10 GPa")] | None = Field(
+        None,
+        description='of a gas: absolute pressure on the low side, "1.01325 bar" unless given; "0 Pa" is vacuum. '
+        "The pressure on the high side is this plus load.fluid_pressure",
+        examples=["1.01325 bar"],
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_library(cls, table: Any) -> Any:
+        if not isinstance(table, dict) or not isinstance(table.get("name", ""), str):
+            return table
+        name, temperature = table.get("name", ""), _temperature(table)
+        entry = _entry(name, temperature) if temperature is not None else None
+        if entry is None:
+            if "viscosity" not in table and name and temperature is not None:
+                raise ValueError(
+                    f"name = {shown(name)} is not in the library; {_known(name)}, or give its viscosity"
+                )
+            return table
+        filled = {"viscosity": f"{entry.viscosity!r} Pa s", **table, "name": entry.name}
+        if hasattr(entry, "molar_mass"):
+            filled.setdefault("outlet_pressure", f"{_ATMOSPHERE!r} Pa")
+        return filled
+
+    @property
+    def library_entry(self) -> Gas | Liquid | None:
+        """The entry of the library with this name at this temperature, None for a fluid of the user's own."""
+        return _entry(self.name, self.temperature)
+
+    @property
+    def gas(self) -> Gas | None:
+        """The gas with the case's viscosity; None for a liquid."""
+        from dataclasses import replace
+
+        from leak import Gas
+
+        entry = self.library_entry
+        return replace(entry, viscosity=self.viscosity) if isinstance(entry, Gas) else None
+
+    @property
+    def density(self) -> float | None:
+        """Density that turns the volume of a leak into mass, of a gas at 101325 Pa [kg/m^3]; None if unknown."""
+        from leak import Liquid
+
+        if self.gas is not None:
+            return self.gas.density(_ATMOSPHERE)
+        entry = self.library_entry
+        return entry.density if isinstance(entry, Liquid) else None
+
+
+def _temperature(table: dict[str, Any]) -> float | None:
+    """Temperature of a raw table [K]; None if it is no temperature, which the field itself reports."""
+    try:
+        return parse_quantity(table.get("temperature", "20 degC"), "temperature")
+    except QuantityError:
+        return None
+
+
+def _entry(name: str, temperature: float) -> Gas | Liquid | None:
+    """Gas or liquid of a library; ValueError for a temperature outside its range."""
+    from leak import gas, is_gas, is_liquid, liquid
+
+    if name.startswith(_COOLPROP):
+        from leak.fluids.coolprop import coolprop_is_gas
+
+        return gas(name, temperature) if coolprop_is_gas(name, temperature) else liquid(name, temperature)
+    if is_gas(name):
+        return gas(name, temperature)
+    return liquid(name, temperature) if is_liquid(name) else None
+
+
+def _known(name: str) -> str:
+    from difflib import get_close_matches
+
+    from leak import FLUIDS, GASES
+
+    names = [*FLUIDS, *GASES]
+    close = get_close_matches(name.lower(), [known.lower() for known in names], n=1)
+    hint = f"do you mean {close[0]}? " if close else ""
+    return hint + "known are " + ", ".join(f'"{known}"' for known in names)

@@ -1,0 +1,120 @@
+"""Which loads of a case cannot be calculated: they leave the seal open, or strain the bodies too much."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from fem_seal.case.tables import CaseTables, curves
+from fem_seal.errors import LoadProblem
+from fem_seal.loads import closing_force, expected_force, line_load, plastic_half_width
+
+_AFTER = (
+    "a body that yields remembers its loads, and one before this on their path, {}, cannot be calculated: what it "
+    "leaves behind is not known"
+)
+
+
+def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
+    """Loads of a case of which is known before anything is solved that they cannot be calculated, by their numbers.
+
+    Parameters
+    ----------
+    case : CaseTables
+        Whose tables fit together otherwise.
+    """
+    refused: dict[int, LoadProblem] = {}
+    overstrained = None
+    for number, (pressure, spring) in enumerate(case.load.points):
+        problem = _open(case, pressure, spring) or next(_too_large(case, pressure, spring), None)
+        if problem is None and overstrained is not None:
+            problem = LoadProblem("load", _AFTER.format(overstrained), kind="path")
+        if problem is not None:
+            refused[number] = problem
+            if problem.kind == "strain" and overstrained is None and curves(case):
+                overstrained = f"that at {pressure / 1e5:.6g} bar"
+    return refused
+
+
+def problems_of_all_loads(case: CaseTables) -> list[LoadProblem]:
+    """Why no load of a case can be calculated, one problem of each kind; empty if one can."""
+    refused = refused_loads(case)
+    if len(refused) < len(case.load.points):
+        return []
+    force = dict(enumerate(_force(case, *point) for point in case.load.points))
+    found: dict[str, LoadProblem] = {}
+    for number in sorted(refused, key=lambda number: -abs(force[number])):
+        # the worst of its kind: what is allowed there is allowed to the others as well
+        found.setdefault(refused[number].kind, refused[number])
+    return list(found.values())
+
+
+def _force(case: CaseTables, fluid_pressure: float, spring: float) -> float:
+    load = case.load
+    return expected_force(case.touch_radius, fluid_pressure, spring, load.pressure_side, load.closing)
+
+
+def _open(case: CaseTables, fluid_pressure: float, spring: float) -> LoadProblem | None:
+    """Why a load leaves the seal open, as far as this is known before where the fluid gets to; None if it does not."""
+    load, r0 = case.load, case.touch_radius
+    lifts = load.pressure_side == "inner"
+    needed = -closing_force(r0, fluid_pressure, 0.0, load.pressure_side)
+    if load.closing == "penetration":
+        # Where the fluid gets to is a result: only what no contact can hold is known before.
+        if spring > 0 or not lifts:
+            return None
+        return LoadProblem(
+            "load.axial_force",
+            f"the fluid lifts the closure at {fluid_pressure / 1e5:.6g} bar and no spring holds it; allowed is an "
+            f"axial_force above some {needed:.4g} N, with which it lifts the circle of first touch of radius {_mm(r0)}",
+            f"{spring:.6g} N",
+        )
+    if _force(case, fluid_pressure, spring) > 0:
+        return None
+    how = "lifts the closure with" if lifts else "closes with"
+    return LoadProblem(
+        "load.axial_force",
+        f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: the fluid {how} {abs(needed):.4g} N "
+        f"on the sealed area of radius {_mm(r0)}; allowed is an axial_force above {needed:.6g} N",
+        f"{spring:.6g} N",
+    )
+
+
+def _too_large(case: CaseTables, fluid_pressure: float, spring: float) -> Iterator[LoadProblem]:
+    """Smooth bodies must not be pressed flat over more than a tenth of the contact radius."""
+    contact, E, force = case.contact, case.effective_modulus, _force(case, fluid_pressure, spring)
+    r0, R = contact.touch_radius, contact.relative_radius
+    f = line_load(force, r0, contact.angle)
+    half_width = math.sqrt(4 * f * R / (math.pi * E))
+    allowed_width = min(r0, R) / 10
+    if hardened := [curve.stress[-1] for curve in curves(case)]:
+        yield from _small_plastic_strains(force, plastic_half_width(f, min(hardened)), allowed_width)
+    # Faces that fit each other carry a load over a wide contact without large strain.
+    if math.isinf(R) or half_width <= allowed_width or 10 * r0 < R:
+        return
+    allowed = force * (allowed_width / half_width) ** 2
+    yield LoadProblem(
+        "load",
+        f"a closing force of {force:.4g} N presses smooth bodies flat over {_mm(half_width)} to each side of first "
+        f"touch (Hertz), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius "
+        "and the radius of relative curvature; the theory is for small strains and allows "
+        f"{allowed:.4g} N. Lower fluid_pressure or axial_force, or take stiffer materials",
+        kind="strain",
+    )
+
+
+def _small_plastic_strains(force: float, half_width: float, allowed_width: float) -> Iterator[LoadProblem]:
+    """A body that yields must not be coined over more than that, even with the highest stress of its curve."""
+    if half_width > allowed_width:
+        yield LoadProblem(
+            "load",
+            f"a closing force of {force:.4g} N coins the body that yields over {_mm(half_width)} to each side of first "
+            f"touch (full plasticity), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius and "
+            "the radius of relative curvature; the theory is for small strains and allows "
+            f"{force * allowed_width / half_width:.4g} N. Lower fluid_pressure or axial_force, or take a harder body",
+            kind="strain",
+        )
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.6g} mm"

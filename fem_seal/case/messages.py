@@ -1,0 +1,193 @@
+"""From the errors of the validation to messages for the person who wrote the case file."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from fem_seal.case.bodies import MaterialTable
+from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, shown
+from fem_seal.errors import Problem
+from fem_seal.materials import Material
+
+# What a table with several forms looks like, by the key that tells them apart.
+_EXAMPLES = {
+    "kind": '{ kind = "table", file = "C.csv" }',
+    "shape": '{ shape = "ball", radius = "20 mm", material = "steel" }',
+}
+
+
+def problems(error: ValidationError, case: type[BaseModel]) -> list[Problem]:
+    """One `Problem` for each error of the validation of `case`."""
+    found = [_problem(details, case) for details in error.errors(include_url=False)]
+    # which keys a table needs depends on its shape: with a wrong shape, nothing else can be said about it
+    undecided = [one.key.rpartition(".")[0] for one in found if one.key.endswith((".shape", ".kind"))]
+    return [
+        one
+        for one in found
+        if one.key.rpartition(".")[0] not in undecided or one.key.endswith((".shape", ".kind"))
+    ]
+
+
+def tables_of(field: FieldInfo) -> list[type[Table]]:
+    """Models that may stand at a field: none for a plain value, several if its shape or kind decides."""
+    return list(_tables(field.annotation))
+
+
+def choices(table: type[BaseModel], key: str) -> list[str]:
+    """Words that may stand at a key, empty if it is not a choice."""
+    annotation = table.model_fields[key].annotation
+    # also of a choice that may be left open
+    for member in (annotation, *get_args(annotation)):
+        if get_origin(member) is Literal:
+            return [str(word) for word in get_args(member)]
+    return []
+
+
+def _tables(annotation: Any) -> Iterator[type[Table]]:
+    if annotation is Material:
+        yield MaterialTable
+    elif isinstance(annotation, type) and issubclass(annotation, Table):
+        yield annotation
+    else:
+        for member in get_args(annotation):
+            yield from _tables(member)
+
+
+def _locate(loc: tuple[int | str, ...], case: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:
+    """Key path without the names of union members, and the table in which the last key stands."""
+    path: list[str] = []
+    candidates: list[type[BaseModel]] = [case]
+    table: type[BaseModel] | None = case
+    for part in loc:
+        tagged = [one for one in candidates if len(candidates) > 1 and part in _tags(one)]
+        if tagged:
+            candidates = tagged
+            continue
+        if isinstance(part, int):
+            path[-1] += f"[{part + 1}]"
+            continue
+        table = candidates[0] if candidates else None
+        path.append(str(part))
+        field = table.model_fields.get(str(part)) if table else None
+        candidates = list(tables_of(field)) if field else []
+    return path, table
+
+
+def _tags(table: type[BaseModel]) -> list[str]:
+    return [word for key in ("shape", "kind") if key in table.model_fields for word in choices(table, key)]
+
+
+def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
+    path, table = _locate(details["loc"], case)
+    kind, value, ctx = details["type"], details["input"], details.get("ctx", {})
+    key, name = ".".join(path), path[-1] if path else ""
+    if kind == "missing":
+        return Problem(key, f"is missing; {_what_to_write(table, name)}")
+    if kind == "extra_forbidden":
+        return Problem(key, _unknown_key(name, table))
+    if kind == "union_tag_not_found":
+        return _without_tag(key, value, tables_of(table.model_fields[name]) if table else [])
+    if kind == "union_tag_invalid":
+        word = str(ctx["tag"])
+        key = f"{key}.{str(ctx['discriminator']).strip(chr(39))}"
+        return Problem(
+            key, _choice(word, str(ctx["expected_tags"]).replace("'", "").split(", ")), shown(word)
+        )
+    if kind == "literal_error" and table is not None:
+        return Problem(key, _choice(value, choices(table, name)), shown(value))
+    if kind == "value_error":
+        return Problem(key, str(ctx["error"]), None if isinstance(value, Mapping) else shown(value))
+    return Problem(key, _plain(kind, name, details["msg"]), shown(value))
+
+
+def _plain(kind: str, name: str, message: str) -> str:
+    """Remaining kinds of errors of the validation, in words."""
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return f"must be a table, [{name}] with its keys below, or {name} = {{ ... }}"
+    if kind == "bool_type":
+        return "must be true or false, without quotes"
+    if kind == "string_type":
+        return "must be a text in quotes"
+    if kind == "invalid_key":
+        return "keys must be words"
+    return message[:1].lower() + message[1:]
+
+
+def _what_to_write(table: type[BaseModel] | None, name: str) -> str:
+    field = table.model_fields.get(name) if table else None
+    if table is None or field is None:
+        return "add it"
+    if tables_of(field) and not field.description:
+        return f"add a table [{name}] with {_listed(field)}"
+    words = choices(table, name)
+    if words:
+        return f"write {name} = " + " or ".join(f'"{word}"' for word in words)
+    example = field.examples[0] if field.examples else None
+    text = f"add {name} = {toml(example)}" if example is not None else "add it"
+    return f"{text} ({field.description})" if field.description else text
+
+
+def _listed(field: FieldInfo) -> str:
+    keys = (
+        key for table in tables_of(field)[:1] for key, one in table.model_fields.items() if one.is_required()
+    )
+    return ", ".join(keys)
+
+
+def _unknown_key(name: str, table: type[BaseModel] | None) -> str:
+    known = list(table.model_fields) if table else []
+    # "hurts" for "hurst", but also "Radius" and "youngs-modulus"
+    near = difflib.get_close_matches(name.lower().replace("-", "_"), known, n=1, cutoff=0.6)
+    hint = f"do you mean {near[0]}? " if near else ""
+    return f"unknown key; {hint}known keys here are {', '.join(known)}"
+
+
+def _without_tag(key: str, value: object, tables: list[type[Table]]) -> Problem:
+    """A table of which it is not known which of several it is."""
+    tag = "shape" if any("shape" in table.model_fields for table in tables) else "kind"
+    words = " or ".join(f'{tag} = "{word}"' for table in tables for word in choices(table, tag))
+    if not isinstance(value, Mapping):
+        example = _EXAMPLES.get(tag, "")
+        return Problem(key, f"must be a table, such as {example}", shown(value))
+    return Problem(f"{key}.{tag}", f"is missing; write {words}")
+
+
+def _choice(value: object, words: list[str]) -> str:
+    listed = " or ".join(f'"{word}"' for word in words)
+    near = difflib.get_close_matches(str(value).lower().replace("_", "-"), words, n=1, cutoff=0.5)
+    hint = f'; do you mean "{near[0]}"?' if near else ""
+    return f"must be {listed}{hint}"
+
+
+def toml(value: object) -> str:
+    """An example value as it is written in the case file."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list):
+        return "[" + ", ".join(toml(entry) for entry in value) + "]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {toml(entry)}" for key, entry in value.items()) + " }"
+    return str(value)
+
+
+def allowed_range(field: FieldInfo) -> str:
+    """Range of a quantity or number, empty for anything else."""
+    for marker in (*field.metadata, *_metadata(field.annotation)):
+        if isinstance(marker, (Quantity, Number, Place)):
+            return marker.range
+        if isinstance(marker, Pressures):
+            return marker.pressure.range
+    return ""
+
+
+def _metadata(annotation: Any) -> Iterator[Any]:
+    for member in get_args(annotation):
+        yield from getattr(member, "__metadata__", ())

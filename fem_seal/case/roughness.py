@@ -1,0 +1,535 @@
+"""The table [roughness] of the case file: power spectra of both surfaces, given, tabulated or measured.
+
+A new kind of spectrum comes in as one more model in `Spectrum`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, reduce
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+from pydantic import (
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import CoreSchema, core_schema
+
+from fem_seal.case.fields import Number, Quantity, Table
+from fem_seal.case.input_files import read_spectrum
+from fem_seal.case.messages import problems
+from fem_seal.errors import InputError
+from fem_seal.files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from leak import MeasuredSurface, PowerSpectrum, ScanSettings, StretchedRoughness
+    from leak.surfaces.self_affine_fit import TrueHeight
+
+WAVENUMBER = Quantity("wavenumber", "1 1/m", "1e12 1/m")
+_MOST_FILES = 200
+# Root mean square of ln C_along/C_across after stretching, above which isolines are no similar ellipses.
+_LARGEST_MISFIT = 0.5
+
+
+class Texts:
+    """A list of texts, a tuple after reading."""
+
+    def __init__(self, *, most: int, what: str) -> None:
+        self.most, self.what = most, what
+
+    def read(self, value: object) -> tuple[str, ...]:
+        """The texts; ValueError if it is no list of texts."""
+        if not isinstance(value, (list, tuple)) or not all(isinstance(one, str) for one in value):
+            raise ValueError(f"must be a list of texts, such as {self.what}")
+        if not 0 < len(value) <= self.most:
+            raise ValueError(f"has {len(value)} entries; allowed are 1 to {self.most}")
+        return tuple(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": self.most}
+
+
+class LengthUnits(Texts):
+    """One unit of length, or two, those of x and height."""
+
+    def read(self, value: object) -> tuple[str, ...]:
+        """Two units; ValueError if they are none."""
+        from leak.surfaces.scan_files import two_units
+
+        units = super().read([value, value] if isinstance(value, str) else value)
+        two_units(units)
+        return units
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        several = super().__get_pydantic_json_schema__(schema, handler)
+        return {"anyOf": [{"type": "string"}, {**several, "minItems": 2}]}
+
+
+class SelfAffine(Table):
+    """kind = "self-affine": isotropic, constant up to q_rolloff, then falling as q^(-2 (1 + hurst))."""
+
+    kind: Literal["self-affine"] = Field(description="kind of spectrum", examples=["self-affine"])
+    rms_height: Annotated[float, Quantity("length", "0.01 nm", "1 mm")] = Field(
+        description="root-mean-square height", examples=["1.9 um"]
+    )
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] = Field(
+        description="Hurst exponent", examples=[0.6]
+    )
+    q_low: Annotated[float, WAVENUMBER] = Field(
+        description="smallest wavenumber, 2 pi over the longest wavelength", examples=["1e3 1/m"]
+    )
+    q_rolloff: Annotated[float, WAVENUMBER] = Field(
+        description="wavenumber above which the spectrum falls", examples=["3.727e4 1/m"]
+    )
+    q_high: Annotated[float, WAVENUMBER] = Field(
+        description="largest wavenumber, 2 pi over the shortest wavelength", examples=["3.1416e6 1/m"]
+    )
+
+    def build(self) -> PowerSpectrum:
+        """The spectrum as `leak` takes it."""
+        from leak import PowerSpectrum
+
+        return PowerSpectrum.self_affine(**self.model_dump(exclude={"kind"}))
+
+
+class Tabulated(Table):
+    """kind = "table": a two-dimensional isotropic spectrum from a file."""
+
+    kind: Literal["table"] = Field(description="kind of spectrum", examples=["table"])
+    file: str = Field(
+        description="text file with two columns, wavenumber q [1/m] and density C [m^4], relative to the "
+        "case file",
+        examples=["C.csv"],
+    )
+
+    @field_validator("file")
+    @classmethod
+    def _readable(cls, file: str) -> str:
+        read_spectrum(file)
+        return str(Path(file).absolute())
+
+    def build(self) -> PowerSpectrum:
+        """The spectrum as `leak` takes it."""
+        from leak import PowerSpectrum
+
+        return PowerSpectrum.from_table(*read_spectrum(self.file))
+
+
+class Measured(Table):
+    """kind = "profile": the spectrum of measured line scans or maps; see docs/surfaces.md."""
+
+    kind: Literal["profile"] = Field(description="kind of spectrum", examples=["profile"])
+    file: str | None = Field(
+        None,
+        description="scan: text with two columns, position and height, or a file of an instrument; relative to the "
+        "case file",
+        examples=["seat.csv"],
+    )
+    files: Annotated[tuple[str, ...], Texts(most=_MOST_FILES, what='["scan1.csv", "scan2.csv"]')] | None = (
+        Field(
+            None,
+            description="several scans of one surface, instead of file; they are averaged",
+            examples=[["scan1.csv", "scan2.csv"]],
+        )
+    )
+    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = Field(
+        None,
+        description="unit of length of x and height, or of each, where the file states none; it is never guessed",
+        examples=["um"],
+    )
+    detrend: Literal["tilt", "mean", "curvature"] = Field(
+        "tilt",
+        description="what is taken off each scan: its mean line or plane; only its mean; its mean parabola, for "
+        "scans over a curved part",
+    )
+    window: Literal["hann", "none"] = Field(
+        "hann",
+        description='weight of the heights along the scan; "none" for calculated, periodic surfaces only',
+    )
+    tip_radius: Annotated[float, Quantity("length", "1 nm", "10 mm")] | None = Field(
+        None,
+        description="radius of the stylus tip, limits the range; the one stated in the file unless given",
+        examples=["2 um"],
+    )
+    shortest_wavelength: Annotated[float, Quantity("length", "0.1 nm", "10 mm")] | None = Field(
+        None,
+        description="what the instrument resolves, limits the range; two points of the scan unless given",
+        examples=["2.5 um"],
+    )
+    extrapolation: Literal["cut", "self-affine"] = Field(
+        "cut",
+        description='outside the range of the scans: "cut": no roughness; "self-affine": continued with hurst to q_low '
+        "and q_high",
+    )
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] | None = Field(
+        None,
+        description='Hurst exponent of the continuation, with extrapolation = "self-affine"',
+        examples=[0.8],
+    )
+    q_low: Annotated[float, WAVENUMBER] | None = Field(
+        None,
+        description="where the continued spectrum begins; the end of the range unless given",
+        examples=["1e2 1/m"],
+    )
+    q_high: Annotated[float, WAVENUMBER] | None = Field(
+        None,
+        description="where the continued spectrum ends; the end of the range unless given",
+        examples=["1e8 1/m"],
+    )
+
+    outliers: Literal["keep", "remove"] = Field(
+        "keep",
+        description='points that stand alone: "keep": they are roughness; "remove": spikes and dust, replaced by what '
+        "surrounds them",
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Measured:
+        if (self.file is None) == (self.files is None):
+            raise ValueError('needs file = "seat.csv", or files = ["scan1.csv", "scan2.csv"], one of both')
+        for key in ("hurst", "q_low", "q_high"):
+            if self.extrapolation == "cut" and getattr(self, key) is not None:
+                raise ValueError(f'{key} is only for extrapolation = "self-affine"; remove it, or set that')
+        if self.extrapolation == "self-affine" and self.hurst is None:
+            raise ValueError('extrapolation = "self-affine" needs hurst, such as hurst = 0.8')
+        self.measured()
+        return self
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """The files, absolute."""
+        names = self.files if self.files is not None else (self.file or "",)
+        return tuple(str(Path(name).absolute()) for name in names)
+
+    @property
+    def settings(self) -> ScanSettings:
+        """How the scans become a spectrum, as `leak` takes it."""
+        from leak import ScanSettings, SelfAffineContinuation
+
+        continued = self.hurst and SelfAffineContinuation(self.hurst, self.q_low, self.q_high)
+        return ScanSettings(
+            self.detrend,
+            self.window,
+            self.tip_radius,
+            self.shortest_wavelength,
+            continued or "cut",
+            self.outliers,
+        )
+
+    def measured(self) -> MeasuredSurface:
+        """What the scans say about the surface."""
+        return _measured(tuple((path, _stamp(path)) for path in self.paths), self.unit, self.settings)
+
+    def build(self) -> PowerSpectrum:
+        """The spectrum as `leak` takes it."""
+        return self.measured().spectrum
+
+    def scan_spectra(self) -> tuple[PowerSpectrum, ...]:
+        """The spectrum of each scan alone."""
+        scans = [((path, _stamp(path)),) for path in self.paths]
+        return tuple(_measured(scan, self.unit, self.settings).spectrum for scan in scans)
+
+
+def _stamp(path: str) -> tuple[int, int]:
+    """Tells whether a file has changed."""
+    try:
+        status = Path(path).stat()
+    except (OSError, ValueError):
+        return 0, 0
+    return status.st_mtime_ns, status.st_size
+
+
+# A case asks for its spectrum several times, and reading a spreadsheet takes more than a second.
+@cache
+def _measured(
+    files: tuple[tuple[str, tuple[int, int]], ...], unit: tuple[str, ...] | None, settings: ScanSettings
+) -> MeasuredSurface:
+    from leak import ScanError, measure, read_topographies
+
+    for path, _ in files:
+        try:
+            check_file(path, MOST_BYTES_OF_SCAN)
+        except UnreadableFileError as error:
+            raise ScanError(f"{path}: {error}") from None
+    return measure(read_topographies([path for path, _ in files], unit=unit), settings)
+
+
+Spectrum = Annotated[SelfAffine | Tabulated | Measured, Field(discriminator="kind")]
+
+
+class Roughness(Table):
+    """[roughness]: of both surfaces together, or of each; their spectra add."""
+
+    spectrum: Spectrum | None = Field(None, description="power spectrum of both surfaces together")
+    seat: Spectrum | None = Field(
+        None,
+        description="power spectrum of the seat, instead of spectrum; without closure that one is smooth",
+    )
+    closure: Spectrum | None = Field(
+        None,
+        description="power spectrum of the closure, instead of spectrum; without seat that one is smooth",
+    )
+
+    along: Spectrum | None = Field(
+        None,
+        description="with across, instead of the others: spectrum from scans along the flow, across the seat's face",
+    )
+    across: Spectrum | None = Field(
+        None,
+        description="with along: spectrum from scans across the flow, along the circumference; see "
+        "docs/theory_anisotropy.md",
+    )
+    peklenik: Annotated[float, Number(0.001, 1000)] = Field(
+        1.0,
+        description="Tripp (Peklenik) number: correlation length of the roughness along the flow over that across it, "
+        "below 1 for a turned seat; the spectrum is then the average over all directions. along and across "
+        "determine it",
+        examples=[0.2],
+    )
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Roughness:
+        each = self.seat is not None or self.closure is not None
+        if self.along is not None or self.across is not None:
+            self._two_directions(each)
+            return self
+        if (self.spectrum is not None) == each:
+            raise ValueError(
+                "needs spectrum, of both surfaces together, or seat and closure, or one of these; not both ways"
+                if each
+                else "needs spectrum, of both surfaces together, or seat, closure or both"
+            )
+        return self
+
+    def _two_directions(self, each: bool) -> None:
+        if self.along is None or self.across is None:
+            raise ValueError("needs along and across, both or neither")
+        if self.spectrum is not None or each:
+            raise ValueError(
+                "needs along and across, or spectrum, or seat and closure; not several of these ways"
+            )
+        if self.peklenik != 1.0:
+            raise ValueError("has peklenik, which along and across determine already; remove it")
+
+    @property
+    def parts(self) -> dict[str, SelfAffine | Tabulated | Measured]:
+        """The spectra that are given, by their key."""
+        keys = ("spectrum", "seat", "closure", "along", "across")
+        given = {key: getattr(self, key) for key in keys}
+        return {key: one for key, one in given.items() if one is not None}
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether a spectrum comes from scans."""
+        return any(isinstance(one, Measured) for one in self.parts.values())
+
+    def build(self) -> PowerSpectrum:
+        """Spectrum of the gap between the undeformed surfaces."""
+        return self.combined()[0]
+
+    def combined(self, instead: Mapping[str, PowerSpectrum] | None = None) -> tuple[PowerSpectrum, float]:
+        """Spectrum of the gap between the undeformed surfaces, and its Tripp number.
+
+        The sum of the spectra given, or the angular average of those along and across.
+
+        Parameters
+        ----------
+        instead : mapping, optional
+            Spectra that stand instead of the table's own, by their key.
+        """
+        instead = instead or {}
+        spectra = {key: instead[key] if key in instead else one.build() for key, one in self.parts.items()}
+        if "along" in spectra:
+            found = _stretched(spectra["along"], spectra["across"])
+            return found.spectrum, found.peklenik
+        return reduce(lambda total, one: total + one, spectra.values()), self.peklenik
+
+    def remarks(self) -> Iterator[str]:
+        """What the scans themselves say against their use."""
+        for key, one in self.parts.items():
+            if isinstance(one, Measured):
+                for warning in one.measured().warnings:
+                    yield f"roughness.{key}: {warning}"
+        if self.along is not None and self.across is not None:
+            found = _stretched(self.along.build(), self.across.build())
+            if found.misfit > _LARGEST_MISFIT:
+                yield (
+                    f"roughness.along and roughness.across differ by more than a stretch: after the best one, by "
+                    f"{found.peklenik:.3g}, their ratio is still off by a factor {math.exp(found.misfit):.2g} (rms); "
+                    "the isolines of the spectrum are not similar ellipses"
+                )
+
+
+@cache
+def _stretched(along: PowerSpectrum, across: PowerSpectrum) -> StretchedRoughness:
+    from leak import stretched_roughness
+
+    return stretched_roughness(along, across)
+
+
+def scan_case(files: Sequence[str], entries: Mapping[str, Any]) -> Measured:
+    """Scans with the settings of a case file, given outside of one.
+
+    Parameters
+    ----------
+    files : sequence of str
+    entries : mapping
+        Keys of a spectrum of kind "profile" as they stand in a case file; None is left out.
+
+    Raises
+    ------
+    InputError
+        If an entry is wrong or a file cannot be used.
+    """
+    given = {key: value for key, value in entries.items() if value is not None}
+    try:
+        return Measured.model_validate({"kind": "profile", "files": list(files), **given})
+    except ValidationError as error:
+        raise InputError(*problems(error, Measured)) from None
+
+
+def place_files(roughness: object, folder: Path) -> None:
+    """Make the files named in the table, as it stands in a case file, relative to that file's folder."""
+    for key in ("spectrum", "seat", "closure", "along", "across"):
+        spectrum = roughness.get(key) if isinstance(roughness, dict) else None
+        if not isinstance(spectrum, dict):
+            continue
+        if isinstance(spectrum.get("file"), str):
+            spectrum["file"] = str(folder / spectrum["file"])
+        if isinstance(spectrum.get("files"), list):
+            spectrum["files"] = [
+                str(folder / name) if isinstance(name, str) else name for name in spectrum["files"]
+            ]
+
+
+# The long waves of a measured surface end at eight times its roll-off, in ln q; their ln C changes by this at most.
+_TRANSITION, _MOST_CHANGED = float(np.log(8.0)), 12.0
+# A scatter of ln height that no leak rate shows.
+_SMALLEST = 0.01
+# Keys of a self-affine spectrum that change its shape.
+SHAPE = ("hurst", "q_rolloff", "q_high")
+
+
+@dataclass(frozen=True, eq=False)
+class UncertainHeight:
+    """The long waves of a measured surface, of which scans of finite length hold a random number.
+
+    Parameters
+    ----------
+    key : {"spectrum", "seat", "closure", "along", "across"}
+        Which spectrum of the case it is.
+    name : str
+    height : leak.surfaces.self_affine_fit.TrueHeight
+        Rms height of the surface over that of its scans.
+    rolloff : float
+        Waves down to this wavenumber make the difference; those shorter than an eighth of its wave none [1/m].
+    share : float
+        Share of the variance of ln height that the differences between the scans do not show already.
+    """
+
+    key: str
+    name: str
+    height: TrueHeight
+    rolloff: float
+    share: float = 1.0
+
+    @property
+    def dimensions(self) -> int:
+        """Number of random numbers that it takes."""
+        return 1
+
+    def values(self, uniform: FloatArray) -> FloatArray:
+        """Factors on the rms height from numbers between 0 and 1, shape (n, 1) to (n, 1)."""
+        middle = float(np.log(self.height.quantile([0.5])[0]))
+        return np.exp(middle + np.sqrt(self.share) * (np.log(self.height.quantile(uniform)) - middle))
+
+    def scores(self, values: FloatArray) -> FloatArray:
+        """Variable in which a leak rate is a smooth function: ln of the factor."""
+        return np.log(values)
+
+    def spectrum(self, measured: PowerSpectrum, factor: float) -> PowerSpectrum:
+        """The measured spectrum with its long waves changed so that the rms height is `factor` times what it was."""
+        from scipy.optimize import brentq
+
+        from leak import PowerSpectrum
+
+        q = np.union1d(measured.wavenumber, np.geomspace(measured.q_low, measured.q_high, 60)[1:-1])
+        C = np.asarray(measured(q))
+        long_waves = np.clip(1.0 - np.log(q / self.rolloff) / _TRANSITION, 0.0, 1.0)
+
+        def changed(log_C: float) -> PowerSpectrum:
+            return PowerSpectrum(q, C * np.exp(log_C * long_waves))
+
+        def off(log_C: float) -> float:
+            return float(np.log(changed(log_C).rms_height / measured.rms_height / factor))
+
+        end = _MOST_CHANGED * float(np.sign(np.log(factor)))
+        if end == 0.0:
+            return measured
+        # what the short waves alone have is the least
+        return changed(float(brentq(off, 0.0, end, rtol=1e-9)) if off(0.0) * off(end) < 0.0 else end)
+
+
+def uncertain_heights(roughness: Roughness | None, *, between_scans: bool) -> Iterator[UncertainHeight]:
+    """What the length of the scans leaves open, for each measured spectrum of the table.
+
+    Parameters
+    ----------
+    roughness : Roughness or None
+    between_scans : bool
+        Whether the differences between the scans are an uncertain input themselves.
+    """
+    parts = {} if roughness is None else roughness.parts
+    measured = {key: one for key, one in parts.items() if isinstance(one, Measured)}
+    for key, one in measured.items():
+        surface = one.measured()
+        low, high = surface.rolloff.height.interval
+        if np.log(high / low) < _SMALLEST:
+            continue
+        # random weights scatter the mean of n scans by (n-1)/(n+1) of its true variance
+        count = len(one.paths)
+        yield UncertainHeight(
+            key,
+            "scan_length" if len(measured) == 1 else f"scan_length_{key}",
+            surface.rolloff.height,
+            surface.rolloff.wavenumber or surface.q_low,
+            2.0 / (count + 1.0) if between_scans else 1.0,
+        )
+
+
+def scan_spectra(roughness: Roughness | None) -> dict[str, tuple[PowerSpectrum, ...]]:
+    """Spectra of the single scans, for each spectrum of the table that is the mean of two or more.
+
+    Parameters
+    ----------
+    roughness : Roughness or None
+    """
+    parts = {} if roughness is None else roughness.parts
+    return {
+        key: one.scan_spectra()
+        for key, one in parts.items()
+        if isinstance(one, Measured) and len(one.paths) > 1
+    }
+
+
+def self_affine_part(roughness: Roughness | None) -> str | None:
+    """Key of the table's self-affine spectrum; None if there is none, or one for each surface."""
+    parts = {} if roughness is None else roughness.parts
+    found = [key for key, one in parts.items() if isinstance(one, SelfAffine)]
+    return found[0] if len(found) == 1 else None

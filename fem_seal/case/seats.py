@@ -1,0 +1,245 @@
+"""The table [seat] of the case file: one model for each shape."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+import meshes
+from fem_seal.case.bodies import (
+    INCLINATION,
+    LENGTH,
+    SMALL_LENGTH,
+    Body,
+    MaterialField,
+    dimension,
+    material_field,
+)
+from fem_seal.case.fields import Quantity
+from fem_seal.errors import Problem
+from meshes import Shape
+
+_NORMAL = (
+    "between the axis and the contact normal; the half-angle of the cone, measured from the axis, is 90 deg "
+    "minus this"
+)
+
+
+class Held(Body):
+    """How a seat is held, whatever its shape."""
+
+    material: MaterialField = material_field()
+    wall: Literal["free", "fixed"] = Field(
+        "free",
+        description='outer wall of the housing: "free", or "fixed": held radially, free to slide along the axis; the '
+        "bottom is always held along the axis",
+    )
+    interference: Annotated[float, Quantity("length", "0 um", "10 mm")] | None = dimension(
+        'with wall = "fixed": how far the wall is moved inwards, radial interference of a pressed-in seat, at '
+        "most a hundredth of the wall's radius; none unless given",
+        "20 um",
+    )
+
+    def problems(self) -> Iterator[Problem]:
+        """A seat can only be pressed into something that holds it."""
+        if self.interference and self.wall == "free":
+            yield Problem(
+                "seat.interference",
+                'only with wall = "fixed", but wall = "free"; add wall = "fixed" or remove it',
+                f"{1e6 * self.interference:.6g} um",
+            )
+
+
+class Housed(Held):
+    """A seat that is the top of a cylindrical housing with a bore."""
+
+    outer_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the housing; 1.5 times the closure's radius beyond the contact unless given", "40 mm"
+    )
+    height: Annotated[float, LENGTH] | None = dimension(
+        "from the lower edge of the face to the bottom of the housing; 1.5 times the closure's radius unless given",
+        "40 mm",
+    )
+
+
+class Cone(Housed):
+    """[seat] shape = "cone": a conical seat in a cylindrical housing, held at its bottom."""
+
+    shape: Literal["cone"] = Field(description="shape of the seat", examples=["cone"])
+    angle: Annotated[float, INCLINATION] = Field(description=_NORMAL, examples=["45 deg"])
+    bore_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the bore below the conical face; half the radius of first touch unless given", "10 mm"
+    )
+    face_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the upper edge of the conical face; the face ends 0.6 times the closure's radius beyond first "
+        "touch unless given",
+        "18 mm",
+    )
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return meshes.ConicalSeat.around(
+            self.angle,
+            closure,
+            bore_radius=self.bore_radius,
+            face_radius=self.face_radius,
+            outer_radius=self.outer_radius,
+            height=self.height,
+        )
+
+
+class ConicalLand(Housed):
+    """[seat] shape = "conical-land": a narrow conical face with rounded edges between bore and top."""
+
+    shape: Literal["conical-land"] = Field(description="shape of the seat", examples=["conical-land"])
+    angle: Annotated[float, INCLINATION] = Field(description=_NORMAL, examples=["45 deg"])
+    land_width: Annotated[float, LENGTH] | None = dimension(
+        "width of the land along its slope, between its edges before rounding; a tenth of the radius of first touch "
+        "unless given",
+        "1 mm",
+    )
+    land_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the middle of the land; centred on first touch unless given", "14 mm"
+    )
+    edge_radius: Annotated[float, SMALL_LENGTH] | None = dimension(
+        "rounding of both edges of the land; a tenth of its width unless given", "0.1 mm"
+    )
+    relief_angle: Annotated[float, Quantity("angle", "0 deg", "90 deg")] | None = dimension(
+        "inclination of the surface outside the land to the horizontal plane, below the angle of the land; a flat top, "
+        "0 deg, unless given",
+        "15 deg",
+    )
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return meshes.ConicalLand.around(
+            self.angle,
+            closure,
+            land_width=self.land_width,
+            land_radius=self.land_radius,
+            edge_radius=self.edge_radius,
+            relief_angle=self.relief_angle or 0.0,
+            outer_radius=self.outer_radius,
+            height=self.height,
+        )
+
+
+class Sphere(Housed):
+    """[seat] shape = "sphere": a hollow spherical seat, or one lapped around a circle with a larger radius."""
+
+    shape: Literal["sphere"] = Field(description="shape of the seat", examples=["sphere"])
+    radius: Annotated[float, LENGTH] = Field(
+        description="radius of the hollow section", examples=["20.02 mm"]
+    )
+    contact_angle: Annotated[float, INCLINATION] | None = dimension(
+        "between the axis and the contact normal at which the closure touches: the centre of the section then lies "
+        "(radius - R) sin(contact_angle) beyond the axis, R being the radius of the ball; the centre lies on the axis "
+        "unless given",
+        "45 deg",
+    )
+    bore_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the bore; half the radius of first touch unless given, half the ball's with the centre on the axis",
+        "7 mm",
+    )
+    face_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the upper edge of the face; 1.35 times the radius of first touch unless given, nine tenths of the "
+        "ball's with the centre on the axis; never beyond where the face is inclined by 75 deg",
+        "18 mm",
+    )
+    edge_radius: Annotated[float, SMALL_LENGTH] | None = dimension(
+        "rounding of both edges of the face; a twentieth of its width in r unless given", "0.2 mm"
+    )
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return meshes.SphericalSeat.around(
+            self.radius,
+            closure,
+            contact_angle=self.contact_angle,
+            bore_radius=self.bore_radius,
+            face_radius=self.face_radius,
+            edge_radius=self.edge_radius,
+            outer_radius=self.outer_radius,
+            height=self.height,
+        )
+
+
+class Torus(Housed):
+    """[seat] shape = "torus": a convex ring of circular section on the top of the housing."""
+
+    shape: Literal["torus"] = Field(description="shape of the seat", examples=["torus"])
+    centre_radius: Annotated[float, LENGTH] = Field(
+        description="distance of the centre of the ring's section from the axis", examples=["14 mm"]
+    )
+    radius: Annotated[float, LENGTH] = Field(description="radius of the ring's section", examples=["3 mm"])
+    bore_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the bore; the ring goes over into it smoothly, at centre_radius - radius, unless given, but not "
+        "below half of centre_radius",
+        "11 mm",
+    )
+    recess: Annotated[float, SMALL_LENGTH] | None = dimension(
+        "how far the top outside the ring lies below its crest; half the ring's radius unless given", "1 mm"
+    )
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return meshes.ToroidalSeat.around(
+            self.centre_radius,
+            self.radius,
+            closure,
+            bore_radius=self.bore_radius,
+            recess=self.recess,
+            outer_radius=self.outer_radius,
+            height=self.height,
+        )
+
+
+class Flat(Housed):
+    """[seat] shape = "flat": a flat seat around a bore with a rounded edge."""
+
+    shape: Literal["flat"] = Field(description="shape of the seat", examples=["flat"])
+    bore_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the bore; half the radius of first touch unless given, needed for a closure that is lowest on the "
+        "axis",
+        "8 mm",
+    )
+    edge_radius: Annotated[float, LENGTH] | None = dimension(
+        "rounding of the edge of the bore; a hundredth of the bore's radius unless given", "0.1 mm"
+    )
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return meshes.FlatSeat.on(
+            closure,
+            bore_radius=self.bore_radius,
+            edge_radius=self.edge_radius,
+            outer_radius=self.outer_radius,
+            height=self.height,
+        )
+
+
+class SharpEdge(Housed):
+    """[seat] shape = "sharp-edge": the edge, with a small fillet, between a bore and a flat or sloping top."""
+
+    shape: Literal["sharp-edge"] = Field(description="shape of the seat", examples=["sharp-edge"])
+    bore_radius: Annotated[float, LENGTH] = Field(description="radius of the bore", examples=["12 mm"])
+    edge_radius: Annotated[float, LENGTH] | None = dimension(
+        "radius of the fillet; a hundredth of the bore's radius unless given", "0.1 mm"
+    )
+    top_angle: Annotated[float, Quantity("angle", "-90 deg", "90 deg", exclusive=True)] | None = dimension(
+        "inclination of the top to the horizontal plane, positive where it rises outwards; 0 deg unless given",
+        "-30 deg",
+    )
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return meshes.SharpEdge.around(
+            self.bore_radius,
+            closure,
+            edge_radius=self.edge_radius,
+            top_angle=self.top_angle or 0.0,
+            outer_radius=self.outer_radius,
+            height=self.height,
+        )

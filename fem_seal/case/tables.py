@@ -1,0 +1,234 @@
+"""All tables of a case file, and what follows from them directly.
+
+One frozen model per table, in SI after reading.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from pydantic import Field, PrivateAttr, model_validator
+
+from fem_seal.case import closures, seats
+from fem_seal.case.drawn import ClosureProfile, SeatProfile
+from fem_seal.case.fields import NominalSizeEntry, Number, OneOrMany, Pressures, Quantity, Table
+from fem_seal.case.fluid import Fluid
+from fem_seal.case.roughness import Roughness
+from fem_seal.case.uncertainty import Uncertainty
+from fem_seal.materials import HardeningCurve, effective_modulus
+from meshes import ContactGeometry, Shape
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+
+SEPARATION = Quantity("length", "1e-3 nm", "1 mm")
+FLUID_PRESSURE = Quantity("pressure", "0 Pa", "10 GPa", exclusive=True)
+
+
+class Interface(Table):
+    """[interface]: law between contact pressure and gap that carries the macroscopic contact."""
+
+    law: Literal["persson", "exponential", "smooth"] = Field(
+        "persson",
+        description='"persson": the full p(u) of the spectrum; "exponential": p = p_c exp(-u/u0); "smooth": '
+        "hard contact without roughness",
+    )
+    plastic: bool = Field(
+        False,
+        description='with law = "persson": p(u) of the elastic (false) or of the plastically smoothed '
+        "spectrum (true)",
+    )
+    gamma: Annotated[float, Number(0.01, 2)] | None = Field(
+        None,
+        description='with law = "exponential": u0 = gamma times the rms height; 0.4 unless given',
+        examples=[0.4],
+    )
+    u0: Annotated[float, SEPARATION] | None = Field(
+        None,
+        description='with law = "exponential": decay length of the law, instead of gamma',
+        examples=["0.76 um"],
+    )
+    p_c: Annotated[float, Quantity("pressure", "1 Pa", "1e6 GPa")] | None = Field(
+        None,
+        description='with law = "exponential": pressure at zero gap; taken from the spectrum unless given. '
+        "It shifts the gap, not the pressure profile",
+        examples=["10 GPa"],
+    )
+
+
+class Load(Table):
+    """[load]: fluid pressures, one result each and in this order, and the force on the closure."""
+
+    fluid_pressure: Annotated[tuple[float, ...], Pressures(FLUID_PRESSURE)] = Field(
+        description='pressure difference across the seal: one, a list, or { start = "1 bar", '
+        'stop = "20 bar", num = 20, spacing = "linear" or "log" }',
+        examples=[["1 bar", "20 bar"]],
+    )
+    axial_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = Field(
+        0.0,
+        description="force of spring or actuator on the closure, positive when it closes the seal: one, or a list "
+        "with one for each fluid pressure; with a single fluid pressure a list of any length, one result each",
+        examples=["250 N"],
+        json_schema_extra={"default": "0 N"},
+    )
+    closing: Literal["sealed-area", "penetration"] = Field(
+        "sealed-area",
+        description='"sealed-area": the fluid pressure acts on the circle of first touch; "penetration": it acts on '
+        "the wetted surfaces and, as far as it gets, between the surfaces, solved together with contact and flow; see "
+        "docs/theory_penetration.md",
+    )
+    pressure_side: Literal["outer", "inner"] = Field(
+        "outer",
+        description='side of the high pressure: "outer" (around the closure, presses it on the seat) or '
+        '"inner" (in the bore, lifts it)',
+    )
+    target_leak_rate: Annotated[float, Quantity("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
+        None,
+        description="also find the smallest axial_force for which the leak rate stays below this at each fluid "
+        "pressure; of a gas the volume at 101325 Pa and its temperature",
+        examples=["1e-3 cm^3/s"],
+    )
+
+    @model_validator(mode="after")
+    def _one_pressure_under_all_forces(self) -> Load:
+        if isinstance(self.axial_force, tuple) and len(self.fluid_pressure) == 1:
+            # the only way into a frozen model, which is not handed out yet
+            object.__setattr__(self, "fluid_pressure", self.fluid_pressure * len(self.axial_force))
+        return self
+
+    @property
+    def points(self) -> tuple[tuple[float, float], ...]:
+        """Fluid pressure [Pa] and axial force [N] of every load."""
+        forces = self.axial_force
+        each = forces if isinstance(forces, tuple) else (forces,) * len(self.fluid_pressure)
+        return tuple(zip(self.fluid_pressure, each, strict=True))
+
+    def without(self, numbers: Collection[int]) -> Load:
+        """The same without some of the loads."""
+        left = [point for number, point in enumerate(self.points) if number not in numbers]
+        pressures, forces = zip(*left, strict=True)
+        return self.model_copy(update={"fluid_pressure": pressures, "axial_force": forces})
+
+
+class Leak(Table):
+    """[leak]: how the leak rate follows from the contact."""
+
+    plasticity: bool = Field(
+        True,
+        description="asperities yield at the hardness of the softer body; needs a hardness of a material",
+    )
+    percolation_threshold: Annotated[float, Number(0.05, 0.95)] = Field(
+        0.42, description="relative contact area above which no channel is open"
+    )
+    conductivity: Literal["bruggeman", "critical-junction"] = Field(
+        "bruggeman", description="effective medium of all channels, or the narrowest junction alone"
+    )
+    fluid_in_gap: Literal["uncoupled", "local"] = Field(
+        "uncoupled",
+        description='"uncoupled": the fluid pressure is small against the contact pressure; "local": it is taken off '
+        "the load of the asperities, place by place, and may lift the surfaces off each other (liquids); "
+        "see docs/theory_fluid_in_gap.md",
+    )
+    nominal_size: Annotated[float, NominalSizeEntry("length", "1 mm", "5 m")] | None = Field(
+        None,
+        description='nominal size of the valve for the leakage classes, "DN 25", "NPS 1" or a length; the size nearest '
+        "to the bore of the seat (to the circle of first touch if no bore is given) unless given",
+        examples=["DN 25"],
+    )
+    variants: bool = Field(
+        False,
+        description="also calculate the leak rate with the other readings of the theory, into variants.csv and the "
+        "report; `fem-seal run --variants` does the same",
+    )
+
+
+class Mesh(Table):
+    """[mesh]: sized from the problem unless given."""
+
+    contact_size: Annotated[float, Quantity("length", "1 nm", "0.1 m")] | None = Field(
+        None, description="size of the elements along the contact line", examples=["20 um"]
+    )
+
+
+class Output(Table):
+    """[output]: where the results go."""
+
+    folder: str | None = Field(
+        None,
+        description="results folder, relative to the case file; <case name>.out unless given",
+        examples=["out"],
+    )
+
+
+Closure = Annotated[
+    closures.Ball | closures.Cone | closures.Torus | closures.SphericalTip | closures.Disc | ClosureProfile,
+    Field(discriminator="shape"),
+]
+
+Seat = Annotated[
+    seats.Cone | seats.ConicalLand | seats.Sphere | seats.Torus | seats.Flat | seats.SharpEdge | SeatProfile,
+    Field(discriminator="shape"),
+]
+
+
+class CaseTables(Table):
+    """All tables of a case, read but not checked against each other; `Case` is."""
+
+    title: str = Field("", description="what tables and reports are headed with; the file name unless given")
+    closure: Closure
+    seat: Seat
+    roughness: Roughness | None = None
+    interface: Interface = Interface()
+    fluid: Fluid | None = None
+    load: Load
+    leak: Leak = Leak()
+    uncertainty: Uncertainty | None = None
+    mesh: Mesh = Mesh()
+    output: Output = Output()
+
+    _contact: ContactGeometry | None = PrivateAttr(default=None)
+    _file: Path | None = PrivateAttr(default=None)
+
+    @property
+    def touch_radius(self) -> float:
+        """Radius r0 of the circle of first touch [m]."""
+        return self.contact.touch_radius
+
+    @property
+    def contact(self) -> ContactGeometry:
+        """Closure and seat in first touch."""
+        if self._contact is None:
+            self._contact = ContactGeometry.of(*(body.outline for body in self.bodies))
+        return self._contact
+
+    @property
+    def bodies(self) -> tuple[Shape, Shape]:
+        """Closure and seat with all their dimensions, those that are left open in proportion to the closure."""
+        closure = self.closure.body()
+        return closure, self.seat.body(closure)
+
+    @property
+    def effective_modulus(self) -> float:
+        """E* of both bodies [Pa]."""
+        return effective_modulus(self.closure.material, self.seat.material)
+
+    @property
+    def hardness(self) -> float | None:
+        """Penetration hardness of the contact [Pa]: the softer body's or the only one given; None if none."""
+        known = [
+            body.hardness for body in (self.closure.material, self.seat.material) if body.hardness is not None
+        ]
+        return min(known, default=None)
+
+    @property
+    def file(self) -> Path | None:
+        """File the case was read from, None if made in code."""
+        return self._file
+
+
+def curves(case: CaseTables) -> list[HardeningCurve]:
+    """Hardening curves of the bodies of a case that yield; empty if both are elastic."""
+    materials = (case.closure.material, case.seat.material)
+    return [material.hardening for material in materials if material.hardening is not None]

@@ -1,0 +1,128 @@
+"""Fixed points: of smooth maps by Anderson's acceleration, of one number by steps from its side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from fem_seal.arrays import FloatArray
+from fem_seal.errors import ConvergenceError
+
+_MEMORY = 8
+# Relative size below which differences of iterates are taken as dependent on each other.
+_DEPENDENT = 1e-10
+# Where the residual grows by more than this the memory misleads: forget it and go half as far.
+_GROWTH = 3.0
+# A step beyond where the fixed point is expected, so that it comes to lie between two places; at most so far beyond the
+# image.
+_BEYOND, _FARTHEST = 1.2, 20.0
+
+
+def fixed_point(
+    image: Callable[[FloatArray], FloatArray],
+    start: FloatArray,
+    *,
+    tolerance: float,
+    bounds: tuple[float, float],
+    max_iterations: int = 60,
+) -> tuple[FloatArray, tuple[float, ...]]:
+    """Find x = image(x).
+
+    Parameters
+    ----------
+    image : callable
+    start : ndarray, shape (n,)
+    tolerance : float
+        Largest entry of image(x) - x that is left.
+    bounds : tuple of float
+        Between which every entry of x lies.
+    max_iterations : int
+
+    Returns
+    -------
+    x : ndarray, shape (n,)
+        The last place where `image` was asked for.
+    residuals : tuple of float
+        Largest entry of image(x) - x, one per iteration.
+
+    Raises
+    ------
+    ConvergenceError
+        If the tolerance is not met.
+
+    Notes
+    -----
+    D.G. Anderson, J. ACM 12, 547 (1965): the next x is the combination of the last images whose combined residual is
+    smallest; for a map that is linear along a few directions it converges like GMRES.
+    """
+    x = np.asarray(start, dtype=float)
+    steps, changes, residuals = list[FloatArray](), list[FloatArray](), list[float]()
+    before: tuple[FloatArray, FloatArray] | None = None
+    damping = 1.0
+    for _ in range(max_iterations):
+        residual = image(x) - x
+        residuals.append(float(np.max(np.abs(residual))))
+        if residuals[-1] <= tolerance:
+            return x, tuple(residuals)
+        if len(residuals) > 1 and residuals[-1] > _GROWTH * min(residuals[:-1]):
+            steps, changes, before, damping = [], [], None, 0.5 * damping
+        if before is not None:
+            steps, changes = [*steps, x - before[0]][-_MEMORY:], [*changes, residual - before[1]][-_MEMORY:]
+        before = x, residual
+        x = np.clip(x + _step(residual, steps, changes, damping), *bounds)
+    raise ConvergenceError(
+        f"no fixed point after {max_iterations} iterations; the last residual is {residuals[-1]:.2g}, "
+        f"{tolerance:.2g} was asked for"
+    )
+
+
+def first_fixed_point(
+    image: Callable[[float], float], start: float, *, tolerance: float, jump: float, max_iterations: int = 60
+) -> float:
+    """Find the first x = image(x) that is met from `start` on in the direction of its image.
+
+    Parameters
+    ----------
+    image : callable
+        A rising function, steps allowed.
+    start : float
+    tolerance : float
+        How well x is found.
+    jump : float
+        Largest step of `image` at which its crossing x counts as a fixed point.
+    max_iterations : int
+
+    Raises
+    ------
+    ConvergenceError
+        If none is found.
+    """
+    from scipy.optimize import brentq
+
+    x, residual, slope = start, image(start) - start, 0.0
+    for _ in range(max_iterations):
+        if abs(residual) <= tolerance:
+            return x
+        # The residual falls to zero after residual/(1 - slope of the image).
+        ahead = x + _BEYOND * residual / max(1 - slope, 1 / _FARTHEST)
+        beyond = image(ahead) - ahead
+        if beyond * residual < 0:
+            x = float(brentq(lambda at: image(at) - at, x, ahead, xtol=tolerance))
+            residual = image(x) - x
+            if abs(residual) <= jump:
+                return x
+            break
+        slope = float(np.clip(1 + (beyond - residual) / (ahead - x), 0.0, 1.0))
+        x, residual = ahead, beyond
+    raise ConvergenceError(f"no fixed point was found; the last residual is {residual:.2g}")
+
+
+def _step(
+    residual: FloatArray, steps: list[FloatArray], changes: list[FloatArray], damping: float
+) -> FloatArray:
+    if not steps:
+        return damping * residual
+    known = np.column_stack(changes)
+    share = np.linalg.lstsq(known, residual, rcond=_DEPENDENT)[0]
+    return damping * (residual - known @ share) - np.column_stack(steps) @ share

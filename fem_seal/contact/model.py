@@ -1,0 +1,188 @@
+"""Both bodies condensed on the contact line: factorise once, then every load is a small dense problem.
+
+The pressure acts at quadrature points of the contact line along the contact normal n; the same point forces,
+with opposite sign, act on both bodies. A body answers with the normal displacement of its quadratic trace, so
+the compliance between quadrature points is T S T^T with T the trace and S the compliance of the trace's
+nodes. Where the normal turns it is that of the trace's nodes, interpolated by T like the displacement. The closure
+floats: its axial rigid motion is an unknown of the contact problem, and its closing force is a pressure on its top
+that balances whatever acts elsewhere. Fluid on the wetted surfaces and a housing pressed into a bore are further
+columns of the same factorisation.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody
+from fem_seal.bodies.elasticity import node_dofs, stiffness_matrix
+from fem_seal.bodies.held_body import HeldBody, Supports, held_body
+from fem_seal.bodies.single_thread import single_threaded
+from fem_seal.materials import Material, effective_modulus
+from meshes import SealMesh
+
+if TYPE_CHECKING:
+    from skfem import MeshTri
+
+_GAUSS = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True)
+class ContactLine:
+    """Quadrature points of the contact line.
+
+    Parameters
+    ----------
+    x : ndarray, shape (m,)
+        Arc length from first touch [m], increasing.
+    radius : ndarray, shape (m,)
+        r(x) [m].
+    arc_weight : ndarray, shape (m,)
+        Quadrature weights over x [m].
+    normal : ndarray, shape (2, m)
+        Unit contact normal (n_r, n_z), towards the closure, see `meshes.ContactGeometry`.
+    facing : ndarray, shape (m,)
+        Cosine of the angle between contact normal and seat.
+    initial_gap : ndarray, shape (m,)
+        Exact gap g0(x) at first touch [m].
+    bend : ndarray, shape (m,)
+        Curvature of the more curved face [1/m].
+    vertices : ndarray
+        x of the element ends between which the points lie [m], increasing.
+    reach : tuple of float or None, optional
+        x between which the faces stand in front of each other [m]; None where they are not known to end.
+    """
+
+    x: FloatArray
+    radius: FloatArray
+    arc_weight: FloatArray
+    normal: FloatArray
+    facing: FloatArray
+    initial_gap: FloatArray
+    bend: FloatArray
+    vertices: FloatArray
+    reach: tuple[float | None, float | None] = (None, None)
+
+    @property
+    def area_weight(self) -> FloatArray:
+        """Area across the contact normal that each point stands for, 2 pi r facing dx [m^2]."""
+        return 2 * np.pi * self.radius * self.facing * self.arc_weight
+
+
+@dataclass(frozen=True)
+class ContactModel:
+    """Compliance of both bodies on one contact line; independent of load, roughness and interface law.
+
+    Parameters
+    ----------
+    line : ContactLine
+    closure, seat : CondensedBody
+    compliance : ndarray, shape (m, m)
+        Opening of the gap at point i per unit normal force at point j [m/N], both bodies together.
+    touch_radius : float
+        r0 [m].
+    touch_normal_z : float
+        cos(theta) of the contact normal at first touch.
+    relative_radius : float
+        R_rel [m].
+    """
+
+    line: ContactLine
+    closure: CondensedBody
+    seat: CondensedBody
+    compliance: FloatArray
+    touch_radius: float
+    touch_normal_z: float
+    relative_radius: float
+
+    @property
+    def effective_modulus(self) -> float:
+        """E* of the pair [Pa]."""
+        return effective_modulus(self.closure.material, self.seat.material)
+
+    def line_load(self, axial_force: float) -> float:
+        """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""
+        return axial_force / (2 * np.pi * self.touch_radius * self.touch_normal_z)
+
+
+@single_threaded
+def condense(
+    seal_mesh: SealMesh, materials: Mapping[str, Material], supports: Supports | None = None
+) -> ContactModel:
+    """Factorise both bodies and condense them on the contact line.
+
+    Parameters
+    ----------
+    seal_mesh : SealMesh
+    materials : mapping
+        Material of the body "closure" and of the body "seat".
+    supports : Supports, optional
+
+    Returns
+    -------
+    ContactModel
+
+    Raises
+    ------
+    ValueError
+        If the materials are not those of these two bodies.
+    """
+    if set(materials) != {"closure", "seat"}:
+        raise ValueError(f'materials of {sorted(materials)}: needed are those of "closure" and "seat"')
+    contact = seal_mesh.contact
+    x, weight, vertices = _gauss_points(seal_mesh)
+    radius = contact.radius(x)
+    facing = contact.facing(x)
+    area_weight = 2 * np.pi * radius * facing * weight
+    # One after the other: SuperLU frees a factor only in the thread that made it, and two threads would leak every one.
+    closure, seat = (
+        _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports))
+        for name in ("closure", "seat")
+    )
+    # The normal that the bodies feel, so that the forces on them balance to the last digit.
+    normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
+    gap, bend = contact.gap(x), contact.bend(x)
+    line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach)
+    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
+    return ContactModel(
+        line,
+        closure,
+        seat,
+        0.5 * (compliance + compliance.T),
+        contact.touch_radius,
+        math.cos(contact.angle),
+        contact.relative_radius,
+    )
+
+
+def _gauss_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Three Gauss points on each contact facet of the seat, their weights over x, and the ends of the facets."""
+    vertices = np.unique(seal_mesh.contact.coordinate(*_boundary_vertices(seal_mesh.seat, "seat_contact")))
+    middle, half = 0.5 * (vertices[1:] + vertices[:-1]), 0.5 * np.diff(vertices)
+    points, weights = _GAUSS
+    return (middle[:, None] + half[:, None] * points).ravel(), (half[:, None] * weights).ravel(), vertices
+
+
+def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
+    return mesh.p[:, np.unique(mesh.facets[:, (mesh.boundaries or {})[boundary]])]
+
+
+def _condense_body(held: HeldBody) -> CondensedBody:
+    stiffness = stiffness_matrix(held.basis, held.material)
+    compliance, solve = held.condensed(stiffness[held.free][:, held.free].tocsc())
+    forces = dict(held.further)
+    if len(held.wall):
+        forces["wall"] = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel()
+    loads = {}
+    for name, force in forces.items():
+        response = held.counted(solve(held.balanced(force)))
+        if name == "wall":
+            response[held.wall] = -1.0
+        axial = float(force[node_dofs(held.basis)[1]].sum())
+        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(response), response)
+    return CondensedBody(held, compliance, loads, solve)

@@ -1,0 +1,92 @@
+"""What acts on the bodies besides the solid contact: fluid on the wetted surfaces and in the gap, a press fit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.condensed import CondensedBody
+from fem_seal.contact.model import ContactModel
+
+
+@dataclass(frozen=True)
+class FurtherLoads:
+    """Loads away from the solid contact, and the fluid pressure between the surfaces.
+
+    Parameters
+    ----------
+    closure, seat : mapping
+        Magnitude of each of the body's `fem_seal.bodies.condensed.CondensedBody.loads`: fluid pressure [Pa] on the
+        "inner" and the "outer" wetted surface; of a seat with fixed wall also "wall", its motion inwards [m].
+    gap_pressure : ndarray, shape (m,), optional
+        Fluid pressure at the points of the contact line [Pa].
+    """
+
+    closure: Mapping[str, float] = field(default_factory=dict)
+    seat: Mapping[str, float] = field(default_factory=dict)
+    gap_pressure: FloatArray | None = field(default=None, repr=False)
+
+    @classmethod
+    def of_fluid(
+        cls, inner: float, outer: float, gap_pressure: FloatArray, interference: float = 0.0
+    ) -> FurtherLoads:
+        """Fluid on both bodies, and the seat's wall moved inwards.
+
+        Parameters
+        ----------
+        inner, outer : float
+            Fluid pressure inside and outside the contact line [Pa].
+        gap_pressure : ndarray, shape (m,)
+            Fluid pressure between the surfaces [Pa].
+        interference : float
+            See `press_fit` [m].
+        """
+        wetted = {"inner": inner, "outer": outer}
+        return cls(wetted, {**wetted, **cls.press_fit(interference).seat}, gap_pressure)
+
+    @classmethod
+    def press_fit(cls, interference: float) -> FurtherLoads:
+        """A seat pressed into a rigid bore.
+
+        Parameters
+        ----------
+        interference : float
+            Radius of the housing less that of the bore [m].
+        """
+        return cls(seat={"wall": interference} if interference else {})
+
+    def opening(self, model: ContactModel) -> FloatArray:
+        """How far these loads move the surfaces apart at the points of the contact line [m], shape (m,)."""
+        apart = np.zeros_like(model.line.x)
+        for body, magnitudes in self._by_body(model):
+            for name, magnitude in magnitudes.items():
+                apart = apart + magnitude * body.loads[name].opening
+        if self.gap_pressure is not None:
+            apart = apart + model.compliance @ (model.line.area_weight * self.gap_pressure)
+        return apart
+
+    def lift(self, model: ContactModel) -> float:
+        """Axial force that the loads exert on the closure [N], positive where they lift it."""
+        lift = sum(size * model.closure.loads[name].axial_force for name, size in self.closure.items())
+        if self.gap_pressure is not None:
+            lift += float(model.line.normal[1] @ (model.line.area_weight * self.gap_pressure))
+        return lift
+
+    def displacement(self, body: CondensedBody, model: ContactModel) -> FloatArray:
+        """Displacement of a body of the model under these loads [m], shape (dofs,)."""
+        magnitudes = self.closure if body is model.closure else self.seat
+        moved = sum(
+            (size * body.loads[name].response for name, size in magnitudes.items()), np.zeros(body.basis.N)
+        )
+        if self.gap_pressure is not None:
+            moved = moved + body.displacement(model.line.area_weight * self.gap_pressure)
+        return moved
+
+    def _by_body(self, model: ContactModel) -> tuple[tuple[CondensedBody, Mapping[str, float]], ...]:
+        return (model.closure, self.closure), (model.seat, self.seat)
+
+
+NO_LOADS = FurtherLoads()

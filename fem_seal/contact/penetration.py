@@ -1,0 +1,277 @@
+"""Contact, flow and the fluid pressure between the surfaces, up to blow-off."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from dataclasses import dataclass
+
+from fem_seal.arrays import FloatArray
+from fem_seal.contact.coupled import Seal, coupled_contact, dry_unknowns
+from fem_seal.contact.laws import HardContact
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.errors import ConvergenceError, OpenSealError
+
+# Share of spring and fluid force for which the first contact is solved where the fluid comes close to lifting it.
+_LEAST_CARRIED = 1e-4
+# Shares of the fluid's force that the solid contact carries on the way to an open seal.
+_SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)
+
+
+def solve_penetration(
+    seal: Seal, *, closing_force: float, fluid_pressure: float, start: ContactSolution | None = None
+) -> ContactSolution:
+    """Contact under the force of a spring and a fluid that gets between the surfaces.
+
+    Parameters
+    ----------
+    seal : Seal
+    closing_force : float
+        Force of spring or actuator on the closure [N], positive when it closes.
+    fluid_pressure : float
+        Pressure difference across the seal [Pa], positive.
+    start : ContactSolution, optional
+        Solution of a neighbouring load to start from.
+
+    Returns
+    -------
+    ContactSolution
+        Its `loads` hold the fluid pressure; spring, fluid and solid contact are in balance to round-off.
+
+    Raises
+    ------
+    OpenSealError
+        If the fluid lifts the closure off; it knows the pressure at which it does.
+    ConvergenceError
+
+    Notes
+    -----
+    Unknowns are the shares of the pressure difference along the contact (or the place up to which the fluid gets). For
+    given ones the contact is solved with the solid force that is left, F_N = closing force - lift of the fluid; its
+    pressure profile gives the fluid pressure anew. What the fluid opens the flow feels only as far as its pressure
+    counts against that of the contact, so that Anderson's acceleration needs a few steps. Where F_N nearly vanishes it
+    is F_N that is given instead, and the fluid pressure that follows.
+    """
+
+    def given(lift: float) -> tuple[float, float]:
+        return fluid_pressure, closing_force - fluid_pressure * lift
+
+    try:
+        return coupled_contact(seal, given, _first(seal, closing_force, fluid_pressure, start), start)
+    except (OpenSealError, ConvergenceError):
+        if not fluid_lifts(seal, closing_force):
+            raise
+    return contact_near_blow_off(seal, closing_force, fluid_pressure)
+
+
+def solve_at_contact_force(
+    seal: Seal, *, contact_force: float, fluid_pressure: float, start: ContactSolution | None = None
+) -> ContactSolution:
+    """The same with the force that the solid contact carries given, and the closing force as a result.
+
+    Parameters
+    ----------
+    seal : Seal
+    contact_force : float
+        F_N [N], positive.
+    fluid_pressure : float
+        [Pa]
+    start : ContactSolution, optional
+    """
+    unknowns = dry_unknowns(seal, contact_force, fluid_pressure, start)
+    return coupled_contact(seal, lambda lift: (fluid_pressure, contact_force), unknowns, start)
+
+
+def least_closing_force(seal: Seal, fluid_pressure: float) -> float | None:
+    """Force of spring or actuator above which the seal is closed at a fluid pressure [N]; None if none was found.
+
+    Negative where the fluid itself closes the seal. A flow lets the contact vanish evenly: what holds it while it
+    carries 1e-4 of the fluid's force on the circle of first touch is the answer. Where it opens before, its force is
+    made less and less, and a closing force above the least that was met on this way holds.
+
+    Parameters
+    ----------
+    seal : Seal
+    fluid_pressure : float
+        [Pa]
+    """
+    fluid_force = math.pi * seal.model.touch_radius**2 * fluid_pressure
+    contact, met = None, []
+    for shares in (_SHARES[-1:], _SHARES):
+        with suppress(OpenSealError, ConvergenceError):
+            for share in shares:
+                contact = solve_at_contact_force(
+                    seal, contact_force=share * fluid_force, fluid_pressure=fluid_pressure, start=contact
+                )
+                met.append(contact.closing_force)
+        if met:
+            break
+    return min(met, default=None)
+
+
+def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:
+    """Radius of the circle whose area times the fluid pressure is the axial force of the fluid on the closure [m].
+
+    Parameters
+    ----------
+    solution : ContactSolution
+    fluid_pressure : float
+        Pressure difference [Pa].
+    """
+    return math.sqrt(abs(solution.loads.lift(solution.model)) / (math.pi * fluid_pressure))
+
+
+def _first(
+    seal: Seal, closing_force: float, fluid_pressure: float, start: ContactSolution | None
+) -> FloatArray:
+    """Unknowns of the fluid in a contact that carries what it will nearly carry."""
+    area = math.pi * seal.model.touch_radius**2 * (1 if seal.path.side == "outer" else -1)
+    return dry_unknowns(
+        seal,
+        max(
+            closing_force + area * fluid_pressure,
+            _LEAST_CARRIED * (abs(closing_force) + abs(area) * fluid_pressure),
+        ),
+        fluid_pressure,
+        start,
+    )
+
+
+# Below this share a hard contact, whose width falls with the root of the force, is narrower than a few elements.
+_NARROWEST_HARD = 1e-2
+# Relative distance to the force at which the fluid gets through.
+_CLOSE = 1e-6
+
+
+def blow_off_pressure(seal: Seal, *, closing_force: float) -> float:
+    """Fluid pressure at which the fluid lifts the closure off [Pa]; infinite if it does not lift it.
+
+    Parameters
+    ----------
+    seal : Seal
+    closing_force : float
+        Force of spring or actuator [N].
+
+    Notes
+    -----
+    The solid contact carries less and less along the way: its force is the given parameter here, the fluid pressure
+    follows. Blow-off is the largest pressure on this way, down to 1e-4 of the closing force; of hard contact down to
+    1e-2, with the circle on which the fluid acts then for the rest of the way.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    if not fluid_lifts(seal, closing_force):
+        return math.inf
+    return _way_to_blow_off(seal, closing_force)[-1].pressure
+
+
+def fluid_lifts(seal: Seal, closing_force: float) -> bool:
+    """Whether there is a fluid pressure that lifts the closure off."""
+    return seal.path.side == "inner" and closing_force > 0
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A contact on the way to blow-off: which share of the closing force it carries, under which fluid pressure."""
+
+    share: float
+    pressure: float
+    contact: ContactSolution | None = None
+    unknowns: FloatArray | None = None
+
+
+def _step(seal: Seal, closing_force: float, share: float, before: _Step) -> _Step:
+    force = share * closing_force
+
+    def balance(lift: float) -> tuple[float, float]:
+        return (closing_force - force) / lift, force
+
+    unknowns = before.unknowns
+    if unknowns is None:
+        expected = (closing_force - force) / (math.pi * seal.model.touch_radius**2)
+        unknowns = dry_unknowns(seal, force, expected, None)
+    contact = coupled_contact(seal, balance, unknowns, before.contact)
+    pressure = contact.loads.closure[seal.path.side]
+    return _Step(share, pressure, contact, seal.path.found(contact.profile, pressure))
+
+
+def _way_to_blow_off(seal: Seal, closing_force: float) -> list[_Step]:
+    """Steps of rising fluid pressure, the last at blow-off."""
+    way = [_Step(1.0, 0.0)]
+    hard = isinstance(seal.law, HardContact)
+    for share in _SHARES:
+        if hard and share < _NARROWEST_HARD:
+            return [*way, _Step(0.0, way[-1].pressure / (1 - way[-1].share))]
+        try:
+            way.append(_step(seal, closing_force, share, way[-1]))
+        except OpenSealError:
+            way += _last_closed(seal, closing_force, way[-1], share)
+            break
+        if way[-1].pressure < way[-2].pressure:
+            turning = _turning_point(seal, closing_force, way[-3:])
+            return [*(step for step in way[:-1] if step.share > turning.share), turning]
+    return way
+
+
+def _last_closed(seal: Seal, closing_force: float, closed: _Step, open_share: float) -> list[_Step]:
+    """The contact just before the fluid gets through, which it does at `open_share`."""
+    found: list[_Step] = []
+    while closed.share > (1 + _CLOSE) * open_share:
+        share = math.sqrt(closed.share * open_share)
+        try:
+            closed = _step(seal, closing_force, share, closed)
+            found = [closed]
+        except OpenSealError:
+            open_share = share
+    return found
+
+
+def _turning_point(seal: Seal, closing_force: float, around: list[_Step]) -> _Step:
+    """Where the fluid pressure is largest among three steps, and beyond which less of it lifts more."""
+    from scipy.optimize import minimize_scalar
+
+    first, _, last = around
+    place = minimize_scalar(
+        lambda log_share: -_step(seal, closing_force, math.exp(log_share), first).pressure,
+        bounds=(math.log(last.share), math.log(first.share)),
+        method="bounded",
+        options={"xatol": 1e-3},
+    )
+    return _step(seal, closing_force, math.exp(place.x), first)
+
+
+def contact_near_blow_off(seal: Seal, closing_force: float, fluid_pressure: float) -> ContactSolution:
+    """Contact under a fluid pressure, found by the force that it carries."""
+    from scipy.optimize import brentq
+
+    way = _way_to_blow_off(seal, closing_force)
+    if fluid_pressure >= way[-1].pressure:
+        raise OpenSealError(
+            f"the fluid lifts the closure off: a closing force of {closing_force:.6g} N holds "
+            f"{way[-1].pressure / 1e5:.6g} bar, not {fluid_pressure / 1e5:.6g} bar",
+            way[-1].pressure,
+        )
+    after = next(n for n, step in enumerate(way) if step.pressure > fluid_pressure)
+    if way[after].contact is None:
+        raise ConvergenceError(
+            f"at {fluid_pressure / 1e5:.6g} bar the smooth contact carries less than {way[after - 1].share:g} of the "
+            f"closing force and is narrower than its elements; it opens at {way[-1].pressure / 1e5:.6g} bar"
+        )
+    before, steps = way[after - 1], [way[after]]
+
+    def miss(log_share: float) -> float:
+        if log_share == 0:
+            return -1.0
+        steps.append(_step(seal, closing_force, math.exp(log_share), steps[-1]))
+        return steps[-1].pressure / fluid_pressure - 1
+
+    brentq(miss, math.log(before.share), math.log(way[after].share), xtol=1e-6)
+    nearest = min(steps, key=lambda step: abs(step.pressure / fluid_pressure - 1))
+    assert nearest.unknowns is not None
+
+    def given(lift: float) -> tuple[float, float]:
+        return fluid_pressure, closing_force - fluid_pressure * lift
+
+    return coupled_contact(seal, given, nearest.unknowns, nearest.contact)

@@ -1,0 +1,153 @@
+"""Whether the mesh suits the contact that was found on it; if not, a better one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.errors import ConvergenceError
+from fem_seal.profile import PressureProfile
+from meshes import ContactGeometry, MeshingError, Sizing
+
+# Pressure over peak pressure that the ends of the zone may carry.
+_TAIL = 1e-6
+_WIDER = 1.6
+# Change of the pressure from one element to the next in units of the peak. The expected size keeps it below 0.3 at the
+# edge of a Hertz contact and at 0.1 in a soft one; more means a peak that was not expected, as at a rounded edge.
+_STEEPEST = 0.45
+_FINER = 3.0
+# Elements per standard deviation below which the mesh is made anew, and how many it then gets at the peak.
+_FEWEST, _PER_STD = 4.0, 10.0
+_MOST_MESHES = 6
+
+
+def solve_fitted(
+    sizing: Sizing,
+    contact: ContactGeometry,
+    solve_on: Callable[[Sizing], Sequence[ContactSolution]],
+    *,
+    size_given: bool = False,
+) -> Sequence[ContactSolution]:
+    """Solve, look at the pressure, and solve again on a better mesh until zone and element sizes fit.
+
+    Parameters
+    ----------
+    sizing : Sizing
+        What was expected.
+    contact : ContactGeometry
+    solve_on : callable
+        Meshes with a sizing and solves all loads.
+    size_given : bool
+        Whether the element size is the user's own; then only the zone grows.
+
+    Raises
+    ------
+    ConvergenceError
+        If a contact does not converge on the finer mesh either.
+    MeshingError
+        If the first mesh cannot be made. A better one that cannot be made is left: the estimate of the discretisation
+        error says what the present one is worth.
+    """
+    # A mesh that is given cannot be made finer.
+    size_given = size_given or contact.has_ready_mesh
+    refined = False
+    solutions: Sequence[ContactSolution] | None = None
+    for _ in range(_MOST_MESHES):
+        try:
+            solutions = solve_on(sizing)
+        except MeshingError:
+            if solutions is None:
+                raise
+            break
+        except ConvergenceError:
+            if refined or size_given:
+                raise
+            sizing, refined = sizing.refined(2.0), True
+            continue
+        better = better_sizing(sizing, contact, [s.profile for s in solutions], size_given=size_given)
+        if better is None:
+            break
+        sizing = better
+    assert solutions is not None  # otherwise an error has been raised
+    return solutions
+
+
+def better_sizing(
+    sizing: Sizing, contact: ContactGeometry, profiles: Sequence[PressureProfile], *, size_given: bool = False
+) -> Sizing | None:
+    """A wider zone or smaller elements if the profiles found need them, else None.
+
+    Parameters
+    ----------
+    sizing : Sizing
+        With which they were found.
+    contact : ContactGeometry
+    profiles : sequence of PressureProfile
+    size_given : bool
+        Whether the element size must stay.
+    """
+    changed = replace(sizing, zone=_zone(sizing, contact, profiles))
+    if not size_given:
+        changed = _resolving(changed, profiles)
+        spots = [spot for profile in profiles for spot in _steep_places(sizing, profile)]
+        if spots:
+            changed = replace(changed, spots=(*changed.spots, *_thinned(spots)))
+    if changed == sizing:
+        return None
+    return rounded(changed, contact, size_given=size_given)
+
+
+def rounded(sizing: Sizing, contact: ContactGeometry, *, size_given: bool = False) -> Sizing:
+    """A sizing that round-off leaves as it is; edges and ends of the faces stay where they are.
+
+    Parameters
+    ----------
+    sizing : Sizing
+    contact : ContactGeometry
+    size_given : bool
+        Whether the element size is the user's own and stays.
+    """
+    return sizing.rounded({*contact.reach, *contact.breaks.tolist()}, exact_size=size_given)
+
+
+def _resolving(sizing: Sizing, profiles: Sequence[PressureProfile]) -> Sizing:
+    """Smaller elements where a profile came out narrower, or farther from first touch, than expected."""
+    narrowest = min(profiles, key=lambda profile: profile.std)
+    at, std = narrowest.centroid, narrowest.std
+    if float(sizing.size(np.array(at))) <= std / _FEWEST:
+        return sizing
+    return replace(sizing, spots=(*sizing.spots, (at, std / _PER_STD)))
+
+
+def _zone(
+    sizing: Sizing, contact: ContactGeometry, profiles: Sequence[PressureProfile]
+) -> tuple[float, float]:
+    start, end = sizing.zone
+    lower, upper = contact.reach
+    cut = [max(profile.pressure[n] / profile.pressure.max() for profile in profiles) > _TAIL for n in (0, -1)]
+    return (
+        max(_WIDER * start, lower) if cut[0] else start,
+        min(_WIDER * end, upper) if cut[1] else end,
+    )
+
+
+def _steep_places(sizing: Sizing, profile: PressureProfile) -> list[tuple[float, float]]:
+    """Where the pressure changes too much within an element, with the size that is needed there."""
+    x, share = profile.x, profile.pressure / profile.pressure.max()
+    # Three points lie in each element: compare those at equal places of neighbours.
+    change = np.abs(share[3:] - share[:-3])
+    place, length = 0.5 * (x[3:] + x[:-3]), x[3:] - x[:-3]
+    steep = (change > _STEEPEST) & (length > sizing.contact_size / 50)
+    return [(float(at), float(size) / _FINER) for at, size in zip(place[steep], length[steep], strict=True)]
+
+
+def _thinned(spots: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Leave out spots that a neighbour of the same size covers."""
+    kept: list[tuple[float, float]] = []
+    for place, size in sorted(spots, key=lambda spot: spot[1]):
+        if all(abs(place - other) > 3 * size for other, _ in kept):
+            kept.append((place, size))
+    return kept

@@ -1,0 +1,282 @@
+"""How wide the contact will be, and from it the contact zone and the element sizes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem_seal.arrays import FloatArray
+from fem_seal.contact.laws import HardContact, InterfaceLaw, Law
+from fem_seal.errors import InputError, Problem
+from meshes import ContactGeometry, Sizing
+
+# Chosen so that peak, width and standard deviation change by less than 2e-4 on further refinement
+# (tests/test_verification_contact.py). A soft interface spreads the pressure smoothly; the stiffer it is against the
+# bodies, the sharper the pressure ends, and the smaller the elements must be to follow its edge.
+_PER_STD_SOFT, _PER_STD_HARD = 6.0, 14.0
+_GROWTH_ALONG, _GROWTH_DEEP = 0.16, 0.2
+# Elements over the largest radius of the closure, far from the contact.
+_PER_LARGEST_RADIUS = 6
+# Standard deviations from first touch up to which the elements stay as small as the narrowest contact wants them, and
+# up to which any contact wants them small: Hertz's ends there.
+_CORE, _EDGE = 3.0, 2.0
+
+_MOST_ELEMENTS = 1500
+
+# Elements over what is pressed flat of a rounded edge, and over its whole arc.
+_PER_EDGE, _PER_ARC = 5.0, 6.0
+_AT_CORNER = 10.0
+
+# Pressure over peak pressure at which the zone may end.
+_TAIL = 1e-7
+# Pressure over peak pressure that needs no element size of its own.
+_NO_PRESSURE = 1e-3
+
+
+@dataclass(frozen=True)
+class Opening:
+    """How far from first touch the undeformed faces stay close, on both sides; see `Opening.of`.
+
+    Parameters
+    ----------
+    distance : ndarray, shape (2, n)
+        Distances from first touch inwards and outwards [m], increasing.
+    root_gap : ndarray, shape (2, n)
+        Square root of the largest gap up to there [m^(1/2)], linear in the distance for a parabola.
+    """
+
+    distance: FloatArray
+    root_gap: FloatArray
+
+    @classmethod
+    def of(cls, contact: ContactGeometry) -> Opening:
+        """The opening of two faces in first touch."""
+        sides = [cls._side(contact, end) for end in contact.reach]
+        return cls(*(np.stack(rows) for rows in zip(*sides, strict=True)))
+
+    @staticmethod
+    def _side(contact: ContactGeometry, end: float) -> tuple[FloatArray, FloatArray]:
+        reach, steps = abs(end), np.geomspace(1e-7, 1.0, 300)
+        breaks = contact.breaks[(contact.breaks * end > 0) & (np.abs(contact.breaks) < reach)]
+        # The gap may begin to open at a break, such as the edge of a land. Few breaks matter: those nearest.
+        nearest = np.sort(np.abs(breaks))[:3]
+        beyond = (
+            [edge + (reach - edge) * steps[::3] for edge in np.resize(nearest, 3)] if len(nearest) else []
+        )
+        distance = np.sort(np.concatenate([steps * reach, *beyond]))
+        gap = contact.gap(math.copysign(1.0, end) * distance)
+        gap = np.maximum.accumulate(np.where(np.isnan(gap), np.inf, np.maximum(gap, 0.0)))
+        count = 600
+        places = np.round(np.linspace(0, len(distance) - 1, count)).astype(int)
+        return distance[places], np.sqrt(gap[places])
+
+    def reach(self, gap: float) -> tuple[float, float]:
+        """Distances from first touch [m], inwards and outwards, within which the faces are at most `gap` [m] apart."""
+        inner, outer = (
+            float(np.interp(math.sqrt(gap), root_gap, distance))
+            for root_gap, distance in zip(self.root_gap, self.distance, strict=True)
+        )
+        return inner, outer
+
+
+@dataclass(frozen=True)
+class ContactWidth:
+    """Expected width of one contact.
+
+    Parameters
+    ----------
+    std : float
+        Standard deviation of the pressure profile [m].
+    per_std : float
+        Elements per standard deviation that resolve it.
+    reach : tuple of float
+        Distances from first touch, inwards and outwards, at which the pressure has fallen to 1e-7 of its peak [m].
+    decay_length : float
+        Of the interface law at the peak [m].
+    closed_gap : float
+        Gap of the undeformed faces beyond which the pressure is below a thousandth of its peak [m].
+    """
+
+    std: float
+    per_std: float
+    reach: tuple[float, float]
+    decay_length: float
+    closed_gap: float
+
+
+def contact_width(law: Law, line_load: float, opening: Opening, effective_modulus: float) -> ContactWidth:
+    """Width of a line contact before it is solved.
+
+    Two elastic cylinders touch up to where their undeformed surfaces are 2 f_N/(pi E*) apart; for faces of any shape
+    the places with that gap give the width a to each side. The variance of the profile is the sum of the variances of
+    the interface law alone, R u0, and of Hertz, a^2/4 - exact for the exponential law and a parabolic gap; R is that of
+    the parabola as wide, u0 is taken at the peak pressure. Faces that fit each other are never wider than where they
+    part.
+
+    Parameters
+    ----------
+    law : InterfaceLaw or HardContact
+    line_load : float
+        f_N [N/m].
+    opening : Opening
+    effective_modulus : float
+        E* [Pa].
+    """
+    flattened = 2 * line_load / (math.pi * effective_modulus)
+    sides = opening.reach(flattened)
+    a = 0.5 * sum(sides)
+    if isinstance(law, HardContact):
+        return ContactWidth(a / 2, _PER_STD_HARD, (1.3 * sides[0], 1.3 * sides[1]), 0.0, flattened)
+    R = a**2 / (2 * flattened)
+    log_peak = math.log(line_load / (math.sqrt(math.pi / 2) * a))
+    for _ in range(4):
+        decay_length = _decay_length(law, log_peak)
+        law_variance = R * decay_length
+        std = math.sqrt(law_variance + a**2 / 4)
+        log_peak = math.log(line_load / (math.sqrt(2 * math.pi) * std))
+    tails = opening.reach(_gap(law, log_peak + math.log(_TAIL)) - _gap(law, log_peak))
+    reach = (sides[0] + tails[0], sides[1] + tails[1])
+    closed = flattened + _gap(law, log_peak + math.log(_NO_PRESSURE)) - _gap(law, log_peak)
+    per_std = min(max(a / math.sqrt(law_variance), _PER_STD_SOFT), _PER_STD_HARD)
+    return ContactWidth(min(std, sum(reach) / math.sqrt(12)), per_std, reach, decay_length, closed)
+
+
+def _decay_length(law: InterfaceLaw, log_pressure: float) -> float:
+    return float(law.decay_length(np.array([log_pressure]))[0])
+
+
+def _gap(law: InterfaceLaw, log_pressure: float) -> float:
+    return float(law.gap(np.array([log_pressure]))[0])
+
+
+def element_sizes(
+    law: Law,
+    line_loads: Sequence[float],
+    contact: ContactGeometry,
+    effective_modulus: float,
+    contact_size: float | None = None,
+) -> Sizing:
+    """Sizes that resolve every load on one mesh: fine enough for the narrowest contact, wide enough for the widest.
+
+    Parameters
+    ----------
+    law : InterfaceLaw or HardContact
+    line_loads : sequence of float
+        f_N of every load [N/m].
+    contact : ContactGeometry
+    effective_modulus : float
+        E* [Pa].
+    contact_size : float, optional
+        Element size along the contact line [m], instead of the one found.
+
+    Raises
+    ------
+    InputError
+        If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements.
+    """
+    opening = Opening.of(contact)
+    widths = [contact_width(law, f, opening, effective_modulus) for f in line_loads]
+    std = min(w.std for w in widths)
+    far_size = contact.closure.largest_radius / _PER_LARGEST_RADIUS
+    size = min(min(w.std / w.per_std for w in widths), far_size)
+    reach = [max(sides) for sides in zip(*(w.reach for w in widths), strict=True)]
+    # Contact ends where one of the faces ends, whatever the law says.
+    lower, upper = contact.reach
+    zone = (max(-reach[0], lower), min(reach[1], upper))
+    spots = _edges(contact, zone, size, line_loads, widths, effective_modulus)
+    # A contact that ends beyond the core, or may have peaks at edges, wants small elements there as well.
+    uneven = bool(spots) or bool(np.any((contact.breaks > zone[0]) & (contact.breaks < zone[1])))
+    beyond = [1 / (_EDGE * w.per_std) for w in widths if uneven or _EDGE * w.std > _CORE * std]
+    sizing = Sizing(
+        contact_size=size,
+        core=_CORE * std,
+        zone=zone,
+        growth_along=min([_GROWTH_ALONG, *beyond]),
+        growth_deep=_GROWTH_DEEP,
+        far_size=far_size,
+        spots=spots,
+    )
+    sizing = replace(sizing, zone=_without_stubs(sizing, contact))
+    if contact_size is None:
+        return sizing
+    smallest = (sizing.zone[1] - sizing.zone[0]) / _MOST_ELEMENTS
+    if not smallest <= contact_size <= std:
+        raise InputError(
+            Problem(
+                "mesh.contact_size",
+                f"allowed is {smallest * 1e6:.3g} um ({_MOST_ELEMENTS} elements along the contact line) to "
+                f"{std * 1e6:.3g} um (standard deviation of the narrowest pressure profile); or leave it out: "
+                f"{sizing.contact_size * 1e6:.3g} um",
+                f"{contact_size * 1e6:.6g} um",
+            )
+        )
+    return replace(sizing, contact_size=contact_size)
+
+
+def _without_stubs(sizing: Sizing, contact: ContactGeometry) -> tuple[float, float]:
+    """The zone with ends that lie less than an element from the end of a face moved there."""
+    (start, end), (lower, upper) = sizing.zone, contact.reach
+    room = sizing.size(np.array(sizing.zone))
+    return (
+        lower if start - lower < room[0] else start,
+        upper if upper - end < room[1] else end,
+    )
+
+
+def _edges(
+    contact: ContactGeometry,
+    zone: tuple[float, float],
+    size: float,
+    line_loads: Sequence[float],
+    widths: Sequence[ContactWidth],
+    effective_modulus: float,
+) -> tuple[tuple[float, float], ...]:
+    """Rounded edges within the zone, with the element size [m] that follows the peak of the pressure there.
+
+    A flat punch of half-width b with edges of radius rho presses them flat over d = (b/2) (3 f_N rho/(E* b^2))^(2/3),
+    for d small against b (theory_geometry.md); an interface law smears the peak over sqrt(rho u0).
+    """
+    spots = []
+    for edge in contact.breaks[(contact.breaks > zone[0]) & (contact.breaks < zone[1])].tolist():
+        length, radius = _arc_beside(contact, edge)
+        sizes = [size]
+        gap = float(contact.gap(np.array(edge)))
+        for f, width in zip(line_loads, widths, strict=True):
+            if not gap <= width.closed_gap:
+                continue
+            b = max(min(abs(edge), math.sqrt(3) * width.std), size)
+            flattened = 0.5 * b * (3 * f * radius / (effective_modulus * b**2)) ** (2 / 3)
+            sizes.append(math.sqrt(flattened**2 + radius * width.decay_length) / _PER_EDGE)
+        wanted = min(min(sizes), length / _PER_ARC)
+        if wanted < size:
+            spots.append((edge, wanted))
+    # At the end of a face that carries pressure there is a corner of the body, and the pressure rises towards it.
+    closed = max(width.closed_gap for width in widths)
+    for at, end, goes_on in zip(zone, contact.reach, contact.turned_away, strict=True):
+        if at == end and not goes_on and float(contact.gap(np.array(end))) <= closed:
+            spots.append((end, size / _AT_CORNER))
+    return tuple(spots)
+
+
+def _arc_beside(contact: ContactGeometry, edge: float) -> tuple[float, float]:
+    """Length and relative radius of the most curved piece that ends at a break [m]; infinite if both are straight."""
+    places = np.concatenate([[contact.reach[0]], contact.breaks, [contact.reach[1]]])
+    n = int(np.argmin(np.abs(places - edge)))
+    sides = [
+        (places[m + 1] - places[m], _bend(contact, 0.5 * (places[m] + places[m + 1]))) for m in (n - 1, n)
+    ]
+    length, bend = max(sides, key=lambda side: side[1])
+    return (float(length), 1 / bend) if bend > 0 else (math.inf, math.inf)
+
+
+def _bend(contact: ContactGeometry, x: float) -> float:
+    """Relative curvature of the faces at x [1/m]."""
+    closure = float(contact.closure_arc(np.array(x)))
+    if math.isnan(closure):
+        return 0.0
+    return contact.closure_face.curvature(closure) - contact.seat_face.curvature(
+        float(contact.seat_arc(np.array(x)))
+    )

@@ -1,0 +1,147 @@
+"""Settings and solution of a contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.condensed import CondensedBody, body_field
+from fem_seal.bodies.elasticity import quadratic_nodes
+from fem_seal.bodies.fields import BodyField
+from fem_seal.contact.model import ContactModel
+from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
+from fem_seal.profile import PressureProfile
+
+
+@dataclass(frozen=True)
+class ContactSettings:
+    """When the Newton iteration stops.
+
+    Parameters
+    ----------
+    gap_tolerance : float
+        Largest residual of the gap in units of the law's decay length; this is also the relative error of p.
+    force_tolerance : float
+        Relative residual of the axial force.
+    max_iterations : int
+    """
+
+    gap_tolerance: float = 1e-10
+    force_tolerance: float = 1e-12
+    max_iterations: int = 60
+
+
+@dataclass(frozen=True)
+class ContactSolution:
+    """State of the contact line under one axial force.
+
+    Parameters
+    ----------
+    model : ContactModel
+    axial_force : float
+        Force F_N that the solid contact carries [N].
+    approach : float
+        Axial motion of the closure's loaded surface towards the seat's bottom since first touch of the mean
+        planes [m].
+    log_pressure : ndarray, shape (m,)
+        ln(p/Pa) at the points of the contact line; -inf where hard contact is open.
+    gap : ndarray, shape (m,)
+        Separation [m].
+    iterations : int
+    residuals : tuple of float
+        Largest gap residual over decay length, before each iteration and at the end.
+    loads : FurtherLoads
+        What acts on the bodies besides the contact pressure.
+    """
+
+    model: ContactModel
+    axial_force: float
+    approach: float
+    log_pressure: FloatArray = field(repr=False)
+    gap: FloatArray = field(repr=False)
+    iterations: int
+    residuals: tuple[float, ...] = field(repr=False)
+    loads: FurtherLoads = NO_LOADS
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Contact pressure at the points of the contact line [Pa]."""
+        return np.exp(self.log_pressure)
+
+    @property
+    def point_forces(self) -> FloatArray:
+        """Normal forces at the points of the contact line [N]."""
+        return self.model.line.area_weight * self.pressure
+
+    @cached_property
+    def fields(self) -> dict[str, BodyField]:
+        """Displacement and stress of "closure" and "seat"."""
+        return body_fields(self)
+
+    @property
+    def closing_force(self) -> float:
+        """Force of spring or actuator on the top of the closure [N], in balance with contact and further loads."""
+        return self.axial_force + self.loads.lift(self.model)
+
+    @property
+    def force_error(self) -> float:
+        """(axial contact force - F_N) / F_N."""
+        return float(self.model.line.normal[1] @ self.point_forces) / self.axial_force - 1
+
+    @property
+    def line_load(self) -> float:
+        """f_N [N/m]."""
+        return self.model.line_load(self.axial_force)
+
+    @property
+    def profile(self) -> PressureProfile:
+        """Nominal pressure profile."""
+        line = self.model.line
+        return PressureProfile(line.x, line.radius, self.pressure, self.gap, line.arc_weight, line.reach)
+
+
+def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
+    """Fields of both bodies under a solved contact, "closure" and "seat".
+
+    Parameters
+    ----------
+    solution : ContactSolution
+    """
+    model, loads = solution.model, solution.loads
+    return {
+        name: body_field(
+            name,
+            body,
+            body.displacement(solution.point_forces) + loads.displacement(body, model),
+            _at_contact(body, model, solution.pressure),
+        )
+        for name, body in (("closure", model.closure), ("seat", model.seat))
+    }
+
+
+def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyField]:
+    """Fields of both bodies, "closure" and "seat", that do not touch.
+
+    Parameters
+    ----------
+    model : ContactModel
+    loads : FurtherLoads
+        What acts on them.
+    """
+    return {
+        name: body_field(
+            name, body, loads.displacement(body, model), np.zeros(len(quadratic_nodes(body.basis.mesh)[0]))
+        )
+        for name, body in (("closure", model.closure), ("seat", model.seat))
+    }
+
+
+def _at_contact(body: CondensedBody, model: ContactModel, line_pressure: FloatArray) -> FloatArray:
+    """Contact pressure at the nodes of a body."""
+    pressure = np.zeros(len(quadratic_nodes(body.basis.mesh)[0]))
+    with np.errstate(under="ignore"):
+        pressure[body.contact_nodes] = np.interp(body.contact_x, model.line.x, line_pressure)
+    return pressure

@@ -1,0 +1,395 @@
+"""Files: written in full or not at all, TOML and text tables read with words for what is wrong.
+
+A pipe that nobody writes to would be waited for without end, and a device such as /dev/zero never ends.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import stat
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fem_seal.errors import InputError, OutputError, Problem, QuantityError, SealError, TextTableError
+from fem_seal.units import parse_quantity
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+def write_bytes(path: str | os.PathLike[str], chunks: bytes | Iterable[bytes]) -> Path:
+    """Write a file in one step: readers see the old content or the new one, never a part of it.
+
+    Parameters
+    ----------
+    path : path
+        File to write or replace; its folder is made if it does not exist.
+    chunks : bytes or iterable of bytes
+        Content.
+
+    Returns
+    -------
+    pathlib.Path
+        The file written.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written; nothing is left behind.
+    """
+    path = Path(path)
+    # In the same folder, because a rename is only atomic within one file system.
+    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with draft.open("wb") as file:
+            file.writelines([chunks] if isinstance(chunks, bytes) else chunks)
+        os.replace(draft, path)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise OutputError(f"{path}: cannot be written ({reason})") from error
+    finally:
+        _remove(draft)
+    return path
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> Path:
+    """Write a text file (UTF-8, lines ending with a line feed) in one step; see `write_bytes`."""
+    return write_bytes(path, text.encode("utf-8"))
+
+
+def _remove(draft: Path) -> None:
+    try:
+        draft.unlink(missing_ok=True)
+    except OSError:
+        # The error that is already on its way says what is wrong with this folder.
+        return
+
+
+def read_toml(path: Path, kind: str) -> dict[str, Any]:
+    """Tables of a file.
+
+    Parameters
+    ----------
+    path : Path
+    kind : str
+        What the file is to be: "case" or "study".
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or is no TOML.
+    """
+    try:
+        return tomllib.loads(read_text(path))
+    except UnicodeDecodeError:
+        message = f"is not a text file; a {kind} file in TOML is needed"
+    except tomllib.TOMLDecodeError as error:
+        message = f'is not valid TOML: {error}. Texts and quantities need quotes: radius = "20 mm"'
+    except RecursionError:
+        message = f"is not a {kind} file: nested too deeply"
+    except UnreadableFileError as error:
+        message = str(error)
+    raise InputError(Problem("", message), file=path)
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """Numbers of a text file.
+
+    Parameters
+    ----------
+    header : tuple of str
+        Column names, empty if the file has none.
+    values : ndarray, shape (rows, columns)
+        The numbers, as they stand there.
+    lines : tuple of int
+        Line of the file in which each row stands.
+    """
+
+    header: tuple[str, ...]
+    values: NDArray[np.float64]
+    lines: tuple[int, ...]
+
+
+def read_text_table(file: str | Path) -> TextTable:
+    """Table of a text file with columns separated by comma, semicolon, tab or spaces.
+
+    The first line may be a header. Empty lines and lines that begin with # are skipped.
+
+    Parameters
+    ----------
+    file : path
+
+    Raises
+    ------
+    TextTableError
+        If the file is missing, no text, empty, or a line does not hold as many numbers as the first; NaN and
+        infinity are no numbers.
+    """
+    import numpy as np
+
+    lines = [(number, line.strip()) for number, line in enumerate(_read_lines(file), start=1)]
+    lines = [(number, line) for number, line in lines if line and not line.startswith("#")]
+    if not lines:
+        raise TextTableError("is empty; a table of numbers is needed")
+    header = () if _numbers(lines[0][1]) else _cells(lines[0][1], keep_spaces=True)
+    rows = lines[1:] if header else lines
+    if not rows:
+        raise TextTableError("has a header but no rows of numbers")
+    for number, line in rows:
+        if _has_decimal_commas(line):
+            raise TextTableError(
+                f'line {number} ("{line[:40]}") has decimal commas; write decimal points, such as 0.1; 200.5'
+            )
+    values = [_numbers(line) for _, line in rows]
+    columns = len(values[0]) or len(header)
+    for (number, line), row in zip(rows, values, strict=True):
+        if len(row) != columns:
+            found = f"{len(row)}" if row else "something else"
+            raise TextTableError(
+                f'line {number} ("{line[:40]}") must hold {columns} finite numbers, it holds {found}'
+            )
+    return TextTable(header, np.array(values), tuple(number for number, _ in rows))
+
+
+def _read_lines(file: str | Path) -> list[str]:
+    try:
+        text = read_text(file)
+    except UnicodeDecodeError:
+        raise TextTableError("is not a text file; a table of numbers is needed") from None
+    except UnreadableFileError as error:
+        raise TextTableError(str(error)) from None
+    if "\0" in text:
+        raise TextTableError("is not a text file; a table of numbers is needed")
+    return text.splitlines()
+
+
+def _cells(line: str, *, keep_spaces: bool = False) -> tuple[str, ...]:
+    # a header such as "x [m], p [Pa]" has spaces inside its names; numbers never have
+    separated = keep_spaces and re.search(r"[,;\t]", line)
+    cells = re.split(r"\s*[,;\t]\s*" if separated else r"\s*[,;\t]\s*|\s+", line)
+    return tuple(cell.strip().strip('"') for cell in cells)
+
+
+def _has_decimal_commas(line: str) -> bool:
+    """Whether commas stand between digits although something else separates the columns."""
+    return bool(re.search(r"\d,\d", line) and re.search(r"\d\s*[;\s]\s*[-+.\d]", line))
+
+
+def _numbers(line: str) -> list[float]:
+    """The numbers of a line; empty if anything else stands in it."""
+    try:
+        numbers = [float(cell) for cell in _cells(line)]
+    except ValueError:
+        return []
+    return numbers if all(abs(number) < float("inf") for number in numbers) else []
+
+
+# What a column may be called, and its dimension: one of `fem_seal.units.DIMENSIONS`, or "strain".
+Names = Mapping[str, tuple[str, tuple[str, ...]]]
+
+# A strain is a plain number unless its header says otherwise.
+_STRAINS = {"": 1.0, "-": 1.0, "1": 1.0, "%": 0.01, "percent": 0.01}
+
+
+def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]:
+    """Place of each known column in a table.
+
+    Parameters
+    ----------
+    table : TextTable
+    names : mapping
+        For each role the dimension and the names that a column may have.
+    example : str
+        A header that would do, for the message where there is none.
+
+    Raises
+    ------
+    TextTableError
+        If the table has no header, or one of another length than its rows.
+    """
+    if not table.header:
+        raise TextTableError(f"has no header; name the columns and their units, {example}")
+    if len(table.header) != table.values.shape[1]:
+        raise TextTableError(
+            f"has {len(table.header)} column names over {table.values.shape[1]} columns; name every column, and write "
+            "numbers with a decimal point, not a comma"
+        )
+    words = [name_and_unit(header)[0] for header in table.header]
+    places = {
+        role: next((n for n, word in enumerate(words) if word in known), None)
+        for role, (_, known) in names.items()
+    }
+    return {role: place for role, place in places.items() if place is not None}
+
+
+def column(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
+    """Column of a table in SI.
+
+    Raises
+    ------
+    TextTableError
+        If its header has no unit of this dimension.
+    """
+    header, values = table.header[place], table.values[:, place]
+    unit = name_and_unit(header)[1]
+    if dimension == "strain":
+        if unit.lower() not in _STRAINS:
+            raise TextTableError(
+                f'column "{header}": unit "{unit}" does not fit a strain; write a plain number without unit, 0.1, or '
+                "per cent, [%]"
+            )
+        return values * _STRAINS[unit.lower()]
+    if not unit:
+        example = "mm" if dimension == "length" else "MPa"
+        raise TextTableError(
+            f'column "{header}" has no unit; write it as "{header}_{example}" or "{header} [{example}]"'
+        )
+    try:
+        return values * parse_quantity(f"1 {unit}", dimension)
+    except QuantityError as error:
+        raise TextTableError(f'column "{header}": {error}') from None
+
+
+def name_and_unit(header: str) -> tuple[str, str]:
+    """``"x_m"``, ``"x [mm]"``, ``"Contact pressure (MPa)"`` as word and unit; unit empty if there is none."""
+    bracketed = re.fullmatch(r"(.*?)[\s_]*[\[(]\s*([^\])]+?)\s*[\])]", header)
+    suffixed = re.fullmatch(r"(.+)[\s_]([^\s_]+)", header)
+    for match in (bracketed, suffixed):
+        if match and (match is bracketed or _is_unit(match[2])):
+            return re.sub(r"\s+", "_", match[1].lower()), match[2]
+    return re.sub(r"\s+", "_", header.lower()), ""
+
+
+def _is_unit(text: str) -> bool:
+    if text.lower() in ("%", "percent"):
+        return True
+    for dimension in ("length", "pressure"):
+        try:
+            parse_quantity(f"1 {text}", dimension)
+        except QuantityError:
+            continue
+        return True
+    return False
+
+
+def as_json(value: object) -> str:
+    """JSON of numbers, texts, lists and tables; what is not a number in JSON (NaN, infinity) becomes null."""
+    return json.dumps(_plain(value), indent=2, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, float) or hasattr(value, "item"):
+        number = value.item() if hasattr(value, "item") else value
+        return None if isinstance(number, float) and not math.isfinite(number) else number
+    return value
+
+
+# What a person writes, and what instruments and other programs do.
+_MOST_BYTES = 64 * 2**20
+MOST_BYTES_OF_SCAN = MOST_BYTES_OF_DRAWING = 2**30
+
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+    (stat.S_ISSOCK, "a socket"),
+)
+
+
+class UnreadableFileError(SealError, ValueError):
+    """A file cannot be read; the message does not repeat its path: "cannot be read (no such file or directory)"."""
+
+
+def read_bytes(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> bytes:
+    """Content of a regular file.
+
+    Parameters
+    ----------
+    path : path
+    most : int
+        Largest size that is read [bytes].
+
+    Raises
+    ------
+    UnreadableFileError
+        If it is not there, may not be read, is no regular file, or is larger.
+    """
+    try:
+        # Not blocking: to open a pipe would wait for the one who writes it.
+        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+        try:
+            _check(os.fstat(handle), most)
+            with open(handle, "rb", closefd=False) as file:
+                # A file of the system may say that it is empty and have no end.
+                content = file.read(most + 1)
+        finally:
+            os.close(handle)
+    except (OSError, ValueError) as error:
+        raise _unreadable(error) from None
+    if len(content) > most:
+        raise _too_large(most)
+    return content
+
+
+def read_text(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> str:
+    """The same as text in UTF-8, with or without a byte order mark.
+
+    Raises
+    ------
+    UnreadableFileError
+        As of `read_bytes`.
+    UnicodeDecodeError
+        If it is no such text.
+    """
+    text = read_bytes(path, most).decode("utf-8-sig")
+    # as a file opened for text gives it
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def check_file(path: str | os.PathLike[str], most: int = _MOST_BYTES) -> None:
+    """Whether `read_bytes` would read it, for those who are given the path and read it themselves.
+
+    Raises
+    ------
+    UnreadableFileError
+        As of `read_bytes`.
+    """
+    try:
+        _check(Path(path).stat(), most)
+        if not os.access(path, os.R_OK):
+            raise UnreadableFileError("cannot be read (permission denied)")
+    except (OSError, ValueError) as error:
+        raise _unreadable(error) from None
+
+
+def _check(status: os.stat_result, most: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        kind = next((name for is_kind, name in _KINDS if is_kind(status.st_mode)), "no regular file")
+        raise UnreadableFileError(f"cannot be read (is {kind}; a regular file is needed)")
+    if status.st_size > most:
+        raise _too_large(most)
+
+
+def _too_large(most: int) -> UnreadableFileError:
+    return UnreadableFileError(f"cannot be read (is larger than {most // 2**20} MB)")
+
+
+def _unreadable(error: OSError | ValueError) -> UnreadableFileError:
+    if isinstance(error, UnreadableFileError):
+        return error
+    reason = getattr(error, "strerror", None) or "not a file name"
+    return UnreadableFileError(f"cannot be read ({reason.lower()})")

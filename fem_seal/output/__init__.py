@@ -1,0 +1,1 @@
+"""From numbers to files and words: columns, tables, pictures, the report."""

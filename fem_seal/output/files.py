@@ -1,0 +1,72 @@
+"""The result files of one calculation, in one folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from fem_seal.analysis.afterwards import Afterwards
+from fem_seal.analysis.results import SealSolution
+from fem_seal.folders import replaced_together
+from fem_seal.output.columns import write_imprint_csv, write_leak_csv, write_profile_csv, write_variants_csv
+from fem_seal.output.report.page import write_report
+from fem_seal.output.summary import write_summary
+from fem_seal.output.vtk import write_contact, write_contact_line, write_unloaded
+
+
+def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
+    """Write tables, summary, VTK files, mesh and report into a folder, all that can be made or none.
+
+    They take the places of those of an earlier run together; everything else in the folder is left alone. The caller
+    sees to it that nobody else writes there, see `fem_seal.folders`.
+
+    Parameters
+    ----------
+    result : SealSolution
+    folder : pathlib.Path
+        Made if it does not exist.
+
+    Returns
+    -------
+    tuple of str
+        A sentence for each file that could not be made; the others are there, and summary.json says so, too.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written.
+    """
+    folder, after = Path(folder), Afterwards()
+    with replaced_together(folder) as draft:
+        write_leak_csv(result, draft / "leak.csv")
+        write_profile_csv(result, draft / "profile.csv")
+        for name, write_one in _FILES.items():
+            # a full disc concerns the other files as well
+            with after.going_on(name, but=OSError):
+                write_one(result, draft)
+        with after.going_on("summary.json", but=OSError):
+            told = (*result.warnings, *after.failures)
+            write_summary(replace(result, warnings=told), draft / "summary.json", folder)
+    return tuple(after.failures)
+
+
+def _vtk(result: SealSolution, folder: Path) -> None:
+    write_contact(result, folder)
+    write_contact_line(result, folder)
+    write_unloaded(result, folder)
+
+
+def _variants(result: SealSolution, folder: Path) -> None:
+    if result.theory_variants:
+        write_variants_csv(result, folder / "variants.csv")
+
+
+# Files besides those of contact and leak: one that cannot be made costs none of the others.
+_FILES: dict[str, Callable[[SealSolution, Path], object]] = {
+    "mesh.msh": lambda result, folder: result.seal_mesh.write(folder / "mesh.msh"),
+    "VTK files": _vtk,
+    "imprint.csv": lambda result, folder: write_imprint_csv(result, folder / "imprint.csv"),
+    "variants.csv": _variants,
+    "report.html": lambda result, folder: write_report(result, folder / "report.html"),
+}

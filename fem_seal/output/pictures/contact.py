@@ -1,0 +1,282 @@
+"""Pictures of the contact line: pressure profiles, their height and width, gap and fluid pressure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.analysis.load_names import LoadAxis, different, load_axis, load_name
+from fem_seal.output.pictures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    WIDTH,
+    Picture,
+    few,
+    label,
+    load_colours,
+    logarithmic,
+    number_dots,
+    panels,
+    spans_decades,
+    svg,
+)
+from fem_seal.units import quantity, unit_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from fem_seal.analysis.closed_forms import Derived, DerivedLoad, Sizes
+    from fem_seal.analysis.results import LoadResult, SealSolution
+
+# More lines than this get a scale of colours instead of names.
+_NAMED_LOADS = 6
+# Of a picture with one panel [inch].
+_NARROW = 6.4
+# More lines than this are one blot.
+_DRAWN_LOADS = 40
+_CLOSED_FORMS = {
+    "hertz": ("Hertz", GREY, (0, (1, 1.2))),
+    "gaussian": ("Gaussian", GREEN, (0, (5, 1.5, 1, 1.5))),
+    "crossover": ("crossover", ORANGE, (0, (4, 2))),
+}
+
+
+def profile_picture(result: SealSolution, derived: Derived) -> Picture:
+    """Pressure profiles of all loads, and the lowest and highest load beside the closed forms.
+
+    Parameters
+    ----------
+    result : SealSolution
+    derived : Derived
+        Closed forms of the case.
+    """
+    loads = result.loads
+    order = different(loads)
+    closed = not math.isinf(result.model.relative_radius)
+    shown = ([order[-1]] if len(order) == 1 else [order[0], order[-1]]) if closed else []
+    together = len(order) > 1 or not closed
+    figure, axes = panels(len(shown) + together, height=3.7, width=WIDTH if closed else _NARROW)
+    length = unit_for("length", _reach(loads))
+    if together:
+        _all_profiles(axes[0], loads, order, length.size, length.name)
+    for view, n in zip(axes[len(axes) - len(shown) :], shown, strict=True):
+        _against_closed_forms(
+            view, loads[n], load_name(loads[n], loads), derived.loads[n], length.size, length.name
+        )
+    return Picture(
+        "profiles",
+        svg(figure),
+        "Contact pressure over the arc length across the contact line"
+        + (", all loads" if len(order) > 1 else "")
+        + ("; and the finite-element result beside the closed-form profiles" if closed else ""),
+        _profile_caption(result),
+    )
+
+
+def _profile_caption(result: SealSolution) -> str:
+    law = result.case.interface.law
+    start = (
+        "Nominal contact pressure across the sealing line; x = 0 is the circle of first touch, x > 0 lies outside "
+        "it. "
+    )
+    if math.isinf(result.model.relative_radius):
+        return start + (
+            "The faces fit each other along a stretch: the closed forms of a curved line contact (Hertz, Gaussian, "
+            "crossover) do not exist here, and the pressure rises towards the edges of the stretch."
+        )
+    hertz = "Hertz: smooth elastic bodies, the narrowest contact possible. "
+    if result.unloaded is not None:
+        return (
+            start
+            + hertz
+            + (
+                ""
+                if law == "smooth"
+                else "Gaussian: rigid bodies with compliant roughness. Crossover: both together. "
+            )
+            + "The closed forms know no yielding, which widens the contact and cuts its peak."
+        )
+    if law == "smooth":
+        return start + hertz + "The interface is smooth, so the calculation should fall on it."
+    rest = "Gaussian: rigid bodies with compliant roughness. Crossover: both together, exact for an exponential p(u)"
+    if law == "exponential":
+        return start + hertz + rest + "; the calculation should fall on it."
+    return (
+        start
+        + hertz
+        + rest
+        + ", drawn with the decay length u₀ that the roughness has at low pressure. The calculation uses the full p(u) "
+        "and may differ where that is no exponential any more."
+    )
+
+
+def _all_profiles(
+    axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], length: float, unit: str
+) -> None:
+    pressure = unit_for("contact pressure", max(load.contact.profile.peak_pressure for load in loads))
+    colour = load_colours(len(order))
+    over = load_axis(loads)
+    drawn = few(len(order), _DRAWN_LOADS)
+    named = [drawn[n] for n in few(len(drawn), _NAMED_LOADS if len(drawn) <= _NAMED_LOADS else 4)]
+    for n in drawn:
+        profile = loads[order[n]].contact.profile
+        axes.plot(
+            profile.x / length,
+            profile.pressure / pressure.size,
+            color=colour(n),
+            linewidth=1.2,
+            label=over.names[order[n]] if n in named else None,
+        )
+    reach = _reach(loads) / length
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(0.0)
+    axes.legend(title=over.name, title_fontsize=8.5, loc="upper right", handlelength=1.2, borderpad=0.1)
+    title = (
+        f"All {len(loads)} loads" if len(order) <= _DRAWN_LOADS else f"{_DRAWN_LOADS} of {len(order)} loads"
+    )
+    if len(order) == 1:
+        title = load_name(loads[order[0]], loads)
+    label(axes, title, f"x  [{unit}]", f"contact pressure  [{pressure.name}]")
+
+
+def _against_closed_forms(
+    axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: float, unit: str
+) -> None:
+    reach = _reach([load])
+    x = np.linspace(-reach, reach, 361)
+    profile = load.contact.profile
+    # Hertz may be many times higher; drawn in full it would flatten everything else.
+    top = 1.75 * profile.peak_pressure
+    pressure = unit_for("contact pressure", top)
+    for key, (form_name, colour, dashes) in _CLOSED_FORMS.items():
+        form = getattr(closed, key)
+        if form is not None:
+            y = np.asarray(form.pressure(x)) / pressure.size
+            cut = form.peak_pressure > top
+            peak = f", peak {quantity('contact pressure', form.peak_pressure)}" if cut else ""
+            axes.plot(
+                x / length, y, color=colour, linestyle=dashes, linewidth=1.4, label=form_name + peak, zorder=3
+            )
+    axes.plot(
+        profile.x / length, profile.pressure / pressure.size, color=BLUE, linewidth=2.4, label="calculated"
+    )
+    axes.set_xlim(-reach / length, reach / length)
+    axes.set_ylim(0.0, top / pressure.size)
+    axes.legend(loc="upper right", handlelength=1.9, borderpad=0.1)
+    label(axes, f"{name}, closed forms", f"x  [{unit}]", f"contact pressure  [{pressure.name}]")
+
+
+def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> Picture | None:
+    """Peak pressure and width at every load, beside the closed forms; None if there is only one.
+
+    Parameters
+    ----------
+    result : SealSolution
+    sizes : mapping
+        From `fem_seal.analysis.closed_forms.profile_sizes`.
+    """
+    if len(result.loads) == 1:
+        return None
+    over = load_axis(result.loads)
+    figure, axes = panels(2, height=3.3)
+    _sizes(axes[0], over, sizes, "peak_pressure", "contact pressure")
+    _sizes(axes[1], over, sizes, "fwhm", "length")
+    peak, width = (axis.get_ylabel() for axis in axes)
+    label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak}]")
+    label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width}]")
+    return Picture(
+        "sizes",
+        svg(figure),
+        f"Peak contact pressure and full width at half maximum against {over.name}"
+        + (", calculated and in closed form" if len(sizes) > 1 else ""),
+        "Height and width of the pressure profile at every load."
+        + (
+            " Where the calculated width follows Hertz, the elasticity of the bodies sets the contact; where it "
+            "follows the Gaussian, the compliance of the roughness."
+            if "gaussian" in sizes
+            else ""
+        )
+        + over.order_told,
+    )
+
+
+def _sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str, kind: str) -> None:
+    """One measure of the profiles; leaves its unit as label of the y axis."""
+    x, order = over.shown, np.argsort(over.values)
+    calculated = getattr(sizes["calculated"], measure)
+    unit = unit_for(kind, float(calculated.max()))
+    for name, (text, colour, dashes) in _CLOSED_FORMS.items():
+        if name in sizes:
+            y = getattr(sizes[name], measure)[order] / unit.size
+            axes.plot(x[order], y, color=colour, linestyle=dashes, label=text)
+    dots = "o-" if over.ordered else "o"
+    axes.plot(x, calculated / unit.size, dots, color=BLUE, linewidth=0.8, ms=4.5, label="calculated")
+    scales = ["x"] if x.min() > 0 and spans_decades(x) else []
+    if measure == "peak_pressure" and spans_decades(calculated):
+        scales.append("y")
+    else:
+        # A closed form far outside its range must not flatten the rest.
+        axes.set_ylim(0.0, min(axes.get_ylim()[1], 5 * float(calculated.max()) / unit.size))
+    logarithmic(axes, *scales)
+    if over.returns:
+        number_dots(axes, x, calculated / unit.size, range(1, len(x) + 1))
+    axes.legend(loc="best")
+    axes.set_ylabel(unit.name)
+
+
+def gap_picture(result: SealSolution) -> Picture:
+    """Gap and fluid pressure across the contact.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    loads, order = result.loads, different(result.loads)
+    over, drawn = load_axis(loads), [order[n] for n in few(len(order), 4)]
+    chosen = [loads[n] for n in drawn]
+    flowing = [load for load in chosen if load.leak is not None and 0 < load.leak.leak_rate < np.inf]
+    figure, axes = panels(2 if flowing else 1, height=3.3, width=10.4 if flowing else 5.6)
+    colour = load_colours(len(chosen))
+    length = unit_for("length", _reach(loads))
+    reach = _reach(loads) / length.size
+    inside = [load.contact.profile.gap[np.abs(load.contact.profile.x) <= _reach(loads)] for load in chosen]
+    gap = unit_for("length", max(float(part.max(initial=0.0)) for part in inside))
+    for n, load in enumerate(chosen):
+        profile, name = load.contact.profile, over.names[drawn[n]]
+        axes[0].plot(profile.x / length.size, profile.gap / gap.size, color=colour(n), label=name)
+        if load in flowing and load.leak is not None:
+            share = load.leak.fluid_pressure / load.fluid_pressure
+            axes[1].plot(profile.x / length.size, 100 * share, color=colour(n), label=name)
+    axes[0].set_ylim(0.0, 1.08 * max(float(part.max(initial=0.0)) for part in inside) / gap.size or 1.0)
+    label(axes[0], "Mean gap between the surfaces", f"x  [{length.name}]", f"gap  [{gap.name}]")
+    if flowing:
+        axes[1].set_ylim(-3, 103)
+        label(axes[1], "Fluid pressure in the gap", f"x  [{length.name}]", "share of the pressure drop  [%]")
+    for view in axes:
+        view.set_xlim(-reach, reach)
+        view.legend(title=over.name, title_fontsize=8.5, loc="best", handlelength=1.4)
+    caption = (
+        "Left: mean separation of the surfaces, u(x)."
+        if flowing
+        else "Mean separation of the surfaces, u(x)."
+    )
+    if result.case.interface.law == "smooth":
+        caption += " It is zero where smooth surfaces touch."
+    if flowing:
+        caption += (
+            " Right: how the fluid pressure falls from the high- to the low-pressure side. Where it falls, the flow is "
+            "throttled; the steep part is the seal proper."
+        )
+    alt = "Mean gap across the contact" + (", and fluid pressure in the gap" if flowing else "")
+    return Picture("gap", svg(figure), alt, caption)
+
+
+def _reach(loads: Sequence[LoadResult]) -> float:
+    """How far from first touch the profiles are worth showing [m]."""
+    profiles = [load.contact.profile for load in loads]
+    return float(min(3.8 * max(p.std for p in profiles), max(np.abs(p.x).max() for p in profiles)))

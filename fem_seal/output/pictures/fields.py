@@ -1,0 +1,270 @@
+"""Pictures of the bodies: mesh, stress under the contact, imprint and plastic strain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.analysis.load_names import load_name
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.fields import ElastoplasticField
+from fem_seal.contact.load_path import Unloaded
+from fem_seal.contact.yielding import plastic_zone
+from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, label, panels, svg
+from fem_seal.units import number, percent, quantity, unit_for
+from meshes import SealMesh
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.contour import ContourSet
+
+    from fem_seal.analysis.results import LoadResult, SealSolution
+
+IntArray = NDArray[np.int64]
+
+# A quadratic triangle as four linear ones.
+QUARTERS = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
+_BANDS = 12
+# For the numbers and the name beside a scale of colours [inch].
+SCALE_ROOM = 0.8
+# Of a view of the contact zone, over its width.
+HEIGHT = 0.8
+
+
+def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
+    """The whole mesh beside the contact zone.
+
+    Parameters
+    ----------
+    result : SealSolution
+    load : LoadResult
+        Its width sets how much of the contact zone is shown.
+    """
+    seal_mesh, quality = result.seal_mesh, result.seal_mesh.quality
+    mesh, contact = seal_mesh.mesh, seal_mesh.contact
+    figure, (whole, zone) = panels(2, height=4.4, ratios=(1.0, 1.35))
+    for name, colour in (("closure", BLUE), ("seat", "#8a6d3b")):
+        edges = np.unique(_edges(mesh.t[:, (mesh.subdomains or {})[name]]), axis=1)
+        whole.plot(*_polyline(1e3 * mesh.p, edges), color=colour, linewidth=0.25, rasterized=True)
+        place = turned(seal_mesh, mesh.p.T).T
+        half = half_width(load)
+        close = (np.abs(place[:, edges]).min(axis=1) < 1.8 * half).all(axis=0)
+        unit = unit_for("length", 2 * half)
+        zone.plot(*_polyline(place / unit.size, edges[:, close]), color=colour, linewidth=0.55)
+    whole.set_aspect("equal")
+    whole.grid(False)
+    label(whole, "Both bodies", "r  [mm]", "z  [mm]")
+    whole.plot(1e3 * contact.touch_radius, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
+    frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
+    smallest = float(np.diff(result.model.line.vertices).min())
+    return Picture(
+        "mesh",
+        svg(figure),
+        f"Finite-element mesh of both bodies and, enlarged, of the contact zone, {quality.elements} triangles",
+        f"{quality.elements} triangles with quadratic displacement ({_unknowns(result)} unknowns), "
+        f"{quantity('length', smallest)} long at the contact and growing outwards; the circle marks the zone shown on "
+        f"the right. Shape of the elements (1 is equilateral): worst {quality.smallest:.2f}, mean {quality.mean:.2f}.",
+    )
+
+
+def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
+    """von Mises stress under the contact, twice enlarged.
+
+    Parameters
+    ----------
+    result : SealSolution
+    load : LoadResult
+        The load to show.
+    """
+    from matplotlib.ticker import MaxNLocator
+    from matplotlib.tri import Triangulation
+
+    figure, axes = panels(2, height=4.3, side=SCALE_ROOM)
+    fields = load.contact.fields
+    unit = unit_for("contact pressure", load.max_von_mises)
+    half = half_width(load)
+    levels = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, unit.of(load.max_von_mises))
+    bands = None
+    for view, reach, title in (
+        (axes[0], 4.0 * half, "Around the contact"),
+        (axes[1], half, "Under the contact"),
+    ):
+        length = unit_for("length", 2 * reach)
+        for field in fields.values():
+            place = turned(result.seal_mesh, field.points)
+            triangles = near(place, field.triangles6[:, QUARTERS].reshape(-1, 3), reach)
+            grid = Triangulation(place[:, 0] / length.size, place[:, 1] / length.size, triangles)
+            bands = view.tricontourf(grid, unit.of(1.0) * field.von_mises, levels=levels, cmap="YlOrRd")
+            line = place[field.contact_nodes] / length.size
+            view.plot(*line.T, color=INK, linewidth=0.8)
+        frame_zone(view, reach / length.size, length.name, title)
+    if bands is not None:
+        scale_of_colours(axes, bands, f"von Mises stress  [{unit.name}]")
+    _mark_largest(axes[1], result, load)
+    body, r, z = load.max_von_mises_at
+    depth = float(turned(result.seal_mesh, np.array([[r, z]]))[0, 1])
+    return Picture(
+        "stress",
+        svg(figure),
+        f"Map of the von Mises stress around the contact; its largest value is "
+        f"{quantity('contact pressure', load.max_von_mises)} in the {body}",
+        f"von Mises stress at {load_name(load, result.loads)}, closure above, seat below, undeformed "
+        f"shape. The largest value, {quantity('contact pressure', load.max_von_mises)}, lies in the {body} "
+        f"{quantity('length', abs(depth))} {'below' if depth < 0 else 'above'} the contact line (cross). "
+        "Asperities are not resolved here: they carry many times this stress and yield first.",
+    )
+
+
+def _mark_largest(axes: Axes, result: SealSolution, load: LoadResult) -> None:
+    _, r, z = load.max_von_mises_at
+    half = half_width(load)
+    place = turned(result.seal_mesh, np.array([[r, z]]))[0]
+    if np.all(np.abs(place) < half):
+        axes.plot(*(place / unit_for("length", 2 * half).size), "x", color=INK, ms=6, mew=1.2)
+
+
+def half_width(load: LoadResult) -> float:
+    """Half of what the enlarged views show along the contact [m]."""
+    profile = load.contact.profile
+    return 4.2 * profile.std
+
+
+def turned(seal_mesh: SealMesh, points: FloatArray) -> FloatArray:
+    """(r, z) in the frame of the contact: along the tangent, along the normal; shape (n, 2) [m]."""
+    contact = seal_mesh.contact
+    n_r, n_z = contact.normal(np.zeros(1))[:, 0]
+    r, z = points[:, 0] - contact.touch_radius, points[:, 1]
+    return np.column_stack([r * n_z - z * n_r, r * n_r + z * n_z])
+
+
+def near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
+    """Triangles of which a part may lie within `reach` of first touch."""
+    corners = place[triangles]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    inside = (low < reach) & (high > -reach)
+    return np.asarray(triangles[inside.all(axis=1)])
+
+
+def scale_of_colours(axes: Sequence[Axes], bands: ContourSet, text: str, *, lowest: str = "") -> None:
+    """The scale beside the last of the axes, which have `SCALE_ROOM` for its numbers; `lowest` instead of the first."""
+    figure = axes[0].get_figure(root=True)
+    assert figure is not None
+    bar = figure.colorbar(bands, ax=axes, fraction=0.03, pad=0.015, aspect=28, format="%.3g")
+    if lowest:
+        ticks = bar.get_ticks().tolist()
+        bar.set_ticks(ticks, labels=[lowest, *(f"{tick:.3g}" for tick in ticks[1:])])
+    bar.set_label(text)
+    bar.outline.set_linewidth(0.5)
+
+
+def frame_zone(axes: Axes, reach: float, unit: str, title: str) -> None:
+    """Limits and labels of a view of the contact zone."""
+    axes.set_aspect("equal")
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(-HEIGHT * reach, HEIGHT * reach)
+    axes.grid(False)
+    label(axes, title, f"along the contact, outwards  [{unit}]", f"along the normal  [{unit}]")
+
+
+def _edges(triangles: IntArray) -> IntArray:
+    """Edges of triangles, shape (2, n), each one sorted."""
+    return np.sort(np.hstack([triangles[[0, 1]], triangles[[1, 2]], triangles[[2, 0]]]), axis=0)
+
+
+def _polyline(points: FloatArray, edges: IntArray) -> FloatArray:
+    """x and y of all edges in one broken line."""
+    ends = points[:, edges]
+    gaps = np.full((2, 1, edges.shape[1]), np.nan)
+    return np.concatenate([ends, gaps], axis=1).transpose(0, 2, 1).reshape(2, -1)
+
+
+def _unknowns(result: SealSolution) -> str:
+    return number(float(result.model.closure.basis.N + result.model.seat.basis.N), 5)
+
+
+_COLOURS = {"seat": BLUE, "closure": ORANGE}
+# Widths of the imprint that are shown to each side, and depths of the yielded zone to above and below.
+_WIDTHS, _DEPTHS = 1.6, 1.5
+_STRAIN_BANDS = 10
+
+
+def imprint_picture(result: SealSolution) -> Picture | None:
+    """The lasting imprint, and the plastic strain below it; None if nothing has yielded.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    unloaded = result.unloaded
+    if unloaded is None or not unloaded.imprints:
+        return None
+    figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
+    _imprints(depth, unloaded)
+    caption = _strains(strain, result, unloaded)
+    told = "; ".join(
+        f"{name}: {quantity('length', imprint.deepest)} deep, {quantity('length', imprint.width)} wide at half of "
+        f"that, with a rim of {quantity('length', imprint.rim)}"
+        for name, imprint in unloaded.imprints.items()
+    )
+    return Picture(
+        "imprint",
+        svg(figure),
+        "Lasting imprint in the contact face after unloading, and the plastic strain around it",
+        f"Left: how far the face has moved into its body for good, after all loads have been taken away ({told}). "
+        f"Right: accumulated plastic strain, closure above, seat below, undeformed shape. {caption} Residual stress "
+        "and lasting displacement are in unloaded.vtu, the imprint in imprint.csv.",
+    )
+
+
+def _imprints(axes: Axes, unloaded: Unloaded) -> None:
+    imprints = unloaded.imprints
+    reach = max(_WIDTHS * imprint.width + abs(imprint.deepest_at) for imprint in imprints.values())
+    length = unit_for("length", reach)
+    height = unit_for("length", max(imprint.deepest for imprint in imprints.values()))
+    for name, imprint in imprints.items():
+        axes.plot(imprint.x / length.size, imprint.depth / height.size, color=_COLOURS[name], label=name)
+    axes.axhline(0.0, color=INK, linewidth=0.8)
+    axes.set_xlim(-reach / length.size, reach / length.size)
+    axes.invert_yaxis()
+    axes.legend(loc="best")
+    label(axes, "Lasting imprint", f"x  [{length.name}]", f"depth  [{height.name}]")
+
+
+def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
+    """Plastic strain of all bodies that yield; says how far it reaches."""
+    from matplotlib.ticker import MaxNLocator
+    from matplotlib.tri import Triangulation
+
+    fields = {n: field for n, field in unloaded.fields.items() if isinstance(field, ElastoplasticField)}
+    materials = {"closure": result.case.closure.material, "seat": result.case.seat.material}
+    found = {name: plastic_zone(field, materials[name]) for name, field in fields.items()}
+    zones = {name: zone for name, zone in found.items() if zone is not None}
+    widest = max(imprint.width for imprint in unloaded.imprints.values())
+    reach = max(_WIDTHS * widest, *(_DEPTHS / HEIGHT * zone.deepest for zone in zones.values()))
+    length = unit_for("length", 2 * reach)
+    largest = max(float(field.accumulated_plastic_strain.max()) for field in fields.values())
+    # few digits, so that the numbers of the scale find room
+    size, unit = (1e-2, "%") if largest > 1e-3 else (1e-6, "10⁻⁶")
+    largest /= size
+    ticks = MaxNLocator(_STRAIN_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, largest)
+    levels = [largest / 100, *ticks[1:]]  # what has not yielded stays white
+    bands = None
+    for name, field in unloaded.fields.items():
+        place = turned(result.seal_mesh, field.points)
+        if name in fields:
+            triangles = near(place, field.triangles6[:, QUARTERS].reshape(-1, 3), reach)
+            grid = Triangulation(place[:, 0] / length.size, place[:, 1] / length.size, triangles)
+            values = fields[name].accumulated_plastic_strain / size
+            bands = axes.tricontourf(grid, values, levels=levels, cmap="YlOrRd")
+        axes.plot(*(place[field.contact_nodes] / length.size).T, color=INK, linewidth=0.8)
+    frame_zone(axes, reach / length.size, length.name, "Plastic strain")
+    if bands is not None:
+        scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
+    return " ".join(
+        f"The largest in the {name}, {percent(zone.strain)}, lies {quantity('length', zone.depth)} from the contact "
+        f"line; it has yielded down to {quantity('length', zone.deepest)}."
+        for name, zone in zones.items()
+    )

@@ -1,0 +1,170 @@
+"""Picture of what leaks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.analysis.load_names import load_axis, load_name
+from fem_seal.arrays import FloatArray
+from fem_seal.output.pictures.style import (
+    BLUE,
+    INK,
+    ORANGE,
+    PURPLE,
+    Picture,
+    label,
+    logarithmic,
+    number_dots,
+    panels,
+    spans_decades,
+    svg,
+)
+from fem_seal.units import Unit, number, percent, quantity, unit_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from fem_seal.analysis.results import SealSolution
+
+
+def leak_picture(result: SealSolution) -> Picture | None:
+    """Leak rate of every load, with and without asperity plasticity; None if none was calculated.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    # where the fluid has blown the seal open there is no finite rate to draw
+    flowing = [load for load in result.loads if load.leak and np.isfinite(load.leak.leak_rate)]
+    # along their path where a body yields: the same pressure leaks differently before and after a higher one
+    loads = flowing if result.unloaded else sorted(flowing, key=lambda load: load.point)
+    if not loads:
+        return None
+    over = load_axis(loads)
+    outside = np.array([load.validity.outside for load in loads])
+    rates = np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
+    elastic = np.array([load.leak_elastic.leak_rate if load.leak_elastic else np.nan for load in loads])
+    plastic = result.surface is not None and result.surface.hardness is not None
+    series = [("asperities yield (result)" if plastic else "elastic asperities (result)", rates, BLUE, 2.2)]
+    if plastic and np.isfinite(elastic).any():
+        series.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
+    shown = np.concatenate([rates for _, rates, _, _ in series])
+    unit = unit_for("flow", float(rates.max() or np.nanmax(shown)))
+    if len(loads) == 1:
+        return _single_leak(
+            load_name(loads[0], result.loads) + (", outside the theory" if outside[0] else ""),
+            [(name, float(values[0]), colour) for name, values, colour, _ in series],
+            unit,
+            "zero" if outside[0] else "sealed",
+        )
+    both = len(series) == 2 and bool(((rates > 0) & (elastic > 0)).any())
+    figure, axes, factor = _leak_panels(2 if both else 1)
+    for name, values, colour, width in series:
+        positive = np.where(values > 0, values, np.nan) / unit.size
+        thin = 0.8 if over.ordered else width
+        axes.plot(over.shown, positive, "o-", color=colour, linewidth=thin, ms=3.8, label=name)
+    _mark_outside(axes, over.shown, np.where(rates > 0, rates, np.nan) / unit.size, outside)
+    if result.uncertainty is not None:
+        order = [result.loads.index(load) for load in loads]
+        low, high = result.uncertainty.low[order], result.uncertainty.high[order]
+        name = f"{percent(result.uncertainty.confidence)} interval of the result"
+        band = (low / unit.size, high / unit.size)
+        axes.fill_between(over.shown, *band, color=BLUE, alpha=0.15, linewidth=0, label=name)
+    _mark_sealed(axes, over.shown[(rates == 0) & ~outside])
+    scales = ["x"] if over.values.min() > 0 and spans_decades(over.values) else []
+    scales += ["y"] if spans_decades(shown) else []
+    if "y" not in scales:
+        axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
+    logarithmic(axes, *scales)
+    if over.returns:
+        number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
+    axes.legend(loc="best")
+    label(axes, "Leak rate", over.label, f"leak rate  [{unit.name}]")
+    if factor is not None:
+        _reduction(factor, over.shown, elastic, rates, "x" in scales)
+        label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
+    return Picture(
+        "leak",
+        svg(figure),
+        f"Leak rate against {over.name}" + (", with yielding and with elastic asperities" if plastic else ""),
+        f"Leak rate of the whole circumference at each {over.name}.{over.order_told}"
+        + (
+            " Where asperities yield, the surfaces come closer and less leaks; the elastic curve is the same contact "
+            "with asperities of unlimited strength."
+            if plastic
+            else ""
+        ),
+    )
+
+
+def _single_leak(load: str, series: list[tuple[str, float, str]], unit: Unit, zero: str) -> Picture:
+    """Bars for a case with one load; `zero` is what a leak rate of zero is called."""
+    figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
+    names = [name for name, _, _ in series]
+    values = [unit.of(rate) for _, rate, _ in series]
+    bars = axes.barh(range(len(series)), values, color=[colour for _, _, colour in series], height=0.55)
+    axes.bar_label(bars, [f"{number(value)} {unit.name}" if value else zero for value in values], padding=4)
+    axes.set_xlim(0.0, 1.25 * max(*values, 1e-30))
+    axes.set_yticks([])
+    for n, name in enumerate(names):
+        axes.text(0.004, n - 0.31, name, transform=axes.get_yaxis_transform(), va="bottom")
+    axes.set_ylim(len(series) - 0.6, -0.8)
+    label(axes, f"Leak rate at {load}", f"leak rate  [{unit.name}]", "")
+    return Picture(
+        "leak",
+        svg(figure),
+        f"Leak rate at {load}: " + ", ".join(f"{name} {quantity('flow', rate)}" for name, rate, _ in series),
+        "Leak rate of the whole circumference.",
+    )
+
+
+def _leak_panels(series: int) -> tuple[Figure, Axes, Axes | None]:
+    """Axes for the leak rates and, where there are two, for their ratio."""
+    if series == 1:
+        figure, (axes,) = panels(1, height=3.5, width=6.4)
+        return figure, axes, None
+    figure, (axes, ratio) = panels(2, height=3.5, ratios=(1.5, 1.0))
+    return figure, axes, ratio
+
+
+def _mark_sealed(axes: Axes, pressure: FloatArray) -> None:
+    """Loads without any leak cannot stand on a logarithmic axis; they are marked at its foot."""
+    if pressure.size:
+        axes.plot(
+            pressure,
+            np.full(pressure.shape, 0.02),
+            "v",
+            color=INK,
+            ms=6,
+            transform=axes.get_xaxis_transform(),
+            label="sealed: nothing leaks",
+            clip_on=False,
+        )
+
+
+def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray[np.bool_]) -> None:
+    """Loads outside the theory are hollow; those that came out as zero stand at the foot."""
+    name: str | None = "outside the theory: nothing to claim"
+    drawn = outside & np.isfinite(rates)
+    if drawn.any():
+        axes.plot(x[drawn], rates[drawn], "o", ms=5, mec=BLUE, mfc="white", zorder=4, label=name)
+        name = None
+    zero = outside & ~np.isfinite(rates)
+    if zero.any():
+        (foot,) = axes.plot(
+            x[zero], np.full(int(zero.sum()), 0.02), "v", ms=6, mec=INK, mfc="white", label=name
+        )
+        foot.set(transform=axes.get_xaxis_transform(), clip_on=False)
+
+
+def _reduction(axes: Axes, x: FloatArray, elastic: FloatArray, rates: FloatArray, log_x: bool) -> None:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor = np.where((rates > 0) & (elastic > 0), elastic / rates, np.nan)
+    axes.plot(x, factor, "o-", color=PURPLE, ms=3.8)
+    logarithmic(axes, *(["x"] if log_x else []), *(["y"] if spans_decades(factor) else []))
+    if not spans_decades(factor):
+        axes.set_ylim(0.0, 1.12 * float(np.nanmax(factor)))

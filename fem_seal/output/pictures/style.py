@@ -1,0 +1,224 @@
+"""What all pictures of the report share: size, type, colours, units on the axes, and their way into the page."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fem_seal.units import superscript
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BLUE, ORANGE, GREEN, PURPLE, GREY, INK = "#1f5a99", "#c8501e", "#2f7d5b", "#7a4fa3", "#7b838f", "#1c2430"
+FILL = "#dfe8f2"
+
+WIDTH = 10.4
+# Room for tick labels and axis labels [inch].
+_LEFT, _BOTTOM = 0.68, 0.52
+# Dots that get a number, and how far apart two numbers must be [pt].
+_NUMBERED_DOTS, _NUMBERS_APART = 12, 10.0
+# Fonts that every desktop has at least one of; the first is what matplotlib measures the text with.
+_FONTS = "'DejaVu Sans', Verdana, 'Segoe UI', Arial, Helvetica, sans-serif"
+
+_STYLE: dict[str, Any] = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "fem-seal",
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.titlepad": 8.0,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": "#9aa3af",
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.unicode_minus": True,
+    "grid.color": "#e4e8ee",
+    "grid.linewidth": 0.7,
+    "lines.linewidth": 1.6,
+    "xtick.color": "#4a5361",
+    "ytick.color": "#4a5361",
+    "text.color": INK,
+    "legend.framealpha": 0.85,
+    "legend.edgecolor": "none",
+    "legend.fancybox": False,
+    "legend.fontsize": 8.5,
+    "legend.handlelength": 2.2,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture for the page.
+
+    Parameters
+    ----------
+    name : str
+        Short name, unique on the page.
+    svg : bytes
+        The drawing.
+    alt : str
+        What it shows, for those who cannot see it.
+    caption : str
+        What to read from it.
+    """
+
+    name: str
+    svg: bytes
+    alt: str
+    caption: str
+
+    @property
+    def address(self) -> str:
+        """The drawing as a data address: nothing is fetched, and its names cannot clash with the page's."""
+        return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode("ascii")
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Drawing settings of the report; those of the caller come back afterwards."""
+    import matplotlib
+
+    with matplotlib.rc_context(cast(Any, _STYLE)):
+        yield
+
+
+def panels(
+    count: int,
+    *,
+    height: float = 3.5,
+    width: float = WIDTH,
+    ratios: Sequence[float] | None = None,
+    head: float = 0.36,
+    side: float = 0.12,
+) -> tuple[Figure, list[Axes]]:
+    """A figure with `count` axes side by side, `head` inches of room above them and `side` on the right."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height))
+    axes = figure.subplots(
+        1,
+        count,
+        squeeze=False,
+        gridspec_kw={
+            "left": _LEFT / width,
+            "right": 1 - side / width,
+            "bottom": _BOTTOM / height,
+            "top": 1 - head / height,
+            "wspace": 0.30 if count == 2 else 0.36,
+            "width_ratios": ratios,
+        },
+    )
+    return figure, list(axes[0])
+
+
+def svg(figure: Figure) -> bytes:
+    """The finished figure."""
+    out = BytesIO()
+    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None}, dpi=170)
+    return out.getvalue().replace(b"'DejaVu Sans'", _FONTS.encode())
+
+
+def label(axes: Axes, title: str, x: str, y: str, *, above: float = 0.09) -> None:
+    """Title, `above` the axes [inch], and axis labels.
+
+    Everything is put in a fixed place: leaving it to matplotlib means that all tick labels are laid out several times,
+    which takes longer than the drawing.
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    width, height = inches(axes)
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), MaxNLocator):
+            axis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 2.5, 5, 10]))
+    axes.set_title(title, y=1.0, pad=72 * above)
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.xaxis.set_label_coords(0.5, -(_BOTTOM - 0.25) / height)
+    axes.yaxis.set_label_coords(-(_LEFT - 0.15) / width, 0.5)
+
+
+def inches(axes: Axes) -> tuple[float, float]:
+    """Width and height of the axes."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    width, height = figure.get_size_inches() * axes.get_position().size
+    return float(width), float(height)
+
+
+def spans_decades(values: ArrayLike, decades: float = 1.2) -> bool:
+    """Whether positive values span so much that only a logarithmic axis shows them all."""
+    numbers = np.asarray(values, dtype=float)
+    positive = numbers[np.isfinite(numbers) & (numbers > 0)]
+    return bool(positive.size > 1 and math.log10(positive.max() / positive.min()) > decades)
+
+
+def logarithmic(axes: Axes, *which: str) -> None:
+    """Make axes "x" or "y" logarithmic, with plain figures as labels."""
+    from matplotlib.ticker import LogLocator, NullLocator
+
+    for name in which:
+        getattr(axes, f"set_{name}scale")("log")
+        axis = getattr(axes, f"{name}axis")
+        low, high = sorted(axis.get_view_interval())
+        decades = math.log10(high / low) if low > 0 else 9.0
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.2 else (1.0,), numticks=8))
+        axis.set_major_formatter(_plain_figures)
+        # Every tick costs a millisecond, and minor ones say nothing that the grid does not.
+        axis.set_minor_locator(NullLocator())
+
+
+def _plain_figures(value: float, _: object) -> str:
+    if value <= 0:
+        return ""
+    exponent = math.floor(math.log10(value) + 1e-9)
+    if -3 <= exponent < 4:
+        return f"{value:.{max(-exponent, 0)}f}"
+    mantissa = round(value / 10.0**exponent)
+    return f"{'' if mantissa == 1 else f'{mantissa}·'}10{superscript(exponent)}"
+
+
+def load_colours(count: int) -> Callable[[int], Any]:
+    """Colour of load number n of `count`: light for the first, dark for the last."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    ramp = LinearSegmentedColormap.from_list("loads", ["#9cc3e6", BLUE, "#0b2545"])
+    return lambda n: ramp(1.0 if count == 1 else n / (count - 1))
+
+
+def number_dots(axes: Axes, x: ArrayLike, y: ArrayLike, numbers: Sequence[int]) -> None:
+    """Numbers beside some of the dots of finished axes, "1, 3" where two of them would lie on each other."""
+    places = np.column_stack([x, y])
+    axes.autoscale_view()
+    drawn = 72 * axes.transLimits.transform(axes.transScale.transform(places)) * inches(axes)
+    texts: dict[int, str] = {}
+    for n in few(len(numbers), _NUMBERED_DOTS):
+        if np.isfinite(drawn[n]).all():
+            near = (m for m in texts if np.abs(drawn[m] - drawn[n]).max() < _NUMBERS_APART)
+            at = next(near, n)
+            texts[at] = f"{texts[at]}, {numbers[n]}" if at in texts else str(numbers[n])
+    for n, text in texts.items():
+        axes.annotate(
+            text, places[n], (0, 5), textcoords="offset points", ha="center", fontsize=8, color=BLUE, zorder=4
+        )
+
+
+def few(count: int, most: int = 5) -> list[int]:
+    """Numbers of at most `most` of `count` loads, evenly spread, first and last among them."""
+    return sorted({round(n) for n in np.linspace(0, count - 1, min(count, most))})

@@ -1,0 +1,352 @@
+"""Pictures of the rough interface and of the scans that it was measured with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.analysis.load_names import load_name
+from fem_seal.arrays import FloatArray
+from fem_seal.output.pictures.style import (
+    BLUE,
+    FILL,
+    GREY,
+    ORANGE,
+    PURPLE,
+    Picture,
+    inches,
+    label,
+    logarithmic,
+    panels,
+    svg,
+)
+from fem_seal.units import number, percent, quantity, unit_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from fem_seal.analysis.results import LoadResult, SealSolution
+    from leak import HeightMap, LineScan, MeasuredSurface, RoughContact
+
+# Fractions below this share of the nominal area are not worth a decade of paper.
+_SMALLEST_AREA = 1e-7
+
+
+def separation_picture(result: SealSolution) -> Picture | None:
+    """Critical separation against contact pressure, with the loads marked; None without roughness.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    surface = result.surface
+    if surface is None:
+        return None
+    peaks = np.array([load.contact.profile.peak_pressure for load in result.loads])
+    low, high = 0.2 * peaks.min(), 4.0 * peaks.max()
+    if surface.hardness is not None:
+        high = min(high, max(0.98 * surface.hardness, 1.01 * peaks.max()))
+    p = np.geomspace(low, high, 30)
+    pressure = unit_for("contact pressure", float(peaks.max()))
+    curves = [("elastic asperities", surface.elastic, ORANGE, "critical_separation_elastic")]
+    if surface.hardness is not None:
+        curves.insert(0, ("asperities yield", surface, BLUE, "critical_separation"))
+    values = [np.asarray(contact.critical_separation(p)) for _, contact, _, _ in curves]
+    unit = unit_for("length", float(max(u.max() for u in values)))
+    figure, (axes, shares) = panels(2, height=3.5)
+    for (name, _, colour, key), u in zip(curves, values, strict=True):
+        axes.plot(p / pressure.size, np.where(u > 0, u, np.nan) / unit.size, color=colour, label=name)
+        at_loads = np.array([getattr(load, key) for load in result.loads], dtype=float)
+        at_loads[at_loads <= 0] = np.nan
+        axes.plot(peaks / pressure.size, at_loads / unit.size, "o", color=colour, ms=3.8)
+    axes.set_ylim(0.0)
+    logarithmic(axes, "x")
+    axes.legend(loc="best")
+    label(axes, "Critical separation", f"contact pressure  [{pressure.name}]", f"u_c  [{unit.name}]")
+    _total_areas(shares, surface, p, peaks, pressure.size)
+    label(shares, "Area of real contact", f"contact pressure  [{pressure.name}]", "share of the nominal area")
+    return Picture(
+        "separation",
+        svg(figure),
+        "Critical separation and area of real contact against contact pressure, the loads marked",
+        "Left: height u_c of the narrowest place on the widest leak path, at a given nominal contact pressure; the "
+        "dots are the peak pressures of the loads. Right: share of the nominal area that really touches, all roughness "
+        f"seen; above {percent(surface.percolation_threshold)} no path is open and the seal is tight.",
+    )
+
+
+def _total_areas(axes: Axes, surface: RoughContact, p: FloatArray, peaks: FloatArray, unit: float) -> None:
+    axes.plot(
+        p / unit,
+        np.asarray(surface.contact_area(p)),
+        color=BLUE,
+        label="with yielding" if surface.hardness else None,
+    )
+    axes.plot(peaks / unit, np.asarray(surface.contact_area(peaks)), "o", color=BLUE, ms=3.8)
+    if surface.hardness is not None:
+        axes.plot(p / unit, np.asarray(surface.elastic.contact_area(p)), color=ORANGE, label="elastic")
+    axes.axhline(
+        surface.percolation_threshold, color=GREY, linewidth=1.1, linestyle=(0, (4, 2)), label="tight above"
+    )
+    logarithmic(axes, "x", "y")
+    axes.legend(loc="best")
+
+
+def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
+    """Contact area against magnification, and the spectrum before and after yielding; None without roughness.
+
+    Parameters
+    ----------
+    result : SealSolution
+    load : LoadResult
+        At the peak pressure of this load.
+    """
+    surface = result.surface
+    if surface is None:
+        return None
+    peak = load.contact.profile.peak_pressure
+    figure, (areas, spectrum) = panels(2, height=4.1, head=0.85)
+    _area_curves(areas, surface, peak)
+    _spectrum_curves(spectrum, surface, peak)
+    for view in (areas, spectrum):
+        wavelength_axis(view, 1.0 if view is spectrum else surface.spectrum.q_low)
+    plastic = surface.hardness is not None
+    share = float(surface.plastic_area(peak)) / float(surface.contact_area(peak)) if plastic else 0.0
+    return Picture(
+        "surface",
+        svg(figure),
+        "Relative contact area against magnification"
+        + (
+            ", elastic and yielded part; and spectrum before and after yielding"
+            if plastic
+            else "; and spectrum"
+        ),
+        f"At the peak pressure of {load_name(load, result.loads)}, "
+        f"{quantity('contact pressure', peak)}. Left: the finer one looks (higher magnification, shorter wavelengths), "
+        "the less area touches"
+        + (
+            f"; of what touches in the end, {_nearly_all(share)} has yielded. Right: yielding smooths the short waves."
+            if plastic
+            else ". Right: power spectrum of the combined roughness."
+        ),
+    )
+
+
+def _nearly_all(share: float) -> str:
+    return "more than 99.9 %" if share > 0.999 else percent(share, 3)
+
+
+def _area_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
+    q = np.geomspace(surface.spectrum.q_low, surface.spectrum.q_high, 120)
+    zeta = q / surface.spectrum.q_low
+    elastic = np.asarray(surface.elastic_area(peak, q))
+    total = elastic
+    if surface.hardness is not None:
+        plastic = np.asarray(surface.plastic_area(peak, q))
+        total = elastic + plastic
+        axes.plot(zeta, _shown(elastic), color=ORANGE, label="elastic, A_el")
+        axes.plot(zeta, _shown(plastic), color=PURPLE, label="yielded, A_pl")
+        axes.plot(
+            zeta,
+            np.asarray(surface.elastic.contact_area(peak, q)),
+            color=GREY,
+            linestyle=(0, (4, 2)),
+            linewidth=1.2,
+            label="without yielding",
+        )
+    axes.plot(zeta, total, color=BLUE, linewidth=2.2, label="all contact", zorder=1.9)
+    axes.axhline(
+        surface.percolation_threshold,
+        color=GREY,
+        linewidth=1.0,
+        linestyle=(0, (1, 1.5)),
+        label="first open path",
+    )
+    axes.set_ylim(max(0.3 * float(total[-1]), _SMALLEST_AREA), 1.6)
+    logarithmic(axes, "x", "y")
+    axes.legend(loc="lower left")
+    label(axes, "Area in contact", "magnification  q/q_low", "share of the nominal area", above=0.55)
+
+
+def _shown(area: FloatArray) -> FloatArray:
+    return np.where(area > 0.1 * _SMALLEST_AREA, area, np.nan)
+
+
+def _spectrum_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
+    q = _spectrum_points(surface)
+    C = np.asarray(surface.spectrum(q))
+    axes.plot(q, C, color=BLUE, linewidth=2.0, label="as measured or given")
+    bottom = float(C[C > 0].min())
+    if surface.hardness is not None and peak < surface.hardness:
+        smoothed = C * np.asarray(surface.smoothing(peak, q))
+        bottom *= 0.05
+        axes.plot(q, np.where(smoothed > bottom, smoothed, np.nan), color=PURPLE, label="after yielding")
+        axes.legend(loc="lower left")
+    axes.set_ylim(0.4 * bottom)
+    logarithmic(axes, "x", "y")
+    label(axes, "Power spectrum of the roughness", "wavenumber q  [1/m]", "C(q)  [m⁴]", above=0.55)
+
+
+def _spectrum_points(surface: RoughContact) -> FloatArray:
+    """Wavenumbers that show every kink of the spectrum."""
+    spectrum = surface.spectrum
+    q = np.geomspace(spectrum.q_low, spectrum.q_high, 160)
+    nodes = spectrum.wavenumber if len(spectrum.wavenumber) < 300 else spectrum.wavenumber[::4]
+    return np.unique(np.clip(np.concatenate([q, nodes]), spectrum.q_low, spectrum.q_high))
+
+
+def wavelength_axis(axes: Axes, q_low: float) -> None:
+    """Wavelengths over the top, for those who do not think in wavenumbers."""
+    low, high = (x * q_low for x in axes.get_xlim())
+    decades = 10.0 ** np.arange(np.ceil(np.log10(2 * np.pi / high)), np.floor(np.log10(2 * np.pi / low)) + 1)
+    top = axes.secondary_xaxis("top")
+    top.set_xticks(
+        [2 * np.pi / (length * q_low) for length in decades], [_round_length(length) for length in decades]
+    )
+    top.minorticks_off()
+    _, height = inches(axes)
+    axes.text(0.5, 1 + 0.29 / height, "wavelength", transform=axes.transAxes, ha="center", va="bottom")
+
+
+def _round_length(length: float) -> str:
+    unit = unit_for("length", length)
+    return f"{number(round(unit.of(length), 3), 1)} {unit.name}"
+
+
+def law_picture(result: SealSolution) -> Picture | None:
+    """The interface law p(u) that carried the contact; None for a smooth interface.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    surface, interface = result.surface, result.case.interface
+    peaks = np.array([load.contact.profile.peak_pressure for load in result.loads])
+    if interface.law == "smooth":
+        return None
+    p = np.geomspace(1e-5 * peaks.min(), 8 * peaks.max(), 90)
+    if surface is not None and surface.hardness is not None:
+        p = p[p < 0.95 * surface.hardness]
+    curves: list[tuple[str, FloatArray, str, bool]] = []
+    if interface.law == "persson" and surface is not None:
+        laws = [False, True] if surface.hardness is not None else [False]
+        for plastic in laws:
+            name = "p(u) of the yielded surface" if plastic else "p(u) of the elastic surface"
+            gap = np.asarray(surface.interface_law(plastic=plastic).gap(np.log(p)))
+            curves.append((name, gap, PURPLE if plastic else BLUE, plastic == interface.plastic))
+        curves.append(("exponential with u₀, p_c", surface.u0 * np.log(surface.p_c / p), GREY, False))
+    else:
+        curves.append(("exponential", _exponential_gap(result, p), BLUE, True))
+    unit = unit_for("length", max(float(gap.max()) for _, gap, _, used in curves if used))
+    pressure = unit_for("contact pressure", float(peaks.max()))
+    figure, (axes,) = panels(1, height=3.5, width=5.6)
+    for name, gap, colour, used in curves:
+        above = gap > 0
+        axes.plot(
+            gap[above] / unit.size,
+            p[above] / pressure.size,
+            color=colour,
+            linewidth=2.2 if used else 1.3,
+            linestyle="-" if used else (0, (4, 2)),
+            label=f"{name} (used)" if used and len(curves) > 1 else name,
+        )
+    axes.axhspan(
+        peaks.min() / pressure.size, peaks.max() / pressure.size, color=ORANGE, alpha=0.16, linewidth=0
+    )
+    if len(peaks) == 1:
+        axes.axhline(peaks[0] / pressure.size, color=ORANGE, linewidth=1.0)
+    axes.plot([], [], color=ORANGE, alpha=0.3, linewidth=7, label="peak pressures of the loads")
+    logarithmic(axes, "y")
+    axes.set_xlim(0.0)
+    axes.legend(loc="upper right")
+    label(axes, "Interface law", f"mean gap u  [{unit.name}]", f"contact pressure p  [{pressure.name}]")
+    return Picture(
+        "law",
+        svg(figure),
+        "Contact pressure against mean gap: the law between the two surfaces",
+        "How the rough interface answers: the pressure it carries at a given mean gap. Its slope is the compliance "
+        "that the roughness adds to the bodies.",
+    )
+
+
+def _exponential_gap(result: SealSolution, p: FloatArray) -> FloatArray:
+    from fem_seal.analysis.problem import exponential_law
+
+    u0, p_c = exponential_law(result.case, result.surface)
+    assert u0 is not None and p_c is not None
+    return u0 * np.log(p_c / p)
+
+
+# More points than this cannot be told apart on paper.
+_MOST_POINTS = 3000
+_MOST_PIXELS = 400
+
+
+def scan_picture(surface: MeasuredSurface) -> Picture:
+    """Heights of the first scan without form, and the spectrum of all with its error and its fitted power law.
+
+    Parameters
+    ----------
+    surface : MeasuredSurface
+    """
+    from leak import LineScan
+
+    figure, (heights, spectrum) = panels(2, height=4.1, head=0.85, ratios=(1.0, 1.15))
+    first = surface.scans[0]
+    if isinstance(first, LineScan):
+        _profile(heights, first)
+    else:
+        _map(heights, first)
+    _spectrum(spectrum, surface)
+    wavelength_axis(spectrum, 1.0)
+    count = len(surface.scans)
+    return Picture(
+        "surface",
+        svg(figure),
+        "Heights of a measured surface without form, and its isotropic power spectrum",
+        f"Left: {'the first of ' + str(count) + ' scans' if count > 1 else 'the scan'} without its "
+        f"{surface.settings.detrend}. Right: isotropic power spectrum C(q); the band is one standard deviation.",
+    )
+
+
+def _profile(axes: Axes, scan: LineScan) -> None:
+    every = max(scan.heights.size // _MOST_POINTS, 1)
+    x, h = np.arange(scan.heights.size)[::every] * scan.spacing, scan.heights[::every]
+    across, up = unit_for("length", scan.length), unit_for("length", 2 * float(np.abs(h).max()))
+    axes.plot(x / across.size, h / up.size, color=BLUE, lw=0.7)
+    label(axes, scan.name or "scan", f"x  [{across.name}]", f"height  [{up.name}]")
+
+
+def _map(axes: Axes, scan: HeightMap) -> None:
+    every = max(max(scan.heights.shape) // _MOST_PIXELS, 1)
+    h = scan.heights[::every, ::every]
+    across, up = unit_for("length", scan.length), unit_for("length", 2 * float(np.abs(h).max()))
+    reach = 3.0 * float(h.std()) / up.size
+    width, height = (side / across.size for side in scan.size)
+    image = axes.imshow(
+        h.T / up.size, extent=(0, width, 0, height), origin="lower", cmap="viridis", vmin=-reach, vmax=reach
+    )
+    axes.grid(False)
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    figure.colorbar(image, ax=axes, shrink=0.75, label=f"height  [{up.name}]")
+    label(axes, scan.name or "map", f"x  [{across.name}]", f"y  [{across.name}]")
+
+
+def _spectrum(axes: Axes, surface: MeasuredSurface) -> None:
+    q, C = surface.measured.wavenumber, surface.measured.density
+    band = np.exp(np.minimum(surface.log_error, 3.0))
+    axes.fill_between(q, C / band, C * band, color=FILL, lw=0)
+    if surface.spectrum != surface.measured:
+        axes.plot(surface.spectrum.wavenumber, surface.spectrum.density, "--", color=GREY, label="continued")
+    axes.plot(q, C, color=BLUE, label="measured")
+    fit = surface.rolloff
+    if fit.hurst is not None and fit.hurst > 0.0:
+        ends = np.array([fit.start, fit.end])
+        middle = np.sqrt(fit.start * fit.end)
+        law = surface.measured(middle) * (ends / middle) ** (-2.0 * (1.0 + fit.hurst))
+        axes.plot(ends, law, ":", color=ORANGE, label=f"Hurst exponent {number(fit.hurst, 2)}")
+    logarithmic(axes, "x", "y")
+    axes.legend(loc="lower left")
+    label(axes, "Power spectrum", "wavenumber q  [1/m]", "C  [m⁴]", above=0.55)

@@ -1,0 +1,248 @@
+"""The case and its accuracy as the report lists them: names with values in readable units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem_seal.analysis.problem import exponential_law
+from fem_seal.analysis.results import SealSolution
+from fem_seal.case.fluid import Fluid
+from fem_seal.case.tables import curves
+from fem_seal.materials import Material
+from fem_seal.output.case_words import chosen_dimensions, dimensions, section, section_text
+from fem_seal.output.report.tables import curve_in_words, path_accuracy
+from fem_seal.units import given, number, percent, quantity, trimmed
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+
+_CLOSING = {
+    "sealed-area": "fluid pressure on the sealed area",
+    "penetration": "fluid pressure on the wetted surfaces and between them",
+}
+
+
+@dataclass(frozen=True)
+class Group:
+    """Part of the case: names with their values.
+
+    Parameters
+    ----------
+    name : str
+    rows : list of (name, value)
+    """
+
+    name: str
+    rows: list[tuple[str, str]]
+
+
+def seal_groups(result: SealSolution) -> list[Group]:
+    """Geometry, load and fluid of the case in readable units."""
+    case = result.case
+    groups = [Group("Geometry", _geometry(result)), Group("Load", _load(case))]
+    if case.fluid is not None:
+        groups.append(Group("Fluid", list(_fluid(case.fluid))))
+    return groups
+
+
+def _fluid(fluid: Fluid) -> Iterator[tuple[str, str]]:
+    yield "name", fluid.name
+    yield "temperature", f"{trimmed(fluid.temperature - 273.15)} °C"
+    yield "viscosity", quantity("viscosity", fluid.viscosity, 4)
+    if fluid.gas is not None and fluid.outlet_pressure is not None:
+        yield "molar mass", f"{trimmed(1e3 * fluid.gas.molar_mass)} g/mol"
+        outlet = given("fluid pressure", fluid.outlet_pressure) if fluid.outlet_pressure else "vacuum"
+        yield "pressure at the outlet, absolute", outlet
+    if fluid.library_entry is not None:
+        yield "source", fluid.library_entry.source
+
+
+def surface_groups(result: SealSolution) -> list[Group]:
+    """Materials, roughness, interface and leak of the case in readable units."""
+    groups = list(_materials(result.case))
+    if result.surface is not None:
+        groups.append(Group("Roughness of both surfaces", _roughness(result)))
+    groups.append(Group("Interface law", _interface(result)))
+    if result.surface is not None and result.case.fluid is not None:
+        groups.append(Group("Leak", _leak(result.case)))
+    return groups
+
+
+def _geometry(result: SealSolution) -> list[tuple[str, str]]:
+    case, contact = result.case, result.seal_mesh.contact
+    return [
+        *_dimensions(case, "closure"),
+        *_dimensions(case, "seat"),
+        ("angle θ of the contact normal", f"{trimmed(math.degrees(contact.angle))}°"),
+        ("radius of first touch r₀", quantity("length", contact.touch_radius, 4)),
+        ("radius of relative curvature", _curvature(contact.relative_radius)),
+    ]
+
+
+def _curvature(radius: float) -> str:
+    return "the faces fit each other" if math.isinf(radius) else quantity("length", radius, 4)
+
+
+def _dimensions(case: Case, name: str) -> Iterator[tuple[str, str]]:
+    """All dimensions of a body; those that the case leaves open say so."""
+    body = getattr(case, name)
+    yield name, body.shape
+    drawn = section(case, name)
+    if drawn:
+        yield from ((f"{name}, {key}", text) for key, text in section_text(drawn).items())
+    if name == "seat":
+        held = "held radially" if body.wall == "fixed" else "free"
+        yield "seat, outer wall", held
+    chosen = chosen_dimensions(case, name)
+    for key, value in dimensions(case, name).items():
+        text = f"{trimmed(math.degrees(value))}°" if key.endswith("angle") else given("length", value)
+        yield f"{name}, {key.replace('_', ' ')}", f"{text} (chosen)" if key in chosen else text
+
+
+def _materials(case: Case) -> Iterator[Group]:
+    closure, seat = case.closure.material, case.seat.material
+    if closure == seat:
+        yield Group("Material of closure and seat", _material(closure))
+    else:
+        yield Group("Material of the closure", _material(closure))
+        yield Group("Material of the seat", _material(seat))
+
+
+def _material(material: Material) -> list[tuple[str, str]]:
+    rows = [
+        ("name", material.name),
+        ("Young's modulus", given("contact pressure", material.youngs_modulus)),
+        ("Poisson's ratio", trimmed(material.poissons_ratio)),
+    ]
+    for name, value in (("hardness", material.hardness), ("yield stress", material.yield_stress)):
+        rows.append((name, "not given" if value is None else given("contact pressure", value)))
+    if material.hardening is not None:
+        rows.append(("stress over plastic strain", curve_in_words(material.hardening)))
+    return [*rows, ("source", material.source)] if material.source else rows
+
+
+def _roughness(result: SealSolution) -> list[tuple[str, str]]:
+    assert result.surface is not None
+    spectrum = result.surface.spectrum
+    rows = [
+        ("rms height", quantity("length", spectrum.rms_height, 4)),
+        ("rms slope", number(spectrum.rms_slope, 3)),
+        ("longest wavelength", quantity("length", 2 * math.pi / spectrum.q_low)),
+        ("shortest wavelength", quantity("length", 2 * math.pi / spectrum.q_high)),
+    ]
+    if result.surface.peklenik != 1.0:
+        rows.append(("stretched along the flow (Tripp number)", number(result.surface.peklenik, 3)))
+    given_as = result.case.roughness.spectrum if result.case.roughness else None
+    hurst = getattr(given_as, "hurst", None)
+    if hurst is not None:
+        rows.insert(2, ("Hurst exponent", trimmed(hurst)))
+    return rows
+
+
+def _interface(result: SealSolution) -> list[tuple[str, str]]:
+
+    interface = result.case.interface
+    names = {
+        "persson": "p(u) of the spectrum" + (", yielded" if interface.plastic else ", elastic"),
+        "exponential": "p = p_c exp(−u/u₀)",
+        "smooth": "smooth, hard contact",
+    }
+    u0, p_c = exponential_law(result.case, result.surface)
+    rows = [("law", names[interface.law])]
+    if u0 is not None and p_c is not None:
+        when = " at low pressure" if interface.law == "persson" else ""
+        rows.append((f"decay length u₀{when}", quantity("length", u0)))
+        rows.append((f"p_c{when}", quantity("contact pressure", p_c)))
+    return rows
+
+
+def _load(case: Case) -> list[tuple[str, str]]:
+    # bodies that yield remember the order of the loads
+    order = case.load.fluid_pressure if curves(case) else sorted(case.load.fluid_pressure)
+    pressures = [given("fluid pressure", p) for p in order]
+    if len(set(pressures)) == 1:
+        pressures = pressures[:1]
+    shown = (
+        ", ".join(pressures)
+        if len(pressures) <= 3
+        else f"{len(pressures)} from {pressures[0]} to {pressures[-1]}"
+    )
+    return [
+        ("fluid pressure", shown),
+        ("force of spring or actuator", _forces([force for _, force in case.load.points])),
+        ("high pressure", f"on the {case.load.pressure_side} side"),
+        ("closing force", _CLOSING[case.load.closing]),
+        *(
+            [("target leak rate", given("flow", case.load.target_leak_rate))]
+            if case.load.target_leak_rate is not None
+            else []
+        ),
+    ]
+
+
+def _forces(forces: list[float]) -> str:
+    ends = [given("force", force) if force else "0 N" for force in (min(forces), max(forces))]
+    return ends[0] if ends[0] == ends[1] else f"{len(forces)} from {ends[0]} to {ends[1]}"
+
+
+def _leak(case: Case) -> list[tuple[str, str]]:
+    conductivity = {"bruggeman": "effective medium (Bruggeman)", "critical-junction": "critical junction"}
+    return [
+        ("asperities", "yield at the hardness" if case.leak.plasticity else "stay elastic"),
+        ("no open path above", f"{percent(case.leak.percolation_threshold)} contact"),
+        ("flow conductivity", conductivity[case.leak.conductivity]),
+        *(
+            [("fluid pressure in the gap", "opens it, place by place")]
+            if case.leak.fluid_in_gap == "local"
+            else []
+        ),
+    ]
+
+
+def accuracy(result: SealSolution) -> list[tuple[str, str]]:
+    """How far the numbers can be trusted: discretisation and convergence."""
+    error = result.discretisation_error
+    iterations = [load.contact.iterations for load in result.loads]
+    residuals = [load.contact.residuals[-1] for load in result.loads if load.contact.residuals]
+    rows = [
+        ("mesh error of the peak pressure", _error(error.peak_pressure)),
+        ("mesh error of the width (FWHM)", _error(error.fwhm)),
+        ("mesh error of the std. deviation", _error(error.std)),
+    ]
+    if error.leak_rate is not None:
+        rows.append(("mesh error of the leak rate", _error(error.leak_rate)))
+    rows.append(("iterations per load", f"{min(iterations)} to {max(iterations)}"))
+    if residuals:
+        rows.append(("residual of the gap", f"{number(max(residuals), 1)} decay lengths"))
+    force = max(abs(load.contact.force_error) for load in result.loads)
+    rows.append(("error of the contact force", _error(force)))
+    return [*rows, *path_accuracy(result)]
+
+
+def _error(share: float) -> str:
+    """A relative error, without digits that mean nothing."""
+    return "below 10⁻⁹ %" if share < 1e-11 else percent(share, 1)
+
+
+_STEPS = {
+    "interface": "roughness and interface law",
+    "mesh": "mesh",
+    "condense": "condensing the bodies on the contact line",
+    "contact": "all contacts",
+    "leak": "flow conductivity and leak rates",
+    "stress": "stresses",
+    "error": "estimate of the error",
+    "far field": "influence of the far field",
+    "questions": "blow-off and target leak rate",
+    "variants": "other interface law",
+    "theory": "other readings of the theory",
+    "uncertainty": "uncertain inputs",
+}
+
+
+def times(result: SealSolution) -> list[tuple[str, str]]:
+    """How long each step of the calculation took."""
+    return [(_STEPS.get(name, name), f"{seconds:.2f} s") for name, seconds in result.timings.items()]

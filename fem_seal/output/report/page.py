@@ -1,0 +1,132 @@
+"""report.html: one page that needs nothing but itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fem_seal.analysis.closed_forms import Derived, Sizes, derive, profile_sizes
+from fem_seal.analysis.load_names import load_name
+from fem_seal.analysis.results import SealSolution
+from fem_seal.files import write_text
+from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
+from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture
+from fem_seal.output.pictures.leak import leak_picture
+from fem_seal.output.pictures.sketch import sketch
+from fem_seal.output.pictures.style import Picture, style
+from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
+from fem_seal.output.report import case, tables, words
+from fem_seal.output.report.words import far_field_sentence
+from fem_seal.output.sources import sources
+from fem_seal.version import __version__
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+
+def write_report(result: SealSolution, path: Path) -> Path:
+    """Write the report, atomically.
+
+    Parameters
+    ----------
+    result : SealSolution
+    path : pathlib.Path
+    """
+    return write_text(path, report(result))
+
+
+def report(result: SealSolution) -> str:
+    """The report as one HTML page: no script, nothing fetched from anywhere.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    derived = derive(result.case)
+    sizes = profile_sizes(result, derived)
+    return _template().render(
+        title=result.case.title or "fem-seal",
+        case_file=None if result.case.file is None else result.case.file.name,
+        version=__version__,
+        created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        picture={picture.name: picture for picture in pictures(result, derived, sizes)},
+        sources=sources(result),
+        **_words(result, derived, sizes),
+    )
+
+
+def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> list[Picture]:
+    """All pictures that the result has something to show for.
+
+    Parameters
+    ----------
+    result : SealSolution
+    derived : Derived
+        Closed forms of the case.
+    sizes : mapping
+        From `fem_seal.analysis.closed_forms.profile_sizes`.
+    """
+    top = words.highest_load(result)
+    with style():
+        drawn = (
+            sketch(result),
+            mesh_picture(result, top),
+            profile_picture(result, derived),
+            size_picture(result, sizes),
+            gap_picture(result),
+            law_picture(result),
+            leak_picture(result),
+            separation_picture(result),
+            surface_picture(result, top),
+            stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises)),
+            imprint_picture(result),
+        )
+    return [picture for picture in drawn if picture is not None]
+
+
+def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:
+    load = words.highest_load(result)
+    return {
+        "headline": words.headline(result),
+        "highest": load_name(load, result.loads),
+        "strongest": load_name(result.strongest, result.loads),
+        "facts": words.facts(result),
+        "reasons": words.reasons(result, derived),
+        "warnings": result.warnings,
+        "marks": tables.marks_in_words(result),
+        "validity": tables.validity_table(result),
+        "seal_groups": case.seal_groups(result),
+        "surface_groups": case.surface_groups(result),
+        "loads": tables.load_table(result, sizes),
+        "valve": tables.valve_table(result),
+        "comparison_note": tables.comparison_note(result),
+        "comparison": tables.comparison_table(result, sizes),
+        "variants": tables.variant_table(result),
+        "interval": tables.interval_table(result),
+        "interval_note": tables.interval_note(result),
+        "theory": tables.theory_table(result),
+        "theory_note": tables.theory_note(result),
+        "yielding": tables.yielding_table(result),
+        "accuracy": case.accuracy(result),
+        "far_field": far_field_sentence(result),
+        "timings": case.times(result),
+        "definitions": words.DEFINITIONS,
+    }
+
+
+@cache
+def _template() -> Template:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    # Titles, names and file names come from the user: everything is escaped.
+    environment = Environment(
+        loader=PackageLoader("fem_seal"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("report.html.j2")

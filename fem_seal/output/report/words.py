@@ -1,0 +1,444 @@
+"""What the report says in words: the result, why it came out so, and what the words mean."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.analysis.caution import Level, Validity
+from fem_seal.analysis.closed_forms import Derived
+from fem_seal.analysis.leakage import Leakage, NominalSize, leakage, leakage_of, nominal_size
+from fem_seal.analysis.load_names import load_name, load_values
+from fem_seal.analysis.results import LoadResult, SealSolution
+from fem_seal.analysis.warnings import FLUID_OPENS
+from fem_seal.contact.yielding import PlasticZone, yielding_of
+from fem_seal.output.report.tables import (
+    TARGET_FORCE,
+    imprint_in_words,
+    opens_at,
+    valve_facts,
+    what_opens,
+    what_yielded,
+)
+from fem_seal.units import given, leak_rate_text, number, percent, quantity, quantity_worth, unit_for, worth
+from leak import CoupledLeakResult, drops_per_minute, millibar_litres_per_second, millilitres_per_minute
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+
+# Share of the pressure drop whose place is called the seal proper: its middle 80 %.
+_MIDDLE = (0.1, 0.9)
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A number with its name, as the report shows it at the top.
+
+    Parameters
+    ----------
+    name, value, remark : str
+    level : Level
+        How far the number can be trusted.
+    """
+
+    name: str
+    value: str
+    remark: str = ""
+    level: Level = Level.VALID
+
+
+def highest_load(result: SealSolution) -> LoadResult:
+    """The load that the report explains in detail: the one with the highest fluid pressure."""
+    return max(result.loads, key=lambda load: (load.fluid_pressure, load.line_load))
+
+
+def facts(result: SealSolution) -> list[Fact]:
+    """The result in a few numbers, at the highest load, each with the level of its validity."""
+    load = highest_load(result)
+    of_target = load.target_validity or load.validity
+    return [
+        replace(fact, level=(of_target if fact.name == TARGET_FORCE else load.validity).level)
+        for fact in _facts(result, load)
+    ]
+
+
+def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
+    profile = load.contact.profile
+    found = [
+        *(Fact(*told) for told in valve_facts(result, load)),
+        Fact("Peak contact pressure", _peak(load)),
+        Fact(
+            "Width of the contact",
+            quantity("length", profile.fwhm),
+            "full width at half of the peak pressure",
+        ),
+    ]
+    if load.critical_separation is not None:
+        closed = "zero, as calculated" if load.validity.outside else "sealed"
+        narrow = closed if load.critical_separation == 0 else quantity("length", load.critical_separation)
+        found.append(
+            Fact("Narrowest place on the leak path", narrow, "critical separation at the peak pressure")
+        )
+    found.append(
+        Fact(
+            "Largest stress in the bodies",
+            quantity("contact pressure", load.max_von_mises),
+            f"von Mises, in the {load.max_von_mises_at[0]}",
+        )
+    )
+    if imprint := imprint_in_words(result):
+        found.append(Fact("Lasting imprint", *imprint))
+    if load.leak is not None:
+        rate = load.leak.leak_rate
+        told = leak_rate_text(rate, load.digits, claimed=not load.validity.outside)
+        found.insert(0, Fact("Leak rate", told, per_day(rate, load.digits)))
+        read = leakage_of(result.case, load)
+        assert read is not None  # a leak rate has its units
+        if load.leak.leak_rate > 0:
+            # the first of these units may be the one that stands there already
+            others = [
+                part
+                for part in leakage_text(read, min(load.digits, 3)).split(" = ")
+                if part != found[0].value
+            ]
+            found.insert(1, Fact("In other units", others[0], " = ".join(others[1:])))
+        found.append(_class_fact(nominal_size(result.case), read))
+    if result.uncertainty is not None:
+        found.insert(1, _interval_fact(result, load))
+    return found
+
+
+def _class_fact(size: NominalSize, read: Leakage) -> Fact:
+    """The best class, or that none can be claimed."""
+    name = f"Leakage class, DN {1e3 * size.size:.4g}"
+    if not read.classes:
+        return Fact(name, "not claimed", "the leak rate is outside the theory")
+    best = next((one for one in read.classes if one.name), read.classes[0])
+    return Fact(name, str(best), f"{classes_in_words(read)}; {size}")
+
+
+def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
+    assert result.uncertainty is not None
+    n = result.loads.index(load)
+    low, high = float(result.uncertainty.low[n]), float(result.uncertainty.high[n])
+    unit = unit_for("flow", high)
+    return Fact(
+        f"{percent(result.uncertainty.confidence)} interval of the leak rate",
+        f"{number(unit.of(low), 2)} to {number(unit.of(high), 2)} {unit.name}",
+        "from the uncertain inputs",
+    )
+
+
+def per_day(leak_rate: float, digits: int = 2) -> str:
+    """A leak rate as what collects in a day, with two digits at most."""
+    litres = leak_rate * 86400e3
+    for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
+        if litres >= size:
+            return f"{worth(litres / size, 1) if digits < 2 else number(litres / size, 2)} {unit} per day"
+    return "" if leak_rate == 0 else "less than 1 µl per day"
+
+
+def headline(result: SealSolution) -> str:
+    """The answer in one or two sentences."""
+    opens = {opens_at(load) for load in result.loads}
+    (only,) = opens if len(opens) == 1 else (None,)
+    return _what_leaks(result) + (f" It opens at {only}." if only else "") + _how_sure(result)
+
+
+def _how_sure(result: SealSolution) -> str:
+    """Which loads are outside the theory and which doubtful, a sentence for the headline; empty if all are valid."""
+    told = []
+    for level in (Level.OUTSIDE, Level.DOUBTFUL):
+        found = [load for load in result.loads if load.validity.level is level]
+        if found:
+            highest = max(found, key=lambda load: load.point)
+            at = "" if len(result.loads) == 1 else f" at {_named(found, result.loads)}"
+            told.append(f"{level}{at} ({_why(highest.validity)})")
+    return f" The result is {', '.join(told)}." if told else ""
+
+
+def _named(loads: Sequence[LoadResult], among: Sequence[LoadResult]) -> str:
+    """A few loads by their names, of more the number."""
+    if len(loads) == len(among):
+        return "every load"
+    if len(loads) > 3:
+        return f"{len(loads)} of {len(among)} loads"
+    return ", ".join(load_values(load, among) for load in loads)
+
+
+def _why(validity: Validity) -> str:
+    """The worst reason, and how many there are besides."""
+    others = len(validity.reasons) - 1
+    more = f" and {others} more {'reason' if others == 1 else 'reasons'}" if others else ""
+    return validity.reasons[0] + more
+
+
+def _what_leaks(result: SealSolution) -> str:
+    loads = result.loads
+    highest = max(loads, key=lambda load: load.point)
+    last = loads[-1]
+    # a body that yields is another one after the highest load
+    changed = result.unloaded is not None and last.point != highest.point
+    lowest = min(loads[: loads.index(highest) + 1] if changed else loads, key=lambda load: load.point)
+    shown = [highest] if lowest is highest else [lowest, highest]
+    if changed:
+        shown.append(last)
+    span = load_values(highest, loads)
+    rates = [load.leak.leak_rate for load in shown if load.leak is not None]
+    if not rates:
+        missing = "roughness" if result.surface is None else "fluid"
+        then = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
+        return f"At {span} the contact is {_contact(highest)}{then}. No leak rate: the case has no {missing}."
+    if all(load.validity.outside for load in shown):
+        # nothing may be claimed of them
+        return f"At {span} no leak rate can be claimed."
+    if all(load.leak and load.leak.leak_rate == 0 and not load.validity.outside for load in loads):
+        return f"Sealed at every load up to {span}: so much of the nominal area touches that no leak path is open."
+    told = [
+        ("at an unknown rate" if load.validity.outside else _flow_beside(rate, rates, min(load.digits, 3)))
+        + f" at {load_values(load, loads)}"
+        for rate, load in zip(rates, shown, strict=True)
+    ]
+    then = f"; after {span}, {told.pop()}" if changed else ""
+    return f"The seal leaks {' and '.join(told)}{then}."
+
+
+def _contact(load: LoadResult) -> str:
+    profile = load.contact.profile
+    return f"{quantity('length', profile.fwhm)} wide under {_peak(load)} peak pressure"
+
+
+def _peak(load: LoadResult) -> str:
+    return quantity_worth("contact pressure", load.contact.profile.peak_pressure, load.digits)
+
+
+def _flow_beside(leak_rate: float, others: Sequence[float], digits: int) -> str:
+    """A leak rate in a unit that suits others too, as long as it stays readable."""
+    unit = unit_for("flow", max(others))
+    shown = unit.of(leak_rate)
+    return leak_rate_text(leak_rate, digits) if shown < 0.01 else f"{worth(shown, digits)} {unit.name}"
+
+
+def reasons(result: SealSolution, derived: Derived) -> list[str]:
+    """Why the result came out so: what sets the contact and what throttles the flow."""
+    load = highest_load(result)
+    return [
+        *_what_sets_the_width(result, derived, load),
+        *what_yielded(result, load),
+        *what_opens(result, load),
+        *_what_throttles(load),
+        *_what_yields(result, load),
+    ]
+
+
+def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResult) -> Iterator[str]:
+    hertz = derived.loads[result.loads.index(load)].hertz
+    profile = load.contact.profile
+    if hertz is None:
+        yield (
+            "The faces fit each other along a stretch, so its width and its edges set the contact: it is "
+            f"{_contact(load)}."
+        )
+        return
+    expected = (
+        f"the pressure would peak at {quantity('contact pressure', hertz.peak_pressure)} and be "
+        f"{quantity('length', hertz.fwhm)} wide at half of that"
+    )
+    found = f"it peaks at {_peak(load)} and is {quantity('length', profile.fwhm)} wide"
+    smooth = result.case.interface.law == "smooth"
+    if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
+        why = "yielding" if smooth else "roughness and yielding"
+        yield f"Between smooth elastic bodies {expected}; with {why} {found}."
+        return
+    bulk = min((hertz.std / profile.std) ** 2, 1.0)
+    if smooth:
+        yield (
+            "The surfaces are smooth, so the elasticity of the bodies alone sets the contact; Hertz' line contact "
+            f"gives {quantity('contact pressure', hertz.peak_pressure)} peak pressure, the calculation "
+            f"{_peak(load)}."
+        )
+        return
+    if bulk < 0.25:
+        dominant = "The roughness, not the elasticity of the bodies, sets the width of the contact"
+    elif bulk > 0.75:
+        dominant = "The elasticity of the bodies, not the roughness, sets the width of the contact"
+    else:
+        dominant = "Roughness and elasticity of the bodies both set the width of the contact"
+    yield f"{dominant}: between perfectly smooth bodies {expected}, between the rough ones {found}."
+
+
+def _what_throttles(load: LoadResult) -> Iterator[str]:
+
+    if load.leak is None or load.leak.leak_rate == 0:
+        return
+    if not math.isfinite(load.leak.leak_rate):
+        yield "The fluid pressure is not below the peak contact pressure: it lifts the seal open everywhere."
+        return
+    x, share = load.contact.profile.x, load.leak.fluid_pressure / load.fluid_pressure
+    rising = share if share[-1] > share[0] else 1 - share
+    ends = np.interp(_MIDDLE, rising, x)
+    yield (
+        f"{percent(_MIDDLE[1] - _MIDDLE[0])} of the pressure drop falls over the middle "
+        f"{quantity('length', float(ends[1] - ends[0]))} of the contact: this strip is the seal proper."
+    )
+    ratio = load.fluid_pressure / load.contact.profile.peak_pressure
+    if isinstance(load.leak, CoupledLeakResult):
+        yield (
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. That it carries part of the load "
+            "and opens the gap is taken into account, place by place."
+        )
+    elif load.effective_radius is not None:
+        yield (
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. That it acts between the surfaces, "
+            "too, and opens the gap is solved together with contact and flow."
+        )
+    elif ratio > FLUID_OPENS:
+        yield (
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. It helps to open the gap, which "
+            "this calculation does not take into account: expect a larger leak rate."
+        )
+    else:
+        yield (
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure; that it pushes the surfaces apart "
+            "is neglected."
+        )
+
+
+def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
+    surface = result.surface
+    if surface is None:
+        return
+    peak = load.contact.profile.peak_pressure
+    if surface.hardness is None:
+        if load.leak is not None:
+            yield "Asperities are taken as elastic. If they yield, the surfaces come closer and less leaks."
+        return
+    area = float(surface.contact_area(peak))
+    yielded = float(surface.plastic_area(peak)) / area
+    share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
+    text = f"{percent(area)} of the nominal area really touches at the peak pressure, and {share} of that has yielded"
+    if load.leak is not None and load.leak_elastic is not None and load.leak.leak_rate > 0:
+        factor = load.leak_elastic.leak_rate / load.leak.leak_rate
+        text += f"; with asperities that never yield {number(factor, 2)} times as much would leak"
+    yield text + "."
+
+
+DEFINITIONS = (
+    (
+        "contact pressure p",
+        "pressure between the bodies, averaged over many asperities, positive in compression",
+    ),
+    ("x", "arc length across the sealing line, zero where the bodies first touch, positive outwards"),
+    ("peak pressure", "largest nominal contact pressure over x"),
+    ("FWHM", "full width of the pressure profile at half of its peak"),
+    ("standard deviation", "square root of the second central moment of p over x"),
+    ("line load", "force per circumference normal to the contact, F_N / (2π r₀ cos θ)"),
+    ("gap u", "mean separation of the surfaces, measured between their mean planes"),
+    (
+        "u_c",
+        "critical separation: height of the narrowest place on the first open leak path, at the peak pressure",
+    ),
+    (
+        "magnification",
+        "wavenumber up to which roughness is seen, over the smallest wavenumber of the spectrum",
+    ),
+    (
+        "yielded area A_pl",
+        "area of real contact in which the asperities carry the hardness; A_el: the elastic rest",
+    ),
+    ("elastic columns", "the same contact with asperities that never yield"),
+    ("leak rate", "volume per time through the whole circumference, all fluid pressures as differences"),
+    (
+        "discretisation error",
+        "error of the mesh alone: upper estimate from the load with the largest closing force, solved again on a mesh "
+        "twice as coarse; shape, supports, roughness and the theory itself it cannot see",
+    ),
+)
+
+
+def leakage_text(found: Leakage, digits: int = 3) -> str:
+    """The leak rate in the units of its kind: "1.2 ml/min = 19 drops/min = 20 mg/s"."""
+    if found.throughput is not None and found.standard_leak_rate is not None:
+        parts = [
+            f"{worth(millibar_litres_per_second(found.throughput), digits)} mbar l/s",
+            f"{worth(found.throughput, digits)} Pa m³/s",
+            f"{worth(millilitres_per_minute(found.standard_leak_rate), digits)} standard ml/min (0 °C, 1.01325 bar)",
+        ]
+    else:
+        parts = [
+            f"{worth(millilitres_per_minute(found.leak_rate), digits)} ml/min",
+            f"{worth(drops_per_minute(found.leak_rate), digits)} drops/min",
+        ]
+    if found.mass_flow is not None:
+        parts.append(f"{worth(found.mass_flow, digits)} kg/s")
+    return " = ".join(parts)
+
+
+def classes_in_words(found: Leakage) -> str:
+    """The classes: "ISO 5208 B, FCI 70-2 V; API 598: no class met"; "not claimed" outside the theory."""
+    if not found.classes:
+        return "not claimed"
+    met = [str(one) for one in found.classes if one.name]
+    missed = [str(one) for one in found.classes if not one.name]
+    return "; ".join([*([", ".join(met)] if met else []), *missed])
+
+
+def leakage_lines(
+    case: Case,
+    fluid_pressure: float,
+    leak_rate: float,
+    applied_force: float | None = None,
+    *,
+    digits: int = 3,
+    level: str = Level.VALID,
+    reason: str = "",
+) -> list[str]:
+    """Two lines for the command line about one load.
+
+    Parameters
+    ----------
+    case : Case
+    fluid_pressure, leak_rate : float
+        [Pa], [m^3/s].
+    applied_force : float, optional
+        [N], where the force tells the load from others.
+    level, reason : str
+        How far the leak rate can be trusted, and why no further.
+    """
+    outside = level == Level.OUTSIDE
+    found = leakage(case, fluid_pressure, leak_rate, claimed=not outside)
+    at = given("fluid pressure", fluid_pressure)
+    if applied_force is not None:
+        at = f"{at} with {given('force', applied_force)}"
+    doubt = f" ({level}: {reason})" if reason else ""
+    why = ", because the leak rate is outside the theory" if outside else ""
+    return [
+        f"Leak rate at {at}: {leakage_text(found, digits)}{doubt}",
+        f"Leakage class for {nominal_size(case)}: {classes_in_words(found)}{why}",
+    ]
+
+
+# Relative changes below this are not worth a number.
+_LEAST = 1e-5
+
+
+def far_field_sentence(result: SealSolution) -> str:
+    """The influence of the far field in one sentence; empty if nothing was compared."""
+    if not result.far_field:
+        return ""
+    told = [
+        f"{change.name} changes the peak pressure by {_in_words(change.peak_pressure)}"
+        + ("" if change.leak_rate is None else f" and the leak rate by {_in_words(change.leak_rate)}")
+        for change in result.far_field
+    ]
+    load = load_name(result.strongest, result.loads)
+    which = "" if len(result.loads) == 1 else ", the load with the largest closing force"
+    return f"Far from the contact, at {load}{which}: {'; '.join(told)}."
+
+
+def _in_words(change: float) -> str:
+    return f"{100 * change:+.2g} %" if abs(change) >= _LEAST else f"less than {100 * _LEAST:g} %"

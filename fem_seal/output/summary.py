@@ -1,0 +1,223 @@
+"""What summary.json holds: the input with its defaults, what followed from it, and how far it can be trusted."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from fem_seal.analysis.closed_forms import Derived, derive
+from fem_seal.analysis.problem import exponential_law
+from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution
+from fem_seal.case.case import Case, input_tables
+from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
+from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
+from fem_seal.files import as_json, write_text
+from fem_seal.output.case_words import chosen_dimensions, dimensions, section
+from fem_seal.output.columns import leak_rows, leakage_table, variant_rows
+from fem_seal.output.report.words import far_field_sentence
+from fem_seal.output.sources import sources
+from fem_seal.version import __version__
+
+# Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
+FORMAT_VERSION = 1
+
+
+def summary(result: SealSolution) -> dict[str, Any]:
+    """Everything about a result except its fields, in SI, ready for JSON.
+
+    Parameters
+    ----------
+    result : SealSolution
+
+    Returns
+    -------
+    dict
+        ``format_version``, ``program``, ``created``, ``title``, ``case_file``, ``input``, ``derived``, ``mesh``,
+        ``loads`` (rows of leak.csv with their validity and a list of reasons), ``leakage`` (other units and classes,
+        one entry per load; no class outside the theory), ``yielding`` (one entry
+        per load; null for a body that does not pass its yield stress), ``imprint`` (of each body that has yielded;
+        null if both bodies are elastic), ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
+        (relative changes, and what they say), ``interface_variants``, ``uncertainty`` (null unless asked for),
+        ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.
+    """
+    case = result.case
+    return {
+        "format_version": FORMAT_VERSION,
+        "program": {"name": "fem-seal", "version": __version__},
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "title": case.title,
+        "case_file": None if case.file is None else str(case.file),
+        "input": resolved_input(result),
+        "derived": derived_numbers(case, derive(case)),
+        "mesh": mesh_numbers(result),
+        "loads": leak_rows(result),
+        "leakage": leakage_table(result),
+        "yielding": [_yielding(load) for load in result.loads],
+        "imprint": None if result.unloaded is None else _imprints(result.unloaded),
+        "convergence": [_convergence(load) for load in result.loads],
+        "discretisation_error": asdict(result.discretisation_error),
+        "far_field": {
+            "changes": [asdict(change) for change in result.far_field],
+            "says": far_field_sentence(result),
+        },
+        "interface_variants": [asdict(variant) for variant in result.interface_variants],
+        "uncertainty": None if result.uncertainty is None else interval_numbers(result.uncertainty),
+        "theory_variants": variant_rows(result),
+        "warnings": list(result.warnings),
+        "wall_times_s": dict(result.timings),
+        "sources": [asdict(source) for source in sources(result)],
+    }
+
+
+def write_summary(result: SealSolution, path: Path, folder: Path | None = None) -> Path:
+    """Write summary.json, atomically; numbers that JSON does not know (NaN, infinity) are null.
+
+    Parameters
+    ----------
+    result : SealSolution
+    path : pathlib.Path
+    folder : pathlib.Path, optional
+        Where the results will stand; that of `path` unless given.
+    """
+    content = summary(result)
+    content["input"]["output"]["folder"] = str((folder or path.parent).absolute())
+    return write_text(path, as_json(content) + "\n")
+
+
+def resolved_input(result: SealSolution) -> dict[str, Any]:
+    """The case as nested tables in SI, with what was sized from the problem in place of what it leaves open."""
+    case = result.case
+    tables = input_tables(case)
+    for name in ("closure", "seat"):
+        tables[name] |= chosen_dimensions(case, name)
+    tables["mesh"]["contact_size"] = result.seal_mesh.sizing.contact_size
+    if case.interface.law == "exponential":
+        tables["interface"]["u0"], tables["interface"]["p_c"] = exponential_law(case, result.surface)
+    return tables
+
+
+def mesh_numbers(result: SealSolution) -> dict[str, Any]:
+    """Size and quality of the mesh."""
+    quality, sizing, model = result.seal_mesh.quality, result.seal_mesh.sizing, result.model
+    return {
+        "triangles": quality.elements,
+        "vertices": quality.vertices,
+        "unknowns": {"closure": int(model.closure.basis.N), "seat": int(model.seat.basis.N)},
+        "contact_elements": len(model.line.vertices) - 1,
+        "contact_points": len(model.line.x),
+        "contact_size_m": sizing.contact_size,
+        "contact_zone_m": list(sizing.zone),
+        "far_size_m": sizing.far_size,
+        "smallest_shape": quality.smallest,
+        "mean_shape": quality.mean,
+        "area_error": quality.area_error,
+    }
+
+
+def interval_numbers(interval: LeakInterval) -> dict[str, Any]:
+    """Leak rates with their interval, and what is said about them; one entry per load in each list."""
+    return {
+        "samples": interval.samples,
+        "seed": interval.seed,
+        "confidence": interval.confidence,
+        "calculated_samples": interval.runs,
+        "error_of_the_others": interval.error,
+        "leak_rate_low_m3_per_s": interval.low.tolist(),
+        "leak_rate_median_m3_per_s": interval.median.tolist(),
+        "leak_rate_high_m3_per_s": interval.high.tolist(),
+        "sealed_share": interval.sealed.tolist(),
+        "shares_of_variance": {
+            name: interval.shares[:, n].tolist() for n, name in enumerate(interval.inputs)
+        },
+    }
+
+
+def _yielding(load: LoadResult) -> dict[str, Any]:
+    """Where the bodies yield or, solved as elastic, pass their yield stress."""
+    found = yielding_of(load.contact)
+    zones = {name: found.get(name) for name in ("closure", "seat")}
+    return {
+        "fluid_pressure_Pa": load.fluid_pressure,
+        **{name: None if zone is None else _zone(zone) for name, zone in zones.items()},
+    }
+
+
+def _zone(zone: YieldedZone | PlasticZone) -> dict[str, Any]:
+    worst: dict[str, Any] = (
+        {"solved_as": "elastoplastic", "max_accumulated_plastic_strain": zone.strain}
+        if isinstance(zone, PlasticZone)
+        else {"solved_as": "elastic", "von_mises_Pa": zone.von_mises, "over_yield_stress": zone.excess}
+    )
+    return {
+        "yield_stress_Pa": zone.yield_stress,
+        **worst,
+        "at_r_m": zone.place[0],
+        "at_z_m": zone.place[1],
+        "depth_m": zone.depth,
+        "yielded_down_to_m": zone.deepest,
+    }
+
+
+def _imprints(unloaded: Unloaded) -> dict[str, Any]:
+    return {
+        name: {
+            "depth_m": imprint.deepest,
+            "at_x_m": imprint.deepest_at,
+            "width_m": imprint.width,
+            "rim_m": imprint.rim,
+        }
+        for name, imprint in unloaded.imprints.items()
+    }
+
+
+def _convergence(load: LoadResult) -> dict[str, Any]:
+    contact = load.contact
+    plastic = contact if isinstance(contact, ElastoplasticContact) else None
+    return {
+        "fluid_pressure_Pa": load.fluid_pressure,
+        "iterations": contact.iterations,
+        "residual": contact.residuals[-1] if contact.residuals else None,
+        "force_error": contact.force_error,
+        "approach_m": contact.approach,
+        "load_steps": None if plastic is None else plastic.load_steps,
+        "equilibrium_residual": None if plastic is None else plastic.equilibrium_residuals[-1],
+    }
+
+
+def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
+    """Derived numbers of a case in SI, as `check --json` prints them."""
+    fluid = case.fluid
+    return {
+        "title": case.title,
+        "touch_radius_m": derived.touch_radius,
+        "contact_angle_rad": case.contact.angle,
+        "relative_radius_m": derived.relative_radius,
+        "dimensions": {name: dimensions(case, name) for name in ("closure", "seat")},
+        "sections": {name: found for name in ("closure", "seat") if (found := section(case, name))},
+        "effective_modulus_Pa": derived.effective_modulus,
+        "hardness_Pa": derived.hardness,
+        "rms_height_m": derived.rms_height,
+        "rms_slope": derived.rms_slope,
+        "decay_length_m": derived.decay_length,
+        "law_pressure_Pa": derived.law_pressure,
+        "viscosity_Pa_s": fluid.viscosity if fluid else None,
+        "loads": [
+            {
+                "fluid_pressure_Pa": load.fluid_pressure,
+                "axial_force_N": load.closing_force,
+                "line_load_N_per_m": load.line_load,
+                "blow_off_pressure_Pa": load.blow_off_pressure,
+                "force_for_target_leak_N": load.force_for_target,
+                "hertz_peak_pressure_Pa": load.hertz.peak_pressure if load.hertz else None,
+                "hertz_half_width_m": load.hertz.half_width if load.hertz else None,
+                "gaussian_peak_pressure_Pa": load.gaussian.peak_pressure if load.gaussian else None,
+                "gaussian_std_m": load.gaussian.std if load.gaussian else None,
+                "crossover_peak_pressure_Pa": load.crossover.peak_pressure if load.crossover else None,
+                "crossover_fwhm_m": load.crossover.fwhm if load.crossover else None,
+                "crossover_std_m": load.crossover.std if load.crossover else None,
+            }
+            for load in derived.loads
+        ],
+    }

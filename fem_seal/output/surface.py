@@ -1,0 +1,174 @@
+"""What `fem-seal surface` shows and writes: key figures of a measured surface, its spectrum and a picture."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fem_seal.files import as_json, write_bytes, write_text
+from fem_seal.units import number, percent, quantity
+
+if TYPE_CHECKING:
+    from leak import MeasuredSurface
+
+
+def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
+    """Key figures of a measured surface in SI, as `surface --json` prints them.
+
+    Parameters
+    ----------
+    surface : MeasuredSurface
+    """
+    return {
+        "rms_height_m": surface.rms_height,
+        "rms_slope": surface.measured.rms_slope,
+        "skewness": surface.skewness,
+        "kurtosis": surface.kurtosis,
+        "anisotropy": surface.anisotropy,
+        "lay_angle_rad": surface.lay_angle,
+        "peklenik_flow_across_lay": surface.peklenik and surface.peklenik[0],
+        "peklenik_flow_along_lay": surface.peklenik and surface.peklenik[1],
+        "rolloff_wavenumber_per_m": surface.rolloff.wavenumber,
+        "hurst": surface.rolloff.hurst,
+        "hurst_error": surface.rolloff.hurst_error,
+        "hurst_interval": surface.rolloff.hurst_interval,
+        "confidence": surface.rolloff.confidence,
+        "true_rms_height_interval_m": [surface.rms_height * one for one in surface.rolloff.height.interval],
+        "q_low_per_m": surface.q_low,
+        "q_high_per_m": surface.q_high,
+        "range_limited_by": surface.limit,
+        "tip_radius_m": surface.tip_radius,
+        "variance_above_range": surface.height_above,
+        "spectrum_rms_height_m": surface.spectrum.rms_height,
+        "spectrum_rms_slope": surface.spectrum.rms_slope,
+        "detrend": surface.settings.detrend,
+        "window": surface.settings.window,
+        "outliers": surface.settings.outliers,
+        "scans": [
+            {
+                "file": scan.name,
+                "points": list(scan.heights.shape),
+                "length_m": scan.length,
+                "rms_height_m": rms_height,
+            }
+            for scan, rms_height in zip(surface.scans, surface.scan_rms_heights, strict=True)
+        ],
+        "warnings": list(surface.warnings),
+    }
+
+
+def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
+    """The same for people: name and value."""
+    lines = [
+        (
+            scan.name,
+            f"{' x '.join(map(str, scan.heights.shape))} points over {quantity('length', scan.length)}",
+        )
+        for scan in surface.scans
+    ]
+    lines.append(("rms height", _with_scatter(surface)))
+    low, high = (quantity("length", surface.rms_height * one) for one in surface.rolloff.height.interval)
+    lines.append(
+        (
+            "  of the whole surface",
+            f"{low} to {high} ({percent(surface.rolloff.confidence)}, from the length scanned)",
+        )
+    )
+    lines.append(("rms slope", f"{number(surface.measured.rms_slope)} (in the reliable range)"))
+    lines.append(
+        ("skewness, kurtosis", f"{number(surface.skewness)}, {number(surface.kurtosis)} (Gaussian: 0, 3)")
+    )
+    if surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None:
+        angle = number(math.degrees(surface.lay_angle))
+        lines.append(
+            ("anisotropy", f"{number(surface.anisotropy)} times longer along the lay, lay at {angle}° from x")
+        )
+        across, along = map(number, surface.peklenik)
+        lines.append(
+            (
+                "key peklenik",
+                f"{across} if the fluid flows across the lay (a turned seat), {along} if along it",
+            )
+        )
+    lines.append(("roll-off", _rolloff(surface)))
+    lines.append(("Hurst exponent", _hurst(surface)))
+    lines.append(
+        (
+            "reliable range",
+            f"q = {number(surface.q_low)} to {number(surface.q_high)} 1/m, wavelengths "
+            f"{quantity('length', 2 * math.pi / surface.q_high)} to {quantity('length', 2 * math.pi / surface.q_low)} "
+            f"(short end: {surface.limit})",
+        )
+    )
+    if surface.tip_radius is not None:
+        lines.append(("tip radius", quantity("length", surface.tip_radius)))
+    if surface.spectrum != surface.measured:
+        lines.append(
+            (
+                "continued spectrum",
+                f"q = {number(surface.spectrum.q_low)} to {number(surface.spectrum.q_high)} 1/m, rms height "
+                f"{quantity('length', surface.spectrum.rms_height)}, rms slope {number(surface.spectrum.rms_slope)}",
+            )
+        )
+    return lines
+
+
+def _with_scatter(surface: MeasuredSurface) -> str:
+    text = quantity("length", surface.rms_height)
+    if len(surface.scans) > 1:
+        low, high = min(surface.scan_rms_heights), max(surface.scan_rms_heights)
+        text += f" (scans: {quantity('length', low)} to {quantity('length', high)})"
+    if surface.height_above > 1e-3:
+        text += f", {percent(surface.height_above)} of the variance above the reliable range"
+    return text
+
+
+def _rolloff(surface: MeasuredSurface) -> str:
+    q = surface.rolloff.wavenumber
+    if q is None:
+        return "none in the reliable range"
+    return f"q = {number(q)} 1/m, wavelength {quantity('length', 2 * math.pi / q)}"
+
+
+def _hurst(surface: MeasuredSurface) -> str:
+    fit = surface.rolloff
+    if fit.hurst is None or fit.hurst_interval is None:
+        return "not determined: no part of the spectrum is long and clear enough"
+    low, high = fit.hurst_interval
+    text = (
+        f"{number(fit.hurst, 2)}, {number(low, 2)} to {number(high, 2)} ({percent(fit.confidence)}), from q = "
+        f"{number(fit.start)} to {number(fit.end)} 1/m"
+    )
+    return text if 0.0 < fit.hurst <= 1.0 else f"{text}; outside 0 to 1: not self-affine"
+
+
+def write_surface(surface: MeasuredSurface, folder: Path) -> tuple[Path, ...]:
+    """Write spectrum.csv, surface.json and surface.svg into a folder.
+
+    spectrum.csv has the columns q [1/m] and C [m^4] and goes into a case as ``kind = "table"``.
+
+    Parameters
+    ----------
+    surface : MeasuredSurface
+    folder : pathlib.Path
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written.
+    """
+    from fem_seal.output.pictures.style import style
+    from fem_seal.output.pictures.surface import scan_picture
+
+    spectrum = surface.spectrum
+    rows = [
+        f"{q!r},{C!r}" for q, C in zip(spectrum.wavenumber.tolist(), spectrum.density.tolist(), strict=True)
+    ]
+    with style():
+        picture = scan_picture(surface)
+    return (
+        write_text(folder / "spectrum.csv", "\n".join(["q [1/m],C [m^4]", *rows]) + "\n"),
+        write_text(folder / "surface.json", as_json(surface_numbers(surface)) + "\n"),
+        write_bytes(folder / "surface.svg", picture.svg),
+    )

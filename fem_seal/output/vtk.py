@@ -1,0 +1,172 @@
+"""What the bodies and the contact line look like under each load, for ParaView: metre and pascal."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.fields import BodyField, ElastoplasticField
+from fem_seal.output.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_line, write_series
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import LoadResult, SealSolution
+
+BODIES = ("closure", "seat")
+
+
+def write_contact(result: SealSolution, folder: Path) -> list[Path]:
+    """Write contact.pvd and one contact_000.vtu per load: both bodies with displacement and stress.
+
+    Point data: ``displacement`` [m], the closure's rigid motion since first touch included, ``stress`` [Pa] as
+    XX YY ZZ XY YZ XZ with x = r, y = z, z = hoop, ``von_mises`` [Pa], ``contact_pressure`` [Pa] on the contact
+    line, zero elsewhere. Where a body yields also ``plastic_strain``, as ``stress`` and as a tensor (XY is half the
+    engineering shear strain), and ``accumulated_plastic_strain``, zero in a body that is elastic. Cell data:
+    ``body``, 0 for the closure and 1 for the seat.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files written, contact.pvd first.
+    """
+    files = _names("contact", "vtu", len(result.loads))
+    written = [
+        _write_bodies(load.contact.fields, load.contact.approach, _load_data(load), folder / file)
+        for load, file in zip(result.loads, files, strict=True)
+    ]
+    series = write_series(folder / "contact.pvd", files, _times(result.loads))
+    _remove_stale(folder, "contact", "vtu", files)
+    return [series, *written]
+
+
+def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
+    """Write contact_line.pvd and one contact_line_000.vtp per load: the pressure profile in space.
+
+    Point data: ``x``, arc length from first touch [m], ``contact_pressure`` [Pa], ``gap`` [m] and, where a leak
+    rate was calculated, ``fluid_pressure_in_gap`` [Pa].
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files written, contact_line.pvd first.
+    """
+    files = _names("contact_line", "vtp", len(result.loads))
+    height = result.seal_mesh.contact.height
+    written = []
+    for load, file in zip(result.loads, files, strict=True):
+        profile = load.contact.profile
+        points = _in_space(np.column_stack([profile.radius, height(profile.x)]))
+        data = {"x": profile.x, "contact_pressure": profile.pressure, "gap": profile.gap}
+        if load.gap_pressure is not None:
+            data["fluid_pressure_in_gap"] = load.gap_pressure
+        written.append(write_line(folder / file, points, point_data=data, field_data=_load_data(load)))
+    series = write_series(folder / "contact_line.pvd", files, _times(result.loads))
+    _remove_stale(folder, "contact_line", "vtp", files)
+    return [series, *written]
+
+
+def write_unloaded(result: SealSolution, folder: Path) -> Path | None:
+    """Write unloaded.vtu: both bodies after the last load, with residual stress and lasting displacement.
+
+    Point data as in `write_contact`; ``displacement`` is the lasting one, with that of a press fit. None, and an
+    unloaded.vtu of an earlier run is removed, if both bodies are elastic.
+    """
+    path = folder / "unloaded.vtu"
+    if result.unloaded is None:
+        path.unlink(missing_ok=True)
+        return None
+    return _write_bodies(result.unloaded.fields, 0.0, {}, path)
+
+
+def _write_bodies(
+    fields: Mapping[str, BodyField], approach: float, load: Mapping[str, NDArray[np.generic]], path: Path
+) -> Path:
+    bodies = [fields[name] for name in BODIES]
+    starts = np.cumsum([0, *(len(body.points) for body in bodies)])
+    return write_grid(
+        path,
+        _in_space(np.concatenate([body.points for body in bodies])),
+        np.concatenate([body.triangles6 + start for body, start in zip(bodies, starts, strict=False)]),
+        QUADRATIC_TRIANGLE,
+        point_data={
+            "displacement": _in_space(np.concatenate([_displacement(body, approach) for body in bodies])),
+            "stress": _symmetric_tensor(np.concatenate([body.stress for body in bodies])),
+            "von_mises": np.concatenate([body.von_mises for body in bodies]),
+            "contact_pressure": np.concatenate([body.contact_pressure for body in bodies]),
+            **_plastic(bodies),
+        },
+        cell_data={
+            "body": np.repeat(
+                np.arange(len(bodies), dtype=np.int32), [len(body.triangles6) for body in bodies]
+            )
+        },
+        field_data=load,
+    )
+
+
+def _plastic(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:
+    """Plastic strain of both bodies; nothing if both are elastic."""
+    if not any(isinstance(body, ElastoplasticField) for body in bodies):
+        return {}
+    strain, accumulated = [], []
+    for body in bodies:
+        if isinstance(body, ElastoplasticField):
+            strain.append(body.plastic_strain)
+            accumulated.append(body.accumulated_plastic_strain)
+        else:
+            strain.append(np.zeros_like(body.stress))
+            accumulated.append(np.zeros(len(body.points)))
+    tensor = np.concatenate(strain) * [1.0, 1.0, 1.0, 0.5]
+    return {
+        "plastic_strain": _symmetric_tensor(tensor),
+        "accumulated_plastic_strain": np.concatenate(accumulated),
+    }
+
+
+def _displacement(body: BodyField, approach: float) -> FloatArray:
+    """Displacement (n, 2) [m] that moves the body to where it really is, so that warped bodies show the gap."""
+    rigid = -approach if body.name == "closure" else 0.0
+    return body.displacement + np.array([0.0, rigid])
+
+
+def _symmetric_tensor(stress: FloatArray) -> FloatArray:
+    """(rr, zz, hoop, rz) as XX YY ZZ XY YZ XZ; nothing acts across the (r, z) plane."""
+    return np.column_stack([stress, np.zeros((len(stress), 2))])
+
+
+def _in_space(values: FloatArray) -> FloatArray:
+    """(r, z) as (x, y, 0)."""
+    return np.column_stack([values, np.zeros(len(values))])
+
+
+def _load_data(load: LoadResult) -> dict[str, NDArray[np.generic]]:
+    return {
+        "fluid_pressure": np.array([load.fluid_pressure]),
+        "axial_force": np.array([load.axial_force]),
+        "line_load": np.array([load.line_load]),
+    }
+
+
+def _names(stem: str, suffix: str, count: int) -> list[str]:
+    digits = max(3, len(str(count - 1)))
+    return [f"{stem}_{number:0{digits}}.{suffix}" for number in range(count)]
+
+
+def _times(loads: Sequence[LoadResult]) -> list[float]:
+    """The fluid pressures [Pa] as time, or the numbers of the loads where pressure does not rise throughout."""
+    pressures = [load.fluid_pressure for load in loads]
+    rising = all(a < b for a, b in pairwise(pressures))
+    return pressures if rising else [float(number) for number in range(len(loads))]
+
+
+def _remove_stale(folder: Path, stem: str, suffix: str, written: Sequence[str]) -> None:
+    """Remove what an earlier run with more loads left, so that no viewer mixes two runs."""
+    for path in folder.iterdir():
+        if re.fullmatch(rf"{stem}_\d{{3,}}\.{suffix}", path.name) and path.name not in written:
+            path.unlink()

@@ -1,0 +1,116 @@
+"""What a case gives: `run` solves it, a `SealResult` has its table and writes its files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import fields
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fem_seal.analysis.chain import solve
+from fem_seal.analysis.results import SealSolution
+from fem_seal.case.case import Case
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class SealResult(SealSolution):
+    """Everything that a case gave.
+
+    Parameters
+    ----------
+    case : Case
+        Without the loads that could not be calculated.
+    seal_mesh : SealMesh
+    model : ContactModel
+    surface : RoughContact or None
+        With the hardness if asperities yield; None without roughness.
+    loads : tuple of LoadResult
+        In the order of the case.
+    discretisation_error : DiscretisationError
+    interface_variants : tuple of InterfaceVariant
+        Elastic and plastic p(u), for `law = "persson"` with a hardness; else empty.
+    warnings : tuple of str
+        Everything to know before believing the result, the worst first; each load's `validity` says what it means.
+    timings : dict
+        Wall time of each step [s].
+    uncertainty : LeakInterval or None
+        Leak rates with an interval, if the case has a table [uncertainty].
+    theory_variants : tuple of TheoryVariant
+        Leak rates with every reading of the theory, if asked for.
+    far_field : tuple of FarFieldChange
+        What another housing and another support of its wall do to the strongest load.
+    unloaded : Unloaded or None
+        Residual stress and imprint after the last load; None if both bodies are elastic.
+    """
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """One row per load, the columns of leak.csv."""
+        from fem_seal.output.columns import leak_table
+
+        return leak_table(self)
+
+    def write(self, folder: str | os.PathLike[str]) -> Path:
+        """Write tables, summary, VTK files, mesh and report into a folder, all of them or none.
+
+        They take the places of those of an earlier run together; a file ``UNFINISHED.txt`` stands in the folder
+        meanwhile, and stays there only if the process is killed in these milliseconds.
+
+        A file that cannot be made does not keep the others from being written; a Python warning names it.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it does not exist.
+
+        Raises
+        ------
+        InputError
+            If another process writes into the folder.
+        OutputError
+            If a file cannot be written.
+        """
+        import warnings
+
+        from fem_seal.folders import alone
+        from fem_seal.output.files import write
+
+        with alone(Path(folder)):
+            for failure in write(self, Path(folder)):
+                warnings.warn(failure, stacklevel=2)
+        return Path(folder)
+
+
+def run(case: Case, progress: Callable[[str], None] | None = None) -> SealResult:
+    """Solve every load of a case.
+
+    Parameters
+    ----------
+    case : Case
+    progress : callable, optional
+        Told in words what is being done.
+
+    Returns
+    -------
+    SealResult
+        Loads that cannot be calculated - they open the seal, strain the bodies too much or do not converge - are left
+        out, with a warning that names them. So is what comes after contact and leak and fails: stress, error
+        estimate, answers, variants, interval.
+
+    Raises
+    ------
+    NoLoadLeftError
+        If no load can be calculated.
+    GeometryError
+        If the bodies do not fit together.
+    MeshingError
+        If gmsh cannot be loaded or fails.
+    ConvergenceError
+        If no contact converges.
+    """
+    solution = solve(case, progress)
+    return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})

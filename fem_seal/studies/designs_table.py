@@ -1,0 +1,363 @@
+"""What the designs of a study say: which are good, which parameters matter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.analysis.caution import Level
+from fem_seal.arrays import FloatArray
+from fem_seal.studies.designs import MORRIS_LEVELS, SENSITIVITY, unit_points
+from fem_seal.studies.expressions import Constraint, Expression
+from fem_seal.studies.store import FILE, Store, open_to_read
+from fem_seal.studies.tables import Design
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+LEAK_RATE = "leak_rate_m3_per_s"
+QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+# Columns that differ by less, relative to their size, are equal.
+_ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True)
+class Designs:
+    """The table of a study with what its columns mean.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        One row per design that has been calculated; constraints as columns of true and false.
+    about : dict
+        As `fem_seal.studies.session.description` wrote it.
+    """
+
+    table: pd.DataFrame
+    about: Mapping[str, Any]
+
+    @classmethod
+    def open(cls, folder: Path) -> Designs:
+        """The designs in the folder of a study; InputError if it holds none."""
+        store = open_to_read(folder / FILE)
+        try:
+            return cls.read(store)
+        finally:
+            store.close()
+
+    @classmethod
+    def read(cls, store: Store) -> Designs:
+        """The designs in a study file."""
+        table, about = store.table(), store.about
+        constraints = {name: Constraint(text) for name, text in about["constraints"].items()}
+        if constraints:
+            rows = records(table)
+            for name, one in constraints.items():
+                table[name] = [one.met(row) for row in rows]
+        return cls(table, about)
+
+    @cached_property
+    def done(self) -> pd.DataFrame:
+        """Designs that did not fail."""
+        return self.table[self.table["status"] == "done"]
+
+    @cached_property
+    def feasible(self) -> pd.DataFrame:
+        """Designs that did not fail and meet all constraints."""
+        names = list(self.about["constraints"])
+        return self.done[self.done[names].all(axis=1)] if names else self.done
+
+    @cached_property
+    def validity(self) -> pd.Series:
+        """How far each design that did not fail can be trusted, in words; empty in files that do not say it yet."""
+        return self._told("validity")
+
+    @cached_property
+    def worst_reason(self) -> pd.Series:
+        """The first reason why a design that did not fail is not simply valid; empty if it is."""
+        return self._told("validity_reasons").str.split("; ").str[0]
+
+    def _told(self, name: str) -> pd.Series:
+        import pandas as pd
+
+        told = self.done.get(name, pd.Series("", index=self.done.index, dtype=object))
+        return told.fillna("").astype(object)
+
+    @cached_property
+    def outside(self) -> pd.Series:
+        """Which designs that did not fail are outside the theory, so that nothing can be claimed of them."""
+        return self.validity == Level.OUTSIDE
+
+    @property
+    def keeps_outside(self) -> bool:
+        """Whether designs outside the theory count like any other."""
+        return bool(self.about.get("outside_theory") == "keep")
+
+    @cached_property
+    def counted(self) -> pd.Series:
+        """Which designs that did not fail can be the best: they meet all constraints and are inside the theory."""
+        kept = ~self.outside | self.keeps_outside
+        return kept & self.done.index.isin(self.feasible.index)
+
+    @property
+    def left_out(self) -> int:
+        """How many designs meet all constraints and are left out for being outside the theory."""
+        return len(self.feasible) - int(self.counted.sum())
+
+    @cached_property
+    def levels(self) -> dict[str, int]:
+        """How many designs that did not fail are valid, doubtful and outside the theory; empty if nobody has judged."""
+        found = self.validity.value_counts()
+        return {str(level): int(found[level]) for level in Level if level in found}
+
+    @cached_property
+    def violated(self) -> pd.Series:
+        """What each design that did not fail violates, in words; empty where it meets all constraints."""
+        import pandas as pd
+
+        texts = [f"{name}: {text}" for name, text in self.about["constraints"].items()]
+        met = self.done[list(self.about["constraints"])].to_numpy(dtype=bool)
+        words = [
+            ", ".join(text for text, kept in zip(texts, row, strict=True) if not kept) for row in met.tolist()
+        ]
+        return pd.Series(words, index=self.done.index, dtype=object)
+
+    @property
+    def some_do_not_count(self) -> bool:
+        """Whether designs that did not fail violate constraints or are left out."""
+        return not bool(self.counted.all())
+
+    @property
+    def why_not_counted(self) -> str:
+        """What is wrong with the designs that do not count, after "designs that"."""
+        wrong = ["violate a constraint"] if len(self.feasible) < len(self.done) else []
+        wrong += ["are outside the theory"] if self.left_out else []
+        return " or ".join(wrong)
+
+    @property
+    def kind(self) -> str:
+        """How the designs were chosen: the kind of the design, or "search" for an optimisation."""
+        design = self.about["design"]
+        return "search" if design["optimise"] else str(design["kind"])
+
+    @property
+    def parameters(self) -> list[str]:
+        """What varies."""
+        return [str(one["name"]) for one in self.about["parameters"]]
+
+    @property
+    def numeric_parameters(self) -> list[str]:
+        """Parameters that are numbers."""
+        return [one["name"] for one in self.about["parameters"] if one["numeric"]]
+
+    @property
+    def outputs(self) -> list[str]:
+        """Responses and derived columns."""
+        return [*self.about["responses"], *self.about["derived"]]
+
+    @cached_property
+    def telling_outputs(self) -> list[str]:
+        """Outputs that vary by more than round-off and are no parameter under another name."""
+        inputs = [self.done[name].to_numpy(dtype=float) for name in self.numeric_parameters]
+        found = []
+        for name in self.outputs:
+            values = self.done[name].to_numpy(dtype=float)
+            finite = values[np.isfinite(values)]
+            varies = finite.size and np.ptp(finite) > _ROUND_OFF * np.abs(finite).max()
+            if varies and not any(np.allclose(values, one, rtol=_ROUND_OFF, atol=0.0) for one in inputs):
+                found.append(name)
+        return found
+
+    @cached_property
+    def goal_values(self) -> pd.DataFrame:
+        """Goals of the designs that did not fail, one column each, as the user wrote them; may hold NaN."""
+        import pandas as pd
+
+        formulas = {name: Expression(text) for name, text in self.about["goals"].items()}
+        rows = records(self.done)
+        values = {name: [self.sign(name) * one(row) for row in rows] for name, one in formulas.items()}
+        return pd.DataFrame(values, index=self.done.index, dtype=float)
+
+    def sign(self, goal: str) -> float:
+        """1 for a goal that is to be small, -1 for one that is to be large, which is kept with a minus sign."""
+        return 1.0 if self.about["goals"][goal] == goal else -1.0
+
+    @cached_property
+    def goals(self) -> pd.DataFrame:
+        """Goals of the designs that count, one column each, to be small; NaN left out."""
+        signs = [self.sign(name) for name in self.about["goals"]]
+        return (self.goal_values[self.counted] * signs).dropna()
+
+    def best(self, count: int) -> list[int]:
+        """Numbers of the best designs: by the only goal, or the Pareto front of two by the first one.
+
+        Of equal designs, which some plans repeat, the first one counts.
+        """
+        if self.goals.shape[1] == 0 or self.goals.empty:
+            return []
+        goals = self.goals[~self.done.loc[self.goals.index, self.parameters].duplicated()]
+        if goals.shape[1] == 2:
+            goals = goals[pareto_front(goals.to_numpy())]
+        return [int(number) for number in goals.sort_values(list(goals.columns)).index[:count]]
+
+
+def records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Rows of a table by their columns."""
+    return cast("list[dict[str, Any]]", table.to_dict("records"))
+
+
+def pareto_front(goals: FloatArray) -> NDArray[np.bool_]:
+    """Which rows are not surpassed: no other row is as small in every column and smaller in one.
+
+    Parameters
+    ----------
+    goals : ndarray, shape (n, 2)
+
+    Examples
+    --------
+    >>> pareto_front(np.array([[1.0, 3.0], [2.0, 2.0], [3.0, 3.0], [3.0, 1.0]])).tolist()
+    [True, True, False, True]
+    """
+    order = np.lexsort((goals[:, 1], goals[:, 0]))
+    first, second = goals[order].T
+    # along rising first goal, a row stays if its second goal is below all before; equal rows stay together
+    lowest_before = np.concatenate([[np.inf], np.minimum.accumulate(second)[:-1]])
+    stays = second < lowest_before
+    same = np.concatenate([[False], (np.diff(first) == 0) & (np.diff(second) == 0)])
+    for place in np.flatnonzero(same):
+        stays[place] = stays[place - 1]
+    front = np.empty(len(goals), dtype=bool)
+    front[order] = stays
+    return front
+
+
+def quantiles(values: FloatArray, shares: Sequence[float] = QUANTILES) -> dict[float, float]:
+    """Values below which the given shares of all designs lie.
+
+    Parameters
+    ----------
+    values : ndarray
+    shares : sequence of float
+    """
+    return dict(zip(shares, np.quantile(values, shares).tolist(), strict=True))
+
+
+def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
+    """Classes of the study's standard, the tightest first: name, allowed leak rate [m^3/s], share of the designs.
+
+    A design that meets a class meets all wider ones as well; one outside the theory can claim none. Empty without leak
+    rates, or if no class of the standard can be judged.
+    """
+    from leak import leakage_limits
+
+    seal = designs.about["seal"]
+    if LEAK_RATE not in designs.done or designs.done.empty:
+        return []
+    leak_rate = designs.done[LEAK_RATE].dropna()
+    claimed = ~designs.outside[leak_rate.index]
+    limits = {}
+    for limit in leakage_limits(seal["nominal_size"], gas=seal["gas"]):
+        if limit.standard == designs.about["standard"]:
+            limits[limit.name] = limit.leak_rate
+    ordered = sorted(limits.items(), key=lambda item: item[1])
+    return [(name, most, float(((leak_rate <= most) & claimed).mean())) for name, most in ordered]
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Influence of each parameter on one output.
+
+    Parameters
+    ----------
+    output : str
+    logarithmic : bool
+        Whether the logarithm of the output was analysed, as of every output that is positive and spans a factor of ten.
+    method : {"sobol-sensitivity", "morris"}
+    parameters : tuple of str
+    first, total : ndarray
+        Sobol': first-order and total index. Morris: mean of the absolute effects and their standard deviation, in
+        units of the (logarithm of the) output.
+    first_error, total_error : ndarray
+        Half widths of the 95 % confidence intervals; zero for the standard deviation of the effects.
+    """
+
+    output: str
+    logarithmic: bool
+    method: str
+    parameters: tuple[str, ...]
+    first: FloatArray
+    total: FloatArray
+    first_error: FloatArray
+    total_error: FloatArray
+
+    @property
+    def noise(self) -> NDArray[np.bool_]:
+        """Which first-order Sobol' indices are noise of the sample: above the total one, or below zero."""
+        if self.method == "morris":
+            return np.zeros(len(self.first), dtype=bool)
+        round_off = _ROUND_OFF * self.total.max()
+        return (self.first > self.total + round_off) | (self.first < -round_off)
+
+
+def sensitivities(designs: Designs) -> list[Sensitivity]:
+    """Sensitivity of every output; empty unless the design was made for it and all of its designs are done.
+
+    Parameters
+    ----------
+    designs : Designs
+
+    References
+    ----------
+    A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010); M. D. Morris, Technometrics 33, 161 (1991); J. Herman,
+    W. Usher, J. Open Source Softw. 2, 97 (2017).
+    """
+    about = designs.about
+    if about["design"]["kind"] not in SENSITIVITY or about["design"]["optimise"]:
+        return []
+    names = tuple(one["name"] for one in about["parameters"])
+    design = Design(**{key: value for key, value in about["design"].items() if key != "optimise"})
+    unit = unit_points(design, len(names))
+    table = designs.table
+    if len(table) != len(unit) or not (table["status"] == "done").all():
+        return []
+    found = []
+    for output in designs.outputs:
+        values = table[output].to_numpy(dtype=float)
+        if np.all(np.isfinite(values)) and np.ptp(values) > 0:
+            found.append(_sensitivity(design, names, unit, output, values))
+    return found
+
+
+def _sensitivity(
+    design: Design, names: tuple[str, ...], unit: FloatArray, output: str, values: FloatArray
+) -> Sensitivity:
+    logarithmic = bool(np.all(values > 0) and values.max() > 10 * values.min())
+    y = np.log(values) if logarithmic else values
+    problem = {"num_vars": len(names), "names": list(names), "bounds": [[0.0, 1.0]] * len(names)}
+    analyse = _morris if design.kind == "morris" else _sobol
+    return Sensitivity(output, logarithmic, design.kind, names, *analyse(problem, unit, y, design.seed))
+
+
+def _sobol(
+    problem: Mapping[str, Any], unit: FloatArray, y: FloatArray, seed: int
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    from SALib.analyze import sobol
+
+    found = sobol.analyze(problem, (y - y.mean()) / y.std(), calc_second_order=False, seed=seed)
+    return found["S1"], found["ST"], found["S1_conf"], found["ST_conf"]
+
+
+def _morris(
+    problem: Mapping[str, Any], unit: FloatArray, y: FloatArray, seed: int
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    from SALib.analyze import morris
+
+    found = morris.analyze(problem, unit, y, num_levels=MORRIS_LEVELS, seed=seed)
+    sigma = np.asarray(found["sigma"])
+    return np.asarray(found["mu_star"]), sigma, np.asarray(found["mu_star_conf"]), np.zeros(len(sigma))

@@ -1,0 +1,271 @@
+"""How a study's page looks: columns in words and readable units, one style for all plots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fem_seal.analysis.caution import Level
+from fem_seal.arrays import FloatArray
+from fem_seal.studies.designs_table import Designs
+from fem_seal.units import Unit, number, split_unit, unit_for
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+_NONE = Unit("", 1.0)
+_DEGREE = Unit("°", math.pi / 180)
+_CELSIUS = Unit("°C", 1.0)
+_FREEZING = 273.15
+_TITLES = {
+    "fwhm_m": "width at half maximum",
+    "std_m": "standard deviation of the pressure profile",
+    "max_von_mises_Pa": "max. von Mises stress",
+    "leak_rate_kg_per_s": "leak rate by mass",
+    "leak_rate_Pa_m3_per_s": "leak rate pV",
+    "leak_rate_standard_m3_per_s": "leak rate at 0 °C, 1 atm",
+}
+_SI_UNITS: dict[str, str | Unit] = {
+    "m": "length",
+    "Pa": "contact pressure",
+    "N": "force",
+    "Pa s": "viscosity",
+    "m^3/s": "flow",
+    "Pa m^3/s": Unit("mbar l/s", 0.1),
+    "kg/s": Unit("g/h", 1e-3 / 3600),
+    "N/m": "line load",
+    "rad": _DEGREE,
+    "K": _CELSIUS,
+}
+_OF_FLUID = ("fluid_pressure", "blow_off_pressure", "outlet_pressure")
+_DISTRIBUTIONS = {"LogUniform": "log-uniform", "LogNormal": "lognormal"}
+# So many values can be named one by one.
+FEW = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Display:
+    """How the columns of a study and its goals are shown.
+
+    Parameters
+    ----------
+    designs : Designs
+    """
+
+    designs: Designs
+
+    def title(self, name: str) -> str:
+        """What a column is called: a parameter by its path, which the user wrote; a response without its SI unit."""
+        if name not in self.designs.about["responses"]:
+            return name
+        return _TITLES.get(name) or split_unit(name)[0].replace("_", " ")
+
+    def label(self, name: str) -> str:
+        """What a column is called, with its unit."""
+        unit = self.unit(name)
+        return f"{self.title(name)} [{unit.name}]" if unit.name else self.title(name)
+
+    def unit(self, name: str) -> Unit:
+        """Unit of a column, by the largest value in it; without a name if it has none."""
+        return self._units[name]
+
+    def numbers(self, name: str) -> pd.Series:
+        """A column of the designs that did not fail, or a goal of theirs, in SI."""
+        return self.designs.done[name] if name in self.designs.done else self.designs.goal_values[name]
+
+    def shown(self, name: str, values: ArrayLike) -> FloatArray:
+        """SI numbers of a column in its unit."""
+        unit = self.unit(name)
+        return (np.asarray(values, dtype=float) - (_FREEZING if unit is _CELSIUS else 0.0)) / unit.size
+
+    def values(self, rows: pd.Index, name: str) -> list[Any]:
+        """A column of some designs in its unit, None where there is no number; words as they are, "yes" and "no"."""
+        column = self.numbers(name).loc[rows]
+        if not self._numeric(name):
+            return [_word(value) for value in column.tolist()]
+        numbers = self.shown(name, column.to_numpy(dtype=float))
+        return [value if math.isfinite(value) else None for value in numbers.tolist()]
+
+    def texts(self, rows: pd.Index, name: str) -> list[str]:
+        """A column of some designs as it is written."""
+        return [short(value) if self._numeric(name) else value for value in self.values(rows, name)]
+
+    def levels(self, name: str) -> list[str]:
+        """Words that a parameter takes, in the order of the user, as they are written."""
+        return [_word(level) for level in self._parameters[name]["levels"]]
+
+    def varied(self, name: str) -> str:
+        """Which values a parameter takes, in its unit."""
+        parameter = self._parameters[name]
+        if not parameter["numeric"]:
+            return ", ".join(self.levels(name)[:FEW])
+        low, high = map(short, self.shown(name, parameter["bounds"]).tolist())
+        if parameter["distribution"]:
+            kind = _DISTRIBUTIONS.get(parameter["distribution"], parameter["distribution"].lower())
+            return f"{kind} from {low} to {high}"
+        if len(parameter["levels"]) <= FEW:
+            return ", ".join(map(short, self.shown(name, parameter["levels"]).tolist()))
+        return f"{len(parameter['levels'])} levels from {low} to {high}"
+
+    def logarithmic(self, name: str) -> bool:
+        """Whether a logarithmic axis suits: a parameter by what it was asked to be, anything else by its values."""
+        if not self._numeric(name) or self.unit(name) is _CELSIUS:
+            return False
+        if name in self._parameters:
+            return _by_factors(self._parameters[name])
+        return spans_a_decade(self.numbers(name).to_numpy(dtype=float))
+
+    def axis(self, name: str) -> dict[str, Any]:
+        """Axis of a plot; always with the same keys, so that one can replace another."""
+        kind = ("log" if self.logarithmic(name) else "linear") if self._numeric(name) else "category"
+        return {
+            "title": {"text": self.label(name)},
+            "type": kind,
+            "autorange": True,
+            "dtick": self._log_step(name) if kind == "log" else None,
+            # without it the marks between powers of ten have one digit each
+            "tickformat": "~g" if kind == "log" else "",
+            "exponentformat": "power",
+            "hoverformat": ".4~g",
+            "categoryorder": "array",
+            "categoryarray": self.levels(name) if kind == "category" else [],
+        }
+
+    def hover(self, rows: pd.Index, names: Sequence[str]) -> list[str]:
+        """What is shown of each design when pointed at: its number, some columns, what speaks against it."""
+        columns = [[f"{self.label(name)}: {text}" for text in self.texts(rows, name)] for name in names]
+        violated = [f"violates {text}" if text else "" for text in self.designs.violated.loc[rows]]
+        levels, reasons = self.designs.validity.loc[rows], self.designs.worst_reason.loc[rows]
+        doubts = [f"{level}: {why}" if why else "" for level, why in zip(levels, reasons, strict=True)]
+        return [
+            "<br>".join(line.replace("<", "&lt;") for line in (f"design {n}", *lines) if line)
+            for n, *lines in zip(rows.tolist(), *columns, violated, doubts, strict=True)
+        ]
+
+    def best(self, count: int) -> tuple[list[int], dict[str, list[str]]]:
+        """Numbers of the best designs, and what they are by their labels, as texts.
+
+        Parameters, outputs and goals, and the validity unless all are valid.
+        """
+        designs = self.designs
+        numbers = designs.best(count)
+        names = dict.fromkeys([*designs.parameters, *designs.outputs, *designs.about["goals"]])
+        rows = designs.done.loc[numbers].index
+        told = {self.label(name): self.texts(rows, name) for name in names}
+        levels = designs.validity.loc[numbers].tolist()
+        return numbers, told | ({"validity": levels} if set(levels) - {Level.VALID, ""} else {})
+
+    @cached_property
+    def _parameters(self) -> dict[str, dict[str, Any]]:
+        return {one["name"]: one for one in self.designs.about["parameters"]}
+
+    @cached_property
+    def _units(self) -> dict[str, Unit]:
+        names = dict.fromkeys([*self.designs.done, *self.designs.goal_values])
+        return {name: self._suitable(name) for name in names}
+
+    def _log_step(self, name: str) -> str | float:
+        """Marks at all digits, at 1, 2 and 5, or at powers of ten, in plotly's words."""
+        values = self.numbers(name).to_numpy(dtype=float)
+        values = np.log10(values[np.isfinite(values) & (values > 0)])
+        decades = float(np.ptp(values)) if values.size else 0.0
+        return "D1" if decades < 1.0 else "D2" if decades < 4.0 else 1.0
+
+    def _numeric(self, name: str) -> bool:
+        return self.numbers(name).dtype.kind in "fiu"
+
+    def _suitable(self, name: str) -> Unit:
+        if not self._numeric(name):
+            return _NONE
+        if name in self._parameters:
+            si = self._parameters[name]["unit"]
+        elif name in self.designs.about["responses"]:
+            si = split_unit(name)[1]
+        else:
+            # nobody wrote what a formula is a quantity of
+            si = "" if name in self.designs.done else "SI"
+        kind = _SI_UNITS.get(si, Unit(si, 1.0))
+        if isinstance(kind, Unit):
+            return kind
+        if kind == "contact pressure" and any(word in name for word in _OF_FLUID):
+            kind = "fluid pressure"
+        values = self.numbers(name).to_numpy(dtype=float)
+        return unit_for(kind, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
+
+
+def short(value: float | None, digits: int = 4) -> str:
+    """A number with a few digits and without zeros at its end, "–" for none."""
+    mantissa, times, power = number(value, digits).partition("·")
+    if "." in mantissa:
+        mantissa = mantissa.rstrip("0").rstrip(".")
+    return mantissa + times + power
+
+
+def spans_a_decade(values: FloatArray) -> bool:
+    """Whether all numbers are positive and the largest is ten times the smallest or more."""
+    finite = values[np.isfinite(values)]
+    return bool(finite.size and finite.min() > 0 and finite.max() > 10 * finite.min())
+
+
+def _by_factors(parameter: dict[str, Any]) -> bool:
+    """Whether a parameter was meant to vary by factors and not by differences."""
+    low, high = parameter["bounds"]
+    factor = high / low if low > 0 else 1.0
+    if parameter["distribution"]:
+        return factor > {"LogUniform": 2.0, "LogNormal": 10.0}.get(parameter["distribution"], math.inf)
+    levels = np.sort(np.asarray(parameter["levels"], dtype=float))
+    if factor < 2.0 or len(levels) < 3:
+        return factor > 10.0
+    return _even(np.log(levels)) or (factor > 10.0 and not _even(levels))
+
+
+def _even(values: FloatArray) -> bool:
+    steps = np.diff(values)
+    return bool(np.ptp(steps) < 1e-6 * steps.max())
+
+
+def _word(value: object) -> str:
+    if isinstance(value, (bool, np.bool_)):
+        return "yes" if value else "no"
+    return str(value)
+
+
+# More points than these make a page slow and its plots a blot; a regular part of the designs is drawn then.
+MOST_POINTS = 5000
+BLUE, ORANGE, GREY = "#0969da", "#bc4c00", "#8c959f"
+LAYOUT: dict[str, Any] = {
+    "template": "plotly_white",
+    "margin": {"l": 70, "r": 20, "t": 30, "b": 60},
+    "height": 460,
+}
+MEETING = {"size": 7, "color": BLUE, "opacity": 0.75}
+VIOLATING = {"size": 7, "color": GREY, "symbol": "circle-open", "line": {"width": 1.5}}
+
+
+def drawn(table: pd.DataFrame) -> pd.DataFrame:
+    """The designs that are drawn: all, or a regular part of many."""
+    step = -(-len(table) // MOST_POINTS)
+    return table if step <= 1 else table.iloc[::step]
+
+
+def verdict(designs: Designs) -> str:
+    """What is wrong with a design that does not count, for a legend."""
+    return designs.why_not_counted.replace("violate", "violates").replace("are outside", "outside")
+
+
+def by_verdict(display: Display, rows: pd.Index) -> list[tuple[str, pd.Index, dict[str, Any]]]:
+    """Designs that count and those that do not: legend, designs, marker; one group if all do."""
+    designs = display.designs
+    if not designs.some_do_not_count:
+        return [("designs", rows, MEETING)]
+    fails = ~designs.counted.loc[rows].to_numpy()
+    good = "inside the theory" if designs.left_out else "meets the constraints"
+    groups = [(good, rows[~fails], MEETING), (verdict(designs), rows[fails], VIOLATING)]
+    return [group for group in groups if len(group[1])]

@@ -1,0 +1,401 @@
+"""What a study asks for: its case, parameters, designs and formulas, checked before anything runs."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem_seal.analysis.sampling import LogNormal, Normal
+from fem_seal.arrays import FloatArray
+from fem_seal.case.case import Case
+from fem_seal.case.fields import shown
+from fem_seal.errors import InputError, Problem
+from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.studies.designs import SENSITIVITY
+from fem_seal.studies.entries import Value
+from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unit_of, unknown_name
+from fem_seal.studies.parameters import Parameter
+from fem_seal.studies.tables import Design, Optimise, Report, Run, StudyTables
+from fem_seal.units import split_unit
+
+
+class StudyPlan:
+    """One case, the entries that vary, the designs, and what is wanted of each; `Study` reads one."""
+
+    file: Path | None
+    """Study file, None if made in code."""
+    _given: dict[str, Any]
+    title: str
+    design: Design
+    run_settings: Run
+    report: Report
+    keeps_outside: bool
+    """Whether designs outside the theory count like any other."""
+    optimise: Optimise | None
+    parameters: tuple[Parameter, ...]
+    points: FloatArray
+    """Designs, shape (designs, parameters), as the numbers of `Parameter.value`; none of an optimisation."""
+    files: dict[str, str]
+    """Files that the designs are made of, with hashes of their contents."""
+    derived: dict[str, Expression]
+    constraints: dict[str, Constraint]
+    goals: dict[str, Expression]
+    """What is minimised: the goals of the optimisation, or of the report; large ones with a minus sign."""
+    responses: tuple[str, ...]
+    """Columns of leak.csv that are calculated."""
+    case: Case
+    """The base case with the study's changes."""
+
+    @property
+    def names(self) -> list[str]:
+        """Paths of the parameters."""
+        return [one.name for one in self.parameters]
+
+    @property
+    def output_names(self) -> list[str]:
+        """Names of all columns that follow from a design."""
+        return [*self.responses, *self.derived]
+
+    def values(self, point: Sequence[float] | FloatArray) -> dict[str, Value]:
+        """Value of each parameter in a design, SI, texts as they are."""
+        return {one.name: one.value(number) for one, number in zip(self.parameters, point, strict=True)}
+
+    def changes(self, point: Sequence[float] | FloatArray) -> dict[str, Any]:
+        """Entries of the case in a design, as they would be written in a case file."""
+        return {
+            one.name: one.entry.written(one.value(number))
+            for one, number in zip(self.parameters, point, strict=True)
+        }
+
+    def case_of(self, point: Sequence[float] | FloatArray) -> Case:
+        """The case of a design.
+
+        Raises
+        ------
+        InputError
+            If the design contradicts itself.
+        """
+        return self.case.replace(self.changes(point))
+
+    @cached_property
+    def written(self) -> dict[str, Any]:
+        """The tables of the study as they were given."""
+        return dict(self._given)
+
+
+_INTERVAL = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
+# Columns of the study's own table.
+RESERVED = ("number", "status", "reason", "seconds", "key", "validity", "validity_reasons")
+
+
+def read_formulas(
+    study: StudyPlan, given: Mapping[str, str], responses: Sequence[str]
+) -> dict[str, Expression]:
+    """Derived columns; each may use those above it.
+
+    Raises
+    ------
+    InputError
+    """
+    _check_responses(study, responses)
+    taken = [*study.names, *LEAK_COLUMNS, *RESERVED]
+    found: dict[str, Expression] = {}
+    for name, text in given.items():
+        key = f"derived.{name}"
+        _check_name(key, name, taken)
+        try:
+            found[name] = Expression(text)
+        except ExpressionError as error:
+            raise InputError(Problem(key, str(error), shown(text))) from None
+        _check_known(key, text, found[name].names, [*study.names, *LEAK_COLUMNS, *list(found)[:-1]], study)
+        taken.append(name)
+    return found
+
+
+def read_constraints(study: StudyPlan, given: Mapping[str, str]) -> dict[str, Constraint]:
+    """Constraints over all columns.
+
+    Raises
+    ------
+    InputError
+    """
+    found: dict[str, Constraint] = {}
+    for name, text in given.items():
+        key = f"constraints.{name}"
+        _check_name(key, name, [*study.names, *LEAK_COLUMNS, *RESERVED, *study.derived])
+        try:
+            found[name] = Constraint(text)
+        except ExpressionError as error:
+            raise InputError(Problem(key, str(error), shown(text))) from None
+        _check_known(key, text, found[name].names, [*study.names, *LEAK_COLUMNS, *study.derived], study)
+        _check_units(key, found[name], study)
+    return found
+
+
+def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
+    """What is to be small, by its label; what is to be large counts with a minus sign.
+
+    Raises
+    ------
+    InputError
+    """
+    if read.optimise is None:
+        wanted = [(f"report.goals.{name}", name, way == "max") for name, way in read.report.goals.items()]
+    else:
+        wanted = [
+            (f"optimise.{key}", text, key == "maximise")
+            for key in ("minimise", "maximise")
+            for text in _texts(getattr(read.optimise, key))
+        ]
+        if not wanted:
+            raise InputError(
+                Problem("optimise.minimise", 'is missing; name a column, such as "leak_rate_m3_per_s"')
+            )
+    if len(wanted) > 2:
+        raise InputError(Problem(wanted[2][0], "is a third goal; allowed are one or two"))
+    goals: dict[str, Expression] = {}
+    for key, text, large in wanted:
+        try:
+            formula = Expression(text)
+        except ExpressionError as error:
+            raise InputError(Problem(key, str(error), shown(text))) from None
+        _check_known(key, text, formula.names, [*study.names, *LEAK_COLUMNS, *study.derived], study)
+        if text in goals:
+            raise InputError(Problem(key, "is a goal already; remove one of them", shown(text)))
+        goals[text] = Expression(f"-({text})") if large else formula
+    return goals
+
+
+def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[str, ...]:
+    """The responses asked for and those that formulas need, in the order of leak.csv."""
+    used = {
+        name
+        for group in (study.derived, study.constraints, study.goals)
+        for one in group.values()
+        for name in one.names
+    }
+    wanted = set(responses) | used
+    return tuple(name for name in LEAK_COLUMNS if name in wanted)
+
+
+def _texts(value: str | tuple[str, ...] | None) -> tuple[str, ...]:
+    if value is None:
+        return ()
+    return (value,) if isinstance(value, str) else value
+
+
+def _check_responses(study: StudyPlan, responses: Sequence[str]) -> None:
+    for n, name in enumerate(responses):
+        if name not in LEAK_COLUMNS:
+            raise InputError(Problem("responses", unknown_column(name), shown(name)))
+        if name in responses[:n]:
+            raise InputError(Problem("responses", f"names {name} twice; remove one"))
+        _check_possible("responses", name, study)
+
+
+def unknown_column(name: str) -> str:
+    """What to say about a name that is no column of leak.csv."""
+    return unknown_name(name, list(LEAK_COLUMNS)).replace(
+        "neither a column nor a parameter", "no column of leak.csv"
+    )
+
+
+def _check_known(key: str, text: str, names: Iterable[str], known: list[str], study: StudyPlan) -> None:
+    for name in names:
+        if name not in known:
+            raise InputError(Problem(key, unknown_name(name, known), shown(text)))
+        words = [one for one in study.parameters if one.name == name and not one.numeric]
+        if words:
+            raise InputError(Problem(key, f"calculates with {name}, which holds words", shown(text)))
+        _check_possible(key, name, study)
+
+
+def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
+    """Two quantities that are compared as they are have to be of one kind."""
+    units = {name: split_unit(name)[1] for name in LEAK_COLUMNS}
+    units |= {one.name: one.entry.unit for one in study.parameters}
+    left, right = (unit_of(side, units) for side in constraint.sides)
+    if None not in (left, right) and left != right:
+        kinds = " with ".join(f"a quantity in {unit}" if unit else "a plain number" for unit in (left, right))
+        raise InputError(Problem(key, f"compares {kinds}", shown(constraint.text)))
+
+
+def _check_possible(key: str, name: str, study: StudyPlan) -> None:
+    """Columns that stay empty in this case."""
+    case = study.case
+    if name in _INTERVAL and case.uncertainty is None:
+        raise InputError(Problem(key, f"{name} needs a table [uncertainty] in the base case"))
+    if name.startswith("leak_rate") and (case.roughness is None or case.fluid is None):
+        missing = "roughness" if case.roughness is None else "fluid"
+        raise InputError(Problem(key, f"{name} needs a table [{missing}] in the base case"))
+    if name.startswith("critical_separation") and case.roughness is None:
+        raise InputError(Problem(key, f"{name} needs a table [roughness] in the base case"))
+
+
+def _check_name(key: str, name: str, taken: Sequence[str]) -> None:
+    if not name.isidentifier() or not name.isascii():
+        raise InputError(Problem(key, "must be a word of letters, digits and underscores"))
+    if name.lower() in [one.lower() for one in taken]:
+        raise InputError(Problem(key, "is the name of another column; choose another one"))
+
+
+# So many designs are built as cases before the study starts; of larger studies the extreme ones and a sample.
+_CHECKED = 300
+
+
+def check_changes(changes: Mapping[str, Any], paths: Sequence[str]) -> None:
+    """InputError if an entry is changed and varied."""
+    twice = [path for path in paths if path in changes]
+    if twice:
+        raise InputError(
+            Problem(
+                f"changes.{twice[0]}", "is a parameter as well, which would replace it; remove one of them"
+            )
+        )
+
+
+def check_load(case: Case, paths: Collection[str]) -> None:
+    """InputError if the case has several loads that no parameter replaces: a design has one."""
+    pressures, forces = case.load.fluid_pressure, case.load.axial_force
+    several = {}
+    force_count = len(forces) if isinstance(forces, tuple) else 1
+    # a single pressure stands there once for each force
+    repeated = force_count > 1 and len(set(pressures)) == 1
+    if len(pressures) > 1 and not repeated and "load.fluid_pressure" not in paths:
+        several['"load.fluid_pressure" = "10 bar"'] = f"{len(pressures)} fluid pressures"
+    if force_count > 1 and "load.axial_force" not in paths:
+        several['"load.axial_force" = "0 N"'] = f"{force_count} axial forces"
+    if several:
+        raise InputError(
+            Problem(
+                "base",
+                f"has {' and '.join(several.values())}, a design has one: write [changes] {' and '.join(several)}, or "
+                f"make {'it a parameter' if len(several) == 1 else 'them parameters'}",
+            )
+        )
+
+
+def check_design(design: Design, parameters: Sequence[Parameter], optimise: bool) -> None:
+    """InputError if a design cannot be made of its parameters."""
+    if not parameters:
+        raise InputError(
+            Problem("parameters", 'is empty; name what varies, such as "seat.angle" = ["30 deg", "45 deg"]')
+        )
+    if design.file is not None:
+        raise InputError(Problem("design.file", 'only with kind = "list"; remove it', shown(design.file)))
+    if optimise:
+        _check_searched(parameters)
+    elif design.kind == "grid":
+        _check_grid(design, parameters)
+    else:
+        _check_sampled(design, parameters)
+
+
+def _check_searched(parameters: Sequence[Parameter]) -> None:
+    for one in parameters:
+        if isinstance(one.distribution, (Normal, LogNormal)):
+            raise InputError(
+                Problem(
+                    f"parameters.{one.name}",
+                    'is spread by chance; an optimisation chooses from a list, or from distribution = "uniform" or '
+                    '"log-uniform"',
+                )
+            )
+
+
+def _check_grid(design: Design, parameters: Sequence[Parameter]) -> None:
+    for one in parameters:
+        if one.distribution is not None:
+            raise InputError(
+                Problem(
+                    f"parameters.{one.name}",
+                    'is a distribution, which has no levels; write a list or a range, or design.kind = "sobol"',
+                )
+            )
+    if design.num is not None:
+        raise InputError(Problem("design.num", "a grid has as many designs as its levels make; remove it"))
+
+
+def _check_sampled(design: Design, parameters: Sequence[Parameter]) -> None:
+    if design.num is None:
+        raise InputError(
+            Problem("design.num", f'is missing; kind = "{design.kind}" needs a number of designs')
+        )
+    if design.kind in SENSITIVITY and design.num < 2:
+        raise InputError(
+            Problem("design.num", f'kind = "{design.kind}" needs at least 2 to compare', str(design.num))
+        )
+    for one in parameters:
+        if one.distribution is None and one.numeric:
+            low, high = (one.entry.shown(bound) for bound in one.bounds)
+            raise InputError(
+                Problem(
+                    f"parameters.{one.name}",
+                    f'has levels, but kind = "{design.kind}" draws from distributions; write {{ distribution = '
+                    f'"uniform", low = {low}, high = {high} }}, or design.kind = "grid"',
+                )
+            )
+
+
+def check_kept(study: StudyPlan) -> None:
+    """InputError if the designs whose complete results are wanted cannot exist."""
+    wanted = study.run_settings.keep_fields
+    if wanted == "best" and not study.goals:
+        raise InputError(
+            Problem("run.keep_fields", "the best design needs a goal; write [report] goals", shown(wanted))
+        )
+    if isinstance(wanted, str):
+        return
+    count = study.optimise.trials if study.optimise else len(study.points)
+    for number in wanted:
+        if not 0 <= number < count:
+            raise InputError(
+                Problem(
+                    "run.keep_fields", f"there is no such design; allowed are 0 to {count - 1}", str(number)
+                )
+            )
+
+
+def check_designs(study: StudyPlan) -> None:
+    """InputError if a design is no valid case, unless such designs are to be left out."""
+    if study.design.invalid == "skip":
+        return
+    for number in _telling_designs(study):
+        point = study.points[number]
+        try:
+            study.case_of(point)
+        except InputError as error:
+            found = error.problems[0]
+            listed = ", ".join(
+                f"{one.name} = {one.entry.shown(one.value(value))}"
+                for one, value in zip(study.parameters, point, strict=True)
+            )
+            raise InputError(
+                Problem(
+                    "design",
+                    f"design {number} ({listed}) is no valid case: {found}. Change the values, or set "
+                    'design.invalid = "skip" to leave such designs out',
+                )
+            ) from None
+
+
+def _telling_designs(study: StudyPlan) -> Iterator[int]:
+    """Designs that are built before the study starts: all of a small one, else extremes, corners and a sample."""
+    points = study.points
+    count = len(points)
+    if count <= _CHECKED:
+        yield from range(count)
+        return
+    span = np.ptp(points, axis=0)
+    place = (points - points.min(axis=0)) / np.where(span > 0, span, 1.0)
+    chosen = {*place.argmin(axis=0).tolist(), *place.argmax(axis=0).tolist()}
+    dimensions = min(place.shape[1], 6)
+    for corner in np.ndindex(*([2] * dimensions)):
+        signs = 2.0 * np.array(corner) - 1.0
+        chosen.add(int(np.argmax(place[:, :dimensions] @ signs)))
+    chosen.update(np.linspace(0, count - 1, _CHECKED // 2).astype(int).tolist())
+    yield from sorted(chosen)

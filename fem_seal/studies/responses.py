@@ -1,0 +1,311 @@
+"""From one design to its responses, as fast as the physics allows: nothing is written and nothing drawn.
+
+Every number of a row depends on that design alone - never on the designs calculated before it in the same process -,
+so that a study gives the same table in whatever order and on however many workers it runs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from fem_seal import result as seal_result
+from fem_seal.analysis import flow, problem
+from fem_seal.analysis.caution import Validity
+from fem_seal.analysis.leakage import Leakage, leakage
+from fem_seal.analysis.opening import opening_margin
+from fem_seal.analysis.problem import rough_contact, supports
+from fem_seal.analysis.results import LoadResult, OpeningMargin
+from fem_seal.analysis.warnings import load_validity
+from fem_seal.case.case import Case
+from fem_seal.contact.laws import Law
+from fem_seal.contact.newton import solve
+from fem_seal.contact.refit import solve_fitted
+from fem_seal.contact.solution import ContactSettings, ContactSolution
+from fem_seal.loads import blow_off_of_sealed_area, closing_force
+from fem_seal.profile import PressureProfile
+from fem_seal.studies.shared import TabulatedSurface, family_law, family_table, shared_model
+from leak import ConductivityTable, LeakResult, RoughContact
+from meshes import Sizing
+
+# u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
+_NARROW = 20e-9
+# The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
+# leaves. Mostly Newton's last step falls far below it.
+_SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What a design gives.
+
+    Parameters
+    ----------
+    values : dict
+        Columns of leak.csv, SI.
+    validity : Validity
+        How far they can be trusted, by the checks of the load itself: errors of the mesh and of the far field are
+        found once per geometry and are no part of it.
+    """
+
+    values: dict[str, float]
+    validity: Validity
+
+
+def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> Evaluation:
+    """Columns of leak.csv for a case with one load, and their validity.
+
+    Parameters
+    ----------
+    case, columns, interpolate
+        See `responses`. Where the yield stress of a body is known the stresses are calculated, too.
+
+    Raises
+    ------
+    ConvergenceError, GeometryError, MeshingError
+    """
+    if takes_complete_run(case, columns):
+        return _complete_run(case, columns)
+    can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
+    design = _Design(case, can_yield or "max_von_mises_Pa" in columns, interpolate)
+    values = {column: FAST[column](design) for column in columns}
+    return Evaluation(values, load_validity(case, design.load, design.judged_surface))
+
+
+def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
+    """Columns of leak.csv for a case with one load.
+
+    Parameters
+    ----------
+    case : Case
+        With one fluid pressure.
+    columns : sequence of str
+        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` cost milliseconds once geometry and surface
+        are known; any other (leak_rate_low_m3_per_s, leak_rate_high_m3_per_s, knudsen_number,
+        max_accumulated_plastic_strain, load_steps) takes a complete run of the case. So does any column of a case
+        with load.closing = "penetration", load.target_leak_rate, leak.fluid_in_gap = "local", seat.wall = "fixed" or
+        a stress-strain curve.
+    interpolate : bool
+        Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
+        see `fem_seal.studies.shared`.
+
+    Raises
+    ------
+    ConvergenceError, GeometryError, MeshingError
+    """
+    if takes_complete_run(case, columns):
+        return _complete_run(case, columns).values
+    design = _Design(case, "max_von_mises_Pa" in columns, interpolate)
+    return {column: FAST[column](design) for column in columns}
+
+
+def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
+    """Whether columns of a case take seconds or minutes, see `responses`."""
+    return not (set(columns) <= set(FAST) and _plain(case))
+
+
+def _plain(case: Case) -> bool:
+    """Whether contact and leak are those of the short way below."""
+    return (
+        case.load.closing == "sealed-area"
+        and case.load.target_leak_rate is None
+        and case.leak.fluid_in_gap == "uncoupled"
+        and supports(case).wall == "free"
+        and case.closure.material.hardening is None
+        and case.seat.material.hardening is None
+    )
+
+
+def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
+    from fem_seal.output.columns import leak_rows
+
+    result = seal_result.run(case)
+    row, (load, *_) = leak_rows(result)[0], result.loads
+    cautions = load.validity.without("mesh").cautions
+    if "force_for_target_leak_N" in columns and load.target_validity is not None:
+        # here the force is what the design is judged by
+        cautions += load.target_validity.cautions
+    return Evaluation({column: row[column] for column in columns}, Validity.of(cautions))
+
+
+@dataclass(frozen=True)
+class _Design:
+    """One case with one load; everything is calculated when it is asked for."""
+
+    case: Case
+    stress: bool
+    interpolate: bool
+
+    @cached_property
+    def surface(self) -> RoughContact | None:
+        return rough_contact(self.case)
+
+    @cached_property
+    def law(self) -> Law:
+        interface = self.case.interface
+        if interface.law == "persson" and not interface.plastic and self.surface is not None:
+            return family_law(self.surface)
+        return problem.interface_law(self.case, self.surface)
+
+    @cached_property
+    def contact(self) -> ContactSolution:
+        force = problem.axial_forces(self.case)[0]
+
+        def solve_on(sizing: Sizing) -> list[ContactSolution]:
+            model = shared_model(self.case, sizing, stress=self.stress)
+            return [solve(model, self.law, axial_force=force, settings=_SETTINGS)]
+
+        (contact,) = solve_fitted(
+            problem.sizing(self.case, self.law),
+            self.case.contact,
+            solve_on,
+            size_given=self.case.mesh.contact_size is not None,
+        )
+        return contact
+
+    @cached_property
+    def profile(self) -> PressureProfile:
+        return self.contact.profile
+
+    @property
+    def pressure(self) -> float:
+        return self.case.load.fluid_pressure[0]
+
+    @cached_property
+    def leak(self) -> LeakResult | None:
+        return self._leak(self.surface)
+
+    @property
+    def leak_rate(self) -> float:
+        return math.nan if self.leak is None else self.leak.leak_rate
+
+    @property
+    def leak_rate_elastic(self) -> float:
+        if self.surface is None or self.surface.hardness is None:
+            return self.leak_rate
+        elastic = self._leak(self.surface.elastic)
+        return math.nan if elastic is None else elastic.leak_rate
+
+    def _leak(self, surface: RoughContact | None) -> LeakResult | None:
+        if surface is None or self.case.fluid is None:
+            return None
+        shared = self._family_table if surface is self.surface else self._shared_table(surface)
+        table = shared or flow.conductivity_table(self.case, surface, [self.contact])
+        return flow.leak_of_contact(self.case, table, self.contact, self.pressure)
+
+    def _shared_table(self, surface: RoughContact) -> ConductivityTable | None:
+        return family_table(self.case, surface, self.contact) if self.interpolate else None
+
+    @cached_property
+    def _family_table(self) -> ConductivityTable | None:
+        known = self.surface is not None and self.case.fluid is not None
+        return self._shared_table(self.surface) if known and self.surface is not None else None
+
+    @property
+    def judged_surface(self) -> RoughContact | TabulatedSurface | None:
+        """The surface as the checks of a load ask of it."""
+        table = self._family_table
+        if self.surface is None or table is None:
+            return self.surface
+        return TabulatedSurface(self.surface, table.sealing_pressure)
+
+    @property
+    def _narrow(self) -> bool:
+        """Whether the gap at the peak is small enough to compare it with molecules."""
+        table = self._family_table
+        peak = self.profile.peak_pressure
+        return table is None or float(table.effective_separation(min(peak, table.p_max))) < _NARROW
+
+    @cached_property
+    def load(self) -> LoadResult:
+        """What the checks of a load look at."""
+        contact = self.contact
+        separation = self.critical_separation(self.surface) if self._narrow else math.nan
+        return LoadResult(
+            fluid_pressure=self.pressure,
+            axial_force=contact.axial_force,
+            line_load=contact.line_load,
+            contact=contact,
+            leak=self.leak,
+            leak_elastic=None,
+            critical_separation=None if math.isnan(separation) else separation,
+            critical_separation_elastic=None,
+            max_von_mises=math.nan,
+            max_von_mises_at=("", math.nan, math.nan),
+            applied_force=self.case.load.points[0][1],
+        )
+
+    @cached_property
+    def leakage(self) -> Leakage | None:
+        return None if self.leak is None else leakage(self.case, self.pressure, self.leak.leak_rate)
+
+    def critical_separation(self, surface: RoughContact | None) -> float:
+        if surface is None:
+            return math.nan
+        return float(surface.critical_separation(self.profile.peak_pressure))
+
+    @property
+    def elastic_surface(self) -> RoughContact | None:
+        return None if self.surface is None else self.surface.elastic
+
+    @property
+    def contact_radius(self) -> float:
+        profile = self.profile
+        return float(np.interp(profile.centroid, profile.x, profile.radius))
+
+    @property
+    def blow_off_pressure(self) -> float:
+        if self.case.load.pressure_side == "outer":
+            return math.nan
+        radius = self.case.touch_radius
+        return blow_off_of_sealed_area(radius, self.case.load.points[0][1], "inner")
+
+    @property
+    def opening(self) -> OpeningMargin | None:
+        case, spring = self.case, self.case.load.points[0][1]
+        held = -closing_force(case.touch_radius, self.pressure, 0.0, case.load.pressure_side)
+        return opening_margin(
+            self.pressure, spring, case.load.pressure_side, opens=self.blow_off_pressure, held=held
+        )
+
+    @property
+    def max_von_mises(self) -> float:
+        return max(float(field.von_mises.max()) for field in self.contact.fields.values())
+
+
+# Columns of leak.csv that need no complete run.
+FAST: dict[str, Callable[[_Design], float]] = {
+    "fluid_pressure_Pa": lambda design: design.pressure,
+    "axial_force_N": lambda design: design.contact.axial_force,
+    "line_load_N_per_m": lambda design: design.contact.line_load,
+    "peak_pressure_Pa": lambda design: design.profile.peak_pressure,
+    "contact_radius_m": lambda design: design.contact_radius,
+    "fwhm_m": lambda design: design.profile.fwhm,
+    "std_m": lambda design: design.profile.std,
+    "leak_rate_m3_per_s": lambda design: design.leak_rate,
+    "leak_rate_elastic_m3_per_s": lambda design: design.leak_rate_elastic,
+    "critical_separation_m": lambda design: design.critical_separation(design.surface),
+    "critical_separation_elastic_m": lambda design: design.critical_separation(design.elastic_surface),
+    "max_von_mises_Pa": lambda design: design.max_von_mises,
+    "leak_rate_kg_per_s": lambda design: _found(design.leakage, "mass_flow"),
+    "leak_rate_Pa_m3_per_s": lambda design: _found(design.leakage, "throughput"),
+    "leak_rate_standard_m3_per_s": lambda design: _found(design.leakage, "standard_leak_rate"),
+    "lift_off_x_m": lambda design: _found(design.leak, "lift_off_x"),
+    "blow_off_pressure_Pa": lambda design: design.blow_off_pressure,
+    "applied_force_N": lambda design: design.case.load.points[0][1],
+    "effective_seal_radius_m": lambda design: math.nan,
+    "force_for_target_leak_N": lambda design: math.nan,
+    "opening_margin_N": lambda design: _found(design.opening, "force"),
+    "opening_margin_Pa": lambda design: _found(design.opening, "pressure"),
+    "opening_margin": lambda design: _found(design.opening, "share"),
+}
+
+
+def _found(result: object, name: str) -> float:
+    """A number of a result that may not exist, NaN if it does not."""
+    value = getattr(result, name, None)
+    return math.nan if value is None else float(value)

@@ -1,0 +1,1 @@
+"""Flow through a rough contact: conductivity, leak integral, gases, fluid that opens the gap."""

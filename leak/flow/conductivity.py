@@ -1,0 +1,200 @@
+"""Flow conductivity of a rough interface as a table over the pressure, for liquids and gases."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+from leak.errors import ConductivityError, positive
+from leak.numerics.curves import MonotoneCurve, spline_slopes
+
+if TYPE_CHECKING:
+    from scipy.interpolate import RectBivariateSpline
+
+METHODS = ("bruggeman", "critical-junction")
+
+
+# u_eff falls to exp(-C/(1 - p/p_seal)) just below the sealing pressure, where 1/u_eff^3 is no number any more. What
+# flows through less than this, 1e-160 m^3/s, is nothing, and no fluid and no sum of resistances overflows above it [m].
+_SMALLEST_SEPARATION = 1e-60
+
+# Weight of 1/(1 - p/p_seal) beside ln p in the variable of the table.
+_SEALING_WEIGHT = 0.5
+
+
+def table_abscissa(log_pressure: FloatArray, log_sealing_pressure: float) -> FloatArray:
+    """Variable in which ln u_eff is smooth: ln p at low pressure, 1/(1 - p/p_seal) toward sealing.
+
+    The last open paths are at the smallest scales, where u1 vanishes like exp(-a^2/Y^2), so that ln u_eff goes like
+    -1/(1 - p/p_seal).
+    """
+    return log_pressure + _SEALING_WEIGHT / -np.expm1(log_pressure - log_sealing_pressure)
+
+
+@dataclass(frozen=True)
+class Conductivity:
+    """sigma_eff(p) for one fluid: call it with pressures [Pa] to get m^3/(Pa s)."""
+
+    table: ConductivityTable
+    viscosity: float
+
+    def __call__(self, pressure: ArrayLike) -> FloatArray | float:
+        """sigma_eff at nominal pressure p [m^3/(Pa s)]; infinite at p = 0."""
+        return self.table.conductivity(pressure, self.viscosity)
+
+    def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
+        """sigma_eff at ln(p/Pa), where p itself may be too small for a floating-point number."""
+        return self.table.at_log_pressure(log_pressure) ** 3 / (12.0 * self.viscosity)
+
+
+@dataclass(frozen=True, eq=False)
+class ConductivityTable:
+    """u_eff = (12 eta sigma_eff)^(1/3) of one surface over ln p: independent of the fluid and of the geometry.
+
+    Parameters
+    ----------
+    pressure : ndarray
+        Nominal pressures, increasing, shape (n,) [Pa].
+    separation : ndarray
+        u_eff there, positive and falling, shape (n,) [m].
+    sealing_pressure : float
+        From here on nothing flows; infinite if the surface never seals [Pa].
+    p_max : float
+        Largest pressure that may be asked for [Pa].
+    method : str
+        "bruggeman" or "critical-junction".
+
+    Notes
+    -----
+    A cubic spline over `table_abscissa`. Below the first pressure u_eff goes on linearly in ln p, the low-pressure law
+    of the theory; between the last one and the sealing pressure it falls like exp(-C/(1 - p/p_seal)).
+    """
+
+    pressure: FloatArray
+    separation: FloatArray
+    sealing_pressure: float
+    p_max: float
+    method: str = "bruggeman"
+
+    @cached_property
+    def _curve(self) -> MonotoneCurve:
+        x = table_abscissa(np.log(self.pressure), self._log_sealing)
+        # Linear in u where u is large, logarithmic where it is small: the ways it depends on the abscissa there.
+        ratio = self.separation / self._decay_length
+        y = ratio + np.log(-np.expm1(-ratio))
+        return MonotoneCurve(x, y, spline_slopes(x, y))
+
+    @cached_property
+    def _decay_length(self) -> float:
+        """-du_eff/dlnp at the low end [m]."""
+        return float((self.separation[0] - self.separation[1]) / np.log(self.pressure[1] / self.pressure[0]))
+
+    @property
+    def _log_sealing(self) -> float:
+        return float(np.log(self.sealing_pressure))
+
+    def effective_separation(self, pressure: ArrayLike) -> FloatArray | float:
+        """u_eff(p) [m]; infinite at p = 0, zero from the sealing pressure on.
+
+        Raises
+        ------
+        ConductivityError
+            A pressure is negative, not a number, or above the table although the surface still leaks there.
+        """
+        p = np.asarray(pressure, dtype=float)
+        if not np.all(p >= 0.0):
+            raise ConductivityError(f"pressure = {p[~(p >= 0.0)].flat[0]}: must not be negative [Pa]")
+        with np.errstate(divide="ignore"):
+            u = self.at_log_pressure(np.log(p))
+        return float(u) if u.ndim == 0 else u
+
+    def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
+        """u_eff at ln(p/Pa) [m]; zero below 1e-60 m, just before the sealing pressure."""
+        x = np.asarray(log_pressure, dtype=float)
+        too_high = (x > np.log(self.p_max) + 1e-9) & (x < self._log_sealing)
+        if np.any(too_high):
+            worst = float(np.exp(x[too_high].max()))
+            raise ConductivityError(
+                f"pressure = {worst:.6g} Pa is above the table's p_max = {self.p_max:.6g} Pa: make the table wider"
+            )
+        sealed = x >= self._log_sealing
+        abscissa = table_abscissa(np.where(sealed, -1.0 + self._log_sealing, x), self._log_sealing)
+        u = self._decay_length * np.logaddexp(0.0, self._curve.value(abscissa))
+        return np.where(sealed | (u < _SMALLEST_SEPARATION), 0.0, u)
+
+    def conductivity(self, pressure: ArrayLike, viscosity: float) -> FloatArray | float:
+        """sigma_eff = u_eff^3/(12 eta) [m^3/(Pa s)]."""
+        eta = positive(ConductivityError, "viscosity", viscosity, "Pa s")
+        u = np.asarray(self.effective_separation(pressure))
+        sigma = u**3 / (12.0 * eta)
+        return float(sigma) if sigma.ndim == 0 else sigma
+
+    def at(self, viscosity: float) -> Conductivity:
+        """The conductivity for one fluid viscosity [Pa s], a function of pressure."""
+        return Conductivity(self, positive(ConductivityError, "viscosity", viscosity, "Pa s"))
+
+
+@runtime_checkable
+class GasConductivity(Protocol):
+    """A gap between surfaces that lets a gas through."""
+
+    def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
+        """u_eff at ln(p/Pa), p the contact pressure [m]."""
+
+    def rarefaction(self, log_pressure: ArrayLike, log_inverse_knudsen: ArrayLike) -> FloatArray:
+        """Flow of the gas over that through a uniform gap u_eff, at D = p_f u_eff/(eta v0) [-]."""
+
+
+@dataclass(frozen=True, eq=False)
+class GasConductivityTable:
+    """Gas flow through one surface over contact pressure and Knudsen number; serves every gas and geometry.
+
+    A uniform gap u lets sigma = u^3 f(D)/(12 eta) through, D = p_f u/(eta v0), f = 6 Q_P(D)/D. The effective medium
+    over P(u) with this local sigma gives sigma_eff = u_eff^3 f(D_eff) R/(12 eta), with u_eff of the liquid and
+    D_eff = p_f u_eff/(eta v0). R(p_c, D_eff) is one in the continuum and stays within a factor of the order of one:
+    it is what the table holds. Contact lets nothing through; so a gas percolates at the same contact area as a liquid.
+
+    Parameters
+    ----------
+    liquid : ConductivityTable
+        u_eff over contact pressure.
+    log_rarefaction : ndarray
+        ln R at the pressures of `liquid` and at `log_inverse_knudsen`, shape (n, m).
+    log_inverse_knudsen : ndarray
+        ln D_eff, shape (m,).
+    """
+
+    liquid: ConductivityTable
+    log_rarefaction: FloatArray
+    log_inverse_knudsen: FloatArray
+
+    @cached_property
+    def _spline(self) -> RectBivariateSpline:
+        from scipy.interpolate import RectBivariateSpline
+
+        x = self._abscissa(np.log(self.liquid.pressure))
+        return RectBivariateSpline(x, self.log_inverse_knudsen, self.log_rarefaction)
+
+    def _abscissa(self, log_pressure: FloatArray) -> FloatArray:
+        return table_abscissa(log_pressure, float(np.log(self.liquid.sealing_pressure)))
+
+    def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
+        """u_eff at ln(p/Pa) [m]; zero from the sealing pressure on."""
+        return self.liquid.at_log_pressure(log_pressure)
+
+    def rarefaction(self, log_pressure: ArrayLike, log_inverse_knudsen: ArrayLike) -> FloatArray:
+        """R at contact pressure p and inverse Knudsen number D_eff; beyond the table R - 1 falls like 1/D_eff."""
+        low, high = np.log(self.liquid.pressure[[0, -1]])
+        log_p = np.clip(np.asarray(log_pressure, dtype=float), low, high)
+        beyond = np.maximum(np.asarray(log_inverse_knudsen, dtype=float) - self.log_inverse_knudsen[-1], 0.0)
+        log_D = np.clip(
+            np.asarray(log_inverse_knudsen, dtype=float),
+            self.log_inverse_knudsen[0],
+            self.log_inverse_knudsen[-1],
+        )
+        return np.exp(self._spline.ev(self._abscissa(log_p), log_D) * np.exp(-beyond))

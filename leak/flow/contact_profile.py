@@ -1,0 +1,344 @@
+"""A contact pressure profile between and beyond its points: spline of ln p, edges, tails, quadrature."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+from leak.errors import ProfileError
+from leak.numerics.curves import cubic_spline_slopes
+from leak.numerics.gauss import gauss
+
+# Faces that go on for ever.
+NO_ENDS = (-np.inf, np.inf)
+# Below this ln(p/Pa) p is as good as zero: what lies beyond adds less than 1e-6 of the flow resistance.
+SMALLEST_LOG_PRESSURE = -700.0
+# ln p by which the spline may leave the range of two neighbouring points: near a peak that falls between them.
+_OVERSHOOT = 0.1
+# The last points stand for what is left of a face that ends within this share of the distance over three of them.
+_NEAR_END = 0.5
+# ln p by which p may rise there: more is no profile but scatter.
+_STEEPEST_RISE = 1.0
+_CELL_NODES = 8
+_TAIL_NODES = 96
+
+
+class Tail(NamedTuple):
+    """ln p = ln p_end - slope d - curvature d^2 at distance d outward of an end; slope > 0, curvature >= 0."""
+
+    slope: float
+    curvature: float
+    length: float = np.inf
+    """Distance at which a face ends, and the contact with it [m]."""
+
+    def fall(self, d: FloatArray) -> FloatArray:
+        """ln p_end - ln p at distances d; infinite beyond the end of the face."""
+        return np.where(d <= self.length * (1.0 + 1e-9), d * (self.slope + self.curvature * d), np.inf)
+
+    def reach(self, fall: float) -> float:
+        """Distance at which ln p has fallen by `fall`, or the face ends [m]."""
+        root = float(np.sqrt(self.slope**2 + 4.0 * self.curvature * fall))
+        return min(2.0 * fall / (self.slope + root), self.length)
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """Gauss points over stretches of the contact, increasing in x; arrays (stretches, points)."""
+
+    log_pressure: FloatArray
+    """ln(p/Pa)."""
+    radius: FloatArray
+    """r [m]."""
+    stretch: FloatArray
+    """dx/ds, s running from 0 to 1 along the stretch [m]."""
+
+    def integral(self, values: FloatArray) -> FloatArray:
+        """int values dx over each stretch, shape (stretches,)."""
+        weights = 0.5 * gauss(values.shape[1])[1]
+        return (values * self.stretch * weights).sum(axis=1)
+
+    def running(self, values: FloatArray) -> FloatArray:
+        """int values dx from the beginning of each stretch to each of its points, shape like `values`."""
+        return (values * self.stretch) @ _running_integral(values.shape[1]).T
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A stretch of points with p > 0: a cubic of ln p in each cell, and a root of p^2 where it ends at zero."""
+
+    x: FloatArray
+    """Points [m]."""
+    log_p: FloatArray
+    slopes: FloatArray
+    """d ln p/dx at the left and right end of each cell, shape (2, n - 1) [1/m]."""
+    ends: tuple[float, float]
+    """Where the patch begins and ends: its first and last point, or the place where p reaches zero [m]."""
+
+    @classmethod
+    def through(cls, x: FloatArray, log_p: FloatArray, zeros: tuple[float | None, float | None]) -> Patch:
+        """Patch through points, with the neighbouring points of zero pressure if there are any."""
+        ends = [
+            x[end] if zero is None else _edge(x, log_p, zero, end)
+            for end, zero in zip((0, -1), zeros, strict=True)
+        ]
+        return cls(x, log_p, _cell_slopes(x, log_p), (float(ends[0]), float(ends[1])))
+
+    def log_pressure(self, x: FloatArray) -> FloatArray:
+        """ln p between the ends; -inf where p is zero."""
+        if self.x.size == 1:
+            spline = np.full(x.shape, self.log_p[0])
+        else:
+            k = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
+            h = self.x[k + 1] - self.x[k]
+            t = np.clip((x - self.x[k]) / h, 0.0, 1.0)
+            rise = self.log_p[k + 1] - self.log_p[k]
+            spline = self.log_p[k] + _hermite(t, h * self.slopes[0, k], h * self.slopes[1, k], rise)
+        for end, edge in zip((0, -1), self.ends, strict=True):
+            if edge != self.x[end]:
+                share = np.clip((x - edge) / (self.x[end] - edge), 0.0, 1.0)
+                beyond = (x - self.x[end]) * (edge - self.x[end]) > 0.0
+                with np.errstate(divide="ignore"):
+                    root = self.log_p[end] + 0.5 * np.log(share)
+                spline = np.where(beyond, root, spline)
+        return spline
+
+
+@dataclass(frozen=True, eq=False)
+class ContactProfile:
+    """All of the contact: patches with p > 0, open stretches between them, tails where p does not reach zero."""
+
+    patches: tuple[Patch, ...]
+    x: FloatArray
+    """Edges of the cells [m]."""
+    radius: Callable[[FloatArray], FloatArray]
+    tails: tuple[Tail | None, Tail | None]
+
+    @classmethod
+    def through(
+        cls, x: FloatArray, p: FloatArray, r: FloatArray, ends: tuple[float, float] = NO_ENDS
+    ) -> ContactProfile:
+        """The contact through points as `checked_profile` returns them, on faces with ends as `checked_ends` does.
+
+        Points of zero pressure between others separate the contact into patches: the gap there is open, and the
+        resistances of the patches add. A face that ends next to the last point carries the contact up to its end.
+        """
+        x, p, r = _up_to_ends(x, p, r, ends)
+        positive_points = np.flatnonzero(p > np.exp(SMALLEST_LOG_PRESSURE))
+        runs = np.split(positive_points, np.flatnonzero(np.diff(positive_points) > 1) + 1)
+        patches = tuple(
+            Patch.through(
+                x[run],
+                np.log(p[run]),
+                (
+                    float(x[run[0] - 1]) if run[0] > 0 else None,
+                    float(x[run[-1] + 1]) if run[-1] + 1 < x.size else None,
+                ),
+            )
+            for run in runs
+        )
+        first, last = patches[0], patches[-1]
+        tails = (
+            _tail(first.x, first.log_p, 0, x[0] - ends[0]) if runs[0][0] == 0 else None,
+            _tail(last.x, last.log_p, -1, ends[1] - x[-1]) if runs[-1][-1] == x.size - 1 else None,
+        )
+        edges = np.unique(np.concatenate([[patch.ends[0], *patch.x, patch.ends[1]] for patch in patches]))
+
+        def radius(at: FloatArray) -> FloatArray:
+            out_below, out_above = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
+            ends = (r[1] - r[0]) / (x[1] - x[0]), (r[-1] - r[-2]) / (x[-1] - x[-2])
+            straight = np.interp(at, x, r) + ends[0] * out_below + ends[1] * out_above
+            # A tail that runs far beyond the profile adds nothing there, whatever the radius; keep it positive.
+            return np.maximum(straight, 0.5 * r.min())
+
+        return cls(patches, edges, radius, tails)
+
+    @property
+    def log_p(self) -> FloatArray:
+        """ln p at the points with p > 0."""
+        return np.concatenate([patch.log_p for patch in self.patches])
+
+    def log_pressure(self, x: FloatArray) -> FloatArray:
+        """ln p between the edges; as good as zero pressure between the patches."""
+        log_p = np.full(x.shape, SMALLEST_LOG_PRESSURE)
+        for patch in self.patches:
+            log_p = np.where((x >= patch.ends[0]) & (x <= patch.ends[1]), patch.log_pressure(x), log_p)
+        return log_p
+
+    def refined(self, cells: int) -> ContactProfile:
+        """The same profile with each cell cut into equal parts, so that there are at least so many."""
+        parts = -(-cells // (self.x.size - 1))
+        at = np.arange(parts * (self.x.size - 1) + 1) / parts
+        return replace(self, x=np.interp(at, np.arange(self.x.size), self.x))
+
+    def panels(self) -> tuple[Panels | None, Panels, Panels | None]:
+        """Quadrature over the inner tail, the cells between the edges, and the outer tail; None for no tail."""
+        t = 0.5 * (1.0 + gauss(_CELL_NODES)[0])
+        length = np.diff(self.x)[:, None]
+        x = self.x[:-1, None] + length * t
+        cells = Panels(self.log_pressure(x), self.radius(x), np.broadcast_to(length, x.shape))
+        return self._tail_panel(0, -1.0), cells, self._tail_panel(-1, 1.0)
+
+    def _tail_panel(self, end: int, outward: float) -> Panels | None:
+        """From an end to infinity, or to where the face ends, over d = scale s/(1-s).
+
+        The resistance of a gap u falls at least like d^-3.
+        """
+        tail = self.tails[end]
+        if tail is None:
+            return None
+        # Distance over which ln p falls by about ten: that of u_eff by several decay lengths.
+        scale = 10.0 / (0.5 * tail.slope + np.sqrt(0.25 * tail.slope**2 + 10.0 * tail.curvature))
+        last = 1.0 / (1.0 + scale / tail.length)
+        s = last * 0.5 * (1.0 + gauss(_TAIL_NODES)[0])[None, :: int(outward)]
+        d = scale * s / (1.0 - s)
+        log_p = self.log_p[end] - tail.fall(d)
+        return Panels(log_p, self.radius(self.x[end] + outward * d), last * scale / (1.0 - s) ** 2)
+
+
+def _up_to_ends(
+    x: FloatArray, p: FloatArray, r: FloatArray, ends: tuple[float, float]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The points, with one more where a face ends close to the last one that still carries pressure.
+
+    ln p goes on there by the parabola through the last three points, falling or, towards the corner of a body, rising.
+    """
+    for end, place in zip((0, -1), ends, strict=True):
+        order = slice(0, 3) if end == 0 else slice(-1, -4, -1)
+        d, left = np.abs(x[order] - x[order][0]), place - x[end] if end else x[end] - place
+        if not 0.0 < left <= _NEAR_END * d[2] or np.any(p[order] <= np.exp(SMALLEST_LOG_PRESSURE)):
+            continue
+        log_p = np.log(p[order])
+        first, second = (log_p[1] - log_p[0]) / d[1], (log_p[2] - log_p[0]) / d[2]
+        curvature = (second - first) / (d[2] - d[1])
+        outermost = log_p[0] - left * (first - curvature * d[1]) + curvature * left**2
+        outermost = min(outermost, log_p.max() + _STEEPEST_RISE)
+        radius = r[order][0] + (r[order][0] - r[order][1]) * left / d[1]
+        at = 0 if end == 0 else x.size
+        x, p, r = (
+            np.insert(values, at, value)
+            for values, value in ((x, place), (p, np.exp(outermost)), (r, radius))
+        )
+    return x, p, r
+
+
+def _edge(x: FloatArray, log_p: FloatArray, zero: float, end: int) -> float:
+    """Where p reaches zero between the last positive point and the first zero one: p^2 extrapolated."""
+    if x.size < 3:
+        return float(zero)
+    order = slice(0, 3) if end == 0 else slice(-1, -4, -1)
+    xs, squares = x[order], np.exp(2.0 * (log_p[order] - log_p[order].max()))
+    span = zero - xs[0]
+    parabola = np.polynomial.Polynomial.fit((xs - xs[0]) / span, squares, 2, domain=[-1, 1], window=[-1, 1])
+    roots = parabola.roots()
+    real = np.sort(roots[np.isreal(roots)].real) if roots.size else roots.real
+    between = real[(real > 1e-3) & (real <= 1.0)]
+    return float(xs[0] + span * between[0]) if between.size else float(zero)
+
+
+def _tail(x: FloatArray, log_p: FloatArray, end: int, length: float) -> Tail | None:
+    """Continuation of a falling end by the parabola through its last three points, or by its tangent."""
+    if x.size < 3 or not length > 0.0:
+        return None
+    order = slice(0, 3) if end == 0 else slice(-1, -4, -1)
+    d, fall = np.abs(x[order] - x[order][0]), log_p[order] - log_p[order][0]
+    first, second = fall[1] / d[1], fall[2] / d[2]
+    curvature = (second - first) / (d[2] - d[1])
+    slope = first - curvature * d[1]  # inward slope of ln p at the end
+    if slope <= 0.0:
+        return None
+    return Tail(float(slope), float(max(-curvature, 0.0)), float(length))
+
+
+def _cell_slopes(x: FloatArray, log_p: FloatArray) -> FloatArray:
+    """Slopes of the cubic of ln p at both ends of each cell, shape (2, n - 1).
+
+    A spline, but where it would leave the range of the cell's two points by more than a smooth profile does, the
+    chord: a single bad point must not invent a pressure that none of its neighbours has.
+    """
+    h, rise = np.diff(x), np.diff(log_p)
+    if x.size < 3:
+        return np.tile(rise / h, (2, 1))
+    slope = cubic_spline_slopes(x, log_p)
+    slopes = np.stack([slope[:-1], slope[1:]])
+    t = np.linspace(0.125, 0.875, 7)[:, None]
+    value = _hermite(t, h * slopes[0], h * slopes[1], rise)
+    wild = (value.max(axis=0) > np.maximum(rise, 0) + _OVERSHOOT) | (
+        value.min(axis=0) < np.minimum(rise, 0) - _OVERSHOOT
+    )
+    return np.where(wild, rise / h, slopes)
+
+
+def _hermite(t: FloatArray, d0: FloatArray, d1: FloatArray, rise: FloatArray) -> FloatArray:
+    """Cubic on 0 <= t <= 1 that begins at 0 with slope d0 and ends at `rise` with slope d1."""
+    return t * (d0 + t * (3.0 * rise - 2.0 * d0 - d1 + t * (d0 + d1 - 2.0 * rise)))
+
+
+@lru_cache(maxsize=8)
+def _running_integral(count: int) -> FloatArray:
+    """Matrix from values at Gauss points on (0, 1) to the integral of their interpolant from 0 to each point."""
+    legendre = np.polynomial.legendre
+    t, w = gauss(count)
+    degree = np.arange(count)
+    to_coefficients = (degree + 0.5)[:, None] * legendre.legvander(t, count - 1).T * w
+    P = legendre.legvander(t, count)
+    antiderivative = np.empty((count, count))
+    antiderivative[:, 0] = t + 1.0
+    for k in range(1, count):
+        antiderivative[:, k] = (P[:, k + 1] - P[:, k - 1]) / (2 * k + 1)
+    return 0.5 * antiderivative @ to_coefficients
+
+
+def checked_profile(
+    x: ArrayLike, p: ArrayLike, radius: ArrayLike
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """x, p and r(x) as arrays, or a `ProfileError` that says which value cannot be used."""
+    try:
+        xs, ps, rs = (np.asarray(values, dtype=float) for values in (x, p, radius))
+    except (TypeError, ValueError) as error:
+        raise ProfileError(f"x, p and radius must be arrays of numbers: {error}") from None
+    if xs.ndim != 1 or xs.shape != ps.shape:
+        raise ProfileError(f"x has shape {xs.shape}, p has shape {ps.shape}: both must be (n,)")
+    if xs.size < 3:
+        raise ProfileError(f"x has {xs.size} points: at least 3 are needed")
+    if rs.shape not in ((), xs.shape):
+        raise ProfileError(f"radius has shape {rs.shape}: must be one number or {xs.shape} like x")
+    for name, unit, values in (("x", "m", xs), ("p", "Pa", ps)):
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            raise ProfileError(f"{name}[{bad[0]}] = {values[bad[0]]}: must be finite [{unit}]")
+    steps = np.flatnonzero(np.diff(xs) <= 0.0)
+    if steps.size:
+        i = int(steps[0])
+        raise ProfileError(f"x[{i + 1}] = {xs[i + 1]} follows {xs[i]}: must strictly increase [m]")
+    if np.any(ps < 0.0):
+        i = int(np.flatnonzero(ps < 0.0)[0])
+        raise ProfileError(f"p[{i}] = {ps[i]}: must not be negative [Pa]")
+    if not np.any(ps > np.exp(SMALLEST_LOG_PRESSURE)):
+        raise ProfileError("p is zero everywhere: there is no contact")
+    rs = np.broadcast_to(rs, xs.shape)
+    if not np.all((rs > 0.0) & np.isfinite(rs)):
+        raise ProfileError(
+            f"radius = {rs[~((rs > 0.0) & np.isfinite(rs))][0]}: must be positive and finite [m]"
+        )
+    return xs, ps, rs
+
+
+def checked_ends(ends: tuple[float | None, float | None] | None) -> tuple[float, float]:
+    """Where the faces end, infinite where they do not, or a `ProfileError`."""
+    if ends is None:
+        return NO_ENDS
+    try:
+        low, high = (far if end is None else float(end) for end, far in zip(ends, NO_ENDS, strict=True))
+    except (TypeError, ValueError):
+        raise ProfileError(
+            f"ends = {ends!r}: must be two places x, or None where a face goes on [m]"
+        ) from None
+    if not low < high:
+        raise ProfileError(f"ends = {ends!r}: the first must be below the second [m]")
+    return low, high

@@ -1,0 +1,407 @@
+"""Leak rate where the fluid in the gap carries part of the load: local closure, lift-off and blow-off."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import exp, inf, log
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+from leak.errors import ProfileError, positive
+from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile
+from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure, leak_flow
+from leak.numerics.curves import spline_slopes
+
+# The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
+_CUT = 1e-10
+# Steps of the first solution, which only places the steps of the second.
+_FIRST_STEPS, _STEPS = 120, 400
+_FINE_TAIL = 64
+# Nodes per cell between which the largest pressure and the lift-off point are looked for.
+_FINE = 8
+# Alexander's second-order, L-stable rule: both of its stages are the same implicit equation.
+_STAGE = 1.0 - np.sqrt(0.5)
+_ROUGH, _CLOSE = 1e-3, 1e-7
+_SECANT_STEPS, _ROOT_STEPS = 12, 200
+
+
+@dataclass(frozen=True, eq=False)
+class CoupledLeakResult(LeakResult):
+    """Flow through a ring-shaped contact whose fluid carries part of the load."""
+
+    contact_pressure: FloatArray
+    """Pressure p - p_f on the asperities, zero where the fluid has lifted them off, shape (n,) [Pa]."""
+    lift_off_x: float | None
+    """Where p falls to the high fluid pressure on its side: beyond, the fluid has lifted the surfaces off each other;
+    None if the profile ends before, or if the contact is blown open [m]."""
+    blow_off_pressure: float
+    """Largest fluid pressure that this profile holds, its peak pressure; from there on Q is infinite [Pa]."""
+
+
+def coupled_leak_flow(
+    x: ArrayLike,
+    p: ArrayLike,
+    conductivity: SigmaOfPressure | LogConductivity,
+    pressure_drop: float,
+    radius: ArrayLike,
+    *,
+    pressure_side: str = "outer",
+    ends: tuple[float | None, float | None] | None = None,
+) -> CoupledLeakResult:
+    """Leak rate with the fluid pressure taken off the load of the asperities, place by place.
+
+    Solves dp_f/dx = (Q/(2 pi r))/sigma_eff(p(x) - p_f(x)) from the low side, p_f = 0, to p_f = Delta P, for Q. Where
+    p_f >= p the asperities carry nothing and the gap does not resist. Unlike `leak_flow` the fluid pressure need not be
+    small against p, and Q is more than proportional to Delta P.
+
+    Parameters
+    ----------
+    x, p, conductivity, pressure_drop, radius, pressure_side, ends
+        See `leak.leak_flow`; p is the total nominal pressure, asperities and fluid together.
+
+    Returns
+    -------
+    CoupledLeakResult
+        With leak_rate = inf and fluid_pressure = nan if `pressure_drop` is not below the blow-off pressure, and
+        leak_rate = 0 if the contact stays sealed: if p - Delta P somewhere exceeds the sealing pressure.
+
+    Raises
+    ------
+    ProfileError
+        As `leak.leak_flow`.
+
+    Notes
+    -----
+    The equation is that of the theory of leakage with p replaced by p - p_f. That the sum p stays what it was without
+    fluid is a heuristic, good while p_f is small against p or where it varies slowly; the sound form solves the
+    elastic bodies under both pressures.
+
+    Integrated from the low side, the right-hand side falls with p_f: solutions approach each other, and there is
+    exactly one for each Q. In the low-pressure flank, where p falls to zero, p_f stays below p by itself, because the
+    gap opens as p_f comes close. In the high-pressure flank p_f meets p at the lift-off point, where p = Delta P;
+    beyond it p_f = Delta P. Nothing is clipped. p_f at the lift-off point rises with Q up to the peak of p, so that Q
+    exists, uniquely, for every Delta P below the peak: the blow-off pressure.
+
+    Examples
+    --------
+    A uniform contact, 4 MPa over 1 mm, sigma = B/p; in closed form Q = (2 pi r B/W) ln(p/(p - Delta P)):
+
+    >>> flat = [4e6, 4e6, 4e6]
+    >>> result = coupled_leak_flow([0, 5e-4, 1e-3], flat, lambda p: 1e-9 / p, 2e6, 0.014)
+    >>> print(f"{result.leak_rate:.4e} {2 * np.pi * 0.014 * 1e-9 / 1e-3 * np.log(2):.4e}")
+    6.0972e-08 6.0972e-08
+    """
+    xs, ps, rs = checked_profile(x, p, radius)
+    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
+    if pressure_side not in ("outer", "inner"):
+        raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
+    if not callable(conductivity) and not isinstance(conductivity, LogConductivity):
+        raise ProfileError(f"conductivity = {conductivity!r}: must be a function of p [m^3/(Pa s)]")
+    if pressure_side == "inner":
+        # Everything below has its low side at small x.
+        low, high = checked_ends(ends)
+        seen = coupled_leak_flow(-xs[::-1], ps[::-1], conductivity, drop, rs[::-1], ends=(-high, -low))
+        lift = None if seen.lift_off_x is None else -seen.lift_off_x
+        arrays = seen.fluid_pressure[::-1], seen.contact_pressure[::-1]
+        return CoupledLeakResult(seen.leak_rate, seen.resistance, *arrays, lift, seen.blow_off_pressure)
+    profile = ContactProfile.through(xs, ps, rs, checked_ends(ends))
+    fine, log_p = _fine_profile(profile)
+    blow_off = float(np.exp(log_p.max()))
+    if drop >= blow_off:
+        unknown = np.full(xs.shape, np.nan)
+        return CoupledLeakResult(float("inf"), 0.0, unknown, np.zeros(xs.shape), None, blow_off)
+    end, lift = _lift_off(profile, fine, log_p, np.log(drop))
+    curve = ResistanceCurve.of(by_log_pressure(conductivity), float(log_p.max()))
+    if blow_off - drop >= curve.sealing_pressure:
+        # It drops over the sealed part, wherever in it: as without coupling.
+        fluid = leak_flow(xs, ps, conductivity, drop, rs, ends=ends).fluid_pressure
+        return CoupledLeakResult(0.0, float("inf"), fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
+    # A step must end at the peak, or p_f could not rise to it.
+    peak = float(fine[np.argmax(log_p)])
+    path = _Path.over(profile, np.union1d(_first_steps(profile, fine, log_p, np.log(_CUT * drop), end), peak))
+    log_Q = _flow_for(drop, path, curve, curve.guess(drop, path.pressures, path.log_lengths), _ROUGH)
+    path = _Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak))
+    log_Q = _flow_for(drop, path, curve, log_Q, _CLOSE)
+    fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
+    with np.errstate(over="ignore"):
+        Q, resistance = float(np.exp(log_Q)), float(np.exp(np.log(drop) - log_Q))
+    return CoupledLeakResult(Q, resistance, fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
+
+
+# -------------------------------------------------------------------- the way of the fluid
+
+
+@dataclass(frozen=True, eq=False)
+class _Path:
+    """Steps from the low side to the lift-off point."""
+
+    x: FloatArray
+    """Ends of the steps, shape (N + 1,) [m]."""
+    pressures: list[tuple[float, float]]
+    """p at both stages of each step [Pa]."""
+    log_lengths: list[tuple[float, float]]
+    """ln(_STAGE h/(2 pi r)) at both stages."""
+
+    @classmethod
+    def over(cls, profile: ContactProfile, x: FloatArray) -> _Path:
+        """Steps between the points x."""
+        h = np.diff(x)
+        stages = np.stack([x[:-1] + _STAGE * h, x[1:]], axis=1)
+        p = np.exp(_log_pressure(profile, stages))
+        length = _STAGE * h[:, None] / (2.0 * np.pi * profile.radius(stages))
+        return cls(x, list(map(tuple, p.tolist())), list(map(tuple, np.log(length).tolist())))
+
+    def fluid_pressure(self, log_Q: float, curve: ResistanceCurve) -> tuple[FloatArray, FloatArray]:
+        """p_f and ln(p - p_f) at the ends of the steps for one flow, shape (N + 1,) [Pa]."""
+        y = 0.0
+        guess = curve.lowest
+        out, left = [y], [guess]
+        weight = (1.0 - _STAGE) / _STAGE
+        for (p1, p2), (length1, length2) in zip(self.pressures, self.log_lengths, strict=True):
+            rise, guess = curve.rise(p1 - y, log_Q + length1, guess)
+            y += weight * rise
+            rise, guess = curve.rise(p2 - y, log_Q + length2, guess)
+            y += rise
+            out.append(y)
+            left.append(guess)
+        return np.array(out), np.array(left)
+
+
+def _first_steps(
+    profile: ContactProfile, fine: FloatArray, log_p: FloatArray, log_cut: float, end: float
+) -> FloatArray:
+    """Ends of the steps from where p rises above exp(log_cut) to x = end, even in x and in ln p."""
+    x, tail = fine[fine < end], profile.tails[0]
+    excess = float(log_p[0]) - log_cut
+    if tail is not None and excess > 0.0:
+        start = x[0] - tail.reach(excess)
+        x = np.concatenate([np.linspace(start, x[0], _FINE_TAIL, endpoint=False), x])
+    x = np.append(x, end)
+    log_p = np.maximum(_log_pressure(profile, x), log_cut)
+    x, log_p = (values[max(int(np.argmax(log_p > log_cut)) - 1, 0) :] for values in (x, log_p))
+    way = np.diff(x) / (x[-1] - x[0]) + np.abs(np.diff(log_p)) / np.abs(np.diff(log_p)).sum().clip(1e-9)
+    return _even(x, way, _FIRST_STEPS)
+
+
+def _second_steps(path: _Path, log_Q: float, curve: ResistanceCurve) -> FloatArray:
+    """Steps over which place, fluid pressure and 1/u change evenly, closer together toward the lift-off point.
+
+    There 1/sigma falls to zero like 1/ln^3(p - p_f), which no evenly spaced rule follows.
+    """
+    fluid, left = path.fluid_pressure(log_Q, curve)
+    resistance = np.array([curve.at(v)[0] for v in left])
+    resistance[0] = resistance[1]
+    inverse_gap = np.exp((resistance - resistance.max()) / 3.0)
+    to_end = np.cbrt(path.x[-1] - path.x)
+    changes = [np.abs(np.diff(values)) for values in (path.x, fluid, inverse_gap, to_end)]
+    return _even(path.x, np.sum([change / max(change.sum(), 1e-300) for change in changes], axis=0), _STEPS)
+
+
+def _even(x: FloatArray, way: FloatArray, count: int) -> FloatArray:
+    """Points between the first and the last x with equal parts of the way between them."""
+    total = np.append(0.0, np.cumsum(way))
+    return np.interp(np.linspace(0.0, total[-1], count + 1), total, x)
+
+
+def _flow_for(drop: float, path: _Path, curve: ResistanceCurve, guess: float, tolerance: float) -> float:
+    """ln Q at which p_f reaches `drop` at the end of the path: secant steps, bisected where they leave the bracket."""
+
+    def miss(log_Q: float) -> float:
+        return float(path.fluid_pressure(log_Q, curve)[0][-1]) / drop - 1.0
+
+    low, high = -np.inf, np.inf
+    old, at = guess, miss(guess)
+    log_Q, widening = old - float(np.clip(at, -0.5, 0.5)), 1.0
+    for count in range(_ROOT_STEPS):
+        before, at = at, miss(log_Q)
+        low, high = (low, min(high, log_Q)) if at >= 0.0 else (max(low, log_Q), high)
+        slope = (at - before) / (log_Q - old) if log_Q != old else 0.0
+        old = log_Q
+        # p_f rises no faster than Q; where it hardly rises at all a secant step leads astray.
+        step = -at / slope if slope > 1e-3 else -widening * np.sign(at)
+        log_Q = old + float(np.clip(step, -widening, widening))
+        if abs(log_Q - old) < tolerance:
+            break
+        widening *= 2.0
+        if not low < log_Q < high or (count > _SECANT_STEPS and np.isfinite(high - low)):
+            # Near blow-off p_f hardly depends on Q, and secant steps crawl.
+            log_Q = 0.5 * (low + high)
+    return log_Q
+
+
+# -------------------------------------------------------------------- the profile
+
+
+def _log_pressure(profile: ContactProfile, x: FloatArray) -> FloatArray:
+    """ln p inside and in the tails; -inf beyond an edge."""
+    log_p = profile.log_pressure(x)
+    for end, outward in ((0, -1.0), (-1, 1.0)):
+        tail, d = profile.tails[end], outward * (x - profile.x[end])
+        if tail is not None:
+            log_p = np.where(d > 0.0, profile.log_p[end] - tail.fall(d), log_p)
+    return log_p
+
+
+def _fine_profile(profile: ContactProfile) -> tuple[FloatArray, FloatArray]:
+    """Points in all cells and ln p there, with the largest value of the spline among them."""
+    share = np.arange(_FINE) / _FINE
+    x = np.append((profile.x[:-1, None] + np.diff(profile.x)[:, None] * share).ravel(), profile.x[-1])
+    log_p = profile.log_pressure(x)
+    k = int(np.clip(np.argmax(log_p), 1, x.size - 2))
+    if np.all(np.isfinite(log_p[k - 1 : k + 2])):
+        from scipy.optimize import minimize_scalar
+
+        found = minimize_scalar(
+            lambda at: -float(profile.log_pressure(np.array([at]))[0]),
+            bounds=(x[k - 1], x[k + 1]),
+            method="bounded",
+        )
+        place = int(np.searchsorted(x, found.x))
+        x, log_p = np.insert(x, place, found.x), np.insert(log_p, place, -found.fun)
+    return x, log_p
+
+
+def _lift_off(
+    profile: ContactProfile, x: FloatArray, log_p: FloatArray, log_drop: float
+) -> tuple[float, float | None]:
+    """End of the resisting part on the high side, and the lift-off point: None where the profile ends before."""
+    last = int(np.flatnonzero(log_p > log_drop)[-1])
+    tail = profile.tails[-1]
+    if last == x.size - 1:
+        if tail is None:
+            return float(x[-1]), None
+        distance = tail.reach(float(log_p[-1]) - log_drop)
+        place = float(x[-1]) + distance
+        return place, None if distance == tail.length else place
+    from scipy.optimize import brentq
+
+    def above(at: float) -> float:
+        return max(float(profile.log_pressure(np.array([at]))[0]), log_drop - 1.0) - log_drop
+
+    place = float(brentq(above, x[last], x[last + 1], xtol=1e-15 * abs(x[-1] - x[0]) + 1e-300))
+    return place, place
+
+
+# Table of ln(1/sigma) over ln p: spacing, how far below the largest pressure, and equal ratios of p_seal - p above.
+_SPACING, _RANGE = 0.05, 60.0
+_NEAR_SEALING = 14.0
+# A conductivity below this is none: toward the sealing pressure sigma underflows before it vanishes [m^3/(Pa s)].
+_NONE = 1e-200
+_NEWTON_STEPS = 60
+# Newton's error squares with each step.
+_NEWTON_CLOSE = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class ResistanceCurve:
+    """ln(1/sigma_eff) over v = ln p: cubic between nodes; below them 1/sigma ~ u^-3 with u linear in v."""
+
+    nodes: list[float]
+    """v, increasing."""
+    values: list[float]
+    """ln(1/sigma) there."""
+    slopes: list[float]
+    """Its derivative there."""
+    sealing_pressure: float
+    """From here on sigma is as good as zero; infinite if not in the table's range [Pa]."""
+
+    @classmethod
+    def of(cls, sigma: Callable[[FloatArray], FloatArray], log_p_max: float) -> ResistanceCurve:
+        """Table of a conductivity given as a function of ln p, up to `log_p_max` or the sealing pressure."""
+        v = np.linspace(log_p_max - _RANGE, log_p_max, int(_RANGE / _SPACING) + 1)
+        flows = sigma(v) > _NONE
+        sealing = inf
+        if not flows.all():
+            first = int(np.argmin(flows))
+            low, high = float(v[first - 1]), float(v[first])
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if float(sigma(np.array([middle]))[0]) > _NONE else (low, middle)
+            near = high + np.log1p(-np.exp(-np.arange(1.0, _NEAR_SEALING, 0.1)))
+            v = np.concatenate([v[v < near[0] - 0.5 * _SPACING], near])
+            sealing = exp(high)
+        values = sigma(v)
+        usable = np.isfinite(values) & (values > _NONE)
+        v, G = v[usable], -np.log(values[usable])
+        return cls(v.tolist(), G.tolist(), np.maximum(spline_slopes(v, G), 1e-12).tolist(), sealing)
+
+    @property
+    def lowest(self) -> float:
+        """First node."""
+        return self.nodes[0]
+
+    @property
+    def highest(self) -> float:
+        """Last node below the sealing pressure; without one, the curve goes on."""
+        return self.nodes[-1] if self.sealing_pressure < inf else inf
+
+    def at(self, v: float) -> tuple[float, float]:
+        """ln(1/sigma) and its derivative at v = ln p."""
+        nodes = self.nodes
+        if v <= nodes[0]:
+            s = self.slopes[0] / 3.0
+            stretch = 1.0 + s * (nodes[0] - v)
+            return self.values[0] - 3.0 * log(stretch), 3.0 * s / stretch
+        k = min(bisect_right(nodes, v), len(nodes) - 1) - 1
+        h = nodes[k + 1] - nodes[k]
+        t = (v - nodes[k]) / h
+        y0, rise = self.values[k], self.values[k + 1] - self.values[k]
+        d0, d1 = h * self.slopes[k], h * self.slopes[k + 1]
+        c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
+        return y0 + t * (d0 + t * (c2 + t * c3)), (d0 + t * (2.0 * c2 + 3.0 * t * c3)) / h
+
+    def rise(self, room: float, log_flow: float, guess: float) -> tuple[float, float]:
+        """Rise a/sigma(w) of the fluid pressure over a step, where w + a/sigma(w) = room, and ln w.
+
+        w is the pressure left for the asperities. Newton on ln(w + a/sigma(w)) = ln(room) in v = ln w, where the left
+        side rises and is convex: from above it converges without overshooting. No room: no contact, no rise.
+
+        Parameters
+        ----------
+        room : float
+            p less the fluid pressure before the step [Pa].
+        log_flow : float
+            ln a, a = Q dx/(2 pi r).
+        guess : float
+            Near ln w.
+        """
+        if not room > 0.0:
+            return 0.0, guess
+        target = log(room)
+        top = min(target, self.highest)
+        v = min(guess, top)
+        for _ in range(_NEWTON_STEPS):
+            G, dG = self.at(v)
+            G += log_flow
+            larger = v if v > G else G
+            own, other = exp(v - larger), exp(G - larger)
+            total = own + other
+            step = (larger + log(total) - target) * total / (own + other * dG)
+            new = min(v - step, top)
+            moved, v = abs(new - v), new
+            if moved < _NEWTON_CLOSE:
+                break
+        w = exp(v) if v > -700.0 else 0.0
+        G = self.at(v)[0] + log_flow
+        if v == self.highest < target:
+            # So little flows that w stays at the last node, next to the sealing pressure.
+            return room - w, v
+        # Of two numbers that add up to `room` the smaller one is the accurate one.
+        return (exp(G) if v > G else room - w), v
+
+    def guess(
+        self,
+        drop: float,
+        pressures: Sequence[tuple[float, float]],
+        log_lengths: Sequence[tuple[float, float]],
+    ) -> float:
+        """Rough ln Q: that of the same contact without coupling, each place as far as it conducts."""
+        total = 0.0
+        for (_, p), (_, length) in zip(pressures, log_lengths, strict=True):
+            if p > 0.0:
+                total += exp(min(self.at(min(log(p), self.highest))[0] + length, 600.0))
+        return log(drop) - log(total)

@@ -1,0 +1,223 @@
+"""The leak integral: how much fluid a pressure profile lets through."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+from leak.errors import ProfileError, positive
+from leak.flow.contact_profile import (
+    SMALLEST_LOG_PRESSURE,
+    ContactProfile,
+    Panels,
+    checked_ends,
+    checked_profile,
+)
+from leak.numerics.curves import MonotoneCurve, spline_slopes
+
+
+@runtime_checkable
+class LogConductivity(Protocol):
+    """A conductivity that can also be asked by ln p, where p underflows."""
+
+    def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
+        """sigma_eff at ln(p/Pa) [m^3/(Pa s)]."""
+
+
+SigmaOfPressure = Callable[[FloatArray], ArrayLike]
+
+
+@dataclass(frozen=True, eq=False)
+class LeakResult:
+    """Flow through a ring-shaped contact."""
+
+    leak_rate: float
+    """Q [m^3/s]; zero where the contact is sealed."""
+    resistance: float
+    """Pressure drop over Q [Pa s/m^3]; infinite where sealed."""
+    fluid_pressure: FloatArray
+    """Fluid pressure above the low side at the points x of the profile, shape (n,) [Pa]."""
+
+
+def leak_rate(
+    x: ArrayLike,
+    p: ArrayLike,
+    conductivity: SigmaOfPressure | LogConductivity | ArrayLike,
+    pressure_drop: float,
+    radius: ArrayLike,
+) -> float:
+    """Volume flow Q = Delta P / int dx/(2 pi r(x) sigma_eff(p(x))) through a contact pressure profile.
+
+    The fluid pressure must be small against the contact pressure. Between the points ln p is a cubic spline; tails
+    of p beyond the ends are continued as in `leak_flow`.
+
+    Parameters
+    ----------
+    x : array_like
+        Arc length across the contact, strictly increasing, shape (n,), n >= 3 [m].
+    p : array_like
+        Nominal contact pressure there, not negative, shape (n,) [Pa].
+    conductivity : callable or array_like
+        sigma_eff(p) of an array of pressures [m^3/(Pa s)], for example `ConductivityTable.at(viscosity)`; or its
+        values at the points, shape (n,).
+    pressure_drop : float
+        Fluid pressure difference Delta P [Pa].
+    radius : float or array_like
+        Distance from the axis r, one number or one per point [m].
+
+    Returns
+    -------
+    float
+        Q [m^3/s].
+
+    Raises
+    ------
+    ProfileError
+        The profile or another input cannot be used; the message says which value.
+
+    References
+    ----------
+    Fischer et al., "Fluid leakage in metallic seals", eqs. (13)-(15).
+
+    Examples
+    --------
+    A uniform contact of width 1 mm on a ring of radius 14 mm:
+
+    >>> Q = leak_rate([0, 5e-4, 1e-3], [1e6, 1e6, 1e6], lambda p: 1e-15 + 0 * p, 2e6, 0.014)
+    >>> print(f"{Q:.4e}")
+    1.7593e-07
+    """
+    return leak_flow(x, p, conductivity, pressure_drop, radius).leak_rate
+
+
+def leak_flow(
+    x: ArrayLike,
+    p: ArrayLike,
+    conductivity: SigmaOfPressure | LogConductivity | ArrayLike,
+    pressure_drop: float,
+    radius: ArrayLike,
+    *,
+    pressure_side: str = "outer",
+    ends: tuple[float | None, float | None] | None = None,
+) -> LeakResult:
+    """Leak rate, flow resistance and fluid pressure along a contact pressure profile.
+
+    Ends of the profile. Where p has reached zero the contact ends like a Hertzian one, p^2 being smooth. Where p
+    is still positive and falling outward, ln p is continued by the parabola through the last three points (by the
+    tangent, if that parabola bends upward) to infinity, or to where the face ends; both tails are part of the
+    resistance. Where p does not fall outward the contact ends with its last point. Where the face ends within half of
+    the last three points' distance, as it does in the last element of a mesh, that parabola goes on to its end
+    wherever it leads.
+
+    Parameters
+    ----------
+    x, p, conductivity, pressure_drop, radius
+        See `leak_rate`.
+    pressure_side : {"outer", "inner"}
+        Side of the high fluid pressure: larger or smaller x.
+    ends : tuple of float or None, optional
+        x at which the faces end, inner and outer, None where they go on: nothing resists beyond [m].
+
+    Returns
+    -------
+    LeakResult
+    """
+    x_all, p_all, r_all = checked_profile(x, p, radius)
+    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
+    if pressure_side not in ("outer", "inner"):
+        raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
+    profile = ContactProfile.through(x_all, p_all, r_all, checked_ends(ends))
+    sigma = by_log_pressure(
+        conductivity
+        if callable(conductivity) or isinstance(conductivity, LogConductivity)
+        else _through_values(p_all, conductivity)
+    )
+    inner_tail, cells, outer_tail = _resistances(profile, sigma)
+    total = inner_tail + float(cells.sum()) + outer_tail
+    below = np.concatenate([[0.0], np.cumsum(cells)])
+    if np.isinf(total):
+        fraction_at_nodes = _sealed_fraction(inner_tail, cells, outer_tail)
+    else:
+        fraction_at_nodes = (inner_tail + below) / total
+    fraction = np.interp(x_all, profile.x, fraction_at_nodes)
+    if pressure_side == "inner":
+        fraction = 1.0 - fraction
+    return LeakResult(0.0 if np.isinf(total) else drop / total, total, drop * fraction)
+
+
+def _resistances(
+    profile: ContactProfile, sigma: Callable[[FloatArray], FloatArray]
+) -> tuple[float, FloatArray, float]:
+    """int dx/(2 pi r sigma_eff) over the inner tail, each cell, and the outer tail [Pa s/m^3]."""
+
+    def over(panels: Panels | None) -> FloatArray:
+        if panels is None:
+            return np.zeros(1)
+        return panels.integral(_inverse(sigma(panels.log_pressure), panels.radius))
+
+    inner, cells, outer = (over(panels) for panels in profile.panels())
+    return float(inner[0]), cells, float(outer[0])
+
+
+def _inverse(sigma: FloatArray, radius: FloatArray) -> FloatArray:
+    # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
+    with np.errstate(divide="ignore", over="ignore"):
+        return 1.0 / (2.0 * np.pi * radius * sigma)
+
+
+def _sealed_fraction(inner_tail: float, cells: FloatArray, outer_tail: float) -> FloatArray:
+    """Fraction of the pressure drop at the cell edges when part of the contact is sealed: it drops there alone."""
+    parts = np.isinf(np.concatenate([[inner_tail], cells, [outer_tail]])).astype(float)
+    return (np.cumsum(parts) / parts.sum())[:-1]
+
+
+def _through_values(p: FloatArray, conductivity: ArrayLike) -> SigmaOfPressure:
+    """sigma_eff(p) through its values at the points: sigma^(1/3), nearly straight over ln p, is interpolated."""
+    try:
+        values = np.asarray(conductivity, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ProfileError(f"conductivity must be a function of p or numbers: {error}") from None
+    if values.shape != p.shape:
+        raise ProfileError(
+            f"conductivity has shape {values.shape}: must be a function of p, or {p.shape} like p [m^3/(Pa s)]"
+        )
+    if np.any(np.isnan(values) | (values < 0.0)):
+        raise ProfileError(
+            f"conductivity = {values[np.isnan(values) | (values < 0.0)][0]}: must not be negative"
+        )
+    there = (p > np.exp(SMALLEST_LOG_PRESSURE)) & np.isfinite(values)
+    # Both flanks pass the same pressures, up to round-off.
+    log_p, order = np.unique(np.round(np.log(p[there]), 9), return_index=True)
+    width = np.cbrt(values[there][order])
+    if log_p.size < 3:
+        raise ProfileError(
+            "conductivity: at least 3 different pressures are needed; give a function of p instead"
+        )
+    curve = MonotoneCurve(log_p, width, spline_slopes(log_p, width))
+    return lambda pressure: np.maximum(curve.value(np.log(pressure)), 0.0) ** 3
+
+
+def by_log_pressure(conductivity: SigmaOfPressure | LogConductivity) -> Callable[[FloatArray], FloatArray]:
+    """sigma_eff as a function of ln p; infinite where p underflows and the callable only knows p."""
+    if isinstance(conductivity, LogConductivity):
+        return conductivity.at_log_pressure
+
+    def sigma(log_p: FloatArray) -> FloatArray:
+        usual = log_p > SMALLEST_LOG_PRESSURE
+        p = np.exp(np.where(usual, log_p, 0.0))
+        # In the tails p is tiny: a power law in it may overflow to infinity, which is what it should be.
+        with np.errstate(over="ignore", divide="ignore"):
+            values = np.broadcast_to(np.asarray(conductivity(p), dtype=float), p.shape)
+        wrong = usual & ~(values >= 0.0)
+        if np.any(wrong):
+            raise ProfileError(
+                f"conductivity({p[wrong].flat[0]}) = {values[wrong].flat[0]}: must not be negative [m^3/(Pa s)]"
+            )
+        return np.where(usual, values, np.inf)
+
+    return sigma

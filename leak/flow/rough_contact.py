@@ -1,0 +1,524 @@
+"""A rough surface pressed against a smooth one: everything the theory says about it, in one place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+from leak.errors import ConductivityError, SurfaceError, positive
+from leak.flow import conductivity as flow
+from leak.flow import medium
+from leak.flow.conductivity import ConductivityTable, GasConductivityTable
+from leak.flow.effective_gap import area_argument_at, critical_gap, effective_gap, effective_gas_gap
+from leak.flow.rarefied import flow_factor
+from leak.numerics.curves import spline_slopes
+from leak.surfaces.spectrum import PowerSpectrum
+from leak.theory.interface_law import RoughSurfaceLaw
+from leak.theory.persson import (
+    ElasticRoughness,
+    LowPressureLaw,
+    RoughnessSeen,
+    Separations,
+    low_pressure_law,
+    relative_contact_area,
+    separations,
+)
+from leak.theory.plasticity import AreaFractions, PlasticRoughness, area_fractions, remaining_fraction
+from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
+
+_WIDTHS = ("effective", "plain")
+# Pressures are treated a few at a time, so that the work arrays stay in the processor's cache.
+_CHUNK = 8
+# P(u) itself is asked for far into its tails, where a flow conductivity does not look.
+_DISTRIBUTION_REFINEMENT = 8
+# Grooves longer than this, over their width, are as good as endless; above 1e6 rounding would show.
+_MOST_STRETCHED = 1000.0
+# Below this p/E* slope moments leave the range of floating-point numbers; separations are long linear in ln p.
+_LEAST_RELATIVE_PRESSURE = 1e-100
+
+
+@dataclass(frozen=True)
+class RoughContact:
+    """Contact between a rough surface and a smooth one, elastic or with asperity plasticity.
+
+    Two rough surfaces count as one with the sum of their spectra. Given a hardness, every separation and
+    conductivity is that of the spectrum C_pl smoothed by plastic flow at the pressure asked for; `elastic` is the
+    same surface without it. From the hardness on, the theory's limit is taken: all area plastic, no gap, sealed.
+
+    Parameters
+    ----------
+    spectrum : PowerSpectrum
+        Combined roughness.
+    effective_modulus : float
+        E*, 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa].
+    hardness : float, optional
+        Penetration hardness of the softer surface [Pa]; None for elastic asperities.
+    percolation_threshold : float
+        Relative contact area A/A0 at which the open area stops percolating [-].
+    gamma : float
+        Yang and Persson's factor in the mean separation [-].
+    separation_width : {"effective", "plain"}
+        Width of the Gaussians in P(u), see `leak.theory.separation.lost_area`.
+    peklenik : float
+        Tripp (Peklenik) number gamma_T, 0.001 to 1000: correlation length along the flow over that across it, below
+        one for a lay across the flow, as on a turned seat. `spectrum` is then the angular average, which alone
+        enters the contact mechanics; gamma_T enters the flow, see `leak.flow.medium`. Flow in the other direction
+        is that of 1/gamma_T [-].
+
+    Raises
+    ------
+    SurfaceError, ConductivityError
+        A value outside its meaning.
+
+    References
+    ----------
+    B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001); C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20,
+    215214 (2008); Fischer, Schmitz, Tiwari, Persson, "Fluid leakage in metallic seals".
+
+    Examples
+    --------
+    >>> spectrum = PowerSpectrum.self_affine(
+    ...     rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.1415926e6
+    ... )
+    >>> surface = RoughContact(spectrum, effective_modulus=115e9, hardness=3.5e9)
+    >>> print(f"{surface.effective_separation(50e6) * 1e6:.2f} um")
+    2.30 um
+    """
+
+    spectrum: PowerSpectrum
+    effective_modulus: float = field(kw_only=True)
+    hardness: float | None = field(default=None, kw_only=True)
+    percolation_threshold: float = field(default=0.42, kw_only=True)
+    gamma: float = field(default=0.45, kw_only=True)
+    separation_width: str = field(default="effective", kw_only=True)
+    peklenik: float = field(default=1.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.spectrum, PowerSpectrum):
+            raise SurfaceError(f"spectrum = {self.spectrum!r}: must be a PowerSpectrum")
+        positive(SurfaceError, "effective_modulus", self.effective_modulus, "Pa")
+        if self.hardness is not None:
+            positive(SurfaceError, "hardness", self.hardness, "Pa")
+        medium.dimension_number(self.percolation_threshold)
+        if not 0.0 < self.gamma <= 1.0:
+            raise SurfaceError(f"gamma = {self.gamma}: must lie in (0, 1] [-]")
+        if self.separation_width not in _WIDTHS:
+            raise SurfaceError(f"separation_width = {self.separation_width!r}: must be one of {_WIDTHS}")
+        if (
+            not 1.0 / _MOST_STRETCHED
+            <= positive(SurfaceError, "peklenik", self.peklenik, "-")
+            <= _MOST_STRETCHED
+        ):
+            raise SurfaceError(f"peklenik = {self.peklenik}: must lie between 0.001 and 1000 [-]")
+
+    # ---------------------------------------------------------------- variants
+
+    @property
+    def elastic(self) -> RoughContact:
+        """The same surface without asperity plasticity."""
+        return self if self.hardness is None else replace(self, hardness=None)
+
+    @cached_property
+    def _low_pressure_law(self) -> LowPressureLaw:
+        return low_pressure_law(self.spectrum, self.gamma)
+
+    @property
+    def u0(self) -> float:
+        """Decay length of the elastic low-pressure law p = p_c exp(-u/u0) [m]."""
+        return self._low_pressure_law.u0
+
+    @property
+    def p_c(self) -> float:
+        """Prefactor of the elastic low-pressure law p = p_c exp(-u/u0) [Pa]."""
+        return self._low_pressure_law.relative_p_c * self.effective_modulus
+
+    # ---------------------------------------------------------------- areas
+
+    def contact_area(self, pressure: ArrayLike, wavenumber: ArrayLike | None = None) -> FloatArray | float:
+        """Relative contact area A/A0 seen with roughness up to `wavenumber` (all of it by default).
+
+        With a hardness it is the sum of `elastic_area` and `plastic_area`.
+        """
+        if self.hardness is not None:
+            parts = self._area_fractions(pressure, wavenumber)
+            return _scalar(parts.elastic + parts.plastic)
+        p = _checked(pressure)
+        return _scalar(relative_contact_area(p, self._slope_moment(wavenumber), self.effective_modulus))
+
+    def elastic_area(self, pressure: ArrayLike, wavenumber: ArrayLike | None = None) -> FloatArray | float:
+        """Relative area A_el/A0 in elastic contact; all of the contact area without a hardness."""
+        if self.hardness is None:
+            return self.contact_area(pressure, wavenumber)
+        return _scalar(self._area_fractions(pressure, wavenumber).elastic)
+
+    def plastic_area(self, pressure: ArrayLike, wavenumber: ArrayLike | None = None) -> FloatArray | float:
+        """Relative area A_pl/A0 that has yielded; zero without a hardness."""
+        if self.hardness is None:
+            return _scalar(0.0 * np.asarray(self.contact_area(pressure, wavenumber)))
+        return _scalar(self._area_fractions(pressure, wavenumber).plastic)
+
+    def _area_fractions(self, pressure: ArrayLike, wavenumber: ArrayLike | None) -> AreaFractions:
+        s, t = self._yield_variables(pressure, wavenumber)
+        return area_fractions(s, t)
+
+    def _yield_variables(
+        self, pressure: ArrayLike, wavenumber: ArrayLike | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """s = p/sigma_P and t = G/sigma_P^2; without a hardness both are zero."""
+        sigma_P = np.inf if self.hardness is None else self.hardness
+        t = 0.25 * np.pi * (self.effective_modulus / sigma_P) ** 2 * self._slope_moment(wavenumber)
+        return _checked(pressure) / sigma_P, t
+
+    def _slope_moment(self, wavenumber: ArrayLike | None) -> FloatArray:
+        return self.spectrum.slope_moment(self.spectrum.q_high if wavenumber is None else wavenumber)
+
+    # ---------------------------------------------------------------- plastically smoothed spectrum
+
+    def smoothing(self, pressure: ArrayLike, wavenumber: ArrayLike) -> FloatArray | float:
+        """C_pl/C at nominal pressure p and wavenumber q; one without a hardness."""
+        return _scalar(remaining_fraction(*self._yield_variables(pressure, wavenumber)))
+
+    def plastic_spectrum(self, pressure: float, *, spacing: float = 0.004) -> PowerSpectrum:
+        """C_pl at one nominal pressure, as a spectrum of its own.
+
+        Parameters
+        ----------
+        pressure : float
+            Nominal pressure, below the hardness [Pa].
+        spacing : float
+            Spacing of its nodes in ln q. At the default the log-log interpolation is good to 3e-4 even where C_pl
+            has fallen by a hundred decades; `smoothing` is exact.
+        """
+        if self.hardness is None:
+            return self.spectrum
+        if not 0.0 <= float(pressure) < self.hardness:
+            raise SurfaceError(f"pressure = {pressure}: must be below the hardness {self.hardness} [Pa]")
+        nodes = np.log(self.spectrum.wavenumber)
+        parts = [
+            np.exp(np.linspace(a, b, max(2, int(np.ceil((b - a) / spacing)) + 1)))
+            for a, b in pairwise(nodes)
+            if b > a
+        ]
+        q = np.unique(np.concatenate([*parts, self.spectrum.wavenumber]))
+        q = np.clip(q, self.spectrum.q_low, self.spectrum.q_high)
+        C = np.asarray(self.spectrum(q)) * np.asarray(self.smoothing(float(pressure), q))
+        left = C > 1e-250
+        return PowerSpectrum(q[left], C[left])
+
+    # ---------------------------------------------------------------- separations
+
+    def mean_separation(self, pressure: ArrayLike) -> FloatArray | float:
+        """Mean separation ubar(p) [m]; with a hardness that of C_pl at p. Infinite at p = 0."""
+
+        def mean(p: FloatArray) -> FloatArray:
+            return self._mean(p, self._seen(p)).mean[:, 0]
+
+        return self._over_pressure(pressure, mean)
+
+    def pressure(self, separation: ArrayLike) -> FloatArray | float:
+        """Nominal pressure at which the mean separation is u, the inverse of `mean_separation` [Pa]."""
+        return _scalar(np.asarray(self.interface_law(plastic=self.hardness is not None).pressure(separation)))
+
+    def interface_law(self, plastic: bool = False) -> RoughSurfaceLaw:
+        """p(u) for a contact calculation: that of the elastic spectrum, or of C_pl at the local pressure.
+
+        Raises
+        ------
+        SurfaceError
+            `plastic` without a hardness.
+        """
+        if plastic and self.hardness is None:
+            raise SurfaceError("hardness = None: the plastic interface law needs a hardness [Pa]")
+        return _interface_law(self if plastic else self.elastic)
+
+    def separation_distribution(
+        self, pressure: float, separation: ArrayLike | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Separations u [m] and the density P(u) [1/m] at one nominal pressure.
+
+        The delta at u = 0 of weight `contact_area` (that of C_pl with a hardness) is not part of the density.
+
+        Parameters
+        ----------
+        pressure : float
+            Nominal pressure, positive and below the hardness [Pa].
+        separation : array_like, optional
+            Where P(u) is wanted, shape (n,) [m]; by default a grid that holds all of it.
+        """
+        p = np.array([positive(SurfaceError, "pressure", pressure, "Pa")])
+        if self.hardness is not None and p[0] >= self.hardness:
+            raise SurfaceError(f"pressure = {pressure}: must be below the hardness {self.hardness} [Pa]")
+        lost, mean = self._lost_area(p, refinement=_DISTRIBUTION_REFINEMENT)
+        if separation is None:
+            u = SeparationGrid.around(mean, self.spectrum.rms_height, count=1024).separation
+        else:
+            u = np.atleast_1d(np.asarray(separation, dtype=float))[None, :]
+        return u[0], density(lost, u)[0]
+
+    # ---------------------------------------------------------------- flow
+
+    def critical_separation(self, pressure: ArrayLike) -> FloatArray | float:
+        """Separation u_c at the critical junction, u1 where A(zeta)/A0 is the percolation threshold [m].
+
+        Zero where no magnification opens a path. References: Fischer et al., eq. (12).
+        """
+        return self._over_pressure(pressure, self._critical_separation)
+
+    def effective_separation(self, pressure: ArrayLike, method: str = "bruggeman") -> FloatArray | float:
+        """u_eff = (12 eta sigma_eff)^(1/3) along the flow [m]; independent of the fluid, zero where sealed.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal pressure [Pa].
+        method : {"bruggeman", "critical-junction"}
+            Effective medium over all channels, or the critical junction alone (u_eff = u_c), which knows no direction
+            and is refused unless peklenik = 1.
+        """
+        self._check_method(method)
+        if method == "critical-junction":
+            return self.critical_separation(pressure)
+        return self._over_pressure(pressure, self._effective_separation)
+
+    def flow_conductivity(
+        self, pressure: ArrayLike, viscosity: float, method: str = "bruggeman"
+    ) -> FloatArray | float:
+        """sigma_eff = u_eff^3/(12 eta) [m^3/(Pa s)]."""
+        eta = positive(ConductivityError, "viscosity", viscosity, "Pa s")
+        return _scalar(np.asarray(self.effective_separation(pressure, method)) ** 3 / (12.0 * eta))
+
+    def effective_gas_separation(self, pressure: ArrayLike, flight: ArrayLike) -> FloatArray:
+        """u of the uniform gap that, without rarefaction, would let as much of a rarefied gas through [m].
+
+        The gas conductivity is u^3/(12 eta). The effective medium is taken over the local conductivity
+        u^3 f(u/l), f the factor of slip and free molecules of `leak.flow.rarefied.flow_factor`.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal contact pressures between zero and the hardness, shape (n,) [Pa].
+        flight : array_like
+            l = eta v0/p_f, v0 = sqrt(2 R_s T), the mean free path times 2/sqrt(pi), shape (n, m) [m].
+        """
+        p, lengths = np.atleast_1d(_checked(pressure)), np.asarray(flight, dtype=float)
+        n = medium.dimension_number(self.percolation_threshold)
+        out = np.empty(lengths.shape)
+        for start in range(0, p.size, _CHUNK):
+            part = slice(start, start + _CHUNK)
+            lost, mean = self._lost_area(p[part])
+            out[part] = effective_gas_gap(
+                lost, mean, self.spectrum.rms_height, n, self.peklenik, lengths[part]
+            )
+        return out
+
+    @cached_property
+    def sealing_pressure(self) -> float:
+        """Pressure from which A/A0 at full magnification exceeds the percolation threshold: nothing flows [Pa]."""
+        z = area_argument_at(self.percolation_threshold)
+        elastic = float(z * np.sqrt(np.pi * self.spectrum.last_moment) * self.effective_modulus)
+        if self.hardness is None:
+            return elastic
+        low, high = 0.0, min(elastic, self.hardness)
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            seen = self._seen(np.array([middle]))
+            rest = float(seen.moment(np.array([[seen.end]]))[0, 0])
+            sealed = middle / self.effective_modulus >= z * np.sqrt(np.pi * rest)
+            low, high = (low, middle) if sealed else (middle, high)
+        return high
+
+    def conductivity_table(
+        self, p_min: float, p_max: float, num: int = 64, method: str = "bruggeman"
+    ) -> ConductivityTable:
+        """Table of u_eff over ln p that serves every fluid and every geometry; made once per surface and range.
+
+        Parameters
+        ----------
+        p_min, p_max : float
+            Range of nominal pressures [Pa]. Below p_min the table goes on by the low-pressure law.
+        num : int
+            Number of pressures in the range, at least 8.
+        method : {"bruggeman", "critical-junction"}
+            See `effective_separation`.
+        """
+        low = positive(ConductivityError, "p_min", p_min, "Pa")
+        high = positive(ConductivityError, "p_max", p_max, "Pa")
+        if not low < high:
+            raise ConductivityError(f"p_min = {p_min} and p_max = {p_max}: p_min must be below p_max [Pa]")
+        if int(num) != num or num < 8:
+            raise ConductivityError(f"num = {num}: must be a whole number, at least 8")
+        self._check_method(method)
+        return _conductivity_table(self, low, high, int(num), method)
+
+    # ---------------------------------------------------------------- inside
+
+    def _seen(self, p: FloatArray) -> RoughnessSeen:
+        if self.hardness is None:
+            return ElasticRoughness(self.spectrum.last_moment)
+        return PlasticRoughness.at(
+            p / self.hardness, self.effective_modulus, self.hardness, self.spectrum.last_moment
+        )
+
+    def _mean(self, p: FloatArray, seen: RoughnessSeen) -> Separations:
+        """Separations at the magnification where no roughness is seen yet."""
+        M = np.zeros((p.size, 1))
+        return separations(self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=2)
+
+    def _over_pressure(
+        self, pressure: ArrayLike, function: Callable[[FloatArray], FloatArray]
+    ) -> FloatArray | float:
+        """Apply `function` where 0 < p < hardness; separations are infinite at p = 0, zero from the hardness on."""
+        p = _checked(pressure)
+        flat = p.ravel()
+        out = np.full(flat.shape, np.inf)
+        least = _LEAST_RELATIVE_PRESSURE * self.effective_modulus
+        usual = flat > least
+        if self.hardness is not None:
+            yielded = flat >= self.hardness * (1.0 - 1e-9)
+            out[yielded] = 0.0
+            usual &= ~yielded
+        index = np.flatnonzero(usual)
+        for start in range(0, index.size, _CHUNK):
+            part = index[start : start + _CHUNK]
+            out[part] = function(flat[part])
+        tiny = (flat > 0.0) & ~(flat > least)
+        if np.any(tiny):
+            last, before = function(np.array([least, np.e * least]))
+            out[tiny] = last + (last - before) * np.log(least / flat[tiny])
+        return _scalar(out.reshape(p.shape))
+
+    def _lost_area(self, p: FloatArray, refinement: int = 1) -> tuple[LostArea, FloatArray]:
+        relative, seen = p / self.effective_modulus, self._seen(p)
+        lost = lost_area(
+            self.spectrum, seen, relative, self.gamma, self.separation_width, refinement=refinement
+        )
+        return lost, self._mean(p, seen).mean[:, 0]
+
+    def _check_method(self, method: str) -> None:
+        if method not in flow.METHODS:
+            raise ConductivityError(f"method = {method!r}: must be one of {flow.METHODS}")
+        if method == "critical-junction" and self.peklenik != 1.0:
+            raise ConductivityError(
+                f"method = 'critical-junction' with peklenik = {self.peklenik}: one junction knows no direction; use "
+                "'bruggeman'"
+            )
+
+    def _effective_separation(self, p: FloatArray, refinement: int = 1) -> FloatArray:
+        lost, mean = self._lost_area(p, refinement)
+        n = medium.dimension_number(self.percolation_threshold)
+        return effective_gap(lost, mean, self.spectrum.rms_height, n, self.peklenik, refinement=refinement)
+
+    def _critical_separation(self, p: FloatArray) -> FloatArray:
+        relative = p / self.effective_modulus
+        return critical_gap(self.spectrum, self._seen(p), relative, self.gamma, self.percolation_threshold)
+
+
+# The table's last point below the sealing pressure, as a fraction of it; u_eff is below any molecule's size there.
+_CLOSEST_TO_SEALING = 0.02
+# Distances below p_min, in ln p, of the points that carry the table on: a few decades, then ever wider.
+_BELOW = 0.5 * 1.5 ** np.arange(13.0, -1.0, -1.0)
+
+
+@lru_cache(maxsize=32)
+def _conductivity_table(
+    surface: RoughContact, p_min: float, p_max: float, num: int, method: str
+) -> ConductivityTable:
+    sealing = surface.sealing_pressure
+    top = min(p_max, (1.0 - _CLOSEST_TO_SEALING) * sealing)
+    bottom = min(p_min, 1e-3 * top)
+    fine = np.linspace(np.log(bottom), np.log(top), 50 * num)
+    even = flow.table_abscissa(fine, np.log(sealing))
+    log_p = np.interp(np.linspace(even[0], even[-1], num), even, fine)
+    below = fine[0] - _BELOW
+    log_p = np.concatenate([below[below > np.log(1e-60 * surface.effective_modulus)], log_p])
+    u = np.asarray(surface.effective_separation(np.exp(log_p), method))
+    flows = u > 0.0
+    return ConductivityTable(np.exp(log_p[flows]), u[flows], sealing, p_max, method)
+
+
+# The low-pressure law holds to 1e-9 this far (in ln p) below p_c; above it ubar is tabulated at this spacing.
+_LAW_RANGE = 50.0
+_LAW_SPACING = 0.05
+# The table ends where the gap is this fraction of u0: full contact for any purpose.
+_LAW_END = 1e-6
+
+
+@lru_cache(maxsize=32)
+def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
+    """Mean separation over ln p, with its exact slope for elastic asperities and a spline's for plastic ones."""
+    log_p_c = np.log(surface.p_c)
+    log_p = np.arange(log_p_c - _LAW_RANGE, log_p_c + 8.0, _LAW_SPACING)
+    if surface.hardness is not None:
+        # Toward the hardness the gap closes ever faster: equal ratios of sigma_P - p instead of equal steps.
+        near = np.log(surface.hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
+        log_p = np.concatenate([log_p[log_p < near[0] - 0.5 * _LAW_SPACING], near])
+    p = np.exp(log_p)
+    gap, decay = np.empty(p.shape), np.empty(p.shape)
+    for start in range(0, p.size, 64):
+        part = slice(start, start + 64)
+        found = surface._mean(p[part], surface._seen(p[part]))
+        gap[part], decay[part] = found.mean[:, 0], found.decay[:, 0]
+    used = gap > _LAW_END * decay[0]
+    log_p, gap, decay = log_p[used], gap[used], decay[used]
+    if surface.hardness is not None:
+        decay = -spline_slopes(log_p, np.log(gap)) * gap
+    return RoughSurfaceLaw(log_p, gap, decay)
+
+
+def _checked(pressure: ArrayLike) -> FloatArray:
+    p = np.asarray(pressure, dtype=float)
+    bad = ~(np.isfinite(p) & (p >= 0.0))
+    if np.any(bad):
+        raise SurfaceError(f"pressure = {p[bad].flat[0]}: must be finite and not negative [Pa]")
+    return p
+
+
+def _scalar(values: ArrayLike) -> FloatArray | float:
+    array = np.asarray(values)
+    return float(array) if array.ndim == 0 else array
+
+
+# Inverse Knudsen numbers of u_eff in the table: beyond both ends the widest and the narrowest gaps that matter are in
+# their limits too.
+_LOG_D = np.linspace(np.log(1e-5), np.log(1e4), 66)
+
+
+def gas_conductivity_table(
+    surface: RoughContact, p_min: float, p_max: float, num: int = 64, method: str = "bruggeman"
+) -> GasConductivityTable:
+    """Table for all gases, made once per surface and range.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    p_min, p_max : float
+        Range of contact pressures [Pa].
+    num : int
+        Number of pressures in the range, at least 8.
+    method : {"bruggeman", "critical-junction"}
+        See `RoughContact.effective_separation`.
+    """
+    return _table(surface, float(p_min), float(p_max), int(num), method)
+
+
+@lru_cache(maxsize=32)
+def _table(surface: RoughContact, p_min: float, p_max: float, num: int, method: str) -> GasConductivityTable:
+    liquid = surface.conductivity_table(p_min, p_max, num, method)
+    if method == "critical-junction":
+        # One junction has one gap: nothing to average over.
+        log_R = np.zeros((liquid.pressure.size, _LOG_D.size))
+        return GasConductivityTable(liquid, log_R, _LOG_D)
+    u, D = liquid.separation[:, None], np.exp(_LOG_D)[None, :]
+    gas = surface.effective_gas_separation(liquid.pressure, u / D)
+    log_R = 3.0 * np.log(gas / u) - np.log(flow_factor(D))
+    if not np.all(np.isfinite(log_R)):
+        raise ConductivityError(
+            f"p_max = {p_max}: too close to the sealing pressure {liquid.sealing_pressure} [Pa]"
+        )
+    return GasConductivityTable(liquid, log_R, _LOG_D)

@@ -1,0 +1,1 @@
+"""Liquids and gases with sourced properties."""

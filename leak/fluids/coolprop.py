@@ -1,0 +1,90 @@
+"""Fluids of the optional package CoolProp, asked for as "CoolProp:Water"; nothing else uses the package."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from leak.errors import FluidError, positive
+from leak.fluids.properties import Gas, Liquid
+
+PREFIX = "CoolProp:"
+_ATMOSPHERE = 101325.0
+# Pressure at which a gas is dilute for any purpose.
+_DILUTE = 1000.0
+
+
+def coolprop_liquid(name: str, temperature: float, pressure: float = _ATMOSPHERE) -> Liquid:
+    """Liquid at a temperature [K] and pressure [Pa]; FluidError if it is not a liquid there.
+
+    Parameters
+    ----------
+    name : str
+        "CoolProp:" and the name there, such as "CoolProp:Water", "CoolProp:INCOMP::MEG[0.3]".
+    temperature, pressure : float
+        [K], [Pa].
+
+    References
+    ----------
+    I. H. Bell et al., Ind. Eng. Chem. Res. 53, 2498 (2014).
+    """
+    fluid = name.removeprefix(PREFIX)
+    T = positive(FluidError, "temperature", temperature, "K")
+    package = _package(name)
+    if not fluid.startswith("INCOMP::") and "liquid" not in _ask(package.PhaseSI, name, T, pressure, fluid):
+        raise FluidError(f"fluid = {name!r}: is not a liquid at {T:g} K and {pressure:g} Pa")
+    eta, rho = (_ask(package.PropsSI, name, T, pressure, fluid, key) for key in ("V", "D"))
+    return Liquid(name, eta, rho, T, _source(package))
+
+
+def coolprop_gas(name: str, temperature: float) -> Gas:
+    """Dilute gas at a temperature [K].
+
+    Parameters
+    ----------
+    name : str
+        "CoolProp:" and the name there, such as "CoolProp:R134a".
+    temperature : float
+        [K]
+
+    References
+    ----------
+    I. H. Bell et al., Ind. Eng. Chem. Res. 53, 2498 (2014).
+    """
+    fluid = name.removeprefix(PREFIX)
+    T = positive(FluidError, "temperature", temperature, "K")
+    package = _package(name)
+    if "gas" not in _ask(package.PhaseSI, name, T, _DILUTE, fluid):
+        raise FluidError(f"fluid = {name!r}: is not a gas at {T:g} K and {_DILUTE:g} Pa")
+    eta, molar_mass = (_ask(package.PropsSI, name, T, _DILUTE, fluid, key) for key in ("V", "M"))
+    return Gas(name, molar_mass, eta, T, _source(package))
+
+
+def coolprop_is_gas(name: str, temperature: float) -> bool:
+    """Whether a fluid is a gas at a temperature [K] and atmospheric pressure."""
+    fluid = name.removeprefix(PREFIX)
+    if fluid.startswith("INCOMP::"):
+        return False
+    phase = _ask(_package(name).PhaseSI, name, temperature, _ATMOSPHERE, fluid)
+    return "gas" in phase or phase == "supercritical"
+
+
+def _ask(function: Any, name: str, T: float, pressure: float, fluid: str, key: str | None = None) -> Any:
+    try:
+        return function(*([key] if key else []), "T", T, "P", pressure, fluid)
+    except ValueError as error:
+        raise FluidError(f"fluid = {name!r} at {T:g} K: {error}") from None
+
+
+def _package(name: str) -> Any:
+    try:
+        from CoolProp import CoolProp
+    except ImportError:
+        raise FluidError(
+            f'fluid = {name!r}: needs the package CoolProp; install it with pip install "fem-seal[coolprop]"'
+        ) from None
+    return CoolProp
+
+
+def _source(package: Any) -> str:
+    version = package.get_global_param_string("version")
+    return f"CoolProp {version}: I. H. Bell et al., Ind. Eng. Chem. Res. 53, 2498 (2014)"

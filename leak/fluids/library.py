@@ -1,0 +1,292 @@
+"""Liquids and gases with sourced properties at the temperature of use."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from leak.fluids.names import ROOM_TEMPERATURE, checked_temperature
+from leak.fluids.properties import Gas, Liquid
+
+
+@dataclass(frozen=True)
+class _LiquidEntry:
+    """One liquid of the library, its properties as functions of the temperature [K]."""
+
+    name: str
+    viscosity: Callable[[float], float]
+    density: Callable[[float], float]
+    low: float
+    high: float
+    source: str
+
+    def at(self, temperature: float) -> Liquid:
+        T = checked_temperature(self.name, temperature, self.low, self.high)
+        return Liquid(self.name, float(self.viscosity(T)), float(self.density(T)), T, self.source)
+
+
+# -------------------------------------------------------------------- laws of temperature
+
+
+def _water_viscosity(T: float) -> float:
+    """IAPWS SR6-08(2011), eq. for the viscosity of liquid water at 0.1 MPa."""
+    t = T / 300.0
+    return 1e-6 * (280.68 * t**-1.9 + 511.45 * t**-7.7 + 61.131 * t**-19.6 + 0.45903 * t**-40.0)
+
+
+def _water_density(T: float) -> float:
+    """G. S. Kell, J. Chem. Eng. Data 20, 97 (1975)."""
+    t = T - 273.15
+    c = (999.83952, 16.945176, -7.9870401e-3, -46.170461e-6, 105.56302e-9, -280.54253e-12)
+    return float(np.polynomial.polynomial.polyval(t, c)) / (1.0 + 16.879850e-3 * t)
+
+
+def _polynomial(*coefficients: float) -> Callable[[float], float]:
+    """Polynomial of T - 293.15 K, lowest power first."""
+    return lambda T: float(np.polynomial.polynomial.polyval(T - ROOM_TEMPERATURE, coefficients))
+
+
+def _exponential(*coefficients: float) -> Callable[[float], float]:
+    """Exponential of a polynomial of T - 293.15 K, lowest power first."""
+    exponent = _polynomial(*coefficients)
+    return lambda T: float(np.exp(exponent(T)))
+
+
+def _thermal_expansion(density_at_15: float, slope: float) -> Callable[[float], float]:
+    return lambda T: density_at_15 - slope * (T - 288.15)
+
+
+def walther(T: float, first: tuple[float, float], second: tuple[float, float]) -> float:
+    """Kinematic viscosity of a mineral oil [m^2/s] from that at two other temperatures.
+
+    log10 log10(nu + 0.7) = A - B log10 T, nu in mm^2/s.
+
+    Parameters
+    ----------
+    T : float
+        [K]
+    first, second : tuple of float
+        Temperature [K] and kinematic viscosity [m^2/s].
+
+    References
+    ----------
+    ASTM D341 (Walther's equation).
+
+    Examples
+    --------
+    >>> round(walther(313.15, (313.15, 46e-6), (373.15, 6.76e-6)) * 1e6, 9)
+    46.0
+    """
+    (T1, W1), (T2, W2) = ((t, np.log10(np.log10(nu * 1e6 + 0.7))) for t, nu in (first, second))
+    W = W1 + (W2 - W1) * np.log10(T / T1) / np.log10(T2 / T1)
+    return float(10.0 ** (10.0**W) - 0.7) * 1e-6
+
+
+def _interpolated(points: tuple[tuple[float, float], ...]) -> Callable[[float], float]:
+    """Viscosity from a table (degC, mPa s): ln eta as a polynomial of 1/T through all points."""
+    T = np.array([t + 273.15 for t, _ in points])
+    log_eta = np.log([eta * 1e-3 for _, eta in points])
+    exponent = np.polynomial.Polynomial.fit(1.0 / T, log_eta, T.size - 1)
+    return lambda T: float(np.exp(exponent(1.0 / T)))
+
+
+# -------------------------------------------------------------------- the library
+
+
+def _petroleum(
+    name: str,
+    points: tuple[tuple[float, float], tuple[float, float]],
+    density_at_15: float,
+    slope: float,
+    low: float,
+    high: float,
+    source: str,
+) -> _LiquidEntry:
+    """Points: (degC, mm^2/s)."""
+    first, second = ((t + 273.15, nu * 1e-6) for t, nu in points)
+    density = _thermal_expansion(density_at_15, slope)
+
+    def viscosity(T: float) -> float:
+        return walther(T, first, second) * density(T)
+
+    return _LiquidEntry(name, viscosity, density, low, high, source)
+
+
+_OIL = (
+    "ISO 3448: kinematic viscosity at 40 degC, the midpoint of the class, tolerance 10 %; at 100 degC that of "
+    "viscosity index 100 (ISO 2909), typical of mineral hydraulic oil; ASTM D341 between; density of a typical "
+    "mineral oil, 870 kg/m^3 at 15 degC less 0.65 kg/m^3 per kelvin"
+)
+_CRC = "CRC Handbook of Chemistry and Physics, 97th ed., viscosity of liquids at 0 to 100 degC"
+
+LIQUID_ENTRIES = (
+    _LiquidEntry(
+        "water",
+        _water_viscosity,
+        _water_density,
+        253.15,
+        383.15,
+        "viscosity: IAPWS SR6-08(2011), liquid water at 0.1 MPa, uncertainty 1 %; density: G. S. Kell, J. Chem. Eng. "
+        "Data 20, 97 (1975)",
+    ),
+    _petroleum("hydraulic oil ISO VG 32", ((40.0, 32.0), (100.0, 5.362)), 870.0, 0.65, 253.15, 393.15, _OIL),
+    _petroleum("hydraulic oil ISO VG 46", ((40.0, 46.0), (100.0, 6.762)), 870.0, 0.65, 253.15, 393.15, _OIL),
+    _petroleum(
+        "diesel",
+        ((40.0, 3.0), (100.0, 1.281)),
+        833.0,
+        0.70,
+        258.15,
+        373.15,
+        "typical of EN 590, which allows 2.0 to 4.5 mm^2/s at 40 degC and 820 to 845 kg/m^3 at 15 degC; fall of the "
+        "viscosity with temperature: that of cetane, ASTM D341",
+    ),
+    _petroleum(
+        "kerosene",
+        ((-20.0, 4.1), (40.0, 1.282)),
+        799.0,
+        0.73,
+        233.15,
+        373.15,
+        "typical certificate of Jet A-1, whose specification (Def Stan 91-091) allows up to 8 mm^2/s at -20 degC and "
+        "775 to 840 kg/m^3 at 15 degC; fall of the viscosity with temperature: that of dodecane, ASTM D341",
+    ),
+    _LiquidEntry(
+        "glycol/water 50/50",
+        _exponential(-5.60125889, -3.26511829e-2, 2.51412728e-4, -1.31742016e-6),
+        _polynomial(1064.928663, -0.5323217, -2.241185e-03, 6.876436e-06),
+        243.15,
+        373.15,
+        "ethylene glycol and water, equal masses without inhibitors: A. Melinder, Properties of Secondary Working "
+        "Fluids for Indirect Systems, IIR (2010)",
+    ),
+    _LiquidEntry(
+        "ethanol",
+        _interpolated(((0.0, 1.786), (25.0, 1.074), (50.0, 0.694), (75.0, 0.476))),
+        _polynomial(789.3, -0.85),
+        273.15,
+        348.15,
+        f"{_CRC}; density 789.3 kg/m^3 at 20 degC",
+    ),
+    _LiquidEntry(
+        "ethylene glycol",
+        _interpolated(((25.0, 16.1), (50.0, 6.554), (75.0, 3.340), (100.0, 1.975))),
+        _polynomial(1113.5, -0.70),
+        283.15,
+        373.15,
+        f"{_CRC}; density 1113.5 kg/m^3 at 20 degC",
+    ),
+)
+
+
+FLUIDS = MappingProxyType({entry.name: entry.at(ROOM_TEMPERATURE) for entry in LIQUID_ENTRIES})
+"""The library at 20 degC: name -> Liquid, read-only."""
+
+
+@dataclass(frozen=True)
+class _GasEntry:
+    """One gas of the library: eta = scale sqrt(T)/exp(sum b_i ln(T/T_e)^i) at zero density."""
+
+    name: str
+    molar_mass: float
+    scale: float
+    energy: float
+    collision: tuple[float, ...]
+    low: float
+    high: float
+    dilute_pressure: float
+    source: str
+
+    def at(self, temperature: float) -> Gas:
+        T = checked_temperature(self.name, temperature, self.low, self.high)
+        log_integral = np.polynomial.polynomial.polyval(np.log(T / self.energy), self.collision)
+        viscosity = self.scale * np.sqrt(T) * np.exp(-log_integral)
+        return Gas(self.name, self.molar_mass, float(viscosity), T, self.source, self.dilute_pressure)
+
+
+# Collision integral of Lemmon & Jacobsen (2004).
+_LEMMON = (0.431, -0.4623, 0.08406, 0.005341, -0.00331)
+_AIR_PAPER = (
+    "E. W. Lemmon, R. T Jacobsen, Int. J. Thermophys. 25, 21 (2004), dilute gas, uncertainty 1 to 2 %"
+)
+_DILUTE = "; molar mass: IUPAC 2021"
+
+
+def _chapman_enskog(
+    name: str, molar_mass: float, diameter: float, energy: float, dilute_pressure: float, source: str
+) -> _GasEntry:
+    """Molar mass in g/mol, diameter in nm, energy over k in K, as in the papers."""
+    scale = 0.0266958e-6 * np.sqrt(molar_mass) / diameter**2
+    return _GasEntry(
+        name,
+        molar_mass * 1e-3,
+        float(scale),
+        energy,
+        _LEMMON,
+        200.0,
+        1000.0,
+        dilute_pressure,
+        source + _DILUTE,
+    )
+
+
+GAS_ENTRIES = (
+    _GasEntry(
+        "helium",
+        4.002602e-3,
+        19.825e-6 / np.sqrt(298.15),
+        298.15,
+        # eta ~ T^0.69
+        (0.0, -0.19),
+        200.0,
+        600.0,
+        100e5,
+        "J. J. Hurly, J. B. Mehl, J. Res. NIST 112, 75 (2007), 19.825 uPa s at 298.15 K from first principles; "
+        "eta ~ T^0.69 holds to 0.6 % from 200 to 600 K" + _DILUTE,
+    ),
+    _GasEntry(
+        "hydrogen",
+        2.01588e-3,
+        0.021357e-6 * np.sqrt(2.01588) / 0.297**2,
+        30.41,
+        (2.0963e-1, -4.55274e-1, 1.43602e-1, -3.35325e-2, 2.76981e-3),
+        200.0,
+        1000.0,
+        80e5,
+        "C. D. Muzny, M. L. Huber, A. F. Kazakov, J. Chem. Eng. Data 58, 969 (2013), dilute-gas viscosity, "
+        "uncertainty 2 %" + _DILUTE,
+    ),
+    _chapman_enskog("nitrogen", 28.0134, 0.3656, 98.94, 50e5, _AIR_PAPER),
+    _chapman_enskog("oxygen", 31.9988, 0.3428, 118.5, 44e5, _AIR_PAPER),
+    _chapman_enskog("argon", 39.948, 0.335, 143.2, 48e5, _AIR_PAPER),
+    _chapman_enskog("air", 28.9586, 0.360, 103.3, 49e5, _AIR_PAPER + "; dry air"),
+    _chapman_enskog(
+        "methane",
+        16.0428,
+        0.3758,
+        148.6,
+        27e5,
+        "Lennard-Jones parameters of R. A. Svehla, NASA TR R-132 (1962), in B. E. Poling et al., The Properties of "
+        "Gases and Liquids, 5th ed., App. B; collision integral of Lemmon & Jacobsen (2004); within 1 % of the "
+        "reference correlation from 200 to 600 K",
+    ),
+    _GasEntry(
+        "carbon dioxide",
+        44.0095e-3,
+        1.00697e-6,
+        251.196,
+        (0.235156, -0.491266, 5.211155e-2, 5.347906e-2, -1.537102e-2),
+        220.0,
+        1000.0,
+        9e5,
+        "A. Fenghour, W. A. Wakeham, V. Vesovic, J. Phys. Chem. Ref. Data 27, 31 (1998), dilute-gas viscosity, "
+        "uncertainty 0.3 % near 300 K" + _DILUTE,
+    ),
+)
+
+
+GASES = MappingProxyType({entry.name: entry.at(ROOM_TEMPERATURE) for entry in GAS_ENTRIES})
+"""The library at 20 degC: name -> Gas, read-only."""

@@ -1,0 +1,110 @@
+"""What a fluid is to a leak: the properties of a liquid and of a gas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from leak.errors import FluidError, positive
+
+
+@dataclass(frozen=True)
+class Liquid:
+    """A Newtonian, incompressible liquid at one temperature.
+
+    Parameters
+    ----------
+    name : str
+        What it is.
+    viscosity : float
+        Dynamic viscosity [Pa s].
+    density : float
+        [kg/m^3]
+    temperature : float
+        At which both hold [K].
+    source : str
+        Where the numbers come from.
+
+    Raises
+    ------
+    FluidError
+        A property is not positive and finite.
+    """
+
+    name: str
+    viscosity: float
+    density: float
+    temperature: float
+    source: str
+
+    def __post_init__(self) -> None:
+        for key, unit in (("viscosity", "Pa s"), ("density", "kg/m^3"), ("temperature", "K")):
+            positive(FluidError, key, getattr(self, key), unit)
+
+
+GAS_CONSTANT = 8.314462618
+"""R [J/(mol K)], exact in the SI of 2019."""
+
+
+@dataclass(frozen=True)
+class Gas:
+    """A dilute ideal gas at one temperature.
+
+    Parameters
+    ----------
+    name : str
+        What it is.
+    molar_mass : float
+        M [kg/mol].
+    viscosity : float
+        Dynamic viscosity [Pa s]; that of a dilute gas does not depend on its pressure.
+    temperature : float
+        At which the viscosity holds, and at which the gas flows [K].
+    source : str
+        Where the numbers come from.
+    dilute_pressure : float
+        Up to this pressure density and viscosity are those of the dilute ideal gas within 5 % [Pa].
+
+    Raises
+    ------
+    FluidError
+        A property is not positive.
+
+    Examples
+    --------
+    >>> helium = gas("helium")
+    >>> f"{helium.mean_free_path(101325.0) * 1e9:.0f} nm"
+    '189 nm'
+    """
+
+    name: str
+    molar_mass: float
+    viscosity: float
+    temperature: float
+    source: str
+    dilute_pressure: float = float("inf")
+
+    def __post_init__(self) -> None:
+        for key, unit in (("molar_mass", "kg/mol"), ("viscosity", "Pa s"), ("temperature", "K")):
+            positive(FluidError, key, getattr(self, key), unit)
+        if not self.dilute_pressure > 0.0:
+            raise FluidError(f"dilute_pressure = {self.dilute_pressure!r}: must be positive [Pa]")
+
+    @property
+    def specific_gas_constant(self) -> float:
+        """R_s = R/M [J/(kg K)]."""
+        return GAS_CONSTANT / self.molar_mass
+
+    @property
+    def molecular_speed(self) -> float:
+        """Most probable speed v0 = sqrt(2 R_s T) [m/s]."""
+        return float(np.sqrt(2.0 * self.specific_gas_constant * self.temperature))
+
+    def density(self, pressure: float) -> float:
+        """Rho = p/(R_s T) [kg/m^3]."""
+        return pressure / (self.specific_gas_constant * self.temperature)
+
+    def mean_free_path(self, pressure: float) -> float:
+        """Mean free path lambda = (eta/p) sqrt(pi R_s T/2) [m]."""
+        return 0.5 * float(np.sqrt(np.pi)) * self.viscosity * self.molecular_speed / pressure

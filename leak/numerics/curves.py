@@ -1,0 +1,153 @@
+"""Curves through points: strictly monotone with an inverse, and the not-a-knot cubic spline.
+
+Exactly those of `scipy.interpolate.CubicSpline` (a test says so), without importing scipy.interpolate: that alone
+takes as long as all leak rates of a case.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leak.arrays import FloatArray
+
+# Safeguarded Newton converges in about 6 steps; the rest is for cells in which one end is almost flat.
+_INVERSE_STEPS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class MonotoneCurve:
+    """Cubic Hermite curve y(x), continuously differentiable, continued by its end tangents.
+
+    Parameters
+    ----------
+    x : ndarray
+        Increasing, shape (n,).
+    y : ndarray
+        Strictly monotone, shape (n,).
+    slope : ndarray
+        dy/dx, of one sign and at most three times the neighbouring secants (Fritsch & Carlson, SIAM J. Numer.
+        Anal. 17, 238 (1980)), shape (n,).
+    """
+
+    x: FloatArray
+    y: FloatArray
+    slope: FloatArray
+
+    def value(self, x: FloatArray) -> FloatArray:
+        """y at x."""
+        return self.value_and_derivative(x)[0]
+
+    def derivative(self, x: FloatArray) -> FloatArray:
+        """dy/dx at x."""
+        return self.value_and_derivative(x)[1]
+
+    def value_and_derivative(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """y and dy/dx at x."""
+        x = np.asarray(x, dtype=float)
+        below, above = np.minimum(x - self.x[0], 0.0), np.maximum(x - self.x[-1], 0.0)
+        k = np.searchsorted(self.x[1:-1], x, side="right")
+        y, slope = self._cell(k, np.minimum(np.maximum(x, self.x[0]), self.x[-1]) - self.x[k])
+        return y + (below * self.slope[0] + above * self.slope[-1]), slope
+
+    @cached_property
+    def _cubics(self) -> FloatArray:
+        """Coefficients of the powers 0 to 3 of the distance from the left end of each cell, shape (4, n - 1)."""
+        h, secant = np.diff(self.x), np.diff(self.y) / np.diff(self.x)
+        left, right = self.slope[:-1], self.slope[1:]
+        return np.stack(
+            [self.y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
+        )
+
+    def _cell(self, k: NDArray[np.intp], s: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """y and dy/dx in the cells k at the distances s from their left ends."""
+        c0, c1, c2, c3 = self._cubics[:, k]
+        cubic = c3 * s
+        return c0 + s * (c1 + s * (c2 + cubic)), c1 + s * (2.0 * c2 + 3.0 * cubic)
+
+    def inverse(self, y: FloatArray) -> FloatArray:
+        """x at which the curve has the value y."""
+        y = np.asarray(y, dtype=float)
+        sign = np.sign(self.y[-1] - self.y[0])
+        k = np.clip(np.searchsorted(sign * self.y, sign * y, side="right") - 1, 0, self.x.size - 2)
+        h = self.x[k + 1] - self.x[k]
+        low, high = np.zeros(y.shape), np.ones(y.shape)
+        inside = np.clip(sign * y, sign * self.y[0], sign * self.y[-1]) * sign
+        t = (inside - self.y[k]) / (self.y[k + 1] - self.y[k])
+        for _ in range(_INVERSE_STEPS):
+            value, slope = self._cell(k, h * t)
+            error = value - inside
+            low, high = np.where(sign * error < 0.0, t, low), np.where(sign * error < 0.0, high, t)
+            newton = t - error / (slope * h)
+            following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+            done = np.max(np.abs(following - t), initial=0.0) < 1e-14
+            t = following
+            if done:
+                break
+        x = self.x[k] + h * t
+        end = np.where(sign * y > sign * self.y[-1], -1, 0)
+        return x + (y - inside) / self.slope[end]
+
+
+def shape_preserving_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Slopes of the monotone cubic of Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984) ("pchip")."""
+    h, secant = np.diff(x), np.diff(y) / np.diff(x)
+    if x.size == 2:
+        return np.repeat(secant, 2)
+    w1, w2 = 2.0 * h[1:] + h[:-1], h[1:] + 2.0 * h[:-1]
+    inner = (w1 + w2) / (w1 / secant[:-1] + w2 / secant[1:])
+    ends = [
+        _end_slope(h[0], h[1], secant[0], secant[1]),
+        _end_slope(h[-1], h[-2], secant[-1], secant[-2]),
+    ]
+    return np.concatenate([[ends[0]], inner, [ends[1]]])
+
+
+def _end_slope(h0: float, h1: float, secant0: float, secant1: float) -> float:
+    """One-sided three-point slope, kept of the sign of the first secant and never flat."""
+    slope = ((2.0 * h0 + h1) * secant0 - h0 * secant1) / (h0 + h1)
+    return float(np.clip(slope / secant0, 1e-3, 3.0) * secant0)
+
+
+def spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Slopes of the not-a-knot cubic spline through monotone points, limited so that the curve stays monotone."""
+    secant = np.diff(y) / np.diff(x)
+    left, right = np.append(secant[0], secant), np.append(secant, secant[-1])
+    gentlest = np.where(np.abs(left) < np.abs(right), left, right)
+    slope = cubic_spline_slopes(x, y) / np.where(gentlest == 0.0, 1.0, gentlest)
+    return np.clip(slope, 0.0, 3.0) * gentlest
+
+
+def cubic_spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Slopes dy/dx of the not-a-knot cubic spline at its points.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Points, strictly increasing, n >= 3.
+    y : ndarray, shape (n,)
+        Values.
+
+    References
+    ----------
+    C. de Boor, A Practical Guide to Splines (2001), chapter IV.
+    """
+    from scipy.linalg import solve_banded
+
+    h, secant = np.diff(x), np.diff(y) / np.diff(x)
+    if x.size == 3:  # a parabola
+        bend = (secant[1] - secant[0]) / (h[0] + h[1])
+        return np.array([secant[0] - bend * h[0], secant[0] + bend * h[0], secant[1] + bend * h[1]])
+    # The unused corners of the band must be finite: solve_banded looks at them.
+    upper, main, lower = np.zeros((3, x.size))
+    main[1:-1], upper[2:], lower[:-2] = 2.0 * (h[:-1] + h[1:]), h[:-1], h[1:]
+    right = np.empty(x.size)
+    right[1:-1] = 3.0 * (h[1:] * secant[:-1] + h[:-1] * secant[1:])
+    # Not-a-knot: the third derivative is continuous at the second and at the last but one point.
+    for end, (a, b), (s, t) in ((0, h[:2], secant[:2]), (-1, h[:-3:-1], secant[:-3:-1])):
+        main[end], right[end] = b, ((a + 2.0 * (a + b)) * b * s + a**2 * t) / (a + b)
+    upper[1], lower[-2] = h[0] + h[1], h[-1] + h[-2]
+    return solve_banded((1, 1), np.stack([upper, main, lower]), right)

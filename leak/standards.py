@@ -1,0 +1,408 @@
+"""Leakage classes of closed valves (ISO 5208, API 598, FCI 70-2), and the units of leak testing.
+
+The numbers are those of the revisions named in `STANDARDS`, taken from secondary literature (tables of manufacturers
+and of trade sites, which agree with each other), not from the standards themselves: for acceptance read the standard.
+A class says what the leak rate allows under the conditions calculated; the standards prescribe test pressures and
+fluids of their own.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from leak.errors import FluidError, positive
+
+_INCH = 0.0254
+_MINUTE = 60.0
+
+
+@dataclass(frozen=True)
+class Standard:
+    """A standard and where its limits come from."""
+
+    name: str
+    revision: str
+    source: str
+
+
+STANDARDS = MappingProxyType(
+    {
+        one.name: one
+        for one in (
+            Standard(
+                "ISO 5208",
+                "ISO 5208:2015, table of maximum allowable closure test leakage rates",
+                "secondary: rates in mm^3/s times DN as printed in manufacturers' tables, cross-checked against the "
+                "same table in drops and bubbles (piping-world.com)",
+            ),
+            Standard(
+                "API 598",
+                "API 598, 10th edition (2016), metal-seated valves except check valves",
+                "secondary: 2 drops/min and 4 bubbles/min per inch of NPS above NPS 2; up to NPS 2 no visible "
+                "liquid and less than 1 bubble in the test of 15 s (piping-world.com, valvediagnostics.com); "
+                "1 ml = 16 drops, 1 ml = 100 bubbles (notes of the table, eng-tips.com)",
+            ),
+            Standard(
+                "FCI 70-2",
+                "ANSI/FCI 70-2-2006, classes II to VI",
+                "secondary: table of valvias.com; class VI also in ANSI/FCI 70-3-2004",
+            ),
+        )
+    }
+)
+
+# ISO 5208:2015: mm^3/s per mm of DN, liquid and gas.
+_ISO_5208 = (
+    ("AA", 0.006, 0.18),
+    ("B", 0.01, 0.3),
+    ("C", 0.03, 3.0),
+    ("CC", 0.08, 22.3),
+    ("D", 0.1, 30.0),
+    ("E", 0.3, 300.0),
+    ("EE", 0.39, 470.0),
+    ("F", 1.0, 3000.0),
+    ("G", 2.0, 6000.0),
+)
+# API 598: drops and bubbles per minute and per inch of nominal pipe size, above NPS 2 (DN 50).
+_API_DROPS, _API_BUBBLES, _API_SMALLEST = 2.0, 4.0, 50.0
+_API_BUBBLE_VOLUME = 1e-6 / 100.0
+# Up to DN 50 a gas may form less than one bubble in the shortest test, 15 s; a liquid may not be seen at all.
+_API_SHORTEST_TEST = 15.0
+# FCI 70-2: share of the rated capacity.
+_FCI_SHARES = (("IV", 1e-4), ("III", 1e-3), ("II", 5e-3))
+# Class V: 5e-12 m^3/s of water per mm of seat diameter and bar; 4.7 ml/min of air per inch of orifice.
+_FCI_V_LIQUID = 5e-12 / (1e-3 * 1e5)
+_FCI_V_GAS = 4.7e-6 / _MINUTE / _INCH
+# Class VI: nominal seat diameter [mm], air [ml/min].
+_FCI_VI = (
+    (25.0, 0.15),
+    (38.0, 0.30),
+    (51.0, 0.45),
+    (64.0, 0.60),
+    (76.0, 0.90),
+    (102.0, 1.70),
+    (152.0, 4.00),
+    (203.0, 6.75),
+    (250.0, 11.1),
+    (300.0, 16.0),
+    (350.0, 21.6),
+    (400.0, 28.4),
+)
+
+
+@dataclass(frozen=True)
+class LeakageLimit:
+    """The largest leak rate of one class of one standard for one valve.
+
+    Parameters
+    ----------
+    standard, name : str
+        Such as "ISO 5208", "B".
+    leak_rate : float
+        Largest allowed volume flow; of a gas at atmospheric pressure [m^3/s].
+    """
+
+    standard: str
+    name: str
+    leak_rate: float
+
+
+@dataclass(frozen=True)
+class LeakageClass:
+    """The best class of one standard that a leak rate meets.
+
+    Parameters
+    ----------
+    standard : str
+    name : str or None
+        None if it meets no class of those that can be judged.
+    limit : float or None
+        Largest leak rate of that class [m^3/s].
+    """
+
+    standard: str
+    name: str | None
+    limit: float | None
+
+    def __str__(self) -> str:
+        """Standard and class in words."""
+        return f"{self.standard} {self.name}" if self.name else f"{self.standard}: no class met"
+
+
+def leakage_limits(
+    nominal_size: float,
+    *,
+    gas: bool,
+    pressure_drop: float | None = None,
+    seat_diameter: float | None = None,
+    rated_capacity: float | None = None,
+) -> tuple[LeakageLimit, ...]:
+    """Limits of all classes that can be judged for a valve, the tightest of each standard first.
+
+    Parameters
+    ----------
+    nominal_size : float
+        DN as a length: 0.025 for DN 25 [m].
+    gas : bool
+        Whether a gas leaks, or a liquid.
+    pressure_drop : float, optional
+        Pressure difference; class V of FCI 70-2 needs it for liquids [Pa].
+    seat_diameter : float, optional
+        Bore of the seat for FCI 70-2; the nominal size unless given [m].
+    rated_capacity : float, optional
+        Flow through the open valve under the same conditions; classes II to IV of FCI 70-2 need it [m^3/s].
+
+    Returns
+    -------
+    tuple of LeakageLimit
+        ISO 5208 "A", and API 598 for liquids up to DN 50, have the limit zero: no leak may be seen during the test.
+
+    Raises
+    ------
+    FluidError
+        A size, pressure or capacity is not positive.
+
+    Notes
+    -----
+    FCI 70-2 class VI is a test with air; limits between the tabulated diameters are interpolated, beyond the largest
+    there is none.
+
+    Examples
+    --------
+    >>> limits = {(one.standard, one.name): one.leak_rate for one in leakage_limits(0.025, gas=False)}
+    >>> f"{limits['ISO 5208', 'D'] * 1e9:.1f} mm^3/s"
+    '2.5 mm^3/s'
+    """
+    dn = 1e3 * positive(FluidError, "nominal_size", nominal_size, "m")
+    bore = 1e3 * positive(FluidError, "seat_diameter", seat_diameter or nominal_size, "m")
+    drop = None if pressure_drop is None else positive(FluidError, "pressure_drop", pressure_drop, "Pa")
+    capacity = (
+        None if rated_capacity is None else positive(FluidError, "rated_capacity", rated_capacity, "m^3/s")
+    )
+    return (
+        LeakageLimit("ISO 5208", "A", 0.0),
+        *(
+            LeakageLimit("ISO 5208", name, 1e-9 * dn * (of_gas if gas else of_liquid))
+            for name, of_liquid, of_gas in _ISO_5208
+        ),
+        LeakageLimit("API 598", "metal-seated", _api_limit(dn, gas)),
+        *_fci_limits(bore, gas, drop, capacity),
+    )
+
+
+def leakage_class(
+    leak_rate: float,
+    nominal_size: float,
+    *,
+    gas: bool,
+    pressure_drop: float | None = None,
+    seat_diameter: float | None = None,
+    rated_capacity: float | None = None,
+) -> tuple[LeakageClass, ...]:
+    """The tightest class of each standard that a leak rate meets.
+
+    A calculated leak that is not zero is never called "A" of ISO 5208, "no visible leakage": what is seen depends on
+    the duration of the test and on the observer.
+
+    Parameters
+    ----------
+    leak_rate : float
+        Volume flow; of a gas at atmospheric pressure (`GasLeakResult.leak_rate`); infinite for a seal that the fluid
+        has blown open, which meets no class [m^3/s].
+    nominal_size, gas, pressure_drop, seat_diameter, rated_capacity
+        See `leakage_limits`.
+
+    Returns
+    -------
+    tuple of LeakageClass
+        One for each standard that has a limit for these data.
+
+    Examples
+    --------
+    >>> [str(one) for one in leakage_class(1.2e-9, 0.025, gas=False, pressure_drop=20e5)]
+    ['ISO 5208 CC', 'API 598: no class met', 'FCI 70-2 V']
+    """
+    if not leak_rate >= 0.0:
+        raise FluidError(f"leak_rate = {leak_rate!r}: must be a number, not negative [m^3/s]")
+    limits = leakage_limits(
+        nominal_size,
+        gas=gas,
+        pressure_drop=pressure_drop,
+        seat_diameter=seat_diameter,
+        rated_capacity=rated_capacity,
+    )
+    return tuple(
+        _tightest(standard, [one for one in limits if one.standard == standard], leak_rate)
+        for standard in dict.fromkeys(one.standard for one in limits)
+    )
+
+
+def nominal_size_of_bore(diameter: float) -> float:
+    """The standard DN nearest to a bore, as a length [m]; for valves whose size is not given.
+
+    Parameters
+    ----------
+    diameter : float
+        [m]
+
+    Examples
+    --------
+    >>> nominal_size_of_bore(0.0265)
+    0.025
+    """
+    bore = 1e3 * positive(FluidError, "diameter", diameter, "m")
+    return min(_DN, key=lambda dn: abs(dn / bore - 1.0) if dn > bore else abs(bore / dn - 1.0)) * 1e-3
+
+
+def read_nominal_size(text: str) -> float | None:
+    """Length [m] of "DN25", "DN 25" or "NPS 1", "NPS 1 1/2"; None if the text is neither.
+
+    Examples
+    --------
+    >>> read_nominal_size("DN 25"), read_nominal_size("NPS 1/2")
+    (0.025, 0.015)
+    """
+    dn = re.fullmatch(r"\s*DN\s*(\d{1,4})\s*", text, flags=re.IGNORECASE)
+    if dn:
+        return float(dn[1]) * 1e-3 or None
+    nps = re.fullmatch(r"\s*NPS\s*(\d{1,3})?(?:[\s-]*(\d)/(\d))?\s*", text, flags=re.IGNORECASE)
+    if not nps or not (nps[1] or nps[2]) or nps[3] == "0":
+        return None
+    inches = float(nps[1] or 0) + (float(nps[2]) / float(nps[3]) if nps[2] else 0.0)
+    return _NPS.get(inches, 25.0 * inches) * 1e-3 if inches else None
+
+
+# ISO 6708 sizes in use.
+_DN = (
+    6,
+    8,
+    10,
+    15,
+    20,
+    25,
+    32,
+    40,
+    50,
+    65,
+    80,
+    100,
+    125,
+    150,
+    200,
+    250,
+    300,
+    350,
+    400,
+    450,
+    500,
+    600,
+    700,
+    800,
+)
+# NPS [inch] to DN where it is not 25 mm to the inch.
+_NPS = {
+    0.125: 6.0,
+    0.25: 8.0,
+    0.375: 10.0,
+    0.5: 15.0,
+    0.75: 20.0,
+    1.25: 32.0,
+    1.5: 40.0,
+    2.5: 65.0,
+    3.0: 80.0,
+    3.5: 90.0,
+}
+
+
+def _tightest(standard: str, limits: list[LeakageLimit], leak_rate: float) -> LeakageClass:
+    met = [one for one in limits if leak_rate <= one.leak_rate]
+    if not met:
+        return LeakageClass(standard, None, None)
+    best = min(met, key=lambda one: one.leak_rate)
+    return LeakageClass(standard, best.name, best.leak_rate)
+
+
+def _api_limit(dn: float, gas: bool) -> float:
+    if dn <= _API_SMALLEST:
+        return _API_BUBBLE_VOLUME / _API_SHORTEST_TEST if gas else 0.0
+    volume = _API_BUBBLES * _API_BUBBLE_VOLUME if gas else _API_DROPS * DROP_VOLUME
+    inches = next((inch for inch, size in _NPS.items() if size == dn), dn / 25.0)
+    return inches * volume / _MINUTE
+
+
+def _fci_limits(
+    bore: float, gas: bool, pressure_drop: float | None, rated_capacity: float | None
+) -> Iterator[LeakageLimit]:
+    """Bore in mm."""
+    if gas:
+        limit = _class_six(bore)
+        if limit is not None:
+            yield LeakageLimit("FCI 70-2", "VI", limit)
+        yield LeakageLimit("FCI 70-2", "V", _FCI_V_GAS * bore * 1e-3)
+    elif pressure_drop is not None:
+        yield LeakageLimit("FCI 70-2", "V", _FCI_V_LIQUID * bore * 1e-3 * pressure_drop)
+    if rated_capacity is not None:
+        for name, share in _FCI_SHARES:
+            yield LeakageLimit("FCI 70-2", name, share * rated_capacity)
+
+
+def _class_six(bore: float) -> float | None:
+    sizes, rates = zip(*_FCI_VI, strict=True)
+    if bore > sizes[-1]:
+        return None
+    below = max((n for n, size in enumerate(sizes) if size <= bore), default=0)
+    if bore <= sizes[0] or below == len(sizes) - 1:
+        return rates[below] * 1e-6 / _MINUTE
+    share = (bore - sizes[below]) / (sizes[below + 1] - sizes[below])
+    return (rates[below] + share * (rates[below + 1] - rates[below])) * 1e-6 / _MINUTE
+
+
+STANDARD_PRESSURE = 101325.0
+"""Pressure of the standard state, one atmosphere [Pa]."""
+STANDARD_TEMPERATURE = 273.15
+"""Temperature of the standard state, 0 degC (DIN 1343, ISO 10780; "sccm", "standard ml/min") [K]."""
+DROP_VOLUME = 1e-6 / 16.0
+"""One drop of liquid: 16 drops are one millilitre (API 598, table of closure tests, note a) [m^3]."""
+BUBBLE_VOLUME = 0.15e-6
+"""One bubble of gas from a tube of 6 mm: 0.15 ml (FCI 70-2, class VI) [m^3]."""
+
+
+def millilitres_per_minute(leak_rate: float) -> float:
+    """Volume flow [m^3/s] in ml/min.
+
+    Examples
+    --------
+    >>> round(millilitres_per_minute(1e-6), 9)
+    60.0
+    """
+    return leak_rate * 60e6
+
+
+def drops_per_minute(leak_rate: float, drop_volume: float = DROP_VOLUME) -> float:
+    """Volume flow of a liquid [m^3/s] in drops/min, a drop being 1/16 ml unless given [m^3].
+
+    Examples
+    --------
+    >>> round(drops_per_minute(1e-6 / 60), 9)
+    16.0
+    """
+    return leak_rate * 60.0 / drop_volume
+
+
+def bubbles_per_minute(leak_rate: float, bubble_volume: float = BUBBLE_VOLUME) -> float:
+    """Volume flow of a gas [m^3/s] in bubbles/min, a bubble being 0.15 ml unless given [m^3]."""
+    return leak_rate * 60.0 / bubble_volume
+
+
+def millibar_litres_per_second(throughput: float) -> float:
+    """Throughput of a gas [Pa m^3/s] in mbar l/s.
+
+    Examples
+    --------
+    >>> millibar_litres_per_second(1.0)
+    10.0
+    """
+    return throughput * 10.0

@@ -1,0 +1,1 @@
+"""Rough surfaces: from heights that an instrument measured to the power spectrum."""

@@ -1,0 +1,223 @@
+"""What a scan says about the spectrum: mean Fourier power in bins, and how a spectrum would show up there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leak.arrays import FloatArray
+from leak.surfaces.scans import HeightMap, LineScan, Topography
+
+IntArray = NDArray[np.intp]
+
+Window = Literal["hann", "none"]
+WINDOWS: tuple[str, ...] = get_args(Window)
+
+# A mode seen through a Hann window takes these shares of its power from itself and its two neighbours.
+_NEIGHBOURS = {"hann": {-1: 1 / 6, 0: 2 / 3, 1: 1 / 6}, "none": {0: 1.0}}
+# Sum of the squared correlations of one mode with all others: neighbouring modes of a Hann window are not independent.
+_CORRELATION = {"hann": 35.0 / 18.0, "none": 1.0}
+# Modes by which a bin with more of them is represented, in a line scan and in a map.
+_LINE_SAMPLES, _MAP_SAMPLES = 12, 150
+# Fourier power this small against the variance of the scan is rounding.
+_ROUNDING = 1e-20
+
+
+@dataclass(frozen=True, eq=False)
+class Periodogram:
+    """Fourier modes of one scan or map, those of opposite wavenumber counted once.
+
+    Parameters
+    ----------
+    wavenumber : ndarray, shape (n,)
+        Length q of the wave vectors, increasing [1/m].
+    vector : ndarray, shape (n, dim)
+        The wave vectors [1/m].
+    power : ndarray, shape (n,)
+        Density: C_1D of a line scan [m^3], C of a map [m^4].
+    cell : ndarray, shape (n,)
+        Share of wavenumber space, such that sum(power * cell) is the variance of the windowed heights.
+    step : ndarray, shape (dim,)
+        Distance of neighbouring modes along each direction [1/m].
+    window : str
+    """
+
+    wavenumber: FloatArray
+    vector: FloatArray
+    power: FloatArray
+    cell: FloatArray
+    step: FloatArray
+    window: Window
+
+    @property
+    def dimension(self) -> int:
+        """1 for a line scan, 2 for a map."""
+        return self.step.size
+
+    @property
+    def shares(self) -> FloatArray:
+        """Contribution of each mode to the variance of the windowed heights, shape (n,) [m^2]."""
+        return self.power * self.cell
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Binned periodogram with its expectation for a spectrum C: ``weights @ C(samples)``.
+
+    Parameters
+    ----------
+    wavenumber : ndarray, shape (bins,)
+        Mean q of the modes in each bin [1/m].
+    density : ndarray, shape (bins,)
+        Mean power [m^3] or [m^4].
+    freedom : ndarray, shape (bins,)
+        Number of independent modes [-].
+    samples : ndarray, shape (samples,)
+        Wavenumbers at which C is taken [1/m].
+    weights : ndarray, shape (bins, samples)
+        [1/m] for a line scan, [-] for a map.
+    """
+
+    wavenumber: FloatArray
+    density: FloatArray
+    freedom: FloatArray
+    samples: FloatArray
+    weights: FloatArray
+
+
+def periodogram(scan: Topography, window: Window) -> Periodogram:
+    """Fourier power of a scan without form, windowed; a window of mean square 1 keeps the variance on average."""
+    return _of_line(scan, window) if isinstance(scan, LineScan) else _of_map(scan, window)
+
+
+def _of_line(scan: LineScan, window: Window) -> Periodogram:
+    n = scan.heights.size
+    heights = _windowed(scan.heights, _window(n, window))
+    dq = float(2.0 * np.pi / scan.length)
+    modes = np.arange(1, (n + 1) // 2, dtype=np.float64)
+    power = np.abs(np.fft.rfft(heights)[1 : modes.size + 1]) ** 2 / n**2 / dq
+    q = dq * modes
+    return Periodogram(
+        q, q[:, None], _above_rounding(power, 2.0 * dq), np.full(q.shape, 2.0 * dq), np.array([dq]), window
+    )
+
+
+def _of_map(scan: HeightMap, window: Window) -> Periodogram:
+    nx, ny = scan.heights.shape
+    heights = _windowed(scan.heights, np.multiply.outer(_window(nx, window), _window(ny, window)))
+    dqx, dqy = (2.0 * np.pi / side for side in scan.size)
+    mx, my = np.round(np.fft.fftfreq(nx) * nx), np.arange(ny // 2 + 1)
+    power = np.abs(np.fft.rfft2(heights)) ** 2 / (nx * ny) ** 2 / (dqx * dqy)
+    # of each pair of opposite modes one; those at the Nyquist wavenumber, which have no sign, are left out
+    half = (my > 0) | ((my == 0) & (mx[:, None] > 0))
+    half &= (2 * np.abs(mx[:, None]) < nx) & (2 * my < ny)
+    qx, qy = (grid[half] for grid in np.meshgrid(dqx * mx, dqy * my, indexing="ij"))
+    q = np.hypot(qx, qy)
+    order = np.argsort(q, kind="stable")
+    cell = np.full(q.shape, 2.0 * dqx * dqy)
+    vector = np.stack([qx, qy], axis=1)[order]
+    power = _above_rounding(power[half], 2.0 * dqx * dqy)
+    return Periodogram(q[order], vector, power[order], cell, np.array([dqx, dqy]), window)
+
+
+def _window(n: int, window: Window) -> FloatArray:
+    if window == "none":
+        return np.ones(n)
+    return (1.0 - np.cos(2.0 * np.pi * (np.arange(n) + 0.5) / n)) / np.sqrt(1.5)
+
+
+def _windowed(heights: FloatArray, weights: FloatArray) -> FloatArray:
+    # no constant part may remain: through the window it would look like the longest wave
+    return weights * (heights - np.sum(weights * heights) / np.sum(weights))
+
+
+def _above_rounding(power: FloatArray, cell: float) -> FloatArray:
+    return np.maximum(power, _ROUNDING * np.sum(power)) + np.finfo(float).tiny / cell
+
+
+def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evidence:
+    """Bin a periodogram and say what a spectrum would give in each bin.
+
+    Parameters
+    ----------
+    modes : Periodogram
+    edges : ndarray
+        Edges of the bins [1/m]; modes outside are left out, bins without modes too.
+    beyond : ndarray
+        Edges of the pieces of C that a line scan sees, over all wavenumbers [1/m].
+    """
+    inside = np.flatnonzero(
+        (modes.wavenumber >= edges[0] * (1 - 1e-9)) & (modes.wavenumber <= edges[-1] * (1 + 1e-9))
+    )
+    bins = np.clip(np.searchsorted(edges, modes.wavenumber[inside] * (1 + 1e-9)) - 1, 0, edges.size - 2)
+    groups = [inside[bins == k] for k in np.unique(bins)]
+    count = np.array([group.size for group in groups])
+    # correlated only with those modes that are in the same bin
+    tied = (_CORRELATION[modes.window] - 1.0) * (1.0 - 1.0 / count) + 1.0
+    build = _line_weights if modes.dimension == 1 else _map_weights
+    samples, weights = build(modes, groups, beyond)
+    return Evidence(
+        np.array([modes.wavenumber[group].mean() for group in groups]),
+        np.array([modes.power[group].mean() for group in groups]),
+        np.maximum(count / tied**modes.dimension, 1.0),
+        samples,
+        weights,
+    )
+
+
+def _line_weights(
+    modes: Periodogram, groups: list[IntArray], edges: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Expected C_1D of each bin from pieces of constant C, the smearing of the window included."""
+    step = modes.step[0]
+    rows = []
+    for group in groups:
+        q = _represented(modes.wavenumber[group], _LINE_SAMPLES)
+        row = np.zeros(edges.size - 1)
+        for shift, share in _NEIGHBOURS[modes.window].items():
+            near = q + shift * step
+            row += share * abel_weights(near[near > 0.5 * step], edges).sum(axis=0) / q.size
+        rows.append(row)
+    return np.sqrt(edges[1:] * edges[:-1]), np.array(rows)
+
+
+def _represented(q: FloatArray, most: int) -> FloatArray:
+    """Few wavenumbers with the mean of many."""
+    if q.size <= most:
+        return q
+    half = 0.5 * (q[1] - q[0])
+    edges = np.linspace(q[0] - half, q[-1] + half, most + 1)
+    return 0.5 * (edges[1:] + edges[:-1])
+
+
+def _map_weights(
+    modes: Periodogram, groups: list[IntArray], edges: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Expected C of each bin from C at the modes, the smearing of the window included."""
+    shares = _NEIGHBOURS[modes.window]
+    shifts = np.array([(i * modes.step[0], j * modes.step[1]) for i in shares for j in shares])
+    share = np.array([shares[i] * shares[j] for i in shares for j in shares])
+    centres = np.log(np.sqrt(edges[1:] * edges[:-1]))
+    rows = np.zeros((len(groups), centres.size))
+    for row, group in zip(rows, groups, strict=True):
+        few = group[:: 1 + group.size // _MAP_SAMPLES]
+        q = np.linalg.norm(modes.vector[few, None, :] + shifts, axis=2)
+        # the mean height is taken off, so nothing comes from there
+        real = q > 0.25 * modes.step.min()
+        piece = np.searchsorted(centres, np.log(np.where(real, q, 1.0)))
+        np.add.at(
+            row, np.clip(piece, 0, centres.size - 1)[real], np.broadcast_to(share, q.shape)[real] / few.size
+        )
+    return np.exp(centres), rows
+
+
+def abel_weights(wavenumber: FloatArray, edges: FloatArray) -> FloatArray:
+    """Weights of pieces of constant C in C_1D, shape (len(wavenumber), len(edges) - 1) [1/m].
+
+    C_1D(q) = 2 int_q^inf C(k) k dk / sqrt(k^2 - q^2), exact for a C that is constant between `edges`.
+    """
+    reach = np.sqrt(np.maximum(edges[None, :] ** 2 - wavenumber[:, None] ** 2, 0.0))
+    return 2.0 * np.diff(reach, axis=1)

@@ -1,0 +1,343 @@
+"""Line scans and height maps from the files of instruments, and from text."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from leak.errors import ScanError
+from leak.surfaces.scans import LineScan, Topography, height_map, line_scan
+
+_NO_SIZE = "does not state how long and wide the measured area is; export it in a format that does"
+_INSTALL = 'pip install "fem-seal[surfaces]"'
+
+
+def read_topography(path: str | PathLike[str], *, unit: Unit | None = None) -> Topography:
+    """Line scan or height map from a file.
+
+    Text of two columns is read directly; all other formats through SurfaceTopography (the extra ``surfaces``).
+
+    Parameters
+    ----------
+    path : path
+        File of an instrument, or text with position and height.
+    unit : str or two of them, optional
+        Unit of length of x and height ("um"), or of each (("mm", "um")), where the file states none; a unit that
+        contradicts the file is refused.
+
+    Returns
+    -------
+    LineScan or HeightMap
+
+    Raises
+    ------
+    ScanError
+        If the file cannot be read, holds no usable scan, or its units are unknown. The message begins with the path.
+
+    Examples
+    --------
+    >>> read_topography("missing.csv")
+    Traceback (most recent call last):
+        ...
+    leak.errors.ScanError: missing.csv: cannot be read (no such file or directory)
+    """
+    file = Path(path)
+    try:
+        try:
+            return read_text_scan(file, unit)
+        except NotColumnsError as not_columns:
+            return _read_instrument_file(file, unit, str(not_columns))
+    except (OSError, ValueError) as error:
+        reason = str(error)
+        if isinstance(error, OSError) or not isinstance(error, ScanError):
+            reason = f"cannot be read ({(getattr(error, 'strerror', None) or 'not a file name').lower()})"
+        raise ScanError(f"{file}: {reason}") from None
+
+
+def read_topographies(
+    paths: str | PathLike[str] | Sequence[str | PathLike[str]], *, unit: Unit | None = None
+) -> tuple[Topography, ...]:
+    """The same for one file or several scans of one surface."""
+    several = [paths] if isinstance(paths, (str, PathLike)) else list(paths)
+    return tuple(read_topography(path, unit=unit) for path in several)
+
+
+def _read_instrument_file(file: Path, unit: Unit | None, why_not_text: str) -> Topography:
+    try:
+        from SurfaceTopography.IO import open_topography
+    except ImportError:
+        raise ScanError(
+            f"{why_not_text}; other files are read by SurfaceTopography, which is not installed: {_INSTALL}"
+        ) from None
+    # the readers are others' code for dozens of binary formats, and a damaged file makes them raise anything
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with open_topography(str(file)) as reader:
+                given = {} if reader.default_channel.unit is not None or unit is None else {"unit": "m"}
+                topography = reader.topography(**given)
+                return _converted(
+                    topography, unit if given else None, reader.default_channel.unit, unit, file.name
+                )
+    except ScanError:
+        raise
+    except Exception as error:
+        if "physical_sizes" in str(error):
+            raise ScanError(f"{why_not_text}; as a matrix of heights it {_NO_SIZE}") from None
+        known = type(error).__name__ not in ("CannotDetectFileFormat", "UnknownFileFormat")
+        detail = f" ({' '.join(str(error).split())[:160]})" if known and str(error) else ""
+        raise ScanError(f"{why_not_text}, and SurfaceTopography cannot read it{detail}") from None
+
+
+def _converted(
+    topography: Any, given: Unit | None, stated: object, unit: Unit | None, name: str
+) -> Topography:
+    """Heights and positions in metres."""
+    size = LENGTH_UNITS.get(str(stated).strip().lower()) if stated is not None else None
+    if stated is not None and size is None:
+        raise ScanError(f"its unit, {stated!r}, is not a length")
+    in_x, in_h = (
+        agreed(column, size, one) for column, one in zip(("x", "height"), two_units(unit), strict=True)
+    )
+    tip = _tip_radius(topography.info)
+    if topography.dim == 1 and not topography.is_uniform:
+        x, h = topography.positions_and_heights()
+        return line_scan(np.asarray(x) * in_x, np.asarray(h) * in_h, name=name, tip_radius=tip)
+    if topography.physical_sizes is None:
+        raise ScanError(_NO_SIZE)
+    heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan) * in_h
+    steps = [
+        length * in_x / n for length, n in zip(topography.physical_sizes, topography.nb_grid_pts, strict=True)
+    ]
+    if topography.dim == 1:
+        return line_scan(np.arange(heights.size) * steps[0], heights, name=name, tip_radius=tip)
+    return height_map(heights, (steps[0], steps[1]), name=name, tip_radius=tip)
+
+
+def _tip_radius(info: Any) -> float | None:
+    try:
+        tip = info["instrument"]["parameters"]["tip_radius"]
+        radius = float(tip["value"]) * LENGTH_UNITS[str(tip["unit"]).lower()]
+    except (KeyError, TypeError, ValueError):
+        return None
+    return radius if 0.0 < radius < 1.0 else None
+
+
+LENGTH_UNITS = {
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "µm": 1e-6,  # micro sign
+    "μm": 1e-6,  # Greek letter
+    "micron": 1e-6,
+    "microns": 1e-6,
+    "micrometer": 1e-6,
+    "micrometre": 1e-6,
+    "nm": 1e-9,
+    "nanometer": 1e-9,
+    "pm": 1e-12,
+    "å": 1e-10,
+    "angstrom": 1e-10,
+    "in": 0.0254,
+    "inch": 0.0254,
+    "uin": 0.0254e-6,
+    "µin": 0.0254e-6,
+    "millimeter": 1e-3,
+    "meter": 1.0,
+}
+
+
+_UNIT = "|".join(sorted(map(re.escape, LENGTH_UNITS), key=len, reverse=True))
+# "x [mm]", "height (um)", "Lateral um", "x_m"
+_IN_HEADING = re.compile(rf"[\[(]\s*({_UNIT})\s*[\])]|(?:^|[\s_/,])({_UNIT})$", re.IGNORECASE)
+_TIP = re.compile(rf"(?:stylus|tip)\b.*?radius\D*?(\d+(?:\.\d*)?)\s*({_UNIT})\b", re.IGNORECASE)
+# An instrument's header is shorter than this; a longer text without numbers is none.
+_LONGEST_HEADER = 300
+# Control characters other than tab, line feed, form feed and carriage return do not occur in text.
+_CONTROL = re.compile("[\x00-\x08\x0b\x0e-\x1f\x7f]")
+
+
+class NotColumnsError(ScanError):
+    """A file is no text with two columns; another reader may know it."""
+
+
+@dataclass(frozen=True)
+class _Block:
+    """Text lines above the numbers, and the lines of numbers with their place in the file."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[int, str], ...]
+
+
+def read_text_scan(path: Path, unit: Unit | None = None) -> LineScan:
+    """Line scan from a text file.
+
+    Two columns of numbers, position and height, separated by comma, semicolon, tab or spaces; a third column called
+    "valid" with 0 for invalid points is honoured. Units are taken from the heading ("x [mm]", "Lateral um") or from
+    `unit`. Lines that begin with # count as heading.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    unit : str or two of them, optional
+        Unit of both columns, or of x and height; needed where the file states none.
+
+    Raises
+    ------
+    NotColumnsError
+        No text, or not two columns.
+    ScanError
+        Empty, a line that is not like the others, NaN, no unit, or what `line_scan` refuses.
+    """
+    block = _numbers_of(_decoded(path.read_bytes()))
+    headings = [_headings(line) for line in block.header[-3:]]
+    with_flag = any(len(cells) == 3 and cells[2].lower() == "valid" for cells in headings)
+    columns = 3 if with_flag else 2
+    values = _table(block, columns)
+    # a heading of another number of cells is none, and a unit in it could belong to either column
+    headings = [cells for cells in headings if len(cells) == columns]
+    stated = [_stated_unit(headings, column) for column in (0, 1)]
+    units = [
+        agreed(name, one, given)
+        for name, one, given in zip(("x", "height"), stated, two_units(unit), strict=True)
+    ]
+    valid = values[:, 2] != 0.0 if with_flag else np.ones(len(values), dtype=bool)
+    x, h = values[valid, 0] * units[0], values[valid, 1] * units[1]
+    return line_scan(x, h, name=path.name, tip_radius=_stated_tip_radius(block.header))
+
+
+def _decoded(content: bytes) -> str:
+    if not content.strip(b"\x00 \t\r\n"):
+        raise ScanError("is empty")
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        text = content.decode("utf-16", errors="replace")
+    else:
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = content.decode("latin-1")
+    if _CONTROL.search(text):
+        raise NotColumnsError("is not a text file")
+    return text
+
+
+def _numbers_of(text: str) -> _Block:
+    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    numeric = [number for number, (_, line) in enumerate(lines[:_LONGEST_HEADER]) if _row(line) is not None]
+    if not numeric:
+        raise NotColumnsError("holds no columns of numbers")
+    # a number may stand alone in a header
+    first = next((n for n in numeric if n + 1 in numeric), numeric[0])
+    return _Block(tuple(line for _, line in lines[:first]), tuple(lines[first:]))
+
+
+def _table(block: _Block, columns: int) -> np.ndarray:
+    first = _row(block.rows[0][1]) or []
+    if len(first) != columns:
+        raise NotColumnsError(
+            f"line {block.rows[0][0]} holds {len(first)} column{'s' * (len(first) != 1)}: must hold two, x and height"
+        )
+    rows = []
+    for number, line in block.rows:
+        row = _row(line)
+        if row is None or len(row) != columns:
+            raise ScanError(
+                f'line {number} ("{line[:40]}"): must hold {columns} numbers, like line {block.rows[0][0]}'
+            )
+        rows.append(row)
+    values = np.array(rows)
+    bad = ~np.isfinite(values).all(axis=1)
+    if bad.any():
+        number, line = block.rows[int(np.argmax(bad))]
+        raise ScanError(f'line {number} ("{line[:40]}"): must hold finite numbers')
+    return values
+
+
+def _row(line: str) -> list[float] | None:
+    """The numbers of a line, None if anything else stands in it."""
+    try:
+        return [float(cell) for cell in _cells(line)]
+    except ValueError:
+        return None
+
+
+def _cells(line: str) -> list[str]:
+    """Cells of a line without empty ones at its end; decimal commas where no comma separates."""
+    if re.search(r"[;\t]", line):
+        cells = [cell.strip() for cell in re.split(r"[;\t]", line)]
+        cells = [
+            cell.replace(",", ".") if re.fullmatch(r"[+-]?\d+,\d+(e[+-]?\d+)?", cell, re.I) else cell
+            for cell in cells
+        ]
+    elif "," in line:
+        cells = [cell.strip() for cell in line.split(",")]
+    else:
+        cells = line.split()
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
+def _headings(line: str) -> list[str]:
+    """Cells of a heading, a unit in brackets with what stands before it."""
+    return _cells(re.sub(r"\s+([\[(])", r"\1", line.lstrip("# ")))
+
+
+def _stated_unit(headings: list[list[str]], column: int) -> float | None:
+    for cells in reversed(headings):
+        found = _IN_HEADING.search(cells[column].strip('"'))
+        if found:
+            return LENGTH_UNITS[(found[1] or found[2]).lower()]
+    return None
+
+
+def _stated_tip_radius(header: tuple[str, ...]) -> float | None:
+    for line in header:
+        found = _TIP.search(line)
+        if found and float(found[1]) > 0.0:
+            return float(found[1]) * LENGTH_UNITS[found[2].lower()]
+    return None
+
+
+Unit = str | Sequence[str]
+
+
+def length_unit(name: object) -> float:
+    """Size of a unit of length [m]; ScanError if it is none."""
+    size = LENGTH_UNITS.get(name.strip().lower()) if isinstance(name, str) else None
+    if size is None:
+        known = ", ".join(unit for unit in LENGTH_UNITS if unit.isascii())
+        raise ScanError(f"unit = {name!r}: must be a unit of length: {known}")
+    return size
+
+
+def two_units(unit: Unit | None) -> tuple[float | None, float | None]:
+    """Sizes of the units of x and height, from one unit for both or from two [m]."""
+    if unit is None:
+        return None, None
+    if isinstance(unit, str):
+        return length_unit(unit), length_unit(unit)
+    if len(unit) != 2:
+        raise ScanError(f'unit = {unit!r}: must be one unit, or two, those of x and height: ["mm", "um"]')
+    return length_unit(unit[0]), length_unit(unit[1])
+
+
+def agreed(column: str, stated: float | None, given: float | None) -> float:
+    """Unit of a column from what the file states and what the user gives; neither is overruled, none is guessed."""
+    if stated is None and given is None:
+        raise ScanError(
+            f'does not state the unit of {column}: give it, unit = "um", or two, unit = ["mm", "um"]'
+        )
+    if stated is not None and given is not None and abs(stated - given) > 1e-9 * stated:
+        raise ScanError(
+            f"unit: the file states that {column} is in units of {stated:g} m, but {given:g} m is given"
+        )
+    return float(stated if stated is not None else given)  # type: ignore[arg-type]

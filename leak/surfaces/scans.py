@@ -1,0 +1,279 @@
+"""Measured heights in metres: a line scan or a map, on an even grid, with form and tilt taken off on request."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from leak.arrays import FloatArray
+from leak.errors import ScanError
+
+Detrend = Literal["mean", "tilt", "curvature"]
+DETRENDS: tuple[str, ...] = get_args(Detrend)
+
+FEWEST_POINTS = 16
+# Bridged by straight lines, gaps in up to this share of a scan hardly change its spectrum; from the larger share
+# on there is no scan.
+_NARROW, _WIDE = 0.05, 0.2
+# Positions closer than this share of the length are the same place.
+_CLOSE = 1e-12
+# Positions this far off an even grid, in units of its spacing, move no height.
+_EVEN = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class LineScan:
+    """Heights at evenly spaced points along a line.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (n,)
+        Heights [m].
+    spacing : float
+        Distance of neighbouring points [m].
+    resolution : float
+        Distance of neighbouring points of the measurement, where that is larger than `spacing` [m].
+    tip_radius : float or None
+        Radius of the stylus tip, if the file says so [m].
+    name : str
+        What messages call it.
+    remarks : tuple of str
+        What was done to the data.
+    """
+
+    heights: FloatArray
+    spacing: float
+    resolution: float
+    tip_radius: float | None = None
+    name: str = ""
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def length(self) -> float:
+        """Number of points times spacing [m]."""
+        return self.heights.size * self.spacing
+
+    def without_form(self, detrend: Detrend) -> LineScan:
+        """The scan without its mean, its mean line or its mean parabola (least squares)."""
+        t = np.linspace(-1.0, 1.0, self.heights.size)
+        basis = np.asarray(np.polynomial.legendre.legvander(t, DETRENDS.index(detrend)), dtype=np.float64)
+        return replace(self, heights=_residual(self.heights, basis))
+
+
+@dataclass(frozen=True, eq=False)
+class HeightMap:
+    """Heights on an even rectangular grid.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (nx, ny)
+        Heights [m], index 0 along x.
+    spacing : tuple of float
+        Distance of neighbouring points along x and y [m].
+    tip_radius : float or None
+        Radius of the stylus tip, if the file says so [m].
+    name : str
+        What messages call it.
+    remarks : tuple of str
+        What was done to the data.
+    """
+
+    heights: FloatArray
+    spacing: tuple[float, float]
+    tip_radius: float | None = None
+    name: str = ""
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Number of points times spacing along x and y [m]."""
+        (nx, ny), (dx, dy) = self.heights.shape, self.spacing
+        return nx * dx, ny * dy
+
+    @property
+    def length(self) -> float:
+        """The longer side [m]."""
+        return max(self.size)
+
+    @property
+    def resolution(self) -> float:
+        """The coarser of both spacings [m]."""
+        return max(self.spacing)
+
+    def without_form(self, detrend: Detrend) -> HeightMap:
+        """The map without its mean, its mean plane or its mean paraboloid (least squares)."""
+        degree = DETRENDS.index(detrend)
+        x, y = (np.polynomial.legendre.legvander(np.linspace(-1, 1, n), degree) for n in self.heights.shape)
+        products = [
+            np.multiply.outer(x[:, i], y[:, j]).ravel()
+            for i in range(degree + 1)
+            for j in range(degree + 1 - i)
+        ]
+        flat = _residual(self.heights.ravel(), np.stack(products, axis=1))
+        return replace(self, heights=flat.reshape(self.heights.shape))
+
+
+Topography = LineScan | HeightMap
+
+
+def line_scan(x: ArrayLike, h: ArrayLike, *, name: str = "", tip_radius: float | None = None) -> LineScan:
+    """Line scan from positions and heights.
+
+    Points that are even but for the rounding of x, or to 0.1 % of their spacing, stay as they are; others are
+    interpolated linearly on an even grid of their median spacing.
+
+    Parameters
+    ----------
+    x, h : array_like, shape (n,)
+        Position, strictly increasing or strictly decreasing, and height [m].
+    name : str
+        What messages call it.
+    tip_radius : float, optional
+        Radius of the stylus tip [m].
+
+    Raises
+    ------
+    ScanError
+        Different lengths, fewer than 16 points, NaN or infinity, x not monotonic, all heights equal, or a gap of more
+        than a fifth of the length.
+    """
+    x, h = _checked(x, h)
+    n, length = x.size, float(x[-1] - x[0])
+    steps = np.diff(x)
+    if steps.min() < _CLOSE * length:
+        raise ScanError(
+            f"two positions x lie only {steps.min():.3g} m apart in a length of {length:.4g} m: that is round-off, no "
+            "step of a scan"
+        )
+    # the widest gaps left aside, as long as they are a small part of the length
+    widest = np.sort(steps)[::-1]
+    bridged = np.cumsum(widest)
+    resolution = float(widest[np.searchsorted(bridged, _NARROW * length)])
+    if widest[0] > _WIDE * length:
+        raise ScanError(
+            f"x has a gap of {widest[0]:.4g} m in a length of {length:.4g} m: allowed is a fifth of it"
+        )
+    spacing = length / (n - 1)
+    if _is_even(x, spacing):
+        return LineScan(h, spacing, spacing, tip_radius, name)
+    spacing = min(float(np.median(steps)), spacing)
+    count = round(length / spacing) + 1
+    if count > 20 * n:
+        raise ScanError(
+            f"x is too uneven: half of its steps are below {spacing:.3g} m, their mean is {length / n:.3g} m"
+        )
+    grid = np.linspace(x[0], x[-1], count)
+    remark = f"x is not evenly spaced (up to {widest[0]:.3g} m): interpolated on {count} points {spacing:.3g} m apart"
+    return LineScan(
+        np.interp(grid, x, h), length / (count - 1), max(resolution, spacing), tip_radius, name, (remark,)
+    )
+
+
+def height_map(
+    heights: ArrayLike, spacing: tuple[float, float], *, name: str = "", tip_radius: float | None = None
+) -> HeightMap:
+    """Height map from an array; points that are missing (NaN) are filled from their neighbours.
+
+    Parameters
+    ----------
+    heights : array_like, shape (nx, ny)
+        Heights [m], index 0 along x, at least 16 points along each side.
+    spacing : tuple of float
+        Distance of neighbouring points along x and y [m].
+    name : str
+        What messages call it.
+    tip_radius : float, optional
+        Radius of the stylus tip [m].
+
+    Raises
+    ------
+    ScanError
+        Not two-dimensional or too small, spacing not positive, all heights equal, or more than 5 % missing.
+    """
+    h = np.array(heights, dtype=float)
+    if h.ndim != 2 or min(h.shape) < FEWEST_POINTS:
+        raise ScanError(
+            f"map of shape {h.shape}: needs two dimensions and at least {FEWEST_POINTS} points a side"
+        )
+    if not all(0.0 < step < np.inf for step in spacing):
+        raise ScanError(f"spacing = {spacing}: must be two positive finite lengths [m]")
+    missing = ~np.isfinite(h)
+    share = float(missing.mean())
+    if share > _NARROW:
+        raise ScanError(
+            f"{share:.1%} of the map is missing: allowed is {_NARROW:.0%}; measure again or cut a piece out"
+        )
+    remarks: tuple[str, ...] = ()
+    if share > 0.0:
+        h = filled(h, missing)
+        remarks = (
+            f"{int(missing.sum())} missing points ({share:.2%}) are filled with the height of the nearest one",
+        )
+    _not_flat(h)
+    return HeightMap(h, (float(spacing[0]), float(spacing[1])), tip_radius, name, remarks)
+
+
+def _checked(x: ArrayLike, h: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    try:
+        x, h = np.array(x, dtype=float), np.array(h, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ScanError(f"x and h must be arrays of numbers: {error}") from None
+    if x.ndim != 1 or x.shape != h.shape:
+        raise ScanError(f"x has shape {x.shape}, h {h.shape}: both need one dimension and the same length")
+    if x.size < FEWEST_POINTS:
+        raise ScanError(f"a scan of {x.size} point{'s' * (x.size != 1)}: needs at least {FEWEST_POINTS}")
+    for name, values in (("x", x), ("h", h)):
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            raise ScanError(f"{name}[{bad[0]}] = {values[bad[0]]}: must be a finite number [m]")
+    if x[-1] < x[0]:
+        x, h = x[::-1], h[::-1]
+    back = np.flatnonzero(np.diff(x) <= 0.0)
+    if back.size:
+        i = int(back[0])
+        raise ScanError(f"x is not monotonic: {x[i]:.9g} m and {x[i + 1]:.9g} m follow each other")
+    _not_flat(h)
+    return x, h
+
+
+def _not_flat(h: FloatArray) -> None:
+    if np.ptp(h) <= 1e-14 * np.abs(h).max() or not np.ptp(h) < 1e100:
+        raise ScanError(
+            f"heights from {h.min():.4g} m to {h.max():.4g} m: no roughness to make a spectrum of"
+        )
+
+
+def _is_even(x: FloatArray, spacing: float) -> bool:
+    n = x.size
+    i = np.arange(n) - 0.5 * (n - 1)
+    slope = float(i @ x / (i @ i))
+    off = float(np.abs(x - x.mean() - slope * i).max())
+    return off <= _EVEN * spacing or off <= 0.6 * _rounding(x, 0.9 * spacing)
+
+
+def _rounding(x: FloatArray, below: float) -> float:
+    """Largest power of ten, up to `below`, of which all positions are multiples: the last digit they were given in."""
+    first = int(np.floor(np.log10(below)))
+    for exponent in range(first, first - 4, -1):
+        multiple = x / 10.0**exponent
+        if np.all(np.abs(multiple - np.round(multiple)) < 1e-6):
+            return 10.0**exponent
+    return 0.0
+
+
+def filled(h: FloatArray, missing: NDArray[np.bool_]) -> FloatArray:
+    """Heights with those missing replaced by the nearest one, shape (nx, ny) [m]."""
+    from scipy.ndimage import distance_transform_edt
+
+    nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
+    return np.asarray(h[tuple(nearest)])
+
+
+def _residual(h: FloatArray, basis: FloatArray) -> FloatArray:
+    # twice: the mean height of a scan can be a thousand times its roughness
+    for _ in range(2):
+        h = h - basis @ np.linalg.lstsq(basis, h, rcond=None)[0]
+    return h

@@ -1,0 +1,449 @@
+"""The power spectrum C(q) of a randomly rough surface: piecewise power laws with exact moments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from os import PathLike
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from leak.arrays import FloatArray
+from leak.errors import SpectrumError, positive
+from leak.surfaces.periodogram import Window
+from leak.surfaces.scan_files import Unit, read_topographies
+from leak.surfaces.scans import Detrend, line_scan
+from leak.surfaces.settings import ScanSettings, SelfAffineContinuation
+
+# A sum of two power laws is no power law; its log-log interpolant is made as good as this.
+_SUM_ERROR = 2e-5
+# Between two spectra that do not meet there is nothing; a log-log interpolant needs a positive number for it.
+_GAP = 1e-12
+# Quadratures stop at nodes where the exponent of C changes by more than this or C steps; smaller kinks do no harm.
+_KINK, _STEP = 0.05, 1e-4
+# With more kinks than this (a raw Fourier spectrum) they average out, and stopping at some of them is enough.
+_MOST_BREAKS = 400
+# The end of a spectrum that adds less than this fraction per e-fold of q to M; M itself resolves 1e-16.
+_FAINT = 1e-10
+
+
+class SpectrumPoint(NamedTuple):
+    """Where the cumulative slope moment has a given value: ln q and ln C there."""
+
+    log_wavenumber: FloatArray
+    log_density: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class PowerSpectrum:
+    """Isotropic two-dimensional power spectrum C(q), log-log linear between nodes and zero outside them.
+
+    The convention is <h^2> = 2 pi int q C dq and <|grad h|^2> = 2 pi int q^3 C dq. Two nodes at the
+    same wavenumber are a step. All moments are exact for this interpolant.
+
+    Parameters
+    ----------
+    wavenumber : array_like
+        q of the nodes, shape (n,), not decreasing [1/m].
+    density : array_like
+        C at the nodes, shape (n,), positive [m^4].
+
+    Raises
+    ------
+    SpectrumError
+        Fewer than two nodes, different lengths, values that are not positive and finite, q not increasing.
+
+    References
+    ----------
+    B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001).
+
+    Examples
+    --------
+    >>> spectrum = PowerSpectrum.self_affine(
+    ...     rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.1415926e6
+    ... )
+    >>> round(spectrum.rms_slope, 4)
+    0.4
+    """
+
+    wavenumber: FloatArray
+    density: FloatArray
+
+    def __post_init__(self) -> None:
+        try:
+            q = np.array(self.wavenumber, dtype=float)
+            C = np.array(self.density, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise SpectrumError(f"wavenumber and density must be arrays of numbers: {error}") from None
+        if q.ndim != 1 or q.shape != C.shape or q.size < 2:
+            raise SpectrumError(
+                f"wavenumber has shape {q.shape}, density {C.shape}: both need the same length, at least 2"
+            )
+        for name, unit, values in (("wavenumber", "1/m", q), ("density", "m^4", C)):
+            bad = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)))
+            if bad.size:
+                raise SpectrumError(
+                    f"{name}[{bad[0]}] = {values[bad[0]]}: must be positive and finite [{unit}]"
+                )
+        falling = np.flatnonzero(np.diff(q) < 0.0)
+        if falling.size:
+            i = int(falling[0])
+            raise SpectrumError(f"wavenumber[{i + 1}] = {q[i + 1]} follows {q[i]}: must increase [1/m]")
+        if q[0] == q[-1]:
+            raise SpectrumError(f"wavenumber = {q[0]} throughout: must increase [1/m]")
+        q.flags.writeable = False
+        C.flags.writeable = False
+        object.__setattr__(self, "wavenumber", q)
+        object.__setattr__(self, "density", C)
+
+    # ---------------------------------------------------------------- ways in
+
+    @classmethod
+    def self_affine(
+        cls, *, rms_height: float, hurst: float, q_low: float, q_rolloff: float, q_high: float
+    ) -> PowerSpectrum:
+        """Self-affine roughness with a roll-off.
+
+        C = C0 for q_low <= q < q_rolloff and C0 (q/q_rolloff)^(-2(1+H)) up to q_high, with C0 from rms_height.
+
+        Parameters
+        ----------
+        rms_height : float
+            Root-mean-square height [m].
+        hurst : float
+            Hurst exponent H, between 0 and 1 [-].
+        q_low, q_rolloff, q_high : float
+            Smallest wavenumber, end of the flat part (may equal q_low) and largest wavenumber [1/m].
+
+        Raises
+        ------
+        SpectrumError
+            A value is not positive, H is outside (0, 1], or not q_low <= q_rolloff <= q_high, q_low < q_high.
+        """
+        h = positive(SpectrumError, "rms_height", rms_height, "m")
+        H = positive(SpectrumError, "hurst", hurst, "-")
+        low = positive(SpectrumError, "q_low", q_low, "1/m")
+        rolloff = positive(SpectrumError, "q_rolloff", q_rolloff, "1/m")
+        high = positive(SpectrumError, "q_high", q_high, "1/m")
+        if H > 1.0:
+            raise SpectrumError(f"hurst = {hurst}: must lie in (0, 1]")
+        if not low < high:
+            raise SpectrumError(f"q_low = {q_low} and q_high = {q_high}: q_low must be below q_high [1/m]")
+        if not low <= rolloff <= high:
+            raise SpectrumError(
+                f"q_rolloff = {q_rolloff}: must lie between q_low = {q_low} and q_high = {q_high}"
+            )
+        q = np.array(sorted({low, rolloff, high}))
+        shape = np.where(q > rolloff, (q / rolloff) ** (-2.0 * (1.0 + H)), 1.0)
+        unit = cls(q, shape)
+        return cls(q, shape * (h / unit.rms_height) ** 2)
+
+    @classmethod
+    def from_table(cls, wavenumber: ArrayLike, density: ArrayLike) -> PowerSpectrum:
+        """Spectrum through tabulated points q [1/m], C [m^4], q strictly increasing; log-log linear between."""
+        q = np.atleast_1d(np.asarray(wavenumber, dtype=float))
+        if q.ndim == 1 and np.any(np.diff(q) <= 0.0):
+            i = int(np.flatnonzero(np.diff(q) <= 0.0)[0])
+            raise SpectrumError(
+                f"wavenumber[{i + 1}] = {q[i + 1]} follows {q[i]}: must strictly increase [1/m]"
+            )
+        return cls(q, np.asarray(density, dtype=float))
+
+    @classmethod
+    def from_profile(
+        cls,
+        x: ArrayLike,
+        h: ArrayLike,
+        *,
+        detrend: Detrend = "tilt",
+        window: Window = "hann",
+        tip_radius: float | None = None,
+        shortest_wavelength: float | None = None,
+        extrapolation: Literal["cut"] | SelfAffineContinuation = "cut",
+    ) -> PowerSpectrum:
+        """Isotropic spectrum of a surface from a line scan over it; see `leak.measure`.
+
+        Parameters
+        ----------
+        x, h : array_like, shape (n,)
+            Position, monotonic, and height [m].
+        detrend, window, tip_radius, shortest_wavelength, extrapolation
+            See `leak.ScanSettings`.
+
+        Raises
+        ------
+        ScanError
+            The scan or a setting cannot be used.
+        """
+        from leak.surfaces.measured import measure
+
+        settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
+        return measure(line_scan(x, h), settings).spectrum
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | PathLike[str] | Sequence[str | PathLike[str]],
+        *,
+        unit: Unit | None = None,
+        detrend: Detrend = "tilt",
+        window: Window = "hann",
+        tip_radius: float | None = None,
+        shortest_wavelength: float | None = None,
+        extrapolation: Literal["cut"] | SelfAffineContinuation = "cut",
+    ) -> PowerSpectrum:
+        """Isotropic spectrum of a surface from a file of an instrument, or from several scans of it.
+
+        Parameters
+        ----------
+        path : path or sequence of paths
+            Text with position and height, or any format that SurfaceTopography reads; see `leak.read_topography`.
+        unit : str or two of them, optional
+            Unit of x and height where the file states none: "um", or ("mm", "um").
+        detrend, window, tip_radius, shortest_wavelength, extrapolation
+            See `leak.ScanSettings`.
+
+        Raises
+        ------
+        ScanError
+            A file or a setting cannot be used.
+        """
+        from leak.surfaces.measured import measure
+
+        settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
+        return measure(read_topographies(path, unit=unit), settings).spectrum
+
+    # ---------------------------------------------------------------- values
+
+    @property
+    def q_low(self) -> float:
+        """Smallest wavenumber [1/m]."""
+        return float(self.wavenumber[0])
+
+    @property
+    def q_high(self) -> float:
+        """Largest wavenumber [1/m]."""
+        return float(self.wavenumber[-1])
+
+    def __call__(self, wavenumber: ArrayLike) -> FloatArray | float:
+        """C at `wavenumber` [m^4]; zero outside the nodes. Scalars stay scalars."""
+        q = np.asarray(wavenumber, dtype=float)
+        inside = (q >= self.q_low) & (q <= self.q_high)
+        safe = np.where(inside, q, self.q_low)
+        k = self._piece_of(safe)
+        log_C = self._log_C[k] + self._slope[k] * (np.log(safe) - self._log_q[k])
+        values = np.where(inside, np.exp(log_C), 0.0)
+        return float(values) if values.ndim == 0 else values
+
+    def __add__(self, other: PowerSpectrum) -> PowerSpectrum:
+        """Spectrum of the sum of two statistically independent roughnesses."""
+        if not isinstance(other, PowerSpectrum):
+            return NotImplemented
+        nodes = np.unique(np.concatenate([self.wavenumber, other.wavenumber]))
+        pieces_q: list[FloatArray] = []
+        pieces_C: list[FloatArray] = []
+        for left, right in pairwise(nodes):
+            middle, ends = float(np.sqrt(left * right)), np.array([left, right])
+            count = _pieces_of_sum(
+                np.log(right / left), self._inside_piece(middle, ends), other._inside_piece(middle, ends)
+            )
+            q = np.geomspace(left, right, count + 1)
+            q[[0, -1]] = left, right
+            C = self._inside_piece(middle, q) + other._inside_piece(middle, q)
+            if C[0] == 0.0:
+                C = np.full_like(q, _GAP * min(self.density.min(), other.density.min()))
+            pieces_q.append(q)
+            pieces_C.append(C)
+        q_all, C_all = np.concatenate(pieces_q), np.concatenate(pieces_C)
+        same = (np.diff(q_all) == 0.0) & np.isclose(np.diff(np.log(C_all)), 0.0, atol=1e-13)
+        keep = np.concatenate([[True], ~same])
+        return PowerSpectrum(q_all[keep], C_all[keep])
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, PowerSpectrum):
+            return NotImplemented
+        return np.array_equal(self.wavenumber, other.wavenumber) and np.array_equal(
+            self.density, other.density
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.wavenumber.tobytes(), self.density.tobytes()))
+
+    # ---------------------------------------------------------------- moments
+
+    @cached_property
+    def rms_height(self) -> float:
+        """Root-mean-square height, (2 pi int q C dq)^(1/2) [m]."""
+        return float(np.sqrt(2.0 * np.pi * self.moment(1)))
+
+    @property
+    def rms_slope(self) -> float:
+        """Root-mean-square slope, (2 pi int q^3 C dq)^(1/2) [-]."""
+        return float(np.sqrt(2.0 * np.pi * self.moment(3)))
+
+    def moment(self, order: float, q_from: float = 0.0, q_to: float = np.inf) -> float:
+        """Exact int q^order C dq between two wavenumbers [m^(3-order)]."""
+        left = np.clip(self._log_q[:-1], *_log_range(q_from, q_to, self))
+        right = np.clip(self._log_q[1:], *_log_range(q_from, q_to, self))
+        exponent = order + 1.0 + self._slope
+        start = self._log_C[:-1] + self._slope * (left - self._log_q[:-1]) + (order + 1.0) * left
+        return float(np.sum(np.exp(start) * _power_integral(exponent, right - left)))
+
+    def height_variance_above(self, wavenumber: ArrayLike) -> FloatArray:
+        """2 pi int q C dq over wavenumbers above `wavenumber`: roughness not yet seen [m^2]."""
+        q = np.clip(np.asarray(wavenumber, dtype=float), self.q_low, self.q_high)
+        k = self._piece_of(q)
+        log_q = np.log(q)
+        exponent = 2.0 + self._slope[k]
+        log_C = self._log_C[k] + self._slope[k] * (log_q - self._log_q[k])
+        rest = np.exp(log_C + 2.0 * log_q) * _power_integral(exponent, self._log_q[k + 1] - log_q)
+        return 2.0 * np.pi * (rest + self._height_above[k + 1])
+
+    def slope_moment(self, wavenumber: ArrayLike) -> FloatArray:
+        """M(q) = int_{q_low}^q q'^3 C dq' [-]; it is the mean square slope seen up to q over 2 pi."""
+        q = np.clip(np.asarray(wavenumber, dtype=float), self.q_low, self.q_high)
+        k = self._piece_of(q)
+        piece = self._slope_scale[k] * _power_integral(self._slope_exponent[k], np.log(q) - self._log_q[k])
+        return self._slope_moment[k] + piece
+
+    def at_slope_moment(self, moment: FloatArray) -> SpectrumPoint:
+        """ln q and ln C where the cumulative slope moment M has the value `moment`, the inverse of `slope_moment`.
+
+        M, not q, is the coordinate of magnification in this package: at low pressure all contact is lost
+        so close to q_low that q itself can no longer tell the points apart.
+        """
+        k = np.searchsorted(self._slope_moment[1:-1], moment, side="right")
+        return self.on_piece(k, moment)
+
+    def on_piece(self, piece: NDArray[np.intp] | int, moment: FloatArray) -> SpectrumPoint:
+        """The same as `at_slope_moment` where the piece of the spectrum is already known."""
+        growth = (moment - self._slope_moment[piece]) / self._slope_scale[piece]
+        step = np.clip(_inverse_power_integral(self._slope_exponent[piece], growth), 0.0, self._length[piece])
+        return SpectrumPoint(self._log_q[piece] + step, self._log_C[piece] + self._slope[piece] * step)
+
+    @cached_property
+    def last_moment(self) -> float:
+        """Slope moment M of the whole spectrum, less an end that is too faint to tell M apart there [-]."""
+        total = float(self._slope_moment[-1])
+        last = self._log_C[self._last_piece + 1] + 4.0 * self._log_q[self._last_piece + 1]
+        return total if np.exp(last) > _FAINT * total else total * (1.0 - 0.1 * _FAINT)
+
+    @cached_property
+    def break_moments(self) -> FloatArray:
+        """Slope moments M at the nodes where a quadrature should be split, ends included, increasing [-]."""
+        real = np.flatnonzero(self._length > 0.0)
+        left, right = real[:-1], real[1:]
+        bend = np.abs(self._slope[right] - self._slope[left]) > _KINK
+        step = np.abs(self._log_C[right] - self._log_C[left + 1]) > _STEP
+        kinks = right[bend | step]
+        kinks = kinks[:: 1 + kinks.size // _MOST_BREAKS]
+        nodes = self._slope_moment[np.concatenate([[0], kinks, [self._last_piece + 1]])]
+        breaks = np.unique(np.concatenate([nodes, self._saturation_moments()]))
+        return np.append(breaks[breaks < self.last_moment], self.last_moment)
+
+    def _saturation_moments(self) -> FloatArray:
+        """Moments that part a steep spectrum, whose M hardly rises with q any more, at each half e-fold of dM/dlnq."""
+        fall = np.maximum(-self._slope_exponent, 0.0) * self._length
+        total = np.concatenate([[0.0], np.cumsum(fall)])
+        rising = np.concatenate([[True], np.diff(total) > 0.0])
+        log_q = np.interp(np.arange(0.5, total[-1], 0.5), total[rising], self._log_q[rising])
+        return self.slope_moment(np.exp(log_q))
+
+    @cached_property
+    def break_pieces(self) -> NDArray[np.intp] | None:
+        """Piece between each pair of neighbouring breaks, where no break was left out; otherwise None."""
+        breaks = self.break_moments
+        if not np.all(np.isin(self._slope_moment[self._slope_moment < self.last_moment], breaks)):
+            return None
+        return np.searchsorted(self._slope_moment[1:-1], 0.5 * (breaks[1:] + breaks[:-1]), side="right")
+
+    # ---------------------------------------------------------------- pieces
+
+    def _piece_of(self, q: FloatArray) -> NDArray[np.intp]:
+        return np.clip(np.searchsorted(self.wavenumber, q, side="right") - 1, 0, self._last_piece)
+
+    @cached_property
+    def _last_piece(self) -> int:
+        return int(np.flatnonzero(self._length > 0.0)[-1])
+
+    def _inside_piece(self, middle: float, q: FloatArray) -> FloatArray:
+        """C of the piece that contains `middle`, continued to `q` at its ends, so that steps stay steps."""
+        if not self.q_low < middle < self.q_high:
+            return np.zeros_like(q)
+        k = int(self._piece_of(np.asarray(middle)))
+        return np.exp(self._log_C[k] + self._slope[k] * (np.log(q) - self._log_q[k]))
+
+    @cached_property
+    def _log_q(self) -> FloatArray:
+        return np.log(self.wavenumber)
+
+    @cached_property
+    def _log_C(self) -> FloatArray:
+        return np.log(self.density)
+
+    @cached_property
+    def _length(self) -> FloatArray:
+        return np.diff(self._log_q)
+
+    @cached_property
+    def _slope(self) -> FloatArray:
+        rise = np.diff(self._log_C)
+        return np.divide(rise, self._length, out=np.zeros_like(rise), where=self._length > 0.0)
+
+    @cached_property
+    def _slope_exponent(self) -> FloatArray:
+        return 4.0 + self._slope
+
+    @cached_property
+    def _slope_scale(self) -> FloatArray:
+        return np.exp(self._log_C[:-1] + 4.0 * self._log_q[:-1])
+
+    @cached_property
+    def _slope_moment(self) -> FloatArray:
+        steps = self._slope_scale * _power_integral(self._slope_exponent, self._length)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    @cached_property
+    def _height_above(self) -> FloatArray:
+        steps = np.exp(self._log_C[:-1] + 2.0 * self._log_q[:-1]) * _power_integral(
+            2.0 + self._slope, self._length
+        )
+        return np.concatenate([np.cumsum(steps[::-1])[::-1], [0.0]])
+
+
+def _log_range(q_from: float, q_to: float, spectrum: PowerSpectrum) -> tuple[float, float]:
+    low, high = spectrum.q_low, spectrum.q_high
+    return float(np.log(np.clip(q_from, low, high))), float(np.log(np.clip(q_to, low, high)))
+
+
+def _pieces_of_sum(length: float, one: FloatArray, other: FloatArray) -> int:
+    """Pieces of a sum of two power laws, given at both ends of a stretch of `length` in ln q.
+
+    The sum bends by (difference of slopes)^2 w (1 - w), w the share of one; its chord is off by length^2/8 of that.
+    """
+    if one[0] == 0.0 or other[0] == 0.0:
+        return 1
+    ratio = np.log(one / other)
+    nearest = 0.0 if ratio[0] * ratio[1] < 0.0 else float(np.abs(ratio).min())
+    share = 1.0 / (1.0 + np.exp(nearest))
+    bend = (ratio[1] - ratio[0]) ** 2 * share * (1.0 - share)
+    return max(int(np.ceil(np.sqrt(bend / (8.0 * _SUM_ERROR)))), 1)
+
+
+def _power_integral(exponent: FloatArray, length: FloatArray) -> FloatArray:
+    """int_0^length exp(exponent t) dt, without cancellation when the exponent vanishes."""
+    small = np.abs(exponent) < 1e-12
+    safe = np.where(small, 1.0, exponent)
+    return np.where(small, length, np.expm1(safe * length) / safe)
+
+
+def _inverse_power_integral(exponent: FloatArray, value: FloatArray) -> FloatArray:
+    """The length at which `_power_integral` reaches `value`."""
+    small = np.abs(exponent) < 1e-12
+    safe = np.where(small, 1.0, exponent)
+    argument = np.maximum(safe * value, -1.0 + 1e-16)
+    return np.where(small, value, np.log1p(argument) / safe)

@@ -1,0 +1,1 @@
+"""Persson's contact mechanics of a rough surface, and closed profiles of a line contact."""

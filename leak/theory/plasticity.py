@@ -1,0 +1,248 @@
+"""Asperity plasticity: the stress distribution between zero and the hardness, and the smoothed spectrum C_pl.
+
+dP/dG = d^2P/dsigma^2, absorbing at sigma = 0 and at the hardness sigma_P, P(sigma, 0) = delta(sigma - p).
+Everything depends on s = p/sigma_P and t = G/sigma_P^2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+
+# Both series converge here: images need exp(-1/t), eigenfunctions exp(-pi^2 t); at 0.3 six terms give 1e-15.
+_CROSSING = 0.3
+_IMAGES = 7
+_MODES = 6
+# C_pl/C is below 1e-17 from T_END on, and differs from one by less than 1e-17 up to T_START (1-s)^2.
+T_END = 4.5
+T_START = 1.0 / 36.0
+_T_LAST = 2.6
+_TABLE_NODES = 384
+
+
+class AreaFractions(NamedTuple):
+    """How the nominal area splits at one magnification; the three add up to one."""
+
+    elastic: FloatArray
+    """A_el/A0."""
+    plastic: FloatArray
+    """A_pl/A0."""
+    open: FloatArray
+    """A_non/A0, contact lost."""
+
+
+def area_fractions(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> AreaFractions:
+    """Elastic, plastic and lost contact area of an elastoplastic rough contact.
+
+    Image sum for small t, eigenfunction sum for large t; each fraction keeps its relative accuracy where it is tiny.
+
+    Parameters
+    ----------
+    stress_ratio : array_like
+        s = p/sigma_P, nominal pressure over hardness; from 1 on all is plastic [-].
+    stress_variance : array_like
+        t = G/sigma_P^2, broadcast against s [-].
+
+    Returns
+    -------
+    AreaFractions
+        A_el, A_pl and A_non over A0, each of the broadcast shape.
+
+    References
+    ----------
+    B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001), section on plastic deformation.
+
+    Examples
+    --------
+    >>> parts = area_fractions(0.5, 0.05)
+    >>> bool(abs(sum(parts) - 1.0) < 1e-15)
+    True
+    """
+    s, t = np.broadcast_arrays(
+        np.asarray(stress_ratio, dtype=float), np.asarray(stress_variance, dtype=float)
+    )
+    inside = s < 1.0
+    s_in = np.where(inside, s, 0.5)
+    lost = np.where(inside, _lost_area(1.0 - s_in, s_in, t), 0.0)
+    plastic = np.where(inside, _lost_area(s_in, 1.0 - s_in, t), 1.0)
+    elastic = np.where(inside, _elastic_area(s_in, t), 0.0)
+    return AreaFractions(elastic, plastic, lost)
+
+
+def remaining_fraction(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> FloatArray:
+    """C_pl/C = 1 - (A_pl/A_pl0)^6 with A_pl0/A0 = p/sigma_P, accurate where either side is tiny.
+
+    Parameters as in `area_fractions`; the limit of vanishing pressure, s = 0, is included.
+
+    References
+    ----------
+    Fischer et al., "Fluid leakage in metallic seals", eq. (16); B. N. J. Persson, Tribol. Lett. 63, 42 (2016).
+    """
+    s, t = np.broadcast_arrays(
+        np.asarray(stress_ratio, dtype=float), np.asarray(stress_variance, dtype=float)
+    )
+    s_in = np.clip(s, 1e-9, 1.0)  # the limit s -> 0 is reached to 1e-17 here
+    not_yielded = np.empty(t.shape)
+    early = t < _CROSSING
+    not_yielded[early] = 1.0 - _absorbed_by_images(s_in[early], 1.0 - s_in[early], t[early]) / s_in[early]
+    late = ~early
+    not_yielded[late] = -_mode_sum(s_in[late], t[late], -1.0) / s_in[late]
+    d = np.where(s < 1.0, np.clip(not_yielded, 0.0, 1.0), 0.0)
+    # 1 - (1-d)^6, expanded so that a small d loses nothing.
+    return d * (6.0 - d * (15.0 - d * (20.0 - d * (15.0 - d * (6.0 - d)))))
+
+
+def _lost_area(s: FloatArray, distance: FloatArray, t: FloatArray) -> FloatArray:
+    """Probability absorbed at the boundary at `distance` = 1 - s: A_pl(s); A_non is A_pl(1 - s)."""
+    area = np.empty(t.shape)
+    early = t < _CROSSING
+    area[early] = _absorbed_by_images(s[early], distance[early], t[early])
+    late = ~early
+    area[late] = s[late] + _mode_sum(s[late], t[late], -1.0)
+    return area
+
+
+def _elastic_area(s: FloatArray, t: FloatArray) -> FloatArray:
+    """Area neither lost nor yielded."""
+    from scipy.special import erf
+
+    area = np.empty(t.shape)
+    early = t < _CROSSING
+    scale = _image_scale(t[early])
+    total = erf(s[early] * scale)
+    for m in range(1, _IMAGES + 1):
+        near = (m - s[early]) * scale
+        total += (-1.0) ** m * _erf_difference(m * scale, s[early] * scale, near)
+    area[early] = total
+    late = ~early
+    area[late] = _mode_sum(s[late], t[late], 1.0) - _mode_sum(s[late], t[late], -1.0)
+    return area
+
+
+def _absorbed_by_images(s: FloatArray, distance: FloatArray, t: FloatArray) -> FloatArray:
+    """sum_k erfc((2k+1-s)/(2 sqrt t)) - erfc((2k+1+s)/(2 sqrt t))."""
+    scale = _image_scale(t)
+    total = np.zeros(t.shape)
+    for m in range(1, _IMAGES + 1, 2):
+        total += _erf_difference(m * scale, s * scale, (m - 1 + distance) * scale)
+    return total
+
+
+def _image_scale(t: FloatArray) -> FloatArray:
+    """1/(2 sqrt t), kept finite where no roughness is seen yet."""
+    return 0.5 / np.sqrt(np.maximum(t, 1e-200))
+
+
+def _erf_difference(middle: FloatArray, half: FloatArray, near: FloatArray) -> FloatArray:
+    """erf(middle + half) - erf(near), near = middle - half; by its Taylor series where the two would cancel."""
+    from scipy.special import erfc
+
+    m2, h2 = np.minimum(middle, 26.0) ** 2, np.minimum(half, 1.0) ** 2
+    series = 1.0 + h2 * ((2.0 * m2 - 1.0) / 3.0 + h2 * (4.0 * m2**2 - 12.0 * m2 + 3.0) / 30.0)
+    taylor = 4.0 / np.sqrt(np.pi) * np.exp(-m2) * half * series
+    return np.where(half * (1.0 + middle) < 1e-3, taylor, erfc(near) - erfc(middle + half))
+
+
+def _mode_sum(s: FloatArray, t: FloatArray, sign: float) -> FloatArray:
+    """sum_n (2/(n pi)) sign^n sin(n pi s) exp(-n^2 pi^2 t)."""
+    # sin(n pi s) near s = 1 is the sine of the small rest.
+    total = np.zeros(t.shape)
+    for n in range(1, _MODES + 1):
+        sine = np.where(s < 0.5, np.sin(n * np.pi * s), -((-1.0) ** n) * np.sin(n * np.pi * (1.0 - s)))
+        total += sign**n * 2.0 / (n * np.pi) * sine * np.exp(-np.minimum((n * np.pi) ** 2 * t, 740.0))
+    return total
+
+
+# -------------------------------------------------------------------- the spectrum that remains
+
+
+@dataclass(frozen=True)
+class PlasticRoughness:
+    """Slope moments of C_pl at given pressures (see `leak.theory.persson.RoughnessSeen`).
+
+    R(t) = int_t^inf C_pl/C dt' is tabulated over ln t for each pressure: counted from its far end, the moment that
+    remains above a magnification keeps its relative accuracy where the spectrum has nearly vanished.
+    """
+
+    kappa: float
+    """t/M = (pi/4) (E*/sigma_P)^2."""
+    end: float
+    start_t: FloatArray
+    """Up to this t nothing has yielded, shape (P,)."""
+    step_log_t: FloatArray
+    """Spacing of the table in ln t, shape (P,)."""
+    rest: FloatArray
+    """R at the nodes, shape (P, N)."""
+    rate: FloatArray
+    """-dR/dlnt = t C_pl/C at the nodes, shape (P, N)."""
+
+    @classmethod
+    def at(
+        cls, stress_ratio: FloatArray, effective_modulus: float, hardness: float, end: float
+    ) -> PlasticRoughness:
+        """Tabulate for s = p/sigma_P < 1, shape (P,), and the slope moment `end` of the whole spectrum."""
+        kappa = 0.25 * np.pi * (effective_modulus / hardness) ** 2
+        start = T_START * (1.0 - stress_ratio) ** 2
+        step = np.log(T_END / start) / (_TABLE_NODES - 1)
+        t = start[:, None] * np.exp(0.5 * step[:, None] * np.arange(2 * _TABLE_NODES - 1))
+        integrand = t * remaining_fraction(stress_ratio[:, None], t)
+        cells = step[:, None] / 6.0 * (integrand[:, :-2:2] + 4.0 * integrand[:, 1::2] + integrand[:, 2::2])
+        rest = np.zeros((stress_ratio.size, _TABLE_NODES))
+        rest[:, :-1] = np.cumsum(cells[:, ::-1], axis=1)[:, ::-1]
+        # Beyond the table only the slowest mode is left: exp(-pi^2 t).
+        rest += (integrand[:, -1] / (T_END * np.pi**2))[:, None]
+        return cls(kappa, min(end, T_END / kappa), start, step, rest, np.ascontiguousarray(integrand[:, ::2]))
+
+    @property
+    def last_loss(self) -> float:
+        """Beyond this elastic moment C_pl/C is below 1e-10."""
+        return min(self.end, _T_LAST / self.kappa)
+
+    def moment(self, M: FloatArray) -> FloatArray:
+        """Slope moment of C_pl up to the elastic moment M, shape (P, ...) [-]."""
+        t = self.kappa * M
+        start = _lead(self.start_t, M.ndim)
+        rest, _ = self._rest(np.maximum(t, start))
+        return np.where(t <= start, M, (start + _lead(self.rest[:, 0], M.ndim) - rest) / self.kappa)
+
+    def factor(self, M: FloatArray) -> FloatArray:
+        """C_pl/C at the elastic moment M, shape (P, ...) [-]."""
+        t = self.kappa * M
+        _, factor = self._rest(np.maximum(t, _lead(self.start_t, M.ndim)))
+        return factor
+
+    def step(self, M: FloatArray, rise: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Moment of C_pl between M and M + rise, and C_pl/C at M + rise."""
+        start = _lead(self.start_t, M.ndim)
+        t0, t1 = self.kappa * M, self.kappa * (M + rise)
+        rest0, _ = self._rest(np.maximum(t0, start))
+        rest1, factor = self._rest(np.maximum(t1, start))
+        beyond = (rest0 - rest1 + np.maximum(start - t0, 0.0)) / self.kappa
+        return np.where(t1 <= start, rise, beyond), factor
+
+    def _rest(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """R and C_pl/C at t, cubic Hermite in ln t."""
+        nodes = self.rest.shape[1]
+        h = _lead(self.step_log_t, t.ndim)
+        x = (np.log(t) - np.log(_lead(self.start_t, t.ndim))) / h
+        k = np.clip(x, 0.0, nodes - 2.0).astype(np.int32)
+        x = np.clip(x - k, 0.0, 1.0)
+        first = np.arange(self.rest.shape[0], dtype=np.int32) * nodes
+        k = k + first.reshape(-1, *(1,) * (t.ndim - 1))
+        R0, R1 = self.rest.ravel()[k], self.rest.ravel()[k + 1]
+        d0, d1 = -h * self.rate.ravel()[k], -h * self.rate.ravel()[k + 1]
+        fall = R1 - R0
+        c2, c3 = 3.0 * fall - 2.0 * d0 - d1, d0 + d1 - 2.0 * fall
+        rest = R0 + x * (d0 + x * (c2 + x * c3))
+        factor = -(d0 + x * (2.0 * c2 + 3.0 * x * c3)) / (h * t)
+        return rest, np.maximum(factor, 0.0)
+
+
+def _lead(values: FloatArray, ndim: int) -> FloatArray:
+    """Shape (P,) made broadcastable against arrays whose first axis is the pressure."""
+    return values.reshape(-1, *(1,) * (ndim - 1))

@@ -1,0 +1,310 @@
+"""P(u), the probability distribution of interfacial separations, from the area lost at each magnification."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from leak.arrays import FloatArray
+from leak.numerics.gauss import gauss
+from leak.surfaces.spectrum import PowerSpectrum
+from leak.theory.persson import FULL_CONTACT, RoughnessSeen, area_argument, separations
+
+# The first magnifications are taken in ln M, so that any small pressure is resolved: up to this step in ln q from
+# q_low, this fraction of the whole moment, and before anything yields.
+_FIRST_STEP, _FIRST_FRACTION, _FIRST_YIELD = 0.05, 0.01, 0.01
+# ln M over which contact is followed there: the area left at its end is exp(-19), whatever the pressure.
+# Short panels come first, where A falls from one like erf.
+_FIRST_RANGE = 38.0
+_FIRST_PANELS = np.array([3.0, 4.0, 6.0, 9.0, 16.0]) / 38.0
+_FIRST_NODES = 8
+# Panels elsewhere are at most this long in `_detail`, with about this many Gauss points per unit length.
+_PANEL, _PANEL_POINTS = 1.3, 4.6
+_SMALLEST_WIDTH = 1e-12
+# Area so small that no value of P(u) that matters notices it.
+_LEAST_WEIGHT = 1e-13
+
+
+class MagnificationNodes(NamedTuple):
+    """Gauss points over magnification; arrays (pressures, magnifications)."""
+
+    M: FloatArray
+    """Elastic slope moment [-]."""
+    wavenumber: FloatArray
+    """zeta q0 [1/m]."""
+    moment_weight: FloatArray
+    """Weight of int dM [-]."""
+    groups: tuple[slice, ...]
+    """Magnifications between the same kinks of the spectrum."""
+    to_end: FloatArray
+    """Matrix that takes weighted values at the nodes to their integral from each node to the end."""
+
+
+class _Panels(NamedTuple):
+    """The part of the nodes that is the same for every pressure."""
+
+    first: float
+    """M where they begin."""
+    M: FloatArray
+    wavenumber: FloatArray
+    moment_weight: FloatArray
+    groups: tuple[slice, ...]
+    to_end: FloatArray
+
+
+class LostArea(NamedTuple):
+    """Where contact is lost: the ingredients of P(u), arrays (pressures, magnifications)."""
+
+    weight: FloatArray
+    """Nominal area lost at each node, da = -A'(zeta) dzeta/A0 [-]."""
+    separation: FloatArray
+    """u1 [m]."""
+    width: FloatArray
+    """Width h of the Gaussian around it [m]."""
+    contact: FloatArray
+    """Area still in contact at full magnification A(zeta_1)/A0, shape (pressures,) [-]."""
+
+
+def magnification_nodes(
+    spectrum: PowerSpectrum, seen: RoughnessSeen, relative_pressure: FloatArray, *, refinement: int = 1
+) -> MagnificationNodes:
+    """Quadrature over magnification, from where the first contact is lost to where the last is."""
+    upper = _panels(spectrum, seen.last_loss, seen.kappa, refinement)
+    # For pressures whose first loss lies above the first panel, the range of the p-dependent nodes is empty.
+    top = np.log(upper.first)
+    bottom = np.minimum(2.0 * np.log(relative_pressure) - np.log(np.pi * FULL_CONTACT**2), top)
+    length = np.minimum(top - bottom, _FIRST_RANGE)
+    t, w = gauss(_FIRST_NODES * refinement)
+    start = np.cumsum(_FIRST_PANELS) - _FIRST_PANELS
+    u = (start[:, None] + 0.5 * _FIRST_PANELS[:, None] * (1.0 + t)).ravel()
+    M = np.exp(bottom[:, None] + length[:, None] * u)
+    weight = M * length[:, None] * (0.5 * _FIRST_PANELS[:, None] * w).ravel()
+    q = np.exp(spectrum.at_slope_moment(M).log_wavenumber)
+
+    def both(first: FloatArray, second: FloatArray) -> FloatArray:
+        return np.concatenate([first, np.broadcast_to(second, (M.shape[0], second.size))], axis=1)
+
+    count = u.size
+    groups = (slice(0, count), *(slice(g.start + count, g.stop + count) for g in upper.groups))
+    return MagnificationNodes(
+        both(M, upper.M), both(q, upper.wavenumber), both(weight, upper.moment_weight), groups, upper.to_end
+    )
+
+
+@lru_cache(maxsize=64)
+def _panels(spectrum: PowerSpectrum, end: float, kappa: float, refinement: int) -> _Panels:
+    """Gauss panels from the first magnifications to `end`, split at the kinks of the spectrum."""
+    first = min(
+        float(spectrum.slope_moment(spectrum.q_low * np.exp(_FIRST_STEP))),
+        _FIRST_FRACTION * float(min(end, spectrum.break_moments[1])),
+        _FIRST_YIELD / kappa if kappa else np.inf,
+    )
+    breaks = spectrum.break_moments
+    stops = np.concatenate([[first], breaks[(breaks > first) & (breaks < end)], [end]])
+    nodes: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    groups: list[slice] = []
+    for left, right in pairwise(stops):
+        edges, lengths = _panel_edges(spectrum, left, right, kappa)
+        for a, b, length in zip(edges[:-1], edges[1:], lengths, strict=True):
+            t, w = gauss(refinement * int(np.ceil(1.6 + _PANEL_POINTS * length)))
+            nodes.append(_panel(spectrum, a, b, t, w))
+        start = groups[-1].stop if groups else 0
+        groups.append(slice(start, sum(M.size for M, _, _ in nodes)))
+    sizes = [_FIRST_NODES * refinement] * _FIRST_PANELS.size + [M.size for M, _, _ in nodes]
+    M, q, weight = (np.concatenate(column) for column in zip(*nodes, strict=True))
+    return _Panels(first, M, q, weight, tuple(groups), _integral_to_end(sizes))
+
+
+def _panel_edges(
+    spectrum: PowerSpectrum, left: float, right: float, kappa: float
+) -> tuple[FloatArray, FloatArray]:
+    """Edges in M of panels of equal detail between two kinks, and that detail."""
+    q = np.exp(spectrum.at_slope_moment(np.array([left, right])).log_wavenumber)
+    fine = np.concatenate(
+        [np.geomspace(left, right, 129), spectrum.slope_moment(np.geomspace(q[0], q[1], 129)[1:-1])]
+    )
+    fine = np.unique(np.clip(fine, left, right))
+    detail = _detail(spectrum, fine, kappa)
+    count = max(1, int(np.ceil((detail[-1] - detail[0]) / _PANEL)))
+    edges = np.interp(np.linspace(detail[0], detail[-1], count + 1), detail, fine)
+    edges[[0, -1]] = left, right
+    return edges, np.full(count, (detail[-1] - detail[0]) / count)
+
+
+def _detail(spectrum: PowerSpectrum, M: FloatArray, kappa: float) -> FloatArray:
+    """How many e-folds things change by up to M: wavenumber, area, what remains to the end, plastic smoothing."""
+    to_end = 1.0 - M / float(spectrum.break_moments[-1])
+    detail = spectrum.at_slope_moment(M).log_wavenumber + 0.5 * np.log(M) - np.log(to_end + 0.001)
+    if kappa:
+        t = kappa * M
+        # C_pl falls like exp(-pi^2 t) once yielding has begun at t = 0.02 or so.
+        detail = detail + np.log(np.clip(t / 0.02, 1.0, 85.0)) + 0.6 * np.pi**2 * np.minimum(t, 1.7)
+    return detail
+
+
+def _panel(
+    spectrum: PowerSpectrum, left: float, right: float, t: FloatArray, w: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """M, q and weights of int dM for one panel: in ln M close to q_low, in ln q elsewhere."""
+    log_M = np.log([left, right])
+    log_q = spectrum.at_slope_moment(np.array([left, right])).log_wavenumber
+    if log_M[1] - log_M[0] > 6.0 * (log_q[1] - log_q[0]):
+        half = 0.5 * (log_M[1] - log_M[0])
+        M = np.exp(log_M[0] + half * (1.0 + t))
+        return M, np.exp(spectrum.at_slope_moment(M).log_wavenumber), M * half * w
+    half = 0.5 * (log_q[1] - log_q[0])
+    q = np.exp(log_q[0] + half * (1.0 + t))
+    M = np.clip(spectrum.slope_moment(q), left, right)
+    return M, q, q**4 * np.exp(spectrum.at_slope_moment(M).log_density) * half * w
+
+
+def _integral_to_end(sizes: list[int]) -> FloatArray:
+    """Matrix of spectral integration from each node to the end, panel by panel."""
+    matrix = np.triu(np.ones((sum(sizes),) * 2), 1)
+    start = 0
+    for size in sizes:
+        matrix[start : start + size, start : start + size] = _upward_integration(size)
+        start += size
+    return matrix
+
+
+def lost_area(
+    spectrum: PowerSpectrum,
+    seen: RoughnessSeen,
+    relative_pressure: FloatArray,
+    gamma: float,
+    separation_width: str,
+    *,
+    refinement: int = 1,
+) -> LostArea:
+    """Area lost, u1 and Gaussian width over all magnifications.
+
+    The width is h_rms(zeta) = (2 pi int_{q > zeta q0} q C dq)^(1/2) for "plain" (Lorenz & Persson, Eur. Phys. J. E
+    31, 159 (2010)) and 1/h^2 = 1/h_rms^2(zeta) + 1/u1^2 for "effective" (Dapp et al., Phys. Rev. Lett. 108, 244301
+    (2012)).
+    """
+    nodes = magnification_nodes(spectrum, seen, relative_pressure, refinement=refinement)
+    lost = np.concatenate(
+        [
+            separations(
+                spectrum, seen, relative_pressure, nodes.M[:, group], gamma, refinement=refinement
+            ).lost
+            for group in nodes.groups
+        ],
+        axis=1,
+    )
+    factor, remaining = seen.factor(nodes.M), seen.moment(nodes.M)
+    z = area_argument(relative_pressure[:, None], remaining)
+    falling = np.where(z < FULL_CONTACT, z * np.exp(-(np.minimum(z, FULL_CONTACT) ** 2)), 0.0)
+    weight = nodes.moment_weight * factor * falling / (np.sqrt(np.pi) * remaining)
+    variance = _height_variance_above(spectrum, nodes, factor)
+    if separation_width == "effective":
+        variance = variance * lost**2 / np.maximum(variance + lost**2, 1e-300)
+    from scipy.special import erf
+
+    end = seen.moment(np.full((relative_pressure.size, 1), seen.end))[:, 0]
+    # At the end of the spectrum u1 and h vanish together; the floor keeps the Gaussian a function.
+    width = np.maximum(np.sqrt(variance), _SMALLEST_WIDTH * spectrum.rms_height)
+    return LostArea(weight, lost, width, erf(area_argument(relative_pressure, end)))
+
+
+def _height_variance_above(
+    spectrum: PowerSpectrum, nodes: MagnificationNodes, factor: FloatArray
+) -> FloatArray:
+    """2 pi int_{q > zeta q0} q C dq of the roughness that remains, dM = q^3 C dq."""
+    if factor.min() == 1.0:
+        return spectrum.height_variance_above(nodes.wavenumber)
+    rate = 2.0 * np.pi * nodes.moment_weight * factor / nodes.wavenumber**2
+    return np.maximum(rate @ nodes.to_end.T, 0.0)
+
+
+@lru_cache(maxsize=64)
+def _upward_integration(count: int) -> FloatArray:
+    """Matrix taking Gauss-weighted values at the nodes of a panel to their integral from each node to its end."""
+    t, w = gauss(count)
+    legendre = np.polynomial.legendre
+    to_coefficients = np.linalg.inv(legendre.legvander(t, count - 1))
+    antiderivative = np.stack([legendre.legint(column) for column in to_coefficients.T], axis=1)
+    at_nodes = legendre.legvander(t, count) @ antiderivative
+    at_end = np.ones(count + 1) @ antiderivative
+    return (at_end - at_nodes) / w
+
+
+def density(lost: LostArea, separation: FloatArray) -> FloatArray:
+    """P(u) without its delta at contact.
+
+    P(u) = int da (2 pi h^2)^(-1/2) [exp(-(u-u1)^2/2h^2) + exp(-(u+u1)^2/2h^2)].
+
+    Parameters
+    ----------
+    lost : LostArea
+        Where contact is lost, arrays (P, Z).
+    separation : ndarray
+        u >= 0, shape (P, U) or (1, U) [m].
+
+    Returns
+    -------
+    ndarray
+        P(u), shape (P, U) [1/m].
+
+    References
+    ----------
+    A. Almqvist et al., J. Mech. Phys. Solids 59, 2355 (2011).
+    """
+    inverse = np.sqrt(0.5) / lost.width
+    amplitude = lost.weight * inverse * np.sqrt(1.0 / np.pi)
+    centre = lost.separation * inverse
+    # Per pressure: U x Z, which stays in cache; a loop over pressures costs nothing beside the exponentials.
+    out = np.empty((lost.weight.shape[0], separation.shape[1]))
+    grid = np.broadcast_to(separation, out.shape)
+    for k in range(out.shape[0]):
+        used = lost.weight[k] > _LEAST_WEIGHT
+        x = grid[k][:, None] * inverse[k][used]
+        c = centre[k][used]
+        pair = np.exp(-((x - c) ** 2)) + np.exp(-((x + c) ** 2))
+        out[k] = pair @ amplitude[k][used]
+    return out
+
+
+def mean_lost_separation(lost: LostArea) -> FloatArray:
+    """<u> of P(u), each folded Gaussian in closed form, shape (P,) [m]."""
+    from scipy.special import erf
+
+    h, u1 = lost.width, lost.separation
+    x = u1 / (np.sqrt(2.0) * h)
+    mean = h * np.sqrt(2.0 / np.pi) * np.exp(-(x**2)) + u1 * erf(x)
+    return np.where(lost.weight > 0.0, lost.weight * mean, 0.0).sum(axis=1)
+
+
+@dataclass(frozen=True)
+class SeparationGrid:
+    """Points u for integrals over P(u), shape (P, U): even in ln u near zero, even in u above h_rms."""
+
+    separation: FloatArray
+    """u [m]."""
+    weight: FloatArray
+    """Trapezoidal weight of int du [m]."""
+
+    @classmethod
+    def around(cls, mean: FloatArray, rms_height: float | FloatArray, *, count: int) -> SeparationGrid:
+        """Grid that covers distributions of mean separation `mean`, shape (P,), on a roughness of `rms_height` [m].
+
+        Mass outside counts as contact below and as wide open above. Below mean - 14 h there is
+        less than exp(-20) of it, because area is lost at a rate of one decay length (about h/2) per e-fold.
+        """
+        L = 0.5 * np.broadcast_to(rms_height, mean.shape)
+        lower = np.maximum(_soft_inverse(np.maximum(mean - 14.0 * rms_height, 0.0) / L), -22.0)
+        upper = _soft_inverse((mean + 9.0 * rms_height) / L)
+        step = (upper - lower) / (count - 1)
+        x = lower[:, None] + step[:, None] * np.arange(count)
+        return cls(L[:, None] * np.logaddexp(0.0, x), (L * step)[:, None] / (1.0 + np.exp(-x)))
+
+
+def _soft_inverse(y: FloatArray) -> FloatArray:
+    """x with ln(1 + e^x) = y."""
+    with np.errstate(divide="ignore"):
+        return y + np.log(-np.expm1(-y))

@@ -1,0 +1,1 @@
+"""Bodies from drawings, outlines and meshes of other programs."""

@@ -1,0 +1,1 @@
+"""Exact geometry of axisymmetric bodies: segments, outlines, first touch."""

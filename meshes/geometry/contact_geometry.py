@@ -1,0 +1,269 @@
+"""Contact line of closure and seat, and the exact gap between them: no faceted mesh involved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from meshes.errors import GeometryError
+from meshes.geometry.curve import Curve
+from meshes.geometry.outline import Outline
+from meshes.geometry.touch import at_a_corner, first_touch, with_faces
+
+if TYPE_CHECKING:
+    from meshes.arrays import FloatArray
+
+# Points of the seat's face between which the contact normal turns evenly, and rounds in which it settles.
+_PER_FACE, _ROUNDS = 400, 4
+# Cosine between contact normal and seat below which the seat has turned away from the closure.
+_GRAZING = 0.25
+
+
+@dataclass(frozen=True)
+class ContactGeometry:
+    """Closure and seat in first touch, z = 0 on the circle of touch.
+
+    The contact line is the seat's face. x is the arc length on it, zero at first touch, positive towards larger r.
+    Every point of it meets the point of the closure in front of it along the contact normal, which is the common one
+    at first touch and turns with the less curved face: with the seat where the closure bends more, not at all where one
+    face is straight or they bend away from each other. Along it the distance of the faces is that of a parabola on a
+    plane however far they stand apart; along the normal of a small edge radius it is not.
+
+    Parameters
+    ----------
+    closure, seat : Outline
+        Sections of the bodies, already in touch.
+    touch_radius : float
+        Radius r0 of first touch [m].
+    """
+
+    closure: Outline
+    seat: Outline
+    touch_radius: float
+
+    @classmethod
+    def of(cls, closure: Outline, seat: Outline) -> ContactGeometry:
+        """Bring two sections together along the axis.
+
+        Raises
+        ------
+        GeometryError
+            If they touch on the axis, at a sharp corner, or where a face ends, or do not meet at all.
+        """
+        closure, seat = with_faces(closure, seat)
+        touch = first_touch(closure.face, seat.face)
+        if touch.radius <= 1e-9 * seat.largest_radius:
+            raise GeometryError(
+                "closure and seat touch first on the axis; a seal needs a circle of contact: give the seat a bore, or "
+                "choose shapes that touch away from the axis"
+            )
+        s = seat.face.project_radius(touch.radius)
+        level = float(seat.face.point(np.asarray(s))[1])
+        geometry = cls(closure.shifted(-touch.drop - level), seat.shifted(-level), touch.radius)
+        geometry._check_touch()
+        return geometry
+
+    def _check_touch(self) -> None:
+        for name, face in (("closure", self.closure_face), ("seat", self.seat_face)):
+            s = float(face.project(np.array(self.touch_radius), np.array(0.0)))
+            if min(s, face.length - s) < 1e-9 * face.length:
+                edge = face.point(np.array([0.0, face.length]))[0]
+                raise GeometryError(
+                    f"closure and seat would touch first at r = {self.touch_radius:.6g} m, where the face of the "
+                    f"{name} ends: it reaches from {edge[0]:.6g} m to {edge[1]:.6g} m; change the radii, the angle or "
+                    "the bore, or round the edge"
+                )
+            if at_a_corner(face, s):
+                raise GeometryError(
+                    f"closure and seat touch first at r = {self.touch_radius:.6g} m at a sharp corner of the {name}; "
+                    "give it an edge radius"
+                )
+
+    @property
+    def has_ready_mesh(self) -> bool:
+        """Whether a body is meshed already, so that its elements are what they are."""
+        return any(body.ready_mesh is not None for body in (self.closure, self.seat))
+
+    def with_finer_meshes(self) -> ContactGeometry:
+        """The same contact with every ready mesh halved; bodies without one are left alone."""
+        return replace(self, closure=self.closure.halved(), seat=self.seat.halved())
+
+    @cached_property
+    def closure_face(self) -> Curve:
+        """Face of the closure in first touch, from smaller to larger r."""
+        return self.closure.face
+
+    @cached_property
+    def seat_face(self) -> Curve:
+        """Face of the seat, from smaller to larger r."""
+        return self.seat.face
+
+    @cached_property
+    def _origin(self) -> float:
+        return self.seat_face.project_radius(self.touch_radius)
+
+    @cached_property
+    def angle(self) -> float:
+        """Angle theta between the axis and the contact normal at first touch [rad]; negative leans outwards."""
+        n = self.normal(np.array(0.0))
+        return math.atan2(-n[0], n[1])
+
+    @cached_property
+    def seat_curvature(self) -> float:
+        """Curvature of the seat at first touch [1/m], positive where it is hollow."""
+        return self.seat_face.curvature(self._origin)
+
+    @cached_property
+    def closure_curvature(self) -> float:
+        """Curvature of the closure at first touch [1/m], positive where it bulges."""
+        touch = self.closure_face.project(np.array(self.touch_radius), np.array(0.0))
+        return self.closure_face.curvature(float(touch))
+
+    @cached_property
+    def relative_radius(self) -> float:
+        """R_rel of the line contact [m]: 1/R_rel = 1/R_closure + 1/R_seat, hollow negative; inf if they fit."""
+        bend = self.closure_curvature - self.seat_curvature
+        size = min(self.closure_face.length, self.seat_face.length)
+        return 1 / bend if bend * size > 1e-9 else math.inf
+
+    @cached_property
+    def _turning(self) -> tuple[FloatArray, FloatArray] | None:
+        """Arc lengths on the seat [m] and angles of the contact normal there [rad]; None if it does not turn."""
+        seat, closure = self.seat_face, self.closure_face
+        first = _angles(seat, np.array([self._origin]))
+        if seat.is_straight or closure.is_straight:
+            return None
+        s = np.unique(np.append(seat.dense(_PER_FACE), self._origin))
+        own, turned = _angles(seat, s), np.full(len(s), first[0])
+        # A turn of the rays moves where they meet the closure by that turn of a small gap: it settles at once.
+        for _ in range(_ROUNDS):
+            arc = closure.hits(seat.point(s), _normals(turned))[1]
+            faced = ~np.isnan(arc[1:] + arc[:-1])
+            facing = np.diff(_angles(closure, np.where(np.isnan(arc), 0.0, arc)))
+            share = _smaller(np.diff(own), facing) / np.where(np.diff(own) == 0, 1.0, np.diff(own))
+            # Beside the closure the normal goes on turning as it does at its end.
+            steps = np.interp(s[1:], s[1:][faced], share[faced]) * np.diff(own)
+            turned = np.concatenate([[0.0], np.cumsum(steps)])
+            turned += first[0] - np.interp(self._origin, s, turned)
+        return None if np.ptp(turned) < 1e-12 else (s, turned)
+
+    @cached_property
+    def reach(self) -> tuple[float, float]:
+        """Arc lengths [m] between which both faces stand in front of each other."""
+        r, z = self.closure_face.point(np.array([0.0, self.closure_face.length]))
+        start, end = self.coordinate(r, z).tolist()
+        # Where the last ray grazes the end of the face it may miss by round-off; the face is long enough without.
+        slack = 1e-6 * (end - start)
+        return self._last_in_front(start + slack), self._last_in_front(end - slack)
+
+    @cached_property
+    def turned_away(self) -> tuple[bool, bool]:
+        """Whether the seat goes on at the ends of `reach`, turned away from the closure."""
+        start, end = (self.facing(np.array(self.reach)) < 1.05 * _GRAZING).tolist()
+        return start, end
+
+    def _last_in_front(self, end: float) -> float:
+        """How far towards x = `end` [m] every contact normal leaves the seat and meets the closure."""
+        near = 0.0
+        for _ in range(3):
+            x = np.linspace(near, end, 41)
+            missed = np.isnan(self.gap(x)) | (self.facing(x) < _GRAZING)
+            if not missed.any():
+                return end
+            first = int(np.argmax(missed))
+            near, end = float(x[max(first - 1, 0)]), float(x[first])
+        return near
+
+    @cached_property
+    def breaks(self) -> FloatArray:
+        """x at which one of the two faces has a corner or bends differently from there on [m], increasing."""
+        own = self.seat_face.bends - self._origin
+        other = self.coordinate(*self.closure_face.point(self.closure_face.bends))
+        return np.unique(np.concatenate([own, other]))
+
+    def point(self, x: FloatArray) -> FloatArray:
+        """Points (r, z) of the contact line [m], shape (2, ...) over x."""
+        return self.seat_face.point(np.asarray(x) + self._origin)
+
+    def radius(self, x: FloatArray) -> FloatArray:
+        """Radius r(x) of the contact line [m]."""
+        return self.point(x)[0]
+
+    def height(self, x: FloatArray) -> FloatArray:
+        """Height z(x) of the contact line [m]."""
+        return self.point(x)[1]
+
+    def normal(self, x: FloatArray) -> FloatArray:
+        """Unit contact normal (n_r, n_z), from seat to closure; shape (2, ...) over x."""
+        s = np.asarray(x, dtype=float) + self._origin
+        if self._turning is None:
+            first = self.seat_face.normal(np.array(self._origin))
+            return np.broadcast_to(first.reshape(2, *(1,) * s.ndim), (2, *s.shape)).copy()
+        return _normals(np.interp(s, *self._turning))
+
+    def facing(self, x: FloatArray) -> FloatArray:
+        """Cosine of the angle between the seat's own normal and the contact normal, over x."""
+        own = self.seat_face.normal(np.asarray(x, dtype=float) + self._origin)
+        return np.sum(own * self.normal(x), axis=0)
+
+    def bend(self, x: FloatArray) -> FloatArray:
+        """Curvature of the more curved of the two faces over x [1/m], whichever way it bends."""
+        arc = self.closure_arc(x)
+        closure = self.closure_face.curvatures(np.where(np.isnan(arc), 0.0, arc))
+        return np.maximum(np.abs(closure), np.abs(self.seat_face.curvatures(self.seat_arc(x))))
+
+    def gap(self, x: FloatArray) -> FloatArray:
+        """Gap g0(x) along the contact normal at first touch [m], exact; nan outside `reach`."""
+        return self._in_front(x)[0]
+
+    def closure_arc(self, x: FloatArray) -> FloatArray:
+        """Arc length on the closure's face of the point in front of x at first touch [m]; nan outside `reach`."""
+        return self._in_front(x)[1]
+
+    def seat_arc(self, x: FloatArray) -> FloatArray:
+        """Arc length on the seat's face [m], from its inner end."""
+        return np.asarray(x) + self._origin
+
+    def _in_front(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        x = np.asarray(x, dtype=float)
+        flat = x.ravel()
+        gap, arc = self.closure_face.hits(self.point(flat), self.normal(flat))
+        return gap.reshape(x.shape), arc.reshape(x.shape)
+
+    def coordinate(self, r: FloatArray, z: FloatArray) -> FloatArray:
+        """x of a point (r, z) [m] of either face in first touch: where the contact normal through it leaves the seat.
+
+        Points beside the contact line get the foot of their perpendicular on the seat.
+        """
+        r, z = np.broadcast_arrays(np.asarray(r, dtype=float), np.asarray(z, dtype=float))
+        points = np.stack([r.ravel(), z.ravel()])
+        foot = self.seat_face.project(*points)
+        if self.seat_face.is_straight:
+            return foot.reshape(r.shape) - self._origin
+        # Nodes of a chord lie a sag below the face.
+        above = 1e-3 * self.seat_face.length
+        for _ in range(1 if self._turning is None else _ROUNDS):
+            normal = self.normal(foot - self._origin)
+            hit = self.seat_face.hits(points + above * normal, -normal)[1]
+            foot = np.where(np.isnan(hit), foot, hit)
+        return foot.reshape(r.shape) - self._origin
+
+
+def _angles(face: Curve, s: FloatArray) -> FloatArray:
+    """Direction of a face at increasing arc lengths [rad], without jumps."""
+    t = face.tangent(s)
+    return np.unwrap(np.arctan2(t[1], t[0]))
+
+
+def _normals(angle: FloatArray) -> FloatArray:
+    """Unit normals to the left of directions [rad], shape (2, ...)."""
+    return np.stack([-np.sin(angle), np.cos(angle)])
+
+
+def _smaller(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Of two turns the smaller one; none if they turn against each other."""
+    return np.where(a * b > 0, np.copysign(np.minimum(np.abs(a), np.abs(b)), a), 0.0)

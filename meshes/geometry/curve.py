@@ -1,0 +1,263 @@
+"""Chains of straight lines and circular arcs, measured by their arc length."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.geometry.segment import Point, Segment
+
+if TYPE_CHECKING:
+    from meshes.arrays import FloatArray
+
+# Change of direction [rad] and relative change of curvature that count in `Curve.bends`.
+_CORNER, _JUMP = 1e-4, 0.3
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Open chain of segments in the (r, z) half-plane, each starting where the one before ends.
+
+    A line is an arc of curvature zero: with start P, unit tangent t, left normal n and curvature k the point at arc
+    length s is P + t sin(ks)/k + n (1 - cos(ks))/k.
+
+    Parameters
+    ----------
+    segments : tuple of Segment
+        Not empty; all of positive length.
+    """
+
+    segments: tuple[Segment, ...]
+
+    @cached_property
+    def _start(self) -> FloatArray:
+        return np.array([s.start for s in self.segments])
+
+    @cached_property
+    def _curvature(self) -> FloatArray:
+        return np.array([_curvature(s) for s in self.segments])
+
+    @cached_property
+    def _lengths(self) -> FloatArray:
+        return np.array([_length(s) for s in self.segments])
+
+    @cached_property
+    def _frames(self) -> FloatArray:
+        """Unit tangent and left normal at the start of every segment, shape (n, 2, 2)."""
+        tangents = np.array([_first_tangent(s) for s in self.segments])
+        return np.stack([tangents, np.column_stack([-tangents[:, 1], tangents[:, 0]])], axis=1)
+
+    @cached_property
+    def breaks(self) -> FloatArray:
+        """Arc lengths at which segments begin and end [m], zero and the whole length included."""
+        return np.concatenate([[0.0], np.cumsum(self._lengths)])
+
+    @cached_property
+    def bends(self) -> FloatArray:
+        """Inner breaks [m] with a corner or a jump of curvature; not the joints of arcs that follow a smooth curve."""
+        k, size = self._curvature, self.length
+        jump, larger = np.abs(np.diff(k)), np.maximum(np.abs(k[1:]), np.abs(k[:-1]))
+        ends = self.tangent(self.breaks[1:-1])
+        turn = self._curvature[:-1] * self._lengths[:-1]
+        t = self._frames[:-1]
+        before = (np.cos(turn)[:, None] * t[:, 0] + np.sin(turn)[:, None] * t[:, 1]).T
+        corner = np.abs(before[0] * ends[1] - before[1] * ends[0]) > _CORNER
+        return self.breaks[1:-1][corner | ((jump > _JUMP * larger) & (jump * size > 1e-3))]
+
+    @property
+    def length(self) -> float:
+        """Length of the chain [m]."""
+        return float(self.breaks[-1])
+
+    @cached_property
+    def is_straight(self) -> bool:
+        """Whether the whole chain is one straight line."""
+        ends = np.array([self.segments[0].start, self.segments[-1].end])
+        turned = self.tangent(self.breaks[:-1]) - ((ends[1] - ends[0]) / math.dist(*ends))[:, None]
+        return not self._curvature.any() and bool(np.abs(turned).max() < 1e-12)
+
+    def dense(self, number: int) -> FloatArray:
+        """Arc lengths [m] of some `number` points, several on every segment, breaks among them."""
+        each = max(4, math.ceil(number / len(self.segments)))
+        between = np.linspace(0.0, 1.0, each, endpoint=False)
+        inner = self.breaks[:-1, None] + self._lengths[:, None] * between
+        return np.append(inner.ravel(), self.breaks[-1])
+
+    def _locate(self, s: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
+        index = np.clip(np.searchsorted(self.breaks, s, side="right") - 1, 0, len(self.segments) - 1)
+        return index, s - self.breaks[index]
+
+    def point(self, s: FloatArray) -> FloatArray:
+        """Points (r, z) [m] at the arc lengths s [m], shape (2, ...); beyond the ends the end segments go on."""
+        index, t = self._locate(np.asarray(s, dtype=float))
+        half = 0.5 * self._curvature[index] * t
+        chord = t * np.sinc(half / np.pi)
+        tangent, normal = self._frames[index, 0], self._frames[index, 1]
+        offset = chord * np.cos(half), chord * np.sin(half)
+        return np.moveaxis(
+            self._start[index] + offset[0][..., None] * tangent + offset[1][..., None] * normal, -1, 0
+        )
+
+    def tangent(self, s: FloatArray) -> FloatArray:
+        """Unit tangents (t_r, t_z) at the arc lengths s [m], shape (2, ...)."""
+        index, t = self._locate(np.asarray(s, dtype=float))
+        turn = self._curvature[index] * t
+        tangent, normal = self._frames[index, 0], self._frames[index, 1]
+        return np.moveaxis(np.cos(turn)[..., None] * tangent + np.sin(turn)[..., None] * normal, -1, 0)
+
+    def normal(self, s: FloatArray) -> FloatArray:
+        """Unit normals to the left of the curve at the arc lengths s [m], shape (2, ...)."""
+        t = self.tangent(s)
+        return np.stack([-t[1], t[0]])
+
+    def curvatures(self, s: FloatArray) -> FloatArray:
+        """Curvatures [1/m] at s [m], positive where the curve bends to its left; at a break of what follows it."""
+        return self._curvature[self._locate(np.asarray(s, dtype=float))[0]]
+
+    def curvature(self, s: float) -> float:
+        """Curvature [1/m] at one place, see `curvatures`."""
+        return float(self.curvatures(np.asarray(s)))
+
+    def project(self, r: FloatArray, z: FloatArray) -> FloatArray:
+        """Arc length of the nearest point of the curve to every (r, z) [m]; never beyond its ends."""
+        r, z = np.broadcast_arrays(np.asarray(r, dtype=float), np.asarray(z, dtype=float))
+        feet, distances = [], []
+        for n in range(len(self.segments)):
+            a, b = self._local(n, np.stack([r, z], axis=-1))
+            k = self._curvature[n]
+            foot = np.clip(np.arctan2(k * a, 1 - k * b) / k if k else a, 0.0, self._lengths[n])
+            feet.append(self.breaks[n] + foot)
+            # The end of one segment is the start of the next: the local point keeps both on their own side.
+            half = 0.5 * k * foot
+            chord = foot * np.sinc(half / np.pi)
+            distances.append(np.hypot(a - chord * np.cos(half), b - chord * np.sin(half)))
+        best = np.argmin(distances, axis=0)
+        return np.take_along_axis(np.array(feet), best[None], axis=0)[0]
+
+    def project_radius(self, radius: float) -> float:
+        """Arc length at which a curve that runs outwards passes a radius [m]; never beyond its ends."""
+        ends = self.point(self.breaks)[0]
+        n = int(np.clip(np.searchsorted(ends, radius, side="right") - 1, 0, len(self.segments) - 1))
+        k, tangent = self._curvature[n], self._frames[n, 0]
+        along = radius - self._start[n, 0]
+        if k:
+            first = math.atan2(tangent[1], tangent[0])
+            # Run outwards, the sine of the inclination is linear in r.
+            foot = (math.asin(min(max(math.sin(first) + k * along, -1.0), 1.0)) - first) / k
+        else:
+            foot = along / tangent[0]
+        return float(self.breaks[n] + min(max(foot, 0.0), self._lengths[n]))
+
+    def hits(self, origin: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Where rays first meet the curve.
+
+        Parameters
+        ----------
+        origin : ndarray, shape (2, m)
+            Starting points [m]. A start that lies on the curve, or behind it by round-off, counts as a hit.
+        direction : ndarray, shape (2, m)
+            Unit vectors.
+
+        Returns
+        -------
+        distance : ndarray, shape (m,)
+            Along the ray [m]; nan where it misses.
+        arc_length : ndarray, shape (m,)
+            Of the curve's point that is hit [m]; nan where the ray misses.
+        """
+        slack = 1e-9 * self.length
+        distance = np.full(origin.shape[1], np.inf)
+        arc = np.full(origin.shape[1], np.nan)
+        for n, length in enumerate(self._lengths):
+            k = self._curvature[n]
+            a, b = self._local(n, origin.T)
+            da, db = direction.T @ self._frames[n, 0], direction.T @ self._frames[n, 1]
+            for t in _circle_roots(k, k * (a * da + b * db) - db, k * (a**2 + b**2) - 2 * b):
+                with np.errstate(invalid="ignore"):
+                    at, up = a + t * da, b + t * db
+                    foot = np.arctan2(k * at, 1 - k * up) / k if k else at
+                    on = (t > -slack) & (foot > -slack) & (foot < length + slack) & (t < distance)
+                distance = np.where(on, t, distance)
+                arc = np.where(on, self.breaks[n] + np.clip(foot, 0.0, length), arc)
+        return np.where(np.isfinite(distance), distance, np.nan), arc
+
+    def _local(self, n: int, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        offset = points - self._start[n]
+        return offset @ self._frames[n, 0], offset @ self._frames[n, 1]
+
+    def part(
+        self, start: float, end: float, name: str, shortest: tuple[float, float] = (0.0, 0.0)
+    ) -> tuple[Segment, ...]:
+        """The curve between two arc lengths [m], under a new name; nothing if they are equal.
+
+        A first or last piece shorter than `shortest` [m] becomes one with its neighbour, straight across the break.
+        """
+        round_off = 1e-10 * self.length
+        if not end - start > round_off:
+            return ()
+        lower, upper = start + max(shortest[0], round_off), end - max(shortest[1], round_off)
+        inner = self.breaks[(self.breaks > lower) & (self.breaks < upper)]
+        return self.pieces(np.concatenate([[start], inner, [end]]), name)
+
+    def pieces(self, ends: FloatArray, name: str) -> tuple[Segment, ...]:
+        """One segment between every two neighbours of the arc lengths `ends` [m]; straight across a break."""
+        points = [_point(p) for p in self.point(ends).T]
+        slack = 1e-9 * self.length
+        first, last = self._locate(ends[:-1] + slack)[0], self._locate(ends[1:] - slack)[0]
+        return tuple(
+            Segment(points[i], points[i + 1], name, self.segments[a].centre if a == b else None)
+            for i, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True))
+        )
+
+    def without_first(self) -> Curve:
+        """The curve without its first segment."""
+        return Curve(self.segments[1:])
+
+    def without_last(self) -> Curve:
+        """The curve without its last segment."""
+        return Curve(self.segments[:-1])
+
+    def shifted(self, dz: float) -> Curve:
+        """The curve moved by dz [m] along the axis."""
+        return Curve(tuple(s.shifted(dz) for s in self.segments))
+
+    @property
+    def reversed(self) -> Curve:
+        """The same curve run from its end to its start."""
+        return Curve(tuple(Segment(s.end, s.start, s.name, s.centre) for s in reversed(self.segments)))
+
+
+def _point(p: FloatArray) -> Point:
+    return float(p[0]), float(p[1])
+
+
+def _unit(v: FloatArray) -> FloatArray:
+    return v / math.hypot(*v)
+
+
+def _circle_roots(A: float, B: FloatArray, C: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Roots of A t^2 + 2 B t + C = 0 without cancellation; nan where there are none."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        root = np.sqrt(B**2 - A * C)
+        larger = -B - np.copysign(root, B)
+        return C / larger, larger / A if A else np.full_like(B, np.nan)
+
+
+def _first_tangent(s: Segment) -> FloatArray:
+    if s.centre is None:
+        return _unit(np.subtract(s.end, s.start))
+    arm = _unit(np.subtract(s.start, s.centre))
+    return math.copysign(1.0, s.sweep) * np.array([-arm[1], arm[0]])
+
+
+def _curvature(s: Segment) -> float:
+    return 0.0 if s.centre is None else math.copysign(1.0 / math.dist(s.start, s.centre), s.sweep)
+
+
+def _length(s: Segment) -> float:
+    return math.dist(s.start, s.end) if s.centre is None else abs(s.sweep) * math.dist(s.start, s.centre)

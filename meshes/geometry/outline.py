@@ -1,0 +1,110 @@
+"""Closed outlines of axisymmetric bodies: straight lines and circular arcs in the (r, z) half-plane."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from meshes.errors import GeometryError
+from meshes.geometry.curve import Curve
+from meshes.geometry.segment import Segment
+
+if TYPE_CHECKING:
+    from skfem import MeshTri
+
+
+@dataclass(frozen=True)
+class Outline:
+    """Closed outline of one body, counter-clockwise, each segment starting where the one before ends.
+
+    Parameters
+    ----------
+    name : str
+        Name of the body ("closure", "seat").
+    segments : tuple of Segment
+    """
+
+    name: str
+    segments: tuple[Segment, ...]
+
+    @property
+    def ready_mesh(self) -> MeshTri | None:
+        """The mesh of a body that comes as one [m]; None for a drawn outline."""
+        return None
+
+    def halved(self) -> Outline:
+        """The outline as it is; one that comes as a mesh has every triangle cut into four."""
+        return self
+
+    @property
+    def area(self) -> float:
+        """Exact area of the section in the (r, z) half-plane [m^2], arcs included (Green's theorem)."""
+        return sum(_chord_area(s) + _bulge_area(s) for s in self.segments)
+
+    @property
+    def face(self) -> Curve:
+        """The surface on which contact can happen, run from smaller to larger radius.
+
+        It is made of the segments named "<body>_face".
+
+        Raises
+        ------
+        GeometryError
+            If there is no such segment, or they are not one chain.
+        """
+        wanted = f"{self.name}_face"
+        at = [n for n, s in enumerate(self.segments) if s.name == wanted]
+        if not at or at != list(range(at[0], at[-1] + 1)):
+            raise GeometryError(
+                f'the outline of the {self.name} needs one unbroken chain of segments "{wanted}"'
+            )
+        face = Curve(self.segments[at[0] : at[-1] + 1])
+        # Counter-clockwise, the lower side of the closure runs outwards and the upper side of the seat inwards.
+        return face if face.segments[0].start[0] < face.segments[-1].end[0] else face.reversed
+
+    def with_face(self, pieces: tuple[Segment, ...]) -> Outline:
+        """The outline with its face replaced by `pieces`, which run from smaller to larger radius."""
+        wanted = f"{self.name}_face"
+        at = [n for n, s in enumerate(self.segments) if s.name == wanted]
+        before, after = self.segments[: at[0]], self.segments[at[-1] + 1 :]
+        outwards = self.segments[at[0]].start[0] < self.segments[at[-1]].end[0]
+        if not outwards:
+            pieces = tuple(Segment(s.end, s.start, s.name, s.centre) for s in reversed(pieces))
+        # The very corners of the outline: a rounded-off copy of them would leave it open.
+        first = replace(pieces[0], start=self.segments[at[0]].start)
+        last = replace(pieces[-1], end=self.segments[at[-1]].end)
+        inner = (first, *pieces[1:-1], last) if len(pieces) > 1 else (replace(first, end=last.end),)
+        return Outline(self.name, (*before, *inner, *after))
+
+    def shifted(self, dz: float) -> Outline:
+        """The outline moved by dz [m] along the axis."""
+        return Outline(self.name, tuple(s.shifted(dz) for s in self.segments))
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Smallest and largest r and z [m], arcs included."""
+        r, z = zip(*(p for s in self.segments for p in s.corners), strict=True)
+        return (min(r), max(r)), (min(z), max(z))
+
+    @property
+    def largest_radius(self) -> float:
+        """Largest distance of the segments' end points from the axis [m]."""
+        return max(s.start[0] for s in self.segments)
+
+    @property
+    def height(self) -> float:
+        """Extent of the segments' end points along z [m]."""
+        z = [s.start[1] for s in self.segments]
+        return max(z) - min(z)
+
+
+def _chord_area(s: Segment) -> float:
+    (r0, z0), (r1, z1) = s.start, s.end
+    return 0.5 * (r0 * z1 - r1 * z0)
+
+
+def _bulge_area(s: Segment) -> float:
+    if s.centre is None:
+        return 0.0
+    return 0.5 * math.dist(s.start, s.centre) ** 2 * (s.sweep - math.sin(s.sweep))

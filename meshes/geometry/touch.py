@@ -1,0 +1,210 @@
+"""First touch of two faces: which chains are the faces, and where the closure meets the seat."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from meshes.errors import GeometryError
+from meshes.geometry.curve import Curve
+from meshes.geometry.outline import Outline
+from meshes.geometry.segment import Segment
+
+
+@dataclass(frozen=True)
+class Touch:
+    """First touch.
+
+    Parameters
+    ----------
+    radius : float
+        r0 [m].
+    drop : float
+        Way of the closure along -z from where it was drawn to first touch [m].
+    """
+
+    radius: float
+    drop: float
+
+
+def first_touch(closure: Curve, seat: Curve) -> Touch:
+    """Find the circle on which two faces touch first, in closed form for every pair of segments.
+
+    Along a line or an arc that is run outwards the sine of the inclination is linear in r, so the places where two
+    segments are parallel, and their distance along z stationary, solve a linear equation.
+
+    Parameters
+    ----------
+    closure, seat : Curve
+        Faces, run from smaller to larger radius.
+
+    Returns
+    -------
+    Touch
+        Faces that touch along a whole stretch (two cones of the same angle) touch first in its middle; of several
+        circles that touch at once the innermost counts.
+
+    Raises
+    ------
+    GeometryError
+        If a face turns back towards the axis, or the faces do not lie above each other anywhere.
+    """
+    upper, lower = _graph(closure, "closure"), _graph(seat, "seat")
+    places = [(r, c.height(r) - s.height(r)) for c in upper for s in lower for r in _candidates(c, s)]
+    if not places:
+        raise GeometryError(
+            f"closure and seat do not meet: the closure's face reaches from r = {upper[0].start:.6g} m to "
+            f"{upper[-1].end:.6g} m, the seat's from {lower[0].start:.6g} m to {lower[-1].end:.6g} m"
+        )
+    drop = min(distance for _, distance in places)
+    slack = 1e-13 * max(closure.length, seat.length)
+    touching = sorted(r for r, distance in places if distance <= drop + slack)
+    middle = 0.5 * (touching[0] + touching[-1])
+    # Two circles that touch at once have a gap between them; a stretch has none.
+    stretch = _distance(upper, lower, middle) <= drop + slack
+    return Touch(float(middle if stretch else touching[0]), float(drop))
+
+
+def _distance(upper: list[_Graph], lower: list[_Graph], r: float) -> float:
+    (c,) = [g for g in upper if g.start <= r <= g.end][:1]
+    (s,) = [g for g in lower if g.start <= r <= g.end][:1]
+    return c.height(r) - s.height(r)
+
+
+@dataclass(frozen=True)
+class _Graph:
+    """A segment as function z(r)."""
+
+    start: float
+    end: float
+    z: float
+    angle: float
+    curvature: float
+
+    def sine(self, r: float) -> float:
+        return math.sin(self.angle) + self.curvature * (r - self.start)
+
+    def height(self, r: float) -> float:
+        angle = math.asin(min(max(self.sine(r), -1.0), 1.0))
+        # The chord from the start stands at the mean of both inclinations.
+        return self.z + (r - self.start) * math.tan(0.5 * (angle + self.angle))
+
+
+def _graph(face: Curve, name: str) -> list[_Graph]:
+    starts, ends = face.point(face.breaks[:-1]), face.point(face.breaks[1:])
+    graphs = []
+    for n, segment in enumerate(face.segments):
+        t = face.tangent(face.breaks[n])
+        angle = math.atan2(t[1], t[0])
+        last = math.sin(angle) + face.curvature(face.breaks[n]) * (ends[0, n] - starts[0, n])
+        if not (
+            ends[0, n] > starts[0, n] and abs(angle) <= math.pi / 2 * (1 + 1e-9) and abs(last) <= 1 + 1e-9
+        ):
+            raise GeometryError(
+                f"the face of the {name} turns back towards the axis between r = {segment.start[0]:.6g} m and "
+                f"{segment.end[0]:.6g} m; a face must run outwards all the way"
+            )
+        graphs.append(_Graph(starts[0, n], ends[0, n], starts[1, n], angle, face.curvature(face.breaks[n])))
+    return graphs
+
+
+def _candidates(c: _Graph, s: _Graph) -> list[float]:
+    low, high = max(c.start, s.start), min(c.end, s.end)
+    if low > high:
+        return []
+    bend, slope = c.curvature - s.curvature, c.sine(low) - s.sine(low)
+    if abs(bend) * (high - low) < 1e-12 and abs(slope) < 1e-12:
+        return [0.5 * (low + high)]
+    stationary = low - slope / bend if bend else math.nan
+    inside = [stationary] if low < stationary < high else []
+    return [*inside, low, high]
+
+
+def at_a_corner(face: Curve, arc_length: float) -> bool:
+    """Whether a face has a sharp corner at an arc length [m]."""
+    near = np.abs(face.breaks[1:-1] - arc_length) < 1e-9 * face.length
+    for s in face.breaks[1:-1][near]:
+        step = 1e-12 * face.length
+        before, after = face.tangent(s - step), face.tangent(s + step)
+        if float(before @ after) < math.cos(1e-4):
+            return True
+    return False
+
+
+def with_faces(closure: Outline, seat: Outline) -> tuple[Outline, Outline]:
+    """Outlines whose faces are named, those that are not yet being found by the closest approach along the axis.
+
+    Parameters
+    ----------
+    closure, seat : Outline
+        A body that does not name its face has pieces without a name, one of which will touch.
+
+    Raises
+    ------
+    GeometryError
+        If no chain of one body lies above a chain of the other.
+    """
+    pairs = []
+    for c, s in product(_faces_in(closure), _faces_in(seat)):
+        try:
+            pairs.append((first_touch(c.face, s.face).drop, c, s))
+        except GeometryError as error:
+            refusal = error
+    if not pairs:
+        raise refusal
+    return min(pairs, key=lambda pair: pair[0])[1:]
+
+
+def _faces_in(outline: Outline) -> list[Outline]:
+    """The outline with each chain that could be its face named so; the outline itself if it names one."""
+    if any(s.name == f"{outline.name}_face" for s in outline.segments):
+        return [named_beside(outline)]
+    chains: list[list[int]] = []
+    for n, s in enumerate(outline.segments):
+        if s.name or looks(s) != (-1 if outline.name == "closure" else 1):
+            continue
+        if chains and chains[-1][-1] == n - 1:
+            chains[-1].append(n)
+        else:
+            chains.append([n])
+    if not chains:
+        side = "downwards" if outline.name == "closure" else "upwards"
+        raise GeometryError(f"{outline.name} outline: no piece without another name looks {side}")
+    return [
+        named_beside(
+            Outline(
+                outline.name,
+                tuple(
+                    replace(s, name=f"{outline.name}_face") if n in chain else s
+                    for n, s in enumerate(outline.segments)
+                ),
+            )
+        )
+        for chain in map(set, chains)
+    ]
+
+
+def looks(s: Segment) -> int:
+    """Whether a piece of a counter-clockwise outline looks upwards, 1, downwards, -1, or to the side, 0."""
+    inwards = s.start[0] - s.end[0]
+    steep = abs(inwards) <= 1e-9 * (abs(s.end[1] - s.start[1]) + abs(inwards))
+    return 0 if steep else 1 if inwards > 0 else -1
+
+
+def named_beside(outline: Outline) -> Outline:
+    """Pieces without a name called after the side of the face on which they lie."""
+    if all(s.name for s in outline.segments):
+        return outline
+    at = [n for n, s in enumerate(outline.segments) if s.name == f"{outline.name}_face"]
+    # The surface of the closure begins at the axis, that of the seat at the wall.
+    before, after = ("inner", "outer") if outline.name == "closure" else ("outer", "inner")
+    return Outline(
+        outline.name,
+        tuple(
+            s if s.name else replace(s, name=f"{outline.name}_{before if n < at[0] else after}")
+            for n, s in enumerate(outline.segments)
+        ),
+    )

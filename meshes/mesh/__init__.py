@@ -1,0 +1,1 @@
+"""Element sizes, and the mesh with its names, quality and files."""

@@ -1,0 +1,190 @@
+"""The mesh of closure and seat with its names, quality and files."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.geometry.contact_geometry import ContactGeometry
+from meshes.geometry.outline import Outline
+from meshes.mesh.sizing import Sizing
+
+if TYPE_CHECKING:
+    from skfem import MeshTri
+
+    from meshes.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How good the triangles are.
+
+    Parameters
+    ----------
+    smallest : float
+        Worst value of 2 (inscribed radius)/(circumscribed radius): 1 equilateral, 0 degenerate.
+    mean : float
+        Its mean.
+    elements, vertices : int
+    area_error : float
+        Largest relative difference between a body's meshed and exact section area.
+    """
+
+    smallest: float
+    mean: float
+    elements: int
+    vertices: int
+    area_error: float
+
+
+@dataclass(frozen=True)
+class SealMesh:
+    """Straight triangles of both bodies with named boundaries and subdomains.
+
+    Parameters
+    ----------
+    mesh : skfem.MeshTri
+        Both bodies, not connected, coordinates (r, z) [m]; subdomains "closure" and "seat"; boundaries
+        "closure_contact", "closure_inner", "closure_outer", "closure_axis", "seat_contact", "seat_inner",
+        "seat_outer", "seat_wall", "seat_bottom".
+    contact : ContactGeometry
+        Exact geometry of the contact line.
+    sizing : Sizing
+    outlines : tuple of Outline
+        Exact sections of closure and seat.
+    """
+
+    mesh: MeshTri
+    contact: ContactGeometry
+    sizing: Sizing
+    outlines: tuple[Outline, ...]
+
+    @cached_property
+    def closure(self) -> MeshTri:
+        """The closure alone, with its boundaries."""
+        return _body(self.mesh, "closure")
+
+    @cached_property
+    def seat(self) -> MeshTri:
+        """The seat alone, with its boundaries."""
+        return _body(self.mesh, "seat")
+
+    @cached_property
+    def quality(self) -> Quality:
+        """Shape of the elements and error of the areas."""
+        shape = triangle_shape(self.mesh.p, self.mesh.t)
+        errors = [abs(section_area(_body(self.mesh, o.name)) / o.area - 1) for o in self.outlines]
+        return Quality(
+            float(shape.min()), float(shape.mean()), self.mesh.nelements, self.mesh.nvertices, max(errors)
+        )
+
+    def write(self, path: str | os.PathLike[str]) -> Path:
+        """Write the mesh as gmsh file (format 2.2) with named physical groups, atomically.
+
+        Returns
+        -------
+        pathlib.Path
+            The file written.
+        """
+        return write_msh(self.mesh, Path(path))
+
+
+def triangle_shape(p: FloatArray, t: NDArray[np.int64]) -> FloatArray:
+    """Return 2 r_in/r_circ of every triangle: 1 equilateral, 0 degenerate."""
+    a, b, c = (np.linalg.norm(p[:, t[i]] - p[:, t[j]], axis=0) for i, j in ((0, 1), (1, 2), (2, 0)))
+    return (b + c - a) * (c + a - b) * (a + b - c) / (a * b * c)
+
+
+def section_area(mesh: MeshTri) -> float:
+    """Area of the meshed section [m^2]."""
+    p, t = mesh.p, mesh.t
+    e, f = p[:, t[1]] - p[:, t[0]], p[:, t[2]] - p[:, t[0]]
+    return float(0.5 * np.abs(e[0] * f[1] - e[1] * f[0]).sum())
+
+
+def _body(mesh: MeshTri, name: str) -> MeshTri:
+    body = mesh.restrict(name)
+    boundaries = {key: facets for key, facets in (body.boundaries or {}).items() if key.startswith(name)}
+    return type(body)(body.p, body.t).with_boundaries(boundaries)
+
+
+def write_msh(mesh: MeshTri, path: Path) -> Path:
+    """Write `mesh` with its boundaries and subdomains as physical groups, replacing `path` in one step.
+
+    Parameters
+    ----------
+    mesh : skfem.MeshTri
+        Coordinates (r, z) [m], written as (x, y, 0).
+    path : pathlib.Path
+        File to write, format gmsh 2.2, the one that every reader knows.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; nothing is left behind.
+    """
+    import meshio
+
+    lines, line_tags, names = [], [], {}
+    for tag, (name, facets) in enumerate(sorted((mesh.boundaries or {}).items()), start=1):
+        lines.append(mesh.facets[:, np.asarray(facets)].T)
+        line_tags.append(np.full(lines[-1].shape[0], tag))
+        names[name] = np.array([tag, 1])
+    cell_tags = np.zeros(mesh.nelements, dtype=int)
+    for tag, (name, elements) in enumerate(sorted((mesh.subdomains or {}).items()), start=len(names) + 1):
+        cell_tags[elements] = tag
+        names[name] = np.array([tag, 2])
+    tags = [np.concatenate(line_tags), cell_tags]
+    part = meshio.Mesh(
+        np.column_stack([mesh.p.T, np.zeros(mesh.nvertices)]),
+        [("line", np.vstack(lines)), ("triangle", mesh.t.T)],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data=names,
+    )
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        meshio.write(temporary, part, file_format="gmsh22", binary=False)
+        os.replace(temporary, path)
+    except OSError as error:
+        # of the file that was asked for, not of the draft
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+    return path
+
+
+def joined(bodies: list[tuple[str, MeshTri]]) -> MeshTri:
+    """One mesh of several bodies that share no node, with a subdomain for each.
+
+    Parameters
+    ----------
+    bodies : list of (name, skfem.MeshTri)
+        With their boundaries.
+    """
+    from skfem import MeshTri
+
+    offsets = np.cumsum([0, *(mesh.nvertices for _, mesh in bodies)])
+    counts = np.cumsum([0, *(mesh.nelements for _, mesh in bodies)])
+    mesh = MeshTri(
+        np.ascontiguousarray(np.hstack([body.p for _, body in bodies])),
+        np.ascontiguousarray(np.hstack([body.t + offsets[n] for n, (_, body) in enumerate(bodies)])),
+    )
+    facets = {tuple(pair): n for n, pair in enumerate(np.sort(mesh.facets, axis=0).T.tolist())}
+    boundaries = {
+        name: np.array(
+            [facets[tuple(pair)] for pair in np.sort(body.facets[:, found] + offsets[n], axis=0).T.tolist()]
+        )
+        for n, (_, body) in enumerate(bodies)
+        for name, found in (body.boundaries or {}).items()
+        if len(found)
+    }
+    subdomains = {name: np.arange(counts[n], counts[n + 1]) for n, (name, _) in enumerate(bodies)}
+    return mesh.with_boundaries(boundaries).with_subdomains(subdomains)

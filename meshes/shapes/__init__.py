@@ -1,0 +1,1 @@
+"""Shapes of closures and seats, one file each."""

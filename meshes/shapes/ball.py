@@ -1,0 +1,68 @@
+"""A ball as closure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from meshes.errors import GeometryError
+from meshes.geometry.outline import Outline
+from meshes.geometry.segment import Point, Segment
+
+# The closing force acts above this angle from the downward axis, so that it does not bend the surface near the
+# contact, which lies below 90 degrees.
+_TOP = 2 * math.pi / 3
+
+
+@dataclass(frozen=True)
+class Ball:
+    """Ball of radius `radius` [m], solid unless `cavity_radius` [m] makes it a hollow sphere.
+
+    Its face is the lower half; the closing force acts on the surface above 120 degrees from the downward axis.
+
+    Raises
+    ------
+    GeometryError
+        If the radius is not positive and finite, or the cavity not smaller than the ball.
+    """
+
+    radius: float
+    cavity_radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.radius) and self.radius > 0):
+            raise GeometryError(f"closure radius = {self.radius!r} m: must be positive and finite")
+        if not 0 <= self.cavity_radius < self.radius:
+            raise GeometryError(
+                f"closure cavity_radius = {self.cavity_radius!r} m: must be below the radius {self.radius:.6g} m"
+            )
+
+    @property
+    def outline(self) -> Outline:
+        """Section with the centre at the origin."""
+        centre, hole = (0.0, 0.0), self.cavity_radius
+
+        def at(angle: float, radius: float = self.radius) -> Point:
+            return radius * math.sin(angle), -radius * math.cos(angle)
+
+        bottom, side, shoulder, top = (0.0, -self.radius), (self.radius, 0.0), at(_TOP), (0.0, self.radius)
+        shell = (
+            Segment(bottom, side, "closure_face", centre),
+            Segment(side, shoulder, "closure_outer", centre),
+            Segment(shoulder, top, "closure_top", centre),
+        )
+        if not hole:
+            return Outline("closure", (*shell, Segment(top, bottom, "closure_axis")))
+        cavity = (
+            Segment((0.0, hole), (hole, 0.0), "closure_cavity", centre),
+            Segment((hole, 0.0), (0.0, -hole), "closure_cavity", centre),
+        )
+        return Outline(
+            "closure",
+            (
+                *shell,
+                Segment(top, (0.0, hole), "closure_axis"),
+                *cavity,
+                Segment((0.0, -hole), bottom, "closure_axis"),
+            ),
+        )

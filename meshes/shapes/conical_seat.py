@@ -1,0 +1,99 @@
+"""A conical seat in a cylindrical housing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from meshes.errors import GeometryError
+from meshes.geometry.outline import Outline
+from meshes.geometry.rounding import chain
+from meshes.shapes.shape import Partner, Shape, check_angle, housing
+
+
+@dataclass(frozen=True)
+class ConicalSeat:
+    """Conical seat face between a bore and the flat top of a cylindrical housing.
+
+    Parameters
+    ----------
+    angle : float
+        Angle theta between the axis and the contact normal [rad]; the face is inclined by theta to the
+        horizontal plane and its half-angle from the axis is pi/2 - theta.
+    bore_radius : float
+        Radius of the bore below the face [m].
+    face_radius : float
+        Radius of the upper edge of the face [m].
+    outer_radius : float
+        Radius of the housing [m], at least `face_radius`.
+    height : float
+        Length of the bore, from the lower edge of the face to the bottom of the housing [m].
+
+    Raises
+    ------
+    GeometryError
+        If the angle is outside (0, pi/2) or the radii are not increasing.
+    """
+
+    angle: float
+    bore_radius: float
+    face_radius: float
+    outer_radius: float
+    height: float
+
+    def __post_init__(self) -> None:
+        check_angle("seat", "angle", self.angle)
+        if not 0 < self.bore_radius < self.face_radius <= self.outer_radius:
+            raise GeometryError(
+                "seat radii must increase from the bore over the upper edge of the face to the housing, got "
+                f"{self.bore_radius:.6g} m, {self.face_radius:.6g} m, {self.outer_radius:.6g} m"
+            )
+        if not (math.isfinite(self.height) and self.height > 0):
+            raise GeometryError(f"seat height = {self.height!r} m: must be positive and finite")
+
+    @classmethod
+    def around(
+        cls,
+        angle: float,
+        closure: Shape,
+        *,
+        bore_radius: float | None = None,
+        face_radius: float | None = None,
+        outer_radius: float | None = None,
+        height: float | None = None,
+    ) -> ConicalSeat:
+        """Seat for a closure, with the dimensions that are not given in proportion to it.
+
+        With L the radius of the closure (of a ball its own), the bore has half the radius of first touch, the face
+        ends 0.6 L (along the face) beyond first touch, the housing is 1.5 L wider than first touch and 1.5 L high
+        below the face: far enough from the contact to change the pressure profile of a narrow contact by some 1e-5.
+
+        Parameters
+        ----------
+        angle : float
+            theta [rad].
+        closure : Shape
+        bore_radius, face_radius, outer_radius, height : float, optional
+            As of the class [m].
+        """
+        check_angle("seat", "angle", angle)
+        partner = Partner.of(closure)
+        size = partner.size
+        touch = partner.touch_on(chain([(0.0, 0.0), (2 * size, 2 * size * math.tan(angle))], "seat_face"))
+        face = face_radius or touch + 0.6 * size * math.cos(angle)
+        if outer_radius is not None and face_radius is None:
+            face = min(face, outer_radius)
+        return cls(
+            angle,
+            bore_radius or 0.5 * touch,
+            face,
+            outer_radius or partner.housing_radius(touch, face),
+            height or partner.housing_height,
+        )
+
+    @property
+    def outline(self) -> Outline:
+        """Section with the lower edge of the face at z = 0."""
+        rise = (self.face_radius - self.bore_radius) * math.tan(self.angle)
+        face = chain([(self.bore_radius, 0.0), (self.face_radius, rise)], "seat_face")
+        return housing(face, self.outer_radius, self.height)

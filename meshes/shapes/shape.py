@@ -1,0 +1,180 @@
+"""What every closure and every seat offers, how a face becomes a body, and what is left open in proportion."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Protocol
+
+from meshes.errors import GeometryError
+from meshes.geometry.curve import Curve
+from meshes.geometry.outline import Outline
+from meshes.geometry.segment import Point, Segment
+from meshes.geometry.touch import first_touch, with_faces
+
+
+class Shape(Protocol):
+    """A body that can be meshed."""
+
+    @property
+    def outline(self) -> Outline:
+        """Section whose contact face is named "closure_face" or "seat_face"; its height is free."""
+        ...
+
+
+def housing(face: Curve, outer_radius: float, height: float) -> Outline:
+    """Seat: a face on a cylindrical housing with a bore below its inner end.
+
+    Parameters
+    ----------
+    face : Curve
+        From the bore outwards, segments named "seat_face".
+    outer_radius : float
+        Radius of the housing [m].
+    height : float
+        From the inner end of the face to the bottom of the housing [m].
+
+    Raises
+    ------
+    GeometryError
+        If the face reaches beyond the housing or below its bottom.
+    """
+    start, end = face.segments[0].start, face.segments[-1].end
+    if not outer_radius >= end[0] * (1 - 1e-12):
+        raise GeometryError(
+            f"seat outer_radius = {outer_radius:.6g} m: the face reaches to {end[0]:.6g} m, the housing must be wider"
+        )
+    if not height > 0:
+        raise GeometryError(f"seat height = {height:.6g} m: must be positive")
+    bottom = start[1] - height
+    lowest = min(p[1] for s in face.segments for p in (s.start, s.end))
+    if not bottom < lowest:
+        raise GeometryError(
+            f"seat height = {height:.6g} m: the face goes {start[1] - lowest:.6g} m deep, the housing must be higher"
+        )
+    around: list[tuple[Point, str]] = [
+        (start, "seat_inner"),
+        ((start[0], bottom), "seat_bottom"),
+        ((outer_radius, bottom), "seat_wall"),
+        ((outer_radius, end[1]), "seat_outer"),
+        (end, ""),
+    ]
+    rest = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if _apart(a, b))
+    return Outline("seat", (*face.reversed.segments, *rest))
+
+
+def plunger(face: Curve, height: float) -> Outline:
+    """Closure: a face at the lower end of a round bar, flat inside the face.
+
+    Parameters
+    ----------
+    face : Curve
+        From its inner end outwards, segments named "closure_face".
+    height : float
+        From the outer end of the face to the top of the bar [m].
+
+    Raises
+    ------
+    GeometryError
+        If the bar would have no height.
+    """
+    start, end = face.segments[0].start, face.segments[-1].end
+    top = end[1] + height
+    highest = max(p[1] for s in face.segments for p in (s.start, s.end))
+    if not top > max(highest, start[1]) + 1e-12 * end[0]:
+        raise GeometryError(
+            f"closure height: the top would lie {top - highest:.6g} m above the highest point of the face; the closure "
+            "must be higher"
+        )
+    around: list[tuple[Point, str]] = [
+        (end, "closure_outer"),
+        ((end[0], top), "closure_top"),
+        ((0.0, top), "closure_axis"),
+        ((0.0, start[1]), "closure_inner"),
+        (start, ""),
+    ]
+    rest = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if _apart(a, b))
+    return Outline("closure", (*face.segments, *rest))
+
+
+def _apart(a: Point, b: Point) -> bool:
+    return abs(a[0] - b[0]) + abs(a[1] - b[1]) > 1e-12 * (abs(a[0]) + abs(a[1]) + abs(b[0]) + abs(b[1]))
+
+
+def check_positive(body: str, **lengths: float) -> None:
+    """Refuse dimensions that are not positive and finite.
+
+    Parameters
+    ----------
+    body : str
+        "closure" or "seat".
+    **lengths : float
+        By key [m].
+
+    Raises
+    ------
+    GeometryError
+    """
+    for key, value in lengths.items():
+        if not (math.isfinite(value) and value > 0):
+            raise GeometryError(f"{body} {key} = {value!r} m: must be positive and finite")
+
+
+def check_angle(body: str, key: str, angle: float, low: float = 0.0, high: float = math.pi / 2) -> None:
+    """Refuse an angle [rad] outside the open interval (low, high).
+
+    Raises
+    ------
+    GeometryError
+    """
+    if not low < angle < high:
+        raise GeometryError(
+            f"{body} {key} = {math.degrees(angle):.6g} deg: must lie between {math.degrees(low):.6g} and "
+            f"{math.degrees(high):.6g} deg"
+        )
+
+
+@dataclass(frozen=True)
+class Partner:
+    """What a seat needs to know about its closure to find the dimensions that are left open.
+
+    Parameters
+    ----------
+    outline : Outline
+        Of the closure.
+    """
+
+    outline: Outline
+
+    @classmethod
+    def of(cls, closure: Shape) -> Partner:
+        """The closure as partner."""
+        return cls(closure.outline)
+
+    @property
+    def size(self) -> float:
+        """Radius L of the closure [m], of a ball its own."""
+        return self.outline.largest_radius
+
+    def touch_on(self, face: Curve) -> float:
+        """Radius of first touch on a seat's face [m]."""
+        return self._touch(face)[1]
+
+    def curvature_on(self, face: Curve) -> float:
+        """Curvature of the closure where it first touches a seat's face [1/m], positive where it bulges."""
+        closure, touch = self._touch(face)
+        return closure.curvature(closure.project_radius(touch))
+
+    def _touch(self, face: Curve) -> tuple[Curve, float]:
+        closure, seat = with_faces(self.outline, Outline("seat", face.reversed.segments))
+        return closure.face, first_touch(closure.face, seat.face).radius
+
+    def housing_radius(self, touch: float, face_end: float) -> float:
+        """1.5 L wider than first touch: far enough to change a narrow contact's pressure by some 1e-5."""
+        return max(touch + 1.5 * self.size, face_end)
+
+    @property
+    def housing_height(self) -> float:
+        """1.5 L, as `housing_radius`."""
+        return 1.5 * self.size

@@ -1,0 +1,132 @@
+"""A convex ring of circular section as seat."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from meshes.errors import GeometryError
+from meshes.geometry.curve import Curve
+from meshes.geometry.outline import Outline
+from meshes.geometry.segment import Segment
+from meshes.shapes.shape import Partner, Shape, check_positive, housing
+
+
+@dataclass(frozen=True)
+class ToroidalSeat:
+    """Ring of circular section on the flat top of a cylindrical housing.
+
+    A ball of radius R touches it where its normal points to both centres: sin(angle) = centre_radius/(R + radius),
+    r0 = R sin(angle), 1/R_rel = 1/R + 1/radius. A cone of inclination theta touches at
+    r0 = centre_radius - radius sin(theta), R_rel = radius.
+
+    Parameters
+    ----------
+    centre_radius : float
+        Distance of the section's centre from the axis [m].
+    radius : float
+        Radius of the section [m].
+    bore_radius : float
+        Radius of the bore [m], from centre_radius - radius, where the ring goes over into it smoothly, to below
+        centre_radius.
+    recess : float
+        Depth of the flat outside the ring below its crest [m]; zero lets the top go on from the crest.
+    outer_radius : float
+        Radius of the housing [m].
+    height : float
+        From the lower end of the ring to the bottom of the housing [m].
+
+    Raises
+    ------
+    GeometryError
+        If a dimension is impossible.
+    """
+
+    centre_radius: float
+    radius: float
+    bore_radius: float
+    recess: float
+    outer_radius: float
+    height: float
+
+    def __post_init__(self) -> None:
+        check_positive(
+            "seat",
+            centre_radius=self.centre_radius,
+            radius=self.radius,
+            bore_radius=self.bore_radius,
+            height=self.height,
+        )
+        lowest = self.centre_radius - self.radius
+        if not lowest * (1 - 1e-12) <= self.bore_radius < self.centre_radius:
+            raise GeometryError(
+                f"seat bore_radius = {self.bore_radius:.6g} m: must lie between {max(lowest, 0):.6g} m, the innermost "
+                f"circle of the ring, and its centre_radius = {self.centre_radius:.6g} m"
+            )
+        if not 0 <= self.recess < self.radius:
+            raise GeometryError(
+                f"seat recess = {self.recess!r} m: must be at least 0 and below the radius of the ring, "
+                f"{self.radius:.6g} m"
+            )
+        if not (math.isfinite(self.outer_radius) and self.outer_radius > self.ring_end):
+            raise GeometryError(
+                f"seat outer_radius = {self.outer_radius:.6g} m: must exceed the outer end of the ring, "
+                f"{self.ring_end:.6g} m"
+            )
+
+    @classmethod
+    def around(
+        cls,
+        centre_radius: float,
+        radius: float,
+        closure: Shape,
+        *,
+        bore_radius: float | None = None,
+        recess: float | None = None,
+        outer_radius: float | None = None,
+        height: float | None = None,
+    ) -> ToroidalSeat:
+        """Ring for a closure, with the dimensions that are not given in proportion to it.
+
+        Parameters
+        ----------
+        centre_radius, radius : float
+            As of the class [m].
+        closure : Shape
+        bore_radius : float, optional
+            Where the ring goes over into the bore, but at least half the centre radius, unless given [m].
+        recess : float, optional
+            Half the ring's radius unless given [m].
+        outer_radius, height : float, optional
+            Outer end of the ring + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
+        """
+        check_positive("seat", centre_radius=centre_radius, radius=radius)
+        partner = Partner.of(closure)
+        depth = radius / 2 if recess is None else recess
+        end = centre_radius + math.sqrt(max(depth * (2 * radius - depth), 0.0))
+        return cls(
+            centre_radius,
+            radius,
+            max(centre_radius - radius, centre_radius / 2) if bore_radius is None else bore_radius,
+            depth,
+            partner.housing_radius(end, 1.1 * end) if outer_radius is None else outer_radius,
+            partner.housing_height if height is None else height,
+        )
+
+    @property
+    def ring_end(self) -> float:
+        """Radius at which the ring ends on its outer side [m]."""
+        return self.centre_radius + math.sqrt(max(self.recess * (2 * self.radius - self.recess), 0.0))
+
+    @property
+    def outline(self) -> Outline:
+        """Section with the crest of the ring at z = 0."""
+        centre, crest = (self.centre_radius, -self.radius), (self.centre_radius, 0.0)
+        inside = min(self.centre_radius - self.bore_radius, self.radius)
+        inner = (self.centre_radius - inside, math.sqrt(self.radius**2 - inside**2) - self.radius)
+        face = [Segment(inner, crest, "seat_face", centre)]
+        if self.recess > 0:
+            face.append(Segment(crest, (self.ring_end, -self.recess), "seat_face", centre))
+        else:
+            face.append(Segment(crest, (self.outer_radius, 0.0), "seat_face"))
+        return housing(Curve(tuple(face)), self.outer_radius, self.height)
