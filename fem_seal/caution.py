@@ -109,3 +109,6 @@ class Validity:
 
 
 VALID = Validity()
+_NOT_JUDGED = "checks of what the theory allows failed"
+# A check that fails is no clean bill.
+NOT_JUDGED = Validity((Caution("checks", Level.DOUBTFUL, _NOT_JUDGED, _NOT_JUDGED),))

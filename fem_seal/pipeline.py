@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_seal.afterwards import Afterwards
 from fem_seal.case_flow import expected_forces
-from fem_seal.caution import worst_first
+from fem_seal.caution import NOT_JUDGED, worst_first
 from fem_seal.condensation import ContactModel
 from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
@@ -34,7 +34,7 @@ from fem_seal.loads import line_load
 from fem_seal.opening import with_margins
 from fem_seal.plastic_width import curves, for_yielding
 from fem_seal.readable import given
-from fem_seal.results import InterfaceVariant, LoadResult, SealResult, strongest_load
+from fem_seal.results import DiscretisationError, InterfaceVariant, LoadResult, SealResult, strongest_load
 from fem_seal.solved_loads import SolvedLoads, solve_load, solve_loads
 from fem_seal.validity import contact_cautions, load_validity
 from meshes import SealMesh, Sizing, build_contact
@@ -119,7 +119,7 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         seal_mesh,
         model,
         surface,
-        tuple(replace(load, validity=load_validity(case, load, surface, error)) for load in loads),
+        _judged(after, case, loads, surface, error),
         error,
         variants,
         tuple(caution.text for caution in worst_first(found)),
@@ -130,6 +130,27 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)
     return replace(result, warnings=(*result.warnings, *after.failures))
+
+
+def _judged(
+    after: Afterwards,
+    case: Case,
+    loads: Sequence[LoadResult],
+    surface: RoughContact | None,
+    error: DiscretisationError,
+) -> tuple[LoadResult, ...]:
+    """Loads with their validity."""
+    return tuple(
+        replace(
+            load,
+            validity=after.get(
+                f"validity at {given('fluid pressure', load.fluid_pressure)}",
+                partial(load_validity, case, load, surface, error),
+                NOT_JUDGED,
+            ),
+        )
+        for load in loads
+    )
 
 
 def _with_theory_variants(result: SealResult, clock: Clock, after: Afterwards) -> SealResult:

@@ -14,7 +14,7 @@ import fem_seal
 import leak
 from fem_seal import validity
 from fem_seal.case import Case
-from fem_seal.caution import VALID, Caution, Level, Validity, worst_first
+from fem_seal.caution import NOT_JUDGED, VALID, Caution, Level, Validity, worst_first
 from fem_seal.derived import closed_form_limits, derive
 from fem_seal.pipeline import run
 from fem_seal.profile import PressureProfile
@@ -187,6 +187,19 @@ def test_every_load_has_its_own_validity(soft_result):
 
 def test_the_paper_s_loads_are_valid():
     assert [load.validity for load in rough_result().loads] == [VALID] * 3
+
+
+def test_a_check_that_fails_costs_no_result_and_is_no_clean_bill(monkeypatch):
+    def fails(case, model, loads):
+        raise ZeroDivisionError("nothing to divide by")
+
+    monkeypatch.setattr(validity, "_wide", fails)
+    result = fem_seal.run(case(load={"fluid_pressure": ["2 bar", "20 bar"]}))
+    assert [load.validity for load in result.loads] == [NOT_JUDGED] * 2
+    assert NOT_JUDGED.level is Level.DOUBTFUL and NOT_JUDGED.reasons
+    assert all(load.leak.leak_rate > 0 for load in result.loads)
+    for pressure in ("2 bar", "20 bar"):
+        assert any(one.startswith(f"validity at {pressure}: could not be") for one in result.warnings)
 
 
 def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):

@@ -251,6 +251,7 @@ class _Design:
             max_von_mises=math.nan,
             max_von_mises_at=("", math.nan, math.nan),
             applied_force=self.case.load.points[0][1],
+            opening=self.opening,
         )
 
     @cached_property
