@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_seal.afterwards import Afterwards
 from fem_seal.case_flow import expected_forces
-from fem_seal.caution import worst_first
+from fem_seal.caution import Caution, Level, Validity, worst_first
 from fem_seal.condensation import ContactModel
 from fem_seal.contact import solve
 from fem_seal.contact_size import element_sizes
@@ -45,6 +45,10 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str], None]
 
+# Of a load whose checks failed: what was not checked is not simply valid.
+_UNCHECKED = Validity.of(
+    [Caution("checks", Level.DOUBTFUL, "the checks of what the theory allows failed", "the checks failed")]
+)
 # Where the stress could not be calculated.
 _NO_STRESS = math.nan, ("closure", math.nan, math.nan)
 
@@ -119,7 +123,15 @@ def run(case: Case, progress: Progress | None = None) -> SealResult:
         seal_mesh,
         model,
         surface,
-        tuple(replace(load, validity=load_validity(case, load, surface, error)) for load in loads),
+        tuple(
+            replace(
+                load,
+                validity=after.get(
+                    "validity", partial(load_validity, case, load, surface, error), _UNCHECKED
+                ),
+            )
+            for load in loads
+        ),
         error,
         variants,
         tuple(caution.text for caution in worst_first(found)),
