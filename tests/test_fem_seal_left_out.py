@@ -150,7 +150,7 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
         ("with_margins", "margin to opening"),
         ("_interface_variants", "comparison of elastic and plastic interface law"),
         ("contact_cautions", "checks of what the theory allows"),
-        ("load_validity", "validity at 5 bar"),
+        ("load_validity", "validity at 2 bar"),
     ],
 )
 def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, monkeypatch, tmp_path):
