@@ -107,7 +107,7 @@ def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: 
     """Check a case file and print what follows from it in closed form, without solving."""
     from fem_seal import console
     from fem_seal.case import load_case
-    from fem_seal.derived import closed_form_limits, derive
+    from fem_seal.derived import closed_form_limits, derive, nearly_open
 
     case = load_case(case_file)
     derived = derive(case)
@@ -116,7 +116,7 @@ def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: 
 
     law = pipeline.interface_law(case, pipeline.rough_contact(case))
     numbers["contact_size_m"] = pipeline.sizing(case, law).contact_size
-    _warn([*_remarks(case), *filter(None, [closed_form_limits(case, derived)])])
+    _warn([*_remarks(case), *filter(None, [nearly_open(derived), closed_form_limits(case, derived)])])
     if json:
         typer.echo(console.as_json(numbers))
     elif not quiet:
