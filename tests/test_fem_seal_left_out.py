@@ -127,7 +127,7 @@ def test_a_path_ends_before_a_load_whose_traces_are_not_known():
         2: "strain",
         3: "path",
     }
-    told = list(left_out(path.load, refused_loads(path)))
+    told = [caution.text for caution in left_out(path.load, refused_loads(path))]
     assert len(told) == 3
     assert told[2].startswith("at 10 bar with 0 N: a body that yields remembers its loads")
 
@@ -136,7 +136,7 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
     pressures = case(load={"fluid_pressure": ["5 bar", "2 bar", "8 bar"]}).load
     failures = {0: ConvergenceError("no luck"), 2: ZeroDivisionError("float division by zero")}
     (said,) = left_out(pressures, SolvedLoads((), failures=failures).problems)
-    assert said == "at 5 bar: no luck. This load is left out; so are those at 8 bar"
+    assert said.text == "at 5 bar: no luck. This load is left out; so are those at 8 bar"
 
 
 # ---------------------------------------------------------------- steps that fail
@@ -150,8 +150,9 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
         ("discretisation_error", "discretisation error"),
         ("far_field", "influence of the far field"),
         ("with_margins", "margin to opening"),
-        ("_interface_variants", "comparison of elastic and plastic interface law"),
-        ("contact_warnings", "checks of what the theory allows"),
+        ("interface_variants", "comparison of elastic and plastic interface law"),
+        ("contact_cautions", "checks of what the theory allows"),
+        ("load_validity", "validity at 2 bar"),
     ],
 )
 def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, monkeypatch, tmp_path):
@@ -165,6 +166,8 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
         f"{named}: could not be calculated (unexpected ZeroDivisionError: float division by"
     )
     assert np.all(result.table.leak_rate_m3_per_s > 0)
+    if broken == "load_validity":
+        assert set(result.table.validity) == {"doubtful"}
     failures = files.write(result, tmp_path)
     assert (tmp_path / "leak.csv").is_file() and (tmp_path / "profile.csv").is_file()
     assert failures == (), failures
@@ -179,11 +182,26 @@ def test_a_leak_rate_that_fails_costs_no_contact(monkeypatch):
             raise ZeroDivisionError("float division by zero")
         return leak_of_contact(case, table, contact, fluid_pressure)
 
-    monkeypatch.setattr(flow, "leak_of_contact", failing)
+    monkeypatch.setattr(chain, "leak_of_contact", failing)
     result = fem_seal.run(case())
     assert result.table.leak_rate_m3_per_s.isna().tolist() == [False, True, False]
     assert result.table.peak_pressure_Pa.notna().all()
     assert any(text.startswith("leak rate at 5 bar: could not be calculated") for text in result.warnings)
+
+
+def test_stress_that_nobody_can_calculate_costs_neither_contact_nor_leak(monkeypatch, tmp_path):
+    """Checks, report and VTK files ask for it as well."""
+    from fem_seal.contact import solution
+
+    def failing(solution):
+        raise MemoryError
+
+    monkeypatch.setattr(solution, "body_fields", failing)
+    result = fem_seal.run(case(load={"fluid_pressure": "20 bar"}))
+    assert result.table.max_von_mises_Pa.isna().all() and (result.table.leak_rate_m3_per_s > 0).all()
+    assert result.table.validity.tolist() == ["doubtful"]
+    files.write(result, tmp_path)
+    assert (tmp_path / "leak.csv").is_file() and (tmp_path / "profile.csv").is_file()
 
 
 @pytest.mark.parametrize("broken", ["write_report", "write_contact", "write_imprint_csv", "write_summary"])
@@ -305,7 +323,8 @@ def test_near_opening_fewer_digits_are_shown(tmp_path, capsys):
     shown = capsys.readouterr().out
     (line,) = [line for line in shown.splitlines() if line.strip().startswith("15.90")]
     # 0.97 N of 1000 N are left
-    assert line.split()[1] == "1.0" or line.split()[1] == "1"
+    force = next(cell for cell in line.split()[1:] if cell not in "?!")
+    assert force == "1.0" or force == "1"
     rate = re.search(r"Leak rate at 15.9 bar: ([\d.]+) ", shown).group(1)
     assert len(rate.strip("0").replace(".", "").strip("0")) == 1
     row = (tmp_path / "out" / "leak.csv").read_text().splitlines()[1]

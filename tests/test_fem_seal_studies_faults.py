@@ -14,9 +14,9 @@ import pandas as pd
 import pytest
 
 from fem_seal import Study, StudyResult, load_case
+from fem_seal.analysis.caution import VALID
 from fem_seal.errors import InputError, OutputError
-from fem_seal.studies import responses as studies_responses
-from fem_seal.studies import store
+from fem_seal.studies import responses, store
 from fem_seal.studies.progress import Lines
 from fem_seal.studies.session import run_study
 
@@ -57,14 +57,14 @@ def stubborn():
 
 def hang_in(evaluate, how):
     """Make one design never end."""
-    harmless = evaluate.responses
+    harmless = evaluate.evaluate
 
-    def responses(case, columns, *, interpolate=True):
+    def armed(case, columns, *, interpolate=True):
         if case.load.axial_force == NEVER:
             how()
         return harmless(case, columns, interpolate=interpolate)
 
-    return responses
+    return armed
 
 
 @pytest.mark.parametrize("how", [loop, wait, stubborn])
@@ -74,7 +74,7 @@ def test_a_design_that_never_ends_is_a_failed_row(tmp_path, monkeypatch, capsys,
 
     before = signal.getsignal(signal.SIGINT)
     with monkeypatch.context() as patch:
-        patch.setattr(studies_responses, "responses", hang_in(studies_responses, how))
+        patch.setattr(responses, "evaluate", hang_in(responses, how))
         result = run_study(study(), folder=tmp_path, workers=0, progress=Lines())
     assert signal.getsignal(signal.SIGINT) is before
     assert result.table["status"].tolist() == ["done", "done", "failed", "done"]
@@ -111,7 +111,7 @@ def test_the_time_limit_is_a_time():
 
 
 def test_a_search_goes_on_after_a_design_that_never_ends(tmp_path, monkeypatch):
-    monkeypatch.setattr(studies_responses, "responses", hang_in(studies_responses, wait))
+    monkeypatch.setattr(responses, "evaluate", hang_in(responses, wait))
     result = run_study(
         study(optimise={"minimise": "line_load_N_per_m", "trials": 8, "batch": 2, "seed": 3}),
         folder=tmp_path,
@@ -129,9 +129,9 @@ import ctypes, sys
 from fem_seal.cli import main
 from fem_seal.studies import evaluate
 
-harmless = evaluate.responses
+harmless = evaluate.evaluate
 
-def responses(case, columns, *, interpolate=True):
+def armed(case, columns, *, interpolate=True):
     if case.load.axial_force == {NEVER}:
         libc = ctypes.CDLL(None)
         everything = (ctypes.c_ulong * 16)(*[2**64 - 1] * 16)
@@ -140,7 +140,7 @@ def responses(case, columns, *, interpolate=True):
             libc.sleep(1000)
     return harmless(case, columns, interpolate=interpolate)
 
-evaluate.responses = responses
+evaluate.evaluate = armed
 sys.exit(main(sys.argv[1:]))
 """
 
@@ -193,7 +193,7 @@ def _plugin():
         """Workers for which one design never ends, those that come later as well."""
 
         def setup(self, worker):
-            studies_responses.responses = hang_in(studies_responses, wait)
+            responses.evaluate = hang_in(responses, wait)
 
     return Hanging()
 
@@ -231,7 +231,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
         while not free:
             time.sleep(0.1)
 
-    monkeypatch.setattr(studies_responses, "responses", hang_in(studies_responses, wait_here))
+    monkeypatch.setattr(responses, "evaluate", hang_in(responses, wait_here))
     slow_enough = study(run={"time_limit": "6 s"})
     recipe = Recipe.of(slow_enough)
     with (
@@ -391,7 +391,7 @@ def rougher(path):
 
 @pytest.mark.slow
 def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypatch):
-    harmless = studies_responses.responses
+    harmless = responses.evaluate
     plan, folder = scanned(tmp_path), tmp_path / "out"
 
     def edited(case, columns, *, interpolate=True):
@@ -400,7 +400,7 @@ def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypa
         return harmless(case, columns, interpolate=interpolate)
 
     with monkeypatch.context() as patch:
-        patch.setattr(studies_responses, "responses", edited)
+        patch.setattr(responses, "evaluate", edited)
         with pytest.raises(InputError, match=r"a\.csv: was changed or removed while the study ran.*--resume"):
             run_study(plan, folder=folder, workers=0)
     # the design that read the new contents is not kept
@@ -448,9 +448,9 @@ def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeyp
         if case.load.axial_force == 2.0:
             (tmp_path / "a.csv").unlink(missing_ok=True)
             raise OSError("no such file")
-        return {"leak_rate_m3_per_s": 1e-6 + 1e-9 * case.load.axial_force}
+        return responses.Evaluation({"leak_rate_m3_per_s": 1e-6 + 1e-9 * case.load.axial_force}, VALID)
 
-    monkeypatch.setattr(studies_responses, "responses", removed)
+    monkeypatch.setattr(responses, "evaluate", removed)
     plan = scanned(
         tmp_path, **({"optimise": {"maximise": "leak_rate_m3_per_s", "trials": 9}} if search else {})
     )
@@ -490,15 +490,15 @@ def test_workers_notice_an_edited_file_too(tmp_path):
 )
 def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch, how, search):
     folder, begun = tmp_path / "out", []
-    harmless = studies_responses.responses
+    harmless = responses.evaluate
 
-    def responses(case, columns, *, interpolate=True):
+    def armed(case, columns, *, interpolate=True):
         begun.append(case.load.axial_force)
         if len(begun) == 2:
             how(folder)
         return harmless(case, columns, interpolate=interpolate)
 
-    monkeypatch.setattr(studies_responses, "responses", responses)
+    monkeypatch.setattr(responses, "evaluate", armed)
     optimise = {"optimise": {"minimise": "line_load_N_per_m", "trials": 8, "batch": 2}} if search else {}
     with pytest.raises(
         OutputError, match=r"study\.sqlite: was deleted or moved while the study ran, which stops"
@@ -508,7 +508,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
     # nothing is made where the folder was
     assert not folder.exists()
     if (moved := Path(f"{folder}-moved")).exists():
-        monkeypatch.setattr(studies_responses, "responses", harmless)
+        monkeypatch.setattr(responses, "evaluate", harmless)
         run_study(study(**optimise), folder=moved, workers=0, resume=True)
         assert StudyResult(moved).counts["open"] == 0
 

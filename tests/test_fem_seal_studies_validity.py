@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import sqlite3
 from pathlib import Path
 
@@ -132,6 +133,19 @@ def test_a_row_says_what_the_run_says_but_for_the_mesh():
     assert [one.kind for one in quick.cautions] == [one.kind for one in complete.cautions]
     # a column that takes a complete run, with the same checks
     assert evaluate(case, ["load_steps"]).validity == complete
+
+
+def test_a_design_near_opening_says_so():
+    """The margin counts in a study as it does in a run."""
+    case = fem_seal.load_case(CASE)
+    opens = case.touch_radius**2 * math.pi * 20e5
+    load = {"load.fluid_pressure": "20 bar", "load.pressure_side": "inner"}
+    near, far = (
+        evaluate(case.replace({**load, "load.axial_force": f"{factor * opens} N"}), ["fwhm_m"]).validity
+        for factor in (1.02, 2.0)
+    )
+    assert "near opening" in [one.kind for one in near.cautions]
+    assert "near opening" not in [one.kind for one in far.cautions]
 
 
 def test_strength_counts_although_bodies_are_shared():

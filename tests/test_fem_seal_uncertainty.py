@@ -189,7 +189,7 @@ def test_spectrum_between_scans(tmp_path, monkeypatch):
     table = {"samples": 64, "spectrum": {"distribution": "scans"}}
     both = result(*files, uncertainty=table).uncertainty
     with monkeypatch.context() as patch:
-        patch.setattr("fem_seal.case.roughness.uncertain_heights", lambda case: ())
+        patch.setattr("fem_seal.analysis.uncertainty.uncertain_heights", lambda *_, **__: ())
         interval = result(*files, uncertainty=table).uncertainty
     low, high = (rates(result(file))[0] for file in (files[0], files[2]))
     assert low < interval.low[0] < interval.median[0] < interval.high[0] < high

@@ -324,3 +324,49 @@ def test_edge_under_a_straight_face_feels_the_exact_distance_to_it(c: float) -> 
     assert np.interp(across, t, exact) == pytest.approx(profile.pressure, abs=2e-3 * exact.max())
     parabola = crossover_line(f, rho, modulus, u0).peak_pressure
     assert abs(profile.peak_pressure / parabola - 1) > 4e-3
+
+
+def test_rim_in_a_hollow_fillet_feels_the_distance_of_the_lifted_closure() -> None:
+    """The layer lifts the closure by u/cos(theta), and closest approach slides by u tan(theta) R_s/(R_s - rho) = 10 um.
+
+    Half-planes at the distance of two circles along the radii of the larger one; at first touch, which the slope alone
+    would give, the width is 1.8 % smaller.
+    """
+    rho, R_s, u0, p_c = 0.15 * MM, 0.3 * MM, 0.5e-6, 1e12
+    centre = 5 * MM
+    apart = (R_s - rho) * math.sqrt(0.5)
+    rim = ToroidalEdge.of(centre, rho)
+    # hollow about a circle that lies inwards of and above the rim's, so that they touch at 45 degrees
+    about = (centre - apart, apart)
+    ends = [(about[0] + R_s * math.sin(a), about[1] - R_s * math.cos(a)) for a in (25 * DEG, 65 * DEG)]
+    top, bottom, wall, bore = ends[1][1], -5 * MM, 12 * MM, ends[0][0]
+    seat = Profile(
+        "seat",
+        (
+            Segment((bore, bottom), (wall, bottom), "bottom"),
+            Segment((wall, bottom), (wall, top), "wall"),
+            Segment((wall, top), ends[1], "outer"),
+            Segment(ends[1], ends[0], "face", about),
+            Segment(ends[0], (bore, bottom), "inner"),
+        ),
+    )
+    law, modulus = ExponentialLaw(p_c=p_c, u0=u0), effective_modulus(STEEL, STEEL)
+    f = 0.02 * math.pi * modulus * u0
+    profile = pressed(rim, seat, law, f).profile
+    phi = np.linspace(-0.3, 0.3, 1201)
+    lift = math.sqrt(2) * u0 * math.log(p_c / profile.peak_pressure)
+    # centre of the rim, lifted, from that of the fillet; phi is counted from the 45 degree line
+    along, across = (R_s - rho) + lift * (-math.sqrt(0.5)), lift * math.sqrt(0.5)
+    gap = (
+        R_s
+        - along * np.cos(phi)
+        - across * np.sin(phi)
+        - np.sqrt(rho**2 - (along * np.sin(phi) - across * np.cos(phi)) ** 2)
+    )
+    # the force is axial, and the contact stands steeper where it has slid to
+    carried = float(profile.arc_weight @ profile.pressure)
+    assert carried / f - 1 == pytest.approx(lift * math.sqrt(0.5) / (R_s - rho), rel=0.1)
+    exact = half_planes(gap - gap.min(), R_s * phi, carried, modulus, law)
+    half = R_s * phi[exact > 0.5 * exact.max()]
+    assert profile.fwhm == pytest.approx(half[-1] - half[0], rel=5e-3)
+    assert profile.peak_pressure == pytest.approx(exact.max(), rel=2e-3)

@@ -110,6 +110,9 @@ class Validity:
 
 
 VALID = Validity()
+_NOT_JUDGED = "checks of what the theory allows failed"
+# A check that fails is no clean bill.
+NOT_JUDGED = Validity((Caution("checks", Level.DOUBTFUL, _NOT_JUDGED, _NOT_JUDGED),))
 
 
 # How far the numbers of a row can be trusted, in words, and why no further.

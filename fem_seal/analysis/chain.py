@@ -12,14 +12,20 @@ import numpy as np
 
 from fem_seal.analysis.accuracy import NOT_ESTIMATED, discretisation_error, far_field, on_coarser_mesh
 from fem_seal.analysis.afterwards import Afterwards
-from fem_seal.analysis.caution import worst_first
+from fem_seal.analysis.caution import NOT_JUDGED, worst_first
 from fem_seal.analysis.flow import conductivity_table, leak_of_contact
 from fem_seal.analysis.left_out import left_out
 from fem_seal.analysis.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.analysis.opening import with_margins
 from fem_seal.analysis.problem import interface_law, rough_contact
 from fem_seal.analysis.questions import with_answers
-from fem_seal.analysis.results import FarFieldChange, LoadResult, SealSolution, strongest_load
+from fem_seal.analysis.results import (
+    DiscretisationError,
+    FarFieldChange,
+    LoadResult,
+    SealSolution,
+    strongest_load,
+)
 from fem_seal.analysis.variants import interface_variants, theory_variants
 from fem_seal.analysis.warnings import contact_cautions, load_validity
 from fem_seal.case.load_limits import refused_loads
@@ -86,7 +92,7 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
         seal_mesh,
         model,
         surface,
-        tuple(replace(load, validity=load_validity(case, load, surface, error)) for load in loads),
+        _judged(after, case, loads, surface, error),
         error,
         variants,
         tuple(caution.text for caution in worst_first(found)),
@@ -97,6 +103,27 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)
     return replace(result, warnings=(*result.warnings, *after.failures))
+
+
+def _judged(
+    after: Afterwards,
+    case: Case,
+    loads: Sequence[LoadResult],
+    surface: RoughContact | None,
+    error: DiscretisationError,
+) -> tuple[LoadResult, ...]:
+    """Loads with their validity."""
+    return tuple(
+        replace(
+            load,
+            validity=after.get(
+                f"validity at {given('fluid pressure', load.fluid_pressure)}",
+                partial(load_validity, case, load, surface, error),
+                NOT_JUDGED,
+            ),
+        )
+        for load in loads
+    )
 
 
 def _with_theory_variants(result: SealSolution, clock: Clock, after: Afterwards) -> SealSolution:

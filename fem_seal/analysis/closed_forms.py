@@ -14,13 +14,16 @@ from fem_seal.analysis.problem import exponential_law, interface_law, rough_cont
 from fem_seal.analysis.results import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.load_limits import refused_loads
-from fem_seal.contact.laws import Law
+from fem_seal.contact.laws import HardContact, InterfaceLaw, Law
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import blow_off_of_sealed_area, closing_force, expected_force, line_load
 from leak import CrossoverLine, GaussianLine, HertzLine, crossover_line, gaussian_line, hertz_line
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
+
+# Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
+_STIFFER = 0.05
 
 
 @dataclass(frozen=True)
@@ -126,7 +129,7 @@ def derive(case: Case) -> Derived:
 
 
 def closed_form_limits(case: Case, derived: Derived) -> str:
-    """Why the closed forms are not what a run finds: faces that bend differently within the contact; "" if they do not.
+    """Why the closed forms are not what a run finds: a law or faces that change within the contact; "" if they are.
 
     Parameters
     ----------
@@ -134,10 +137,19 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
     derived : Derived
         Of the same case.
     """
+    law = _stiffening_law(case)
     for load in derived.loads:
         closed = load.crossover or load.hertz
         if closed is None:
             continue
+        if law is not None and load.crossover is not None:
+            there = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
+            if there < (1 - _STIFFER) * load.crossover.u0:
+                return (
+                    f"from {load.fluid_pressure / 1e5:.6g} bar on p(u) of this surface is no exponential: its decay "
+                    f"length falls from {1e6 * load.crossover.u0:.3g} um at low pressure to {1e6 * there:.3g} um at "
+                    "the peak. The crossover is for the former; the calculated contact is narrower, its peak higher"
+                )
         # Beyond two standard deviations there is a twentieth of the load; Hertz's contact ends there.
         inside = case.contact.breaks[np.abs(case.contact.breaks) < 2 * closed.std]
         if len(inside):
@@ -150,6 +162,32 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
     return ""
 
 
+def nearly_open(derived: Derived) -> str:
+    """Which loads the fluid carries on the sealed area, so that only a run decides about them; "" if there are none.
+
+    Parameters
+    ----------
+    derived : Derived
+    """
+    carried = [load.fluid_pressure / 1e5 for load in derived.loads if math.isnan(load.closing_force)]
+    if not carried:
+        return ""
+    return (
+        f"at {', '.join(f'{pressure:.6g}' for pressure in carried)} bar the fluid carries the closing force on the "
+        "sealed area, or nearly so: the seal is open or close to it, and only a run decides"
+    )
+
+
+def _stiffening_law(case: Case) -> InterfaceLaw | None:
+    """The law of the rough surface; None where it is an exponential or hard contact."""
+    if case.interface.law != "persson":
+        return None
+
+    law = interface_law(case, rough_contact(case))
+    assert not isinstance(law, HardContact)  # that is law = "smooth"
+    return law
+
+
 def _derive_load(
     case: Case, fluid_pressure: float, axial_force: float, decay_length: float | None, *, profiles: bool
 ) -> DerivedLoad:
@@ -158,6 +196,9 @@ def _derive_load(
     profiles = profiles and not math.isinf(R)
     side = case.load.pressure_side
     force = expected_force(r0, fluid_pressure, axial_force, side, case.load.closing)
+    if force > closing_force(r0, fluid_pressure, axial_force, side):
+        # what a run begins with where the fluid carries the spring or nearly so, and no estimate of the force
+        force, profiles = math.nan, False
     f = line_load(force, r0, case.contact.angle)
     return DerivedLoad(
         fluid_pressure=fluid_pressure,

@@ -61,6 +61,8 @@ def theory_variants(result: SealSolution) -> tuple[TheoryVariant, ...]:
 
 def _contacts(result: SealSolution, law: Law) -> Sequence[ContactSolution]:
     """The loads of a result with another interface law."""
+    from fem_seal.contact.newton import solve
+
     if result.unloaded is not None:
         return solve_loads(LoadSolver(result.case, law, result.model)).contacts
     return tuple(
@@ -96,6 +98,7 @@ def _variant(
     width: str | None,
     threshold: float,
 ) -> TheoryVariant:
+    from fem_seal.analysis.flow import conductivity_table, leak_of_contact
 
     read = case.model_copy(update={"leak": case.leak.model_copy(update={"conductivity": conductivity})})
     surface = replace(

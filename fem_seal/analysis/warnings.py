@@ -41,6 +41,8 @@ _LARGEST_ERROR_OF_PATH = 1e-2
 # and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification.md).
 _FEW_CHANNELS = 0.15
 _FACTORS = ((0.2, 1.7), (1.0, 3.3))
+# ... where they end; from there to the percolation threshold the conductivity falls to nothing.
+_DIRECT_END = 0.39
 # With a lay the conductivity is too high by up to (longer over shorter correlation length)^exponent: up to some A/A0
 # where the fluid crosses the lay, and where it flows along it. Direct results for ratios of 2 and 5, up to A/A0 = 0.16.
 _LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 0.3), (0.07, 0.5), (1.0, 1.35)), 0.3, 0.16
@@ -263,8 +265,9 @@ def _yielding(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Itera
             f"{zone.excess:.3g} times the yield stress {zone.yield_stress / 1e6:.4g} MPa, at r = {r * 1e3:.4g} mm, "
             f"z = {z * 1e3:.4g} mm, {zone.depth * 1e6:.3g} um from the contact line; it is passed down to "
             f"{zone.deepest * 1e6:.3g} um (from {first} on). The body is solved as elastic, the true "
-            "contact is wider and its peak pressure lower; a stress_strain curve in its material solves it as "
-            "elastoplastic",
+            "contact is wider and its peak pressure lower; a stress_strain curve in its material"
+            + (' together with [load] closing = "sealed-area"' if case.load.closing == "penetration" else "")
+            + " solves it as elastoplastic",
         )
 
 
@@ -401,6 +404,16 @@ def _nearly_sealed(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Ite
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}; the roughness "
             f"has a lay (peklenik = {surface.peklenik:.3g}), and with it the theory's flow conductivity is above "
             f"direct numerical results by up to a factor {lay:.2g}, on the safe side{beyond}",
+        )
+    elif area > _DIRECT_END:
+        yield Caution(
+            "few channels",
+            Level.DOUBTFUL,
+            f"A/A0 = {area:.2g} at the peak: next to the percolation threshold, leak rate unknown by orders of "
+            "magnitude",
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}, next to "
+            f"{surface.percolation_threshold:.2g}, where no path is left open; there the leak rate falls by orders of "
+            f"magnitude, direct numerical results end at {_DIRECT_END:g}, and no bound of its error is known",
         )
     elif area > _FEW_CHANNELS:
         yield Caution(

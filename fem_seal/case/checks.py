@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from fem_seal.case.fields import shown
 from fem_seal.case.load_limits import problems_of_all_loads
-from fem_seal.case.roughness import SHAPE, SelfAffine, scan_spectra, self_affine_part, uncertain_heights
+from fem_seal.case.roughness import SelfAffine
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.errors import Problem
 from meshes import GeometryError
@@ -245,6 +245,8 @@ def yielding_problems(case: CaseTables) -> Iterator[Problem]:
 
 def uncertainty_problems(case: CaseTables) -> Iterator[Problem]:
     """What in [uncertainty] does not fit the other tables."""
+    from fem_seal.case.roughness import SHAPE, scan_spectra, self_affine_part, uncertain_heights
+
     table = case.uncertainty
     if table is None:
         return

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +24,7 @@ from fem_seal.bodies.elasticity import node_dofs, stiffness_matrix
 from fem_seal.bodies.held_body import HeldBody, Supports, held_body
 from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.materials import Material, effective_modulus
-from meshes import SealMesh
+from meshes import ContactGeometry, SealMesh
 
 if TYPE_CHECKING:
     from skfem import MeshTri
@@ -56,6 +56,8 @@ class ContactLine:
         x of the element ends between which the points lie [m], increasing.
     reach : tuple of float or None, optional
         x between which the faces stand in front of each other [m]; None where they are not known to end.
+    in_hollow : ContactGeometry or None
+        The faces, where the closure lies in a hollow seat.
     """
 
     x: FloatArray
@@ -67,6 +69,25 @@ class ContactLine:
     bend: FloatArray
     vertices: FloatArray
     reach: tuple[float | None, float | None] = (None, None)
+    in_hollow: ContactGeometry | None = field(default=None, repr=False)
+
+    def lift(self, separation: float) -> FloatArray | float:
+        """What lifting the closure adds to the gap beyond the axial part of its way [m], shape (m,); 0 on most seats.
+
+        In a hollow seat the closure that a layer keeps off comes closest elsewhere, and the gap there is not what its
+        slope at first touch says.
+
+        Parameters
+        ----------
+        separation : float
+            Thickness of the layer [m].
+        """
+        if self.in_hollow is None:
+            return 0.0
+        n_z = math.cos(self.in_hollow.angle)
+        # Far more than any layer for which an interface law has a meaning.
+        way = min(max(separation, 0.0) / n_z, 0.1 / self.in_hollow.closure_curvature)
+        return self.in_hollow.gap(self.x, way) - self.in_hollow.gap(self.x) - way * self.normal[1]
 
     @property
     def area_weight(self) -> FloatArray:
@@ -147,7 +168,8 @@ def condense(
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
     normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
     gap, bend = contact.gap(x), contact.bend(x)
-    line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach)
+    hollow = contact if contact.normal_turns and contact.closure_curvature > 0 else None
+    line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach, hollow)
     compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,

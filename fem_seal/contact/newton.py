@@ -62,7 +62,8 @@ def solve(
     -----
     Unknowns are v = ln p at the points and the approach d:
     u(v) = g0 - d n_z + C (w e^v),  sum(n_z w e^v) = F_N,
-    with the opening by further loads as a part of g0.
+    with the opening by further loads as a part of g0, and in a hollow seat the lift that the separation at the highest
+    pressure asks for (`ContactLine.lift`).
     Increments of v are applied as they are where they fall and as log(1 + dv) where they rise: the pressure
     then never rises faster than linear extrapolation says, and the exponential cannot run away.
     """
@@ -163,7 +164,9 @@ def _first_guess(
         v += np.log(axial_force / float(share @ np.exp(v)))
         s = float(law.decay_length(np.array([v.max()]))[0]) + softest
     centre = int(np.argmax(v))
-    opening = model.compliance @ (line.area_weight * np.exp(v)) + gap0 - law.gap(v)
+    separations = law.gap(v)
+    opening = model.compliance @ (line.area_weight * np.exp(v)) + gap0 - separations
+    opening = opening + line.lift(float(separations[centre]))
     return v, float(opening[centre] / line.normal[1, centre])
 
 
@@ -178,7 +181,9 @@ def _unbalanced(
     """How far the bodies are from the gap of the law [m], and the force from F_N [N]; the former in decay lengths."""
     (v, d), line = state, model.line
     f = line.area_weight * np.exp(v)
-    terms = (gap0, -d * line.normal[1], model.compliance @ f, -law.gap(v))
+    separations = law.gap(v)
+    standing = gap0 + line.lift(float(separations[np.argmax(v)]))
+    terms = (standing, -d * line.normal[1], model.compliance @ f, -separations)
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     # Lengths cancel in the gap: what is below their round-off is no residual.
     round_off = _ROUND_OFF * sum(np.abs(term) for term in terms) / settings.gap_tolerance
@@ -189,7 +194,7 @@ def _unbalanced(
 def _newton_step(
     model: ContactModel, law: InterfaceLaw, state: State, gap_residual: FloatArray, missing_force: float
 ) -> State:
-    """The state after one Newton step."""
+    """The state after one Newton step; that the lift follows the highest pressure is left out of the derivative."""
     (v, d), C, n_z = state, model.compliance, model.line.normal[1]
     decay = law.decay_length(v)
     # Points that carry nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.

@@ -71,7 +71,7 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     if takes_complete_run(case, columns):
         return _complete_run(case, columns)
     can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
-    design = _Design(case, can_yield or "max_von_mises_Pa" in columns, interpolate)
+    design = _Design(case, can_yield or "max_von_mises_Pa" in columns, _leaks(columns), interpolate)
     values = {column: FAST[column](design) for column in columns}
     return Evaluation(values, load_validity(case, design.load, design.judged_surface))
 
@@ -99,8 +99,12 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     """
     if takes_complete_run(case, columns):
         return _complete_run(case, columns).values
-    design = _Design(case, "max_von_mises_Pa" in columns, interpolate)
+    design = _Design(case, "max_von_mises_Pa" in columns, _leaks(columns), interpolate)
     return {column: FAST[column](design) for column in columns}
+
+
+def _leaks(columns: Sequence[str]) -> bool:
+    return any(column.startswith(("leak_rate", "lift_off")) for column in columns)
 
 
 def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
@@ -138,6 +142,7 @@ class _Design:
 
     case: Case
     stress: bool
+    leaks: bool
     interpolate: bool
 
     @cached_property
@@ -206,9 +211,14 @@ class _Design:
         return self._shared_table(self.surface) if known and self.surface is not None else None
 
     @property
+    def _known_table(self) -> ConductivityTable | None:
+        """The table of a design whose leak rate is asked for; for the checks alone it would take too long."""
+        return self._family_table if self.leaks else None
+
+    @property
     def judged_surface(self) -> RoughContact | TabulatedSurface | None:
         """The surface as the checks of a load ask of it."""
-        table = self._family_table
+        table = self._known_table
         if self.surface is None or table is None:
             return self.surface
         return TabulatedSurface(self.surface, table.sealing_pressure)
@@ -216,7 +226,7 @@ class _Design:
     @property
     def _narrow(self) -> bool:
         """Whether the gap at the peak is small enough to compare it with molecules."""
-        table = self._family_table
+        table = self._known_table
         peak = self.profile.peak_pressure
         return table is None or float(table.effective_separation(min(peak, table.p_max))) < _NARROW
 
@@ -230,13 +240,15 @@ class _Design:
             axial_force=contact.axial_force,
             line_load=contact.line_load,
             contact=contact,
-            leak=self.leak,
+            # no check of a fluid that does not move the surfaces asks for it
+            leak=None,
             leak_elastic=None,
             critical_separation=None if math.isnan(separation) else separation,
             critical_separation_elastic=None,
             max_von_mises=math.nan,
             max_von_mises_at=("", math.nan, math.nan),
             applied_force=self.case.load.points[0][1],
+            opening=self.opening,
         )
 
     @cached_property

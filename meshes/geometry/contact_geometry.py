@@ -216,9 +216,23 @@ class ContactGeometry:
         closure = self.closure_face.curvatures(np.where(np.isnan(arc), 0.0, arc))
         return np.maximum(np.abs(closure), np.abs(self.seat_face.curvatures(self.seat_arc(x))))
 
-    def gap(self, x: FloatArray) -> FloatArray:
-        """Gap g0(x) along the contact normal at first touch [m], exact; nan outside `reach`."""
-        return self._in_front(x)[0]
+    @property
+    def normal_turns(self) -> bool:
+        """Whether the contact normal turns: the closure lies in a hollow seat."""
+        return self._turning is not None
+
+    def gap(self, x: FloatArray, standoff: float = 0.0) -> FloatArray:
+        """Gap along the contact normal [m], exact; nan outside `reach`.
+
+        Parameters
+        ----------
+        x : ndarray
+            [m]
+        standoff : float
+            How far the closure is lifted off first touch along the axis [m], not negative. The ends of its face then go
+            on for as far as that.
+        """
+        return self._in_front(x, standoff)[0]
 
     def closure_arc(self, x: FloatArray) -> FloatArray:
         """Arc length on the closure's face of the point in front of x at first touch [m]; nan outside `reach`."""
@@ -228,10 +242,13 @@ class ContactGeometry:
         """Arc length on the seat's face [m], from its inner end."""
         return np.asarray(x) + self._origin
 
-    def _in_front(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _in_front(self, x: FloatArray, standoff: float = 0.0) -> tuple[FloatArray, FloatArray]:
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
-        gap, arc = self.closure_face.hits(self.point(flat), self.normal(flat))
+        feet = self.point(flat)
+        # The closure lifted is the seat lowered.
+        feet[1] -= standoff
+        gap, arc = self.closure_face.hits(feet, self.normal(flat), standoff)
         return gap.reshape(x.shape), arc.reshape(x.shape)
 
     def coordinate(self, r: FloatArray, z: FloatArray) -> FloatArray:

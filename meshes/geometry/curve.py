@@ -153,7 +153,9 @@ class Curve:
             foot = along / tangent[0]
         return float(self.breaks[n] + min(max(foot, 0.0), self._lengths[n]))
 
-    def hits(self, origin: FloatArray, direction: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def hits(
+        self, origin: FloatArray, direction: FloatArray, overhang: float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
         """Where rays first meet the curve.
 
         Parameters
@@ -162,15 +164,20 @@ class Curve:
             Starting points [m]. A start that lies on the curve, or behind it by round-off, counts as a hit.
         direction : ndarray, shape (2, m)
             Unit vectors.
+        overhang : float
+            How far the first and the last segment go on beyond the ends of the curve [m].
 
         Returns
         -------
         distance : ndarray, shape (m,)
             Along the ray [m]; nan where it misses.
         arc_length : ndarray, shape (m,)
-            Of the curve's point that is hit [m]; nan where the ray misses.
+            Of the curve's point that is hit [m], at an end also for what lies beyond it; nan where the ray misses.
         """
         slack = 1e-9 * self.length
+        before, after = np.full((2, len(self.segments)), slack)
+        before[0] += overhang
+        after[-1] += overhang
         distance = np.full(origin.shape[1], np.inf)
         arc = np.full(origin.shape[1], np.nan)
         for n, length in enumerate(self._lengths):
@@ -181,7 +188,7 @@ class Curve:
                 with np.errstate(invalid="ignore"):
                     at, up = a + t * da, b + t * db
                     foot = np.arctan2(k * at, 1 - k * up) / k if k else at
-                    on = (t > -slack) & (foot > -slack) & (foot < length + slack) & (t < distance)
+                    on = (t > -slack) & (foot > -before[n]) & (foot < length + after[n]) & (t < distance)
                 distance = np.where(on, t, distance)
                 arc = np.where(on, self.breaks[n] + np.clip(foot, 0.0, length), arc)
         return np.where(np.isfinite(distance), distance, np.nan), arc
