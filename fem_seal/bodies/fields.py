@@ -125,9 +125,6 @@ def elastoplastic_field(
 
     Parameters
     ----------
-    held : HeldBody
-    solid : ElastoplasticBody
-    state : BodyState
     contact : PressureProfile, optional
         What presses on it.
     """

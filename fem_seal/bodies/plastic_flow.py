@@ -78,12 +78,6 @@ def radial_return(
         Whole strain at the end of the step.
     before : PlasticState
         At the beginning of the step.
-    material : Material
-    hardening : HardeningCurve
-
-    Returns
-    -------
-    Flow
 
     Notes
     -----

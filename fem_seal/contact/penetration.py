@@ -25,7 +25,6 @@ def solve_penetration(
 
     Parameters
     ----------
-    seal : Seal
     closing_force : float
         Force of spring or actuator on the closure [N], positive when it closes.
     fluid_pressure : float
@@ -71,7 +70,6 @@ def solve_at_contact_force(
 
     Parameters
     ----------
-    seal : Seal
     contact_force : float
         F_N [N], positive.
     fluid_pressure : float
@@ -91,7 +89,6 @@ def least_closing_force(seal: Seal, fluid_pressure: float) -> float | None:
 
     Parameters
     ----------
-    seal : Seal
     fluid_pressure : float
         [Pa]
     """
@@ -114,7 +111,6 @@ def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:
 
     Parameters
     ----------
-    solution : ContactSolution
     fluid_pressure : float
         Pressure difference [Pa].
     """
@@ -148,7 +144,6 @@ def blow_off_pressure(seal: Seal, *, closing_force: float) -> float:
 
     Parameters
     ----------
-    seal : Seal
     closing_force : float
         Force of spring or actuator [N].
 
