@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
 from leak.flow.conductivity import GasConductivity
-from leak.flow.contact_profile import ContactProfile, Panels, checked_ends, checked_profile
+from leak.flow.contact_profile import ContactProfile, Panels, checked_ends, checked_profile, checked_side
 from leak.flow.leak_rate import LeakResult
 from leak.flow.rarefied import poiseuille_flow_rate
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
@@ -153,8 +153,7 @@ def gas_leak_flow(
     xs, ps, rs = checked_profile(x, p, radius)
     p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
     p_out = _outlet(p_in, outlet_pressure)
-    if pressure_side not in ("outer", "inner"):
-        raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
+    checked_side(pressure_side)
     table = _table(surface, ps, method) if isinstance(surface, RoughContact) else surface
     profile = ContactProfile.through(xs, ps, rs, checked_ends(ends)).refined(_CELLS)
     path = _Path.along(profile, table, gas)

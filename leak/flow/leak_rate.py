@@ -17,6 +17,7 @@ from leak.flow.contact_profile import (
     Panels,
     checked_ends,
     checked_profile,
+    checked_side,
 )
 from leak.numerics.curves import MonotoneCurve, spline_slopes
 
@@ -153,8 +154,7 @@ def leak_flow(
     """
     x_all, p_all, r_all = checked_profile(x, p, radius)
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
-    if pressure_side not in ("outer", "inner"):
-        raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
+    checked_side(pressure_side)
     profile = ContactProfile.through(x_all, p_all, r_all, checked_ends(ends))
     sigma = by_log_pressure(
         conductivity
