@@ -82,6 +82,7 @@ def expected_force(
     axial_force: float,
     pressure_side: PressureSide,
     closing: Closing,
+    least: float = _LEAST_CARRIED,
 ) -> float:
     """Axial force that the solid contact is expected to carry, before anything is solved [N].
 
@@ -93,11 +94,13 @@ def expected_force(
     sealing_radius, fluid_pressure, axial_force, pressure_side
         See `closing_force`.
     closing : {"sealed-area", "penetration"}
+    least : float
+        With "penetration": share of spring and fluid force that the contact is taken to carry at least.
     """
     force = closing_force(sealing_radius, fluid_pressure, axial_force, pressure_side)
     if closing == "sealed-area":
         return force
-    return max(force, _LEAST_CARRIED * (abs(axial_force) + math.pi * sealing_radius**2 * fluid_pressure))
+    return max(force, least * (abs(axial_force) + math.pi * sealing_radius**2 * fluid_pressure))
 
 
 def line_load(closing_force: float, sealing_radius: float, angle: float) -> float:

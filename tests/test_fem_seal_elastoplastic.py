@@ -14,11 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plastic_solids import CURVE, HARDENING, LAW, NU, PERFECT, YIELD, E, ring_solid, seal
 
-from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes, stiffness_matrix
+from fem_seal.bodies.elasticity import elasticity_matrix, node_dofs, quadratic_nodes, stiffness_matrix
 from fem_seal.bodies.elastoplastic import ElastoplasticBody
 from fem_seal.bodies.fields import BodyField, von_mises
 from fem_seal.bodies.held_body import Supports
-from fem_seal.bodies.plastic_flow import PlasticState, elastic_tangent, radial_return
+from fem_seal.bodies.plastic_flow import PlasticState, radial_return
 from fem_seal.case.case import load_case
 from fem_seal.contact.imprint import Imprint
 from fem_seal.contact.laws import HardContact, Law
@@ -122,7 +122,7 @@ def test_return_keeps_the_laws_of_plastic_flow(path: list[np.ndarray]) -> None:
         assert answer.stress @ increment == pytest.approx(limit * grown, rel=1e-6, abs=1e-6)
         if not answer.yielding:
             assert answer.stress == pytest.approx(
-                elastic_tangent(HARDENING) @ (strain - state.strain), rel=1e-12, abs=1e-3
+                elasticity_matrix(HARDENING) @ (strain - state.strain), rel=1e-12, abs=1e-3
             )
         state = answer.state
 
@@ -154,7 +154,7 @@ def test_tangent_is_the_derivative_of_the_stress() -> None:
 
 def test_elastic_stiffness_is_that_of_the_elastic_body() -> None:
     body = ring_solid(4)
-    elastic = np.broadcast_to(elastic_tangent(PERFECT), (*body.weight.shape, 4, 4))
+    elastic = np.broadcast_to(elasticity_matrix(PERFECT), (*body.weight.shape, 4, 4))
     expected = stiffness_matrix(body.basis, PERFECT)[body.free][:, body.free]
     assert abs(body.stiffness(elastic) - expected).max() < 1e-13 * abs(expected).max()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
 
@@ -9,6 +10,7 @@ import pytest
 
 from fem_seal import Case, InputError, load_case, run
 from fem_seal.analysis.closed_forms import derive
+from fem_seal.case import closures, seats
 from fem_seal.case.messages import choices, tables_of
 from fem_seal.cli import show_derived
 from fem_seal.output.case_words import chosen_dimensions, dimensions
@@ -62,6 +64,12 @@ PAIRS = [
     ("profile", "cone"),
     ("ball", "profile"),
 ]
+
+
+@pytest.mark.parametrize("table", [*closures.Closure.__subclasses__(), *seats.Housed.__subclasses__()])
+def test_every_dimension_of_a_table_is_one_of_its_shape(table):
+    dimensions = set(table.model_fields) - {"shape", "material", "wall", "interference"}
+    assert dimensions == set(inspect.signature(table.makes).parameters) - {"closure"}
 
 
 def tables(closure: str, seat: str, **more: object) -> dict[str, object]:

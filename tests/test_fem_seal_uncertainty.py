@@ -17,7 +17,7 @@ import leak
 from fem_seal.analysis import uncertainty as module
 from fem_seal.analysis.response_surface import fit
 from fem_seal.analysis.results import LeakInterval
-from fem_seal.analysis.sampling import UncertainInput
+from fem_seal.analysis.sampling import LogNormal, Normal, UncertainInput
 from fem_seal.analysis.uncertainty import UncertainScans, leak_interval, uncertain_inputs, weighted_mean
 from fem_seal.analysis.variants import theory_variants
 from fem_seal.case.roughness import UncertainHeight
@@ -286,6 +286,16 @@ def test_factors_have_the_distribution_that_they_say(distribution):
         assert factor.min() > 0.4
     else:
         assert (factor.min(), factor.max()) == pytest.approx((0.8, 1.2), abs=1e-4)
+
+
+@pytest.mark.parametrize("cut_off", [0.5, 3.0, 4.0])
+@pytest.mark.parametrize("of", [Normal, LogNormal])
+def test_nothing_is_drawn_beyond_the_cut_off(of, cut_off):
+    one = of(2.0, 0.1, cut_off=cut_off)
+    ends = norm.cdf(-1.01 * cut_off), norm.cdf(1.01 * cut_off)
+    assert one.quantile(np.array(ends)) == pytest.approx(one.bounds)
+    inside = one.quantile(norm.cdf(0.99 * cut_off))
+    assert one.bounds[0] < inside < one.bounds[1]
 
 
 def test_a_wide_normal_distribution_stays_positive():

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.flow.effective_gap import _folded_above
+from leak.flow.effective_gap import folded_above
 from leak.theory.separation import density, mean_lost_separation
 
 E, HARDNESS = 115e9, 3.5e9
@@ -99,7 +99,7 @@ def test_separation_distribution_at_50_MPa(reference_folder):
 def test_distribution_has_weight_one(hardness):
     contact = surface(hardness=hardness)
     u, P = contact.separation_distribution(57e6)
-    lost, _ = contact._lost_area(np.array([57e6]))
+    lost, _ = contact.lost_area(np.array([57e6]))
     assert lost.weight.sum() + lost.contact[0] == pytest.approx(1.0, abs=1e-7)
     # At the shortest waves contact is lost at separations far below any grid; with C_pl that is 3e-4 of the area.
     assert np.trapezoid(P, u) + lost.contact[0] == pytest.approx(1.0, abs=5e-4)
@@ -107,17 +107,17 @@ def test_distribution_has_weight_one(hardness):
 
 def test_area_above_a_separation_is_the_rest_of_the_distribution():
     contact = surface()
-    lost, _ = contact._lost_area(np.array([57e6]))
+    lost, _ = contact.lost_area(np.array([57e6]))
     u = np.linspace(3e-6, 25e-6, 4001)
     rest = np.trapezoid(density(lost, u[None, :])[0], u)
     # beyond 25 um, 13 rms heights, nothing is left
-    assert _folded_above(lost, u[:1])[0] == pytest.approx(rest, rel=1e-5)
+    assert folded_above(lost, u[:1])[0] == pytest.approx(rest, rel=1e-5)
 
 
 def test_height_of_what_has_not_yielded():
     """2 pi int q C_pl dq above a magnification, by brute force on the spectrum that the areas give."""
     contact, p = surface(hardness=HARDNESS), 57e6
-    lost, _ = replace(contact, separation_width="plain")._lost_area(np.array([p]))
+    lost, _ = replace(contact, separation_width="plain").lost_area(np.array([p]))
     smoothed = contact.plastic_spectrum(p)
     whole = float(np.sqrt(2 * np.pi * smoothed.moment(1)))
     # at the smallest magnification all of it
@@ -127,7 +127,7 @@ def test_height_of_what_has_not_yielded():
 def test_mean_of_the_distribution_is_the_mean_separation():
     """0.1 % at 57 MPa, growing towards full contact: the two come from different steps of the theory."""
     contact = surface()
-    lost, mean = contact._lost_area(np.array([57e6, 1e9]))
+    lost, mean = contact.lost_area(np.array([57e6, 1e9]))
     difference = mean_lost_separation(lost) / mean - 1
     assert abs(difference[0]) < 1.5e-3
     assert 1.5e-3 < difference[1] < 0.05
@@ -198,7 +198,7 @@ def test_what_plastic_flow_leaves_of_a_soft_surface_is_resolved(softness):
     # the narrower P(u), the nearer: its spread falls from 0.4 of the mean at 0.01 of the hardness to 0.03 at 1e-45
     assert np.all(np.abs(u / mean - 1.0) < 0.13)
     assert abs(u[0] / mean[0] - 1.0) < 1e-3
-    np.testing.assert_allclose(surface._effective_separation(p, refinement=4), u, rtol=1e-4)
+    np.testing.assert_allclose(surface.effective_separation(p, refinement=4), u, rtol=1e-4)
     table = surface.conductivity_table(1e-9 * surface.hardness, 0.1 * surface.hardness)
     assert np.all(np.diff(table.separation) < 0.0)
 
@@ -236,7 +236,7 @@ def test_doubling_every_grid_changes_less_than_1e_4(name, hardness_over_slope):
     hardness = hardness_over_slope and hardness_over_slope * E * C.rms_slope
     contact = leak.RoughContact(C, effective_modulus=E, hardness=hardness)
     p = contact.sealing_pressure * np.array([1e-12, 1e-8, 1e-5, 1e-3, 0.01, 0.1, 0.2, 0.3])
-    coarse, fine = contact._effective_separation(p), contact._effective_separation(p, refinement=2)
+    coarse, fine = contact.effective_separation(p), contact.effective_separation(p, refinement=2)
     np.testing.assert_allclose(coarse, fine, rtol=1e-4)
 
 

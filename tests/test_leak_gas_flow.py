@@ -354,6 +354,28 @@ def test_monotonic_and_mirrored(outlet, inlet, more, name):
     assert inner.mass_flow == pytest.approx(flow, rel=1e-9)
 
 
+def test_a_gas_above_its_outlet_is_told_like_a_liquid():
+    line = leak.gaussian_line(line_load=20e3, radius=0.02, u0=0.1e-6)
+    x = np.linspace(-4, 4, 201) * line.std
+    gas = leak.gas_leak_flow(x, line.pressure(x), SURFACE, leak.gas("helium"), 3e5, 1e5, R0)
+    found = gas.above_outlet
+    assert (found.leak_rate, found.mass_flow, found.throughput) == (
+        gas.leak_rate,
+        gas.mass_flow,
+        gas.throughput,
+    )
+    assert (found.standard_leak_rate, found.knudsen_number) == (gas.standard_leak_rate, gas.knudsen_number)
+    assert found.resistance * found.leak_rate == pytest.approx(2e5, rel=1e-12)
+    np.testing.assert_allclose(found.fluid_pressure, gas.fluid_pressure - 1e5)
+    sigma = SURFACE.conductivity_table(1e3, 1e9).at(1e-3)
+    liquid = leak.leak_flow(x, line.pressure(x), sigma, 2e5, R0)
+    assert liquid.mass_flow is liquid.throughput is liquid.standard_leak_rate is liquid.knudsen_number is None
+    assert liquid.with_density(None) is liquid
+    assert liquid.with_density(998.0).mass_flow == pytest.approx(998.0 * liquid.leak_rate, rel=1e-15)
+    coupled = leak.coupled_leak_flow(x, line.pressure(x), sigma, 2e5, R0).with_density(998.0)
+    assert coupled.mass_flow == pytest.approx(998.0 * coupled.leak_rate, rel=1e-15)
+
+
 def test_units_of_one_result():
     x, p = profile()
     gas = leak.gas("helium")

@@ -39,14 +39,6 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
 
-@dataclass(frozen=True, eq=False)
-class GasLeak(LeakResult):
-    """Flow of a gas; its leak rate is the volume at 101325 Pa and the temperature of the gas."""
-
-    knudsen_number: float
-    """Mean free path over u_eff at the peak of the contact pressure; infinite where sealed."""
-
-
 def flow_table(
     case: Case, surface: RoughContact, p_min: float, p_max: float, num: int = 64
 ) -> ConductivityTable | GasConductivityTable:
@@ -96,22 +88,21 @@ def leak_of_profile(
     Returns
     -------
     LeakResult
-        For a gas a `GasLeak`; a `leak.CoupledLeakResult` for
-        leak.fluid_in_gap = "local".
+        A `leak.CoupledLeakResult` for leak.fluid_in_gap = "local".
     """
     fluid, side = case.fluid, case.load.pressure_side
     assert fluid is not None
     if isinstance(table, ConductivityTable):
         flow = coupled_leak_flow if case.leak.fluid_in_gap == "local" else leak_flow
         sigma = table.at(fluid.viscosity)
-        return flow(x, pressure, sigma, fluid_pressure, radius, pressure_side=side, ends=ends)
+        found = flow(x, pressure, sigma, fluid_pressure, radius, pressure_side=side, ends=ends)
+        return found.with_density(fluid.density)
     gas, outlet = fluid.gas, fluid.outlet_pressure
     assert gas is not None and outlet is not None
-    found = gas_leak_flow(
-        x, pressure, table, gas, outlet + fluid_pressure, outlet, radius, pressure_side=side, ends=ends
-    )
-    resistance = fluid_pressure / found.leak_rate if found.leak_rate > 0.0 else np.inf
-    return GasLeak(found.leak_rate, resistance, found.fluid_pressure - outlet, found.knudsen_number)
+    inlet = outlet + fluid_pressure
+    return gas_leak_flow(
+        x, pressure, table, gas, inlet, outlet, radius, pressure_side=side, ends=ends
+    ).above_outlet
 
 
 def conductivity_table(

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import ndtri
+from scipy.special import ndtr, ndtri
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.case.uncertainty import Spread
 
-# Normal and lognormal values further out than this many standard deviations are not drawn: a hardness has no
-# tail down to zero.
+# Normal and lognormal inputs of a study are not drawn further out than this many standard deviations: a hardness has
+# no tail down to zero.
 CUT_OFF = 4.0
 
 
@@ -66,30 +66,33 @@ class LogUniform:
 
 @dataclass(frozen=True)
 class Normal:
-    """Gauss's distribution, cut off at four standard deviations.
+    """Gauss's distribution without its tails.
 
     Parameters
     ----------
     mean, std : float
         [SI].
+    cut_off : float
+        Where it is cut off, in standard deviations.
     """
 
     mean: float
     std: float
+    cut_off: float = CUT_OFF
 
     def quantile(self, share: FloatArray) -> FloatArray:
         """Value that a share of all values stays below."""
-        return self.mean + self.std * _scores(share)
+        return self.mean + self.std * _scores(share, self.cut_off)
 
     @property
     def bounds(self) -> tuple[float, float]:
         """Smallest and largest value."""
-        return self.mean - CUT_OFF * self.std, self.mean + CUT_OFF * self.std
+        return self.mean - self.cut_off * self.std, self.mean + self.cut_off * self.std
 
 
 @dataclass(frozen=True)
 class LogNormal:
-    """The logarithm is normal, cut off at four standard deviations.
+    """The logarithm is normal without its tails.
 
     Parameters
     ----------
@@ -97,30 +100,33 @@ class LogNormal:
         [SI].
     relative : float
         Standard deviation of the logarithm; for small ones the relative standard deviation [-].
+    cut_off : float
+        Where it is cut off, in standard deviations of the logarithm.
     """
 
     median: float
     relative: float
+    cut_off: float = CUT_OFF
 
     def quantile(self, share: FloatArray) -> FloatArray:
         """Value that a share of all values stays below."""
-        return self.median * np.exp(self.relative * _scores(share))
+        return self.median * np.exp(self.relative * _scores(share, self.cut_off))
 
     @property
     def bounds(self) -> tuple[float, float]:
         """Smallest and largest value."""
-        factor = math.exp(CUT_OFF * self.relative)
+        factor = math.exp(self.cut_off * self.relative)
         return self.median / factor, self.median * factor
 
 
 Distribution = Uniform | LogUniform | Normal | LogNormal
 
 
-def _scores(share: FloatArray) -> FloatArray:
-    return np.clip(ndtri(np.clip(share, 0.0, 1.0)), -CUT_OFF, CUT_OFF)
+def _scores(share: FloatArray, cut_off: float) -> FloatArray:
+    return np.clip(ndtri(np.clip(share, 0.0, 1.0)), -cut_off, cut_off)
 
 
-# A normal distribution is cut off here, in standard deviations.
+# A normal factor of an interval is cut off here, in standard deviations.
 _NORMAL_END = 3.0
 
 
@@ -153,16 +159,14 @@ class UncertainInput:
 
     def values(self, uniform: FloatArray) -> FloatArray:
         """Factors from numbers between 0 and 1, shape (n, 1) to (n, 1)."""
-        from scipy.special import ndtr, ndtri
-
         if self.distribution == "uniform":
-            return 1.0 + self.relative * (2.0 * uniform - 1.0)
+            return Uniform(1.0 - self.relative, 1.0 + self.relative).quantile(uniform)
         if self.distribution == "lognormal":
-            return np.exp(self.relative * ndtri(uniform))
-        # cut off where the factor would become negative, if that comes first
+            return LogNormal(1.0, self.relative, cut_off=math.inf).quantile(uniform)
+        # cut off where the factor would become negative, if that comes first; what is outside is drawn anew
         end = min(_NORMAL_END, 0.99 / self.relative)
         outside = ndtr(-end)
-        return 1.0 + self.relative * ndtri(outside + uniform * (1.0 - 2.0 * outside))
+        return Normal(1.0, self.relative, cut_off=end).quantile(outside + uniform * (1.0 - 2.0 * outside))
 
     def scores(self, values: FloatArray) -> FloatArray:
         """Variable in which a leak rate is a smooth function: ln of the factor."""

@@ -16,10 +16,24 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
 
 
+# Corners, then the middles of the edges 01, 12, 20, in the reference triangle: the order of `quadratic_nodes`.
+NODES = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
+# A point is on the axis that is this near to it, as a share of the body's radius.
+_AXIS = 1e-12
+
+
 def lame_parameters(material: Material) -> tuple[float, float]:
     """Return lambda and mu [Pa] of an isotropic solid."""
     E, nu = material.youngs_modulus, material.poissons_ratio
     return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+
+
+def elasticity_matrix(material: Material) -> FloatArray:
+    """D of sigma = D epsilon over (rr, zz, tt, rz), the shear strain being g_rz = 2 e_rz [Pa]; shape (4, 4)."""
+    lam, mu = lame_parameters(material)
+    D = np.diag([2 * mu, 2 * mu, 2 * mu, mu])
+    D[:3, :3] += lam
+    return D
 
 
 def displacement_basis(mesh: MeshTri) -> Basis:
@@ -29,22 +43,35 @@ def displacement_basis(mesh: MeshTri) -> Basis:
     return Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
 
 
-def stiffness_matrix(basis: Basis, material: Material) -> csr_matrix:
-    """Assemble int 2 pi r sigma(u) : epsilon(v) dr dz [N/m].
+def ring_volume(basis: Basis) -> FloatArray:
+    """Volume that each quadrature point stands for, 2 pi r dr dz [m^3]; shape (elements, points)."""
+    return 2 * np.pi * np.asarray(basis.global_coordinates())[0] * basis.dx
 
-    Strains e_rr = du_r/dr, e_zz = du_z/dz, e_tt = u_r/r, g_rz = du_r/dz + du_z/dr; sigma = D epsilon. All elements
-    are multiplied at once, three times faster than one weak form for each pair of shape functions.
+
+def strain_matrix(basis: Basis) -> FloatArray:
+    """Strains of each shape function at the quadrature points [1/m]; shape (elements, points, 4, shapes).
+
+    e_rr = du_r/dr, e_zz = du_z/dz, e_tt = u_r/r, g_rz = du_r/dz + du_z/dr. On the axis u_r/r is its limit du_r/dr.
     """
-    lam, mu = lame_parameters(material)
-    D = np.diag([2 * mu, 2 * mu, 2 * mu, mu])
-    D[:3, :3] += lam
     r = np.asarray(basis.global_coordinates())[0]
+    on_axis = r < _AXIS * basis.mesh.p[0].max()
+    r = np.where(on_axis, 1.0, r)
     B = np.empty((*r.shape, 4, basis.Nbfun))
     for n, (u,) in enumerate(basis.basis):
         (u_rr, u_rz), (u_zr, u_zz) = u.grad
-        B[..., 0, n], B[..., 1, n], B[..., 2, n], B[..., 3, n] = u_rr, u_zz, np.asarray(u)[0] / r, u_rz + u_zr
-    weighted = (2 * np.pi * r * basis.dx)[..., None, None] * (D @ B)
-    shape = (len(r), -1, basis.Nbfun)
+        B[..., 0, n], B[..., 1, n], B[..., 3, n] = u_rr, u_zz, u_rz + u_zr
+        B[..., 2, n] = np.where(on_axis, u_rr, np.asarray(u)[0] / r)
+    return B
+
+
+def stiffness_matrix(basis: Basis, material: Material) -> csr_matrix:
+    """Assemble int 2 pi r sigma(u) : epsilon(v) dr dz [N/m].
+
+    All elements are multiplied at once, three times faster than one weak form for each pair of shape functions.
+    """
+    B = strain_matrix(basis)
+    weighted = ring_volume(basis)[..., None, None] * (elasticity_matrix(material) @ B)
+    shape = (len(B), -1, basis.Nbfun)
     element = B.reshape(shape).transpose(0, 2, 1) @ weighted.reshape(shape)
     dofs = basis.element_dofs.T
     rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
@@ -76,3 +103,11 @@ def quadratic_nodes(mesh: MeshTri) -> tuple[FloatArray, NDArray[np.int64]]:
 def node_dofs(basis: Basis) -> NDArray[np.int64]:
     """Radial and axial dof of every quadratic node, shape (2, n)."""
     return np.hstack([basis.nodal_dofs, basis.facet_dofs])
+
+
+def node_shares(mesh: MeshTri) -> FloatArray:
+    """Share of each triangle in the mean over those that meet at its nodes, by area; shape (m, 6)."""
+    _, triangles = quadratic_nodes(mesh)
+    (a, b), (c, d) = mesh.p[:, mesh.t[1:]].transpose(1, 0, 2) - mesh.p[:, mesh.t[0]]
+    area = 0.5 * np.abs(a * d - b * c)
+    return area[:, None] / np.bincount(triangles.ravel(), np.repeat(area, 6))[triangles]

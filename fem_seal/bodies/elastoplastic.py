@@ -11,15 +11,12 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import quadratic_nodes
+from fem_seal.bodies.elasticity import NODES, node_shares, quadratic_nodes, ring_volume, strain_matrix
 from fem_seal.bodies.plastic_flow import Flow, PlasticState, radial_return
 from fem_seal.materials import HardeningCurve, Material
 
 if TYPE_CHECKING:
     from skfem import Basis
-
-# Corners, then the middles of the edges 01, 12, 20, in the reference triangle.
-_NODES = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
 
 
 @dataclass(frozen=True)
@@ -83,17 +80,12 @@ class ElastoplasticBody:
     @cached_property
     def weight(self) -> FloatArray:
         """Volume that each quadrature point stands for, 2 pi r dr dz [m^3]; shape (elements, points)."""
-        return 2 * np.pi * self._radius * self.basis.dx
+        return ring_volume(self.basis)
 
     @cached_property
     def strain_shapes(self) -> FloatArray:
         """Strains (rr, zz, tt, g_rz) of each shape function [1/m]; shape (elements, points, 4, shapes)."""
-        columns = []
-        for (shape,) in self.basis.basis:
-            u_r, _ = np.asarray(shape)
-            (u_rr, u_rz), (u_zr, u_zz) = shape.grad
-            columns.append(np.stack([u_rr, u_zz, u_r / self._radius, u_rz + u_zr], axis=-1))
-        return np.stack(columns, axis=-1)
+        return strain_matrix(self.basis)
 
     def strain(self, displacement: FloatArray) -> FloatArray:
         """Strain at the quadrature points; shape (elements, points, 4)."""
@@ -131,22 +123,16 @@ class ElastoplasticBody:
         x, weights = self.basis.X, self.basis.W
         linear = np.column_stack([np.ones(len(weights)), *x])
         fit = np.linalg.solve(linear.T @ (weights[:, None] * linear), linear.T * weights)
-        extrapolate = np.column_stack([np.ones(6), *_NODES]) @ fit  # (node, point)
-        area = self.basis.dx.sum(axis=1)
-        share = area[:, None] / np.bincount(triangles.ravel(), np.repeat(area, 6))[triangles]
+        extrapolate = np.column_stack([np.ones(6), *NODES]) @ fit  # (node, point)
         elements, count = self.weight.shape
         columns = np.arange(elements * count).reshape(elements, 1, count)
         shape = (elements, 6, count)
-        entries = (share[..., None] * extrapolate).ravel()
+        entries = (node_shares(self.basis.mesh)[..., None] * extrapolate).ravel()
         index = (
             np.broadcast_to(triangles[..., None], shape).ravel(),
             np.broadcast_to(columns, shape).ravel(),
         )
         return csr_matrix((entries, index), shape=(len(points), elements * count))
-
-    @cached_property
-    def _radius(self) -> FloatArray:
-        return np.asarray(self.basis.global_coordinates())[0]
 
     @cached_property
     def _pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]]:

@@ -10,17 +10,21 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import lame_parameters, node_dofs, quadratic_nodes
+from fem_seal.bodies.elasticity import (
+    NODES,
+    elasticity_matrix,
+    node_dofs,
+    node_shares,
+    quadratic_nodes,
+    strain_matrix,
+)
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.materials import Material
 from fem_seal.profile import PressureProfile
 
 if TYPE_CHECKING:
-    from skfem import Basis, MeshTri
-
-
-_NODES = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
+    from skfem import Basis
 
 
 @dataclass(frozen=True)
@@ -71,59 +75,19 @@ def von_mises(stress: FloatArray) -> FloatArray:
 def stress_operator(basis: Basis, material: Material) -> csr_matrix:
     """Matrix from displacement dofs [m] to nodal stress [Pa], rows 4 i + (rr, zz, tt, rz) of node i.
 
-    The gradient is evaluated at the six nodes of each triangle and averaged over the triangles that share a
-    node, weighted by their area. On the axis u_r/r is replaced by its limit du_r/dr.
+    The strain is evaluated at the six nodes of each triangle and averaged over the triangles that share a node,
+    weighted by their area.
     """
-    mesh = basis.mesh
-    points, triangles = quadratic_nodes(mesh)
-    dofs = node_dofs(basis)[:, triangles]  # (2, m, 6)
-    gradient, area = _nodal_gradients(mesh)  # (m, node 6, shape 6, 2), (m,)
-    weight = np.bincount(triangles.ravel(), np.repeat(area, 6), minlength=len(points))
-    share = area[:, None] / weight[triangles]
-    lam, mu = lame_parameters(material)
-    r = points[triangles, 0]
-    on_axis = r < 1e-12 * points[:, 0].max()
-    d_r, d_z = gradient[..., 0], gradient[..., 1]
-    hoop = np.where(on_axis[..., None], d_r, np.eye(6) / np.where(on_axis, 1.0, r)[..., None])
-    zero = np.zeros_like(d_r)
-    strain_r = np.stack([d_r, zero, hoop, d_z])  # rr, zz, tt, g_rz from u_r
-    strain_z = np.stack([zero, d_z, zero, d_r])
-    elastic = np.diag([2 * mu, 2 * mu, 2 * mu, mu])
-    elastic[:3, :3] += lam
-    shape = (4, *triangles.shape, 6)
-    rows = np.broadcast_to((4 * triangles + np.arange(4)[:, None, None])[..., None], shape)
-    data, columns = [], []
-    for strain, dof in zip((strain_r, strain_z), dofs, strict=True):
-        data.append(np.einsum("ij,jmab,ma->imab", elastic, strain, share))
-        columns.append(np.broadcast_to(dof[None, :, None, :], shape))
-    entries = np.stack(data).ravel()
-    index = (np.stack([rows, rows]).ravel(), np.stack(columns).ravel())
-    return csr_matrix((entries, index), shape=(4 * len(points), basis.N))
+    from skfem import Basis
 
-
-def _nodal_gradients(mesh: MeshTri) -> tuple[FloatArray, FloatArray]:
-    """Gradients of the six quadratic shape functions at the six nodes, and the areas of the triangles."""
-    x, y = _NODES
-    l0, one, zero = 1 - x - y, np.ones(6), np.zeros(6)
-    reference = (
-        np.array(
-            [
-                [1 - 4 * l0, 1 - 4 * l0],
-                [4 * x - 1, zero],
-                [zero, 4 * y - 1],
-                [4 * (l0 - x), -4 * x],
-                [4 * y, 4 * x],
-                [-4 * y, 4 * (l0 - y)],
-            ]
-        )
-        * one
-    )  # (shape, direction, node)
-    p, t = mesh.p, mesh.t
-    jacobian = np.stack([p[:, t[1]] - p[:, t[0]], p[:, t[2]] - p[:, t[0]]], axis=1)  # (xy, reference, m)
-    inverse = np.linalg.inv(np.moveaxis(jacobian, -1, 0))  # (m, reference, xy)
-    return np.einsum("sdn,mdk->mnsk", reference, inverse), 0.5 * np.abs(
-        np.linalg.det(np.moveaxis(jacobian, -1, 0))
-    )
+    points, triangles = quadratic_nodes(basis.mesh)
+    at_nodes = Basis(basis.mesh, basis.elem, quadrature=(NODES, np.ones(6)))
+    stress = elasticity_matrix(material) @ strain_matrix(at_nodes)
+    entries = node_shares(basis.mesh)[..., None, None] * stress  # (m, node 6, 4, shape 12)
+    rows = np.broadcast_to((4 * triangles[..., None] + np.arange(4))[..., None], entries.shape)
+    columns = np.broadcast_to(basis.element_dofs.T[:, None, None, :], entries.shape)
+    shape = (4 * len(points), basis.N)
+    return csr_matrix((entries.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
 
 
 @dataclass(frozen=True)
@@ -161,9 +125,6 @@ def elastoplastic_field(
 
     Parameters
     ----------
-    held : HeldBody
-    solid : ElastoplasticBody
-    state : BodyState
     contact : PressureProfile, optional
         What presses on it.
     """

@@ -44,7 +44,6 @@ class HeldBody:
         "closure" or "seat".
     basis : skfem.Basis
         Displacement basis.
-    material : Material
     contact_nodes : ndarray of int, shape (n,)
         The nodes of the contact line among the body's quadratic nodes, along increasing x.
     contact_x : ndarray, shape (n,)
@@ -160,10 +159,8 @@ def held_body(
 
     Parameters
     ----------
-    seal_mesh : SealMesh
     name : str
         "closure" or "seat".
-    material : Material
     x : ndarray, shape (m,)
         Points of the contact line, arc length from first touch [m].
     area_weight : ndarray, shape (m,)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import lame_parameters
+from fem_seal.bodies.elasticity import elasticity_matrix, lame_parameters
 from fem_seal.materials import HardeningCurve, Material
 
 _UNIT = np.array([1.0, 1.0, 1.0, 0.0])
@@ -67,12 +67,6 @@ class Flow:
     yielding: NDArray[np.bool_]
 
 
-def elastic_tangent(material: Material) -> FloatArray:
-    """Elasticity matrix over (rr, zz, tt, g_rz) [Pa], shape (4, 4)."""
-    lam, mu = lame_parameters(material)
-    return lam * np.outer(_UNIT, _UNIT) + 2 * mu * np.diag(_TENSOR)
-
-
 def radial_return(
     strain: FloatArray, before: PlasticState, material: Material, hardening: HardeningCurve
 ) -> Flow:
@@ -84,12 +78,6 @@ def radial_return(
         Whole strain at the end of the step.
     before : PlasticState
         At the beginning of the step.
-    material : Material
-    hardening : HardeningCurve
-
-    Returns
-    -------
-    Flow
 
     Notes
     -----
@@ -103,8 +91,7 @@ def radial_return(
     """
     lam, mu = lame_parameters(material)
     bulk = lam + 2 * mu / 3
-    elastic = elastic_tangent(material)
-    trial = (strain - before.strain) @ elastic
+    trial = (strain - before.strain) @ elasticity_matrix(material)
     mean = trial @ _UNIT / 3
     deviator = trial - mean[..., None] * _UNIT
     q = np.sqrt(1.5 * (deviator**2 @ _DOUBLE))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, Any, ClassVar, cast
 
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic_core import CoreSchema, core_schema
@@ -13,6 +13,7 @@ from fem_seal.case.fields import Number, Numbers, Pressures, Quantity, Table
 from fem_seal.case.input_files import read_stress_strain
 from fem_seal.errors import InputError, Problem
 from fem_seal.materials import LIBRARY, HardeningCurve, Material, material
+from meshes import Shape
 
 LENGTH = Quantity("length", "10 um", "10 m")
 # Of roundings and steps; zero is sharp or flush.
@@ -24,8 +25,20 @@ STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
 _STRAIN = Number(0, 100)
 
 
+# Keys of a body that are no dimensions of its shape.
+_OTHER_KEYS = {"shape", "material", "wall", "interference"}
+
+
 class Body(Table):
     """Base of the tables [closure] and [seat]."""
+
+    makes: ClassVar[Callable[..., Shape]]
+    """Maker of the shape. Its parameters are called like the keys of the table, and know what an open one is."""
+
+    def made(self, **around: Shape) -> Shape:
+        """The shape with the dimensions that are given."""
+        given = {key: value for key, value in self if key not in _OTHER_KEYS and value is not None}
+        return type(self).makes(**around, **given)
 
     def problems(self) -> Iterator[Problem]:
         """What is wrong with the keys together, before there is a shape."""

@@ -21,8 +21,18 @@ from fem_seal.errors import Problem
 from meshes import Shape
 
 
-class Ball(Body):
+class Closure(Body):
+    """A closure of any shape."""
+
+    def body(self) -> Shape:
+        """The closure that is meshed."""
+        return self.made()
+
+
+class Ball(Closure):
     """[closure] shape = "ball": a ball, solid or hollow."""
+
+    makes = meshes.Ball
 
     shape: Literal["ball"] = Field(description="shape of the closure", examples=["ball"])
     radius: Annotated[float, LENGTH] = Field(description="radius R of the ball", examples=["20 mm"])
@@ -31,13 +41,11 @@ class Ball(Body):
     )
     material: MaterialField = material_field()
 
-    def body(self) -> Shape:
-        """The closure that is meshed."""
-        return meshes.Ball(self.radius, self.cavity_radius or 0.0)
 
-
-class Cone(Body):
+class RoundedCone(Closure):
     """[closure] shape = "cone": a poppet, a conical face with rounded edges between a flat nose and a stem."""
+
+    makes = meshes.RoundedCone.of
 
     shape: Literal["cone"] = Field(description="shape of the closure", examples=["cone"])
     angle: Annotated[float, INCLINATION] = Field(
@@ -74,20 +82,11 @@ class Cone(Body):
                 f"one or two of outer_radius, inner_radius and mean_radius are needed, but {which}",
             )
 
-    def body(self) -> Shape:
-        """The closure that is meshed."""
-        return meshes.RoundedCone.of(
-            self.angle,
-            outer_radius=self.outer_radius,
-            inner_radius=self.inner_radius,
-            mean_radius=self.mean_radius,
-            edge_radius=self.edge_radius,
-            height=self.height,
-        )
 
-
-class Torus(Body):
+class ToroidalEdge(Closure):
     """[closure] shape = "torus": a plunger whose rim has a circular section."""
+
+    makes = meshes.ToroidalEdge.of
 
     shape: Literal["torus"] = Field(description="shape of the closure", examples=["torus"])
     centre_radius: Annotated[float, LENGTH] = Field(
@@ -107,13 +106,11 @@ class Torus(Body):
     )
     material: MaterialField = material_field()
 
-    def body(self) -> Shape:
-        """The closure that is meshed."""
-        return meshes.ToroidalEdge.of(self.centre_radius, self.radius, recess=self.recess, height=self.height)
 
-
-class SphericalTip(Body):
+class SphericalTip(Closure):
     """[closure] shape = "spherical-tip": a rod whose end is a spherical cap of larger radius."""
+
+    makes = meshes.SphericalTip.of
 
     shape: Literal["spherical-tip"] = Field(description="shape of the closure", examples=["spherical-tip"])
     radius: Annotated[float, LENGTH] = Field(description="radius of the cap", examples=["30 mm"])
@@ -128,15 +125,11 @@ class SphericalTip(Body):
     )
     material: MaterialField = material_field()
 
-    def body(self) -> Shape:
-        """The closure that is meshed."""
-        return meshes.SphericalTip.of(
-            self.radius, self.stem_radius, edge_radius=self.edge_radius, height=self.height
-        )
 
-
-class Disc(Body):
+class Disc(Closure):
     """[closure] shape = "disc": a flat disc with a rounded rim."""
+
+    makes = meshes.Disc.of
 
     shape: Literal["disc"] = Field(description="shape of the closure", examples=["disc"])
     radius: Annotated[float, LENGTH] = Field(description="radius of the disc", examples=["20 mm"])
@@ -148,7 +141,3 @@ class Disc(Body):
         "thickness of the disc; half its radius unless given", "10 mm"
     )
     material: MaterialField = material_field()
-
-    def body(self) -> Shape:
-        """The closure that is meshed."""
-        return meshes.Disc.of(self.radius, edge_radius=self.edge_radius, height=self.height)

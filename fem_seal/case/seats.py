@@ -51,6 +51,10 @@ class Held(Body):
                 f"{1e6 * self.interference:.6g} um",
             )
 
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return self.made(closure=closure)
+
 
 class Housed(Held):
     """A seat that is the top of a cylindrical housing with a bore."""
@@ -64,8 +68,10 @@ class Housed(Held):
     )
 
 
-class Cone(Housed):
+class ConicalSeat(Housed):
     """[seat] shape = "cone": a conical seat in a cylindrical housing, held at its bottom."""
+
+    makes = meshes.ConicalSeat.around
 
     shape: Literal["cone"] = Field(description="shape of the seat", examples=["cone"])
     angle: Annotated[float, INCLINATION] = Field(description=_NORMAL, examples=["45 deg"])
@@ -78,20 +84,11 @@ class Cone(Housed):
         "18 mm",
     )
 
-    def body(self, closure: Shape) -> Shape:
-        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
-        return meshes.ConicalSeat.around(
-            self.angle,
-            closure,
-            bore_radius=self.bore_radius,
-            face_radius=self.face_radius,
-            outer_radius=self.outer_radius,
-            height=self.height,
-        )
-
 
 class ConicalLand(Housed):
     """[seat] shape = "conical-land": a narrow conical face with rounded edges between bore and top."""
+
+    makes = meshes.ConicalLand.around
 
     shape: Literal["conical-land"] = Field(description="shape of the seat", examples=["conical-land"])
     angle: Annotated[float, INCLINATION] = Field(description=_NORMAL, examples=["45 deg"])
@@ -112,22 +109,11 @@ class ConicalLand(Housed):
         "15 deg",
     )
 
-    def body(self, closure: Shape) -> Shape:
-        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
-        return meshes.ConicalLand.around(
-            self.angle,
-            closure,
-            land_width=self.land_width,
-            land_radius=self.land_radius,
-            edge_radius=self.edge_radius,
-            relief_angle=self.relief_angle or 0.0,
-            outer_radius=self.outer_radius,
-            height=self.height,
-        )
-
 
 class Sphere(Housed):
     """[seat] shape = "sphere": a hollow spherical seat, or one lapped around a circle with a larger radius."""
+
+    makes = meshes.SphericalSeat.around
 
     shape: Literal["sphere"] = Field(description="shape of the seat", examples=["sphere"])
     radius: Annotated[float, LENGTH] = Field(
@@ -152,22 +138,11 @@ class Sphere(Housed):
         "rounding of both edges of the face; a twentieth of its width in r unless given", "0.2 mm"
     )
 
-    def body(self, closure: Shape) -> Shape:
-        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
-        return meshes.SphericalSeat.around(
-            self.radius,
-            closure,
-            contact_angle=self.contact_angle,
-            bore_radius=self.bore_radius,
-            face_radius=self.face_radius,
-            edge_radius=self.edge_radius,
-            outer_radius=self.outer_radius,
-            height=self.height,
-        )
 
-
-class Torus(Housed):
+class ToroidalSeat(Housed):
     """[seat] shape = "torus": a convex ring of circular section on the top of the housing."""
+
+    makes = meshes.ToroidalSeat.around
 
     shape: Literal["torus"] = Field(description="shape of the seat", examples=["torus"])
     centre_radius: Annotated[float, LENGTH] = Field(
@@ -183,21 +158,11 @@ class Torus(Housed):
         "how far the top outside the ring lies below its crest; half the ring's radius unless given", "1 mm"
     )
 
-    def body(self, closure: Shape) -> Shape:
-        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
-        return meshes.ToroidalSeat.around(
-            self.centre_radius,
-            self.radius,
-            closure,
-            bore_radius=self.bore_radius,
-            recess=self.recess,
-            outer_radius=self.outer_radius,
-            height=self.height,
-        )
-
 
 class Flat(Housed):
     """[seat] shape = "flat": a flat seat around a bore with a rounded edge."""
+
+    makes = meshes.FlatSeat.on
 
     shape: Literal["flat"] = Field(description="shape of the seat", examples=["flat"])
     bore_radius: Annotated[float, LENGTH] | None = dimension(
@@ -209,19 +174,11 @@ class Flat(Housed):
         "rounding of the edge of the bore; a hundredth of the bore's radius unless given", "0.1 mm"
     )
 
-    def body(self, closure: Shape) -> Shape:
-        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
-        return meshes.FlatSeat.on(
-            closure,
-            bore_radius=self.bore_radius,
-            edge_radius=self.edge_radius,
-            outer_radius=self.outer_radius,
-            height=self.height,
-        )
-
 
 class SharpEdge(Housed):
     """[seat] shape = "sharp-edge": the edge, with a small fillet, between a bore and a flat or sloping top."""
+
+    makes = meshes.SharpEdge.around
 
     shape: Literal["sharp-edge"] = Field(description="shape of the seat", examples=["sharp-edge"])
     bore_radius: Annotated[float, LENGTH] = Field(description="radius of the bore", examples=["12 mm"])
@@ -232,14 +189,3 @@ class SharpEdge(Housed):
         "inclination of the top to the horizontal plane, positive where it rises outwards; 0 deg unless given",
         "-30 deg",
     )
-
-    def body(self, closure: Shape) -> Shape:
-        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
-        return meshes.SharpEdge.around(
-            self.bore_radius,
-            closure,
-            edge_radius=self.edge_radius,
-            top_angle=self.top_angle or 0.0,
-            outer_radius=self.outer_radius,
-            height=self.height,
-        )

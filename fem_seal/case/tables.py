@@ -163,12 +163,23 @@ class Output(Table):
 
 
 Closure = Annotated[
-    closures.Ball | closures.Cone | closures.Torus | closures.SphericalTip | closures.Disc | ClosureProfile,
+    closures.Ball
+    | closures.RoundedCone
+    | closures.ToroidalEdge
+    | closures.SphericalTip
+    | closures.Disc
+    | ClosureProfile,
     Field(discriminator="shape"),
 ]
 
 Seat = Annotated[
-    seats.Cone | seats.ConicalLand | seats.Sphere | seats.Torus | seats.Flat | seats.SharpEdge | SeatProfile,
+    seats.ConicalSeat
+    | seats.ConicalLand
+    | seats.Sphere
+    | seats.ToroidalSeat
+    | seats.Flat
+    | seats.SharpEdge
+    | SeatProfile,
     Field(discriminator="shape"),
 ]
 

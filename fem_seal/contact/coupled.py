@@ -31,8 +31,6 @@ class Seal:
 
     Parameters
     ----------
-    model : ContactModel
-    law : Law
     path : FluidPath
         How the fluid gets between the surfaces.
     interference : float
@@ -62,7 +60,6 @@ def coupled_contact(
 
     Parameters
     ----------
-    seal : Seal
     balance : callable
         Takes the lift per unit of fluid pressure [N/Pa] to fluid pressure [Pa] and contact force [N].
     unknowns : ndarray

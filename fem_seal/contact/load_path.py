@@ -26,7 +26,6 @@ class Unloaded:
 
     Parameters
     ----------
-    model : ContactModel
     at_rest : FurtherLoads
         What still acts.
     bodies : mapping
@@ -120,10 +119,6 @@ def load_path(
     settings : PlasticSettings, optional
     partial : bool
         Whether a load that does not converge ends the path, if there is one before it; otherwise it is an error.
-
-    Returns
-    -------
-    LoadPath
 
     Raises
     ------
@@ -245,12 +240,7 @@ def _gave_up(reached: PathLoad, aim: PathLoad, error: Exception) -> str:
 
 
 def yielding_bodies(model: ContactModel) -> dict[str, YieldingBody]:
-    """Those bodies of a seal whose materials have a hardening curve, by name; empty if the seal is elastic.
-
-    Parameters
-    ----------
-    model : ContactModel
-    """
+    """Those bodies of a seal whose materials have a hardening curve, by name; empty if the seal is elastic."""
     return {
         body.held.name: YieldingBody(body.held)
         for body in (model.closure, model.seat)

@@ -101,8 +101,6 @@ class ContactModel:
 
     Parameters
     ----------
-    line : ContactLine
-    closure, seat : CondensedBody
     compliance : ndarray, shape (m, m)
         Opening of the gap at point i per unit normal force at point j [m/N], both bodies together.
     touch_radius : float
@@ -139,14 +137,9 @@ def condense(
 
     Parameters
     ----------
-    seal_mesh : SealMesh
     materials : mapping
         Material of the body "closure" and of the body "seat".
     supports : Supports, optional
-
-    Returns
-    -------
-    ContactModel
 
     Raises
     ------

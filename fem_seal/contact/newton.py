@@ -35,7 +35,6 @@ def solve(
 
     Parameters
     ----------
-    model : ContactModel
     law : InterfaceLaw or HardContact
         `leak.ExponentialLaw`, `leak.TabulatedLaw`, `RoughContact.interface_law()` or `HardContact()`.
     axial_force : float
@@ -46,10 +45,6 @@ def solve(
     settings : ContactSettings, optional
     start : ContactSolution, optional
         Solution of a neighbouring load to start from.
-
-    Returns
-    -------
-    ContactSolution
 
     Raises
     ------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -11,10 +12,9 @@ from fem_seal.contact.coupled import Seal, coupled_contact, dry_unknowns
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
+from fem_seal.loads import expected_force
 
-# Share of spring and fluid force for which the first contact is solved where the fluid comes close to lifting it.
-_LEAST_CARRIED = 1e-4
-# Shares of the fluid's force that the solid contact carries on the way to an open seal.
+# Shares of the closing force that the solid contact carries on the way to an open seal.
 _SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)
 
 
@@ -25,7 +25,6 @@ def solve_penetration(
 
     Parameters
     ----------
-    seal : Seal
     closing_force : float
         Force of spring or actuator on the closure [N], positive when it closes.
     fluid_pressure : float
@@ -52,12 +51,12 @@ def solve_penetration(
     counts against that of the contact, so that Anderson's acceleration needs a few steps. Where F_N nearly vanishes it
     is F_N that is given instead, and the fluid pressure that follows.
     """
-
-    def given(lift: float) -> tuple[float, float]:
-        return fluid_pressure, closing_force - fluid_pressure * lift
-
+    given = _under(closing_force, fluid_pressure)
+    carried = expected_force(
+        seal.model.touch_radius, fluid_pressure, closing_force, seal.path.side, "penetration", _SHARES[-1]
+    )
     try:
-        return coupled_contact(seal, given, _first(seal, closing_force, fluid_pressure, start), start)
+        return coupled_contact(seal, given, dry_unknowns(seal, carried, fluid_pressure, start), start)
     except (OpenSealError, ConvergenceError):
         if not fluid_lifts(seal, closing_force):
             raise
@@ -71,7 +70,6 @@ def solve_at_contact_force(
 
     Parameters
     ----------
-    seal : Seal
     contact_force : float
         F_N [N], positive.
     fluid_pressure : float
@@ -91,7 +89,6 @@ def least_closing_force(seal: Seal, fluid_pressure: float) -> float | None:
 
     Parameters
     ----------
-    seal : Seal
     fluid_pressure : float
         [Pa]
     """
@@ -114,27 +111,15 @@ def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:
 
     Parameters
     ----------
-    solution : ContactSolution
     fluid_pressure : float
         Pressure difference [Pa].
     """
     return math.sqrt(abs(solution.loads.lift(solution.model)) / (math.pi * fluid_pressure))
 
 
-def _first(
-    seal: Seal, closing_force: float, fluid_pressure: float, start: ContactSolution | None
-) -> FloatArray:
-    """Unknowns of the fluid in a contact that carries what it will nearly carry."""
-    area = math.pi * seal.model.touch_radius**2 * (1 if seal.path.side == "outer" else -1)
-    return dry_unknowns(
-        seal,
-        max(
-            closing_force + area * fluid_pressure,
-            _LEAST_CARRIED * (abs(closing_force) + abs(area) * fluid_pressure),
-        ),
-        fluid_pressure,
-        start,
-    )
+def _under(closing_force: float, fluid_pressure: float) -> Callable[[float], tuple[float, float]]:
+    """Fluid pressure, and the force that is left to the solid contact [N] for the fluid's lift [m^2]."""
+    return lambda lift: (fluid_pressure, closing_force - fluid_pressure * lift)
 
 
 # Below this share a hard contact, whose width falls with the root of the force, is narrower than a few elements.
@@ -148,7 +133,6 @@ def blow_off_pressure(seal: Seal, *, closing_force: float) -> float:
 
     Parameters
     ----------
-    seal : Seal
     closing_force : float
         Force of spring or actuator [N].
 
@@ -270,8 +254,5 @@ def contact_near_blow_off(seal: Seal, closing_force: float, fluid_pressure: floa
     brentq(miss, math.log(before.share), math.log(way[after].share), xtol=1e-6)
     nearest = min(steps, key=lambda step: abs(step.pressure / fluid_pressure - 1))
     assert nearest.unknowns is not None
-
-    def given(lift: float) -> tuple[float, float]:
-        return fluid_pressure, closing_force - fluid_pressure * lift
-
+    given = _under(closing_force, fluid_pressure)
     return coupled_contact(seal, given, nearest.unknowns, nearest.contact)

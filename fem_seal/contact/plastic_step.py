@@ -78,10 +78,6 @@ def press(
     start : ContactSolution, optional
         To start from.
 
-    Returns
-    -------
-    Equilibrium
-
     Raises
     ------
     ConvergenceError
@@ -198,7 +194,6 @@ class _Tangent:
 
     Parameters
     ----------
-    body : YieldingBody
     at_rest : ndarray, shape (dofs,)
         Displacement [m] where the line carries nothing.
     compliance : ndarray, shape (n, n)

@@ -37,7 +37,6 @@ def solve_fitted(
     ----------
     sizing : Sizing
         What was expected.
-    contact : ContactGeometry
     solve_on : callable
         Meshes with a sizing and solves all loads.
     size_given : bool
@@ -84,7 +83,6 @@ def better_sizing(
     ----------
     sizing : Sizing
         With which they were found.
-    contact : ContactGeometry
     profiles : sequence of PressureProfile
     size_given : bool
         Whether the element size must stay.
@@ -105,8 +103,6 @@ def rounded(sizing: Sizing, contact: ContactGeometry, *, size_given: bool = Fals
 
     Parameters
     ----------
-    sizing : Sizing
-    contact : ContactGeometry
     size_given : bool
         Whether the element size is the user's own and stays.
     """

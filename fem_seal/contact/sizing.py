@@ -121,7 +121,6 @@ def contact_width(law: Law, line_load: float, opening: Opening, effective_modulu
     law : InterfaceLaw or HardContact
     line_load : float
         f_N [N/m].
-    opening : Opening
     effective_modulus : float
         E* [Pa].
     """
@@ -166,7 +165,6 @@ def element_sizes(
     law : InterfaceLaw or HardContact
     line_loads : sequence of float
         f_N of every load [N/m].
-    contact : ContactGeometry
     effective_modulus : float
         E* [Pa].
     contact_size : float, optional

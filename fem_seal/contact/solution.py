@@ -40,7 +40,6 @@ class ContactSolution:
 
     Parameters
     ----------
-    model : ContactModel
     axial_force : float
         Force F_N that the solid contact carries [N].
     approach : float
@@ -104,12 +103,7 @@ class ContactSolution:
 
 
 def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
-    """Fields of both bodies under a solved contact, "closure" and "seat".
-
-    Parameters
-    ----------
-    solution : ContactSolution
-    """
+    """Fields of both bodies under a solved contact, "closure" and "seat"."""
     model, loads = solution.model, solution.loads
     return {
         name: body_field(
@@ -127,7 +121,6 @@ def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyFi
 
     Parameters
     ----------
-    model : ContactModel
     loads : FurtherLoads
         What acts on them.
     """

@@ -54,7 +54,6 @@ def yielded_zone(field: BodyField, yield_stress: float) -> YieldedZone | None:
 
     Parameters
     ----------
-    field : BodyField
     yield_stress : float
         [Pa]
     """
@@ -95,7 +94,6 @@ def plastic_zone(field: ElastoplasticField, material: Material) -> PlasticZone |
 
     Parameters
     ----------
-    field : ElastoplasticField
     material : Material
         With its hardening curve.
 
@@ -117,7 +115,6 @@ def yielding_of(
 
     Parameters
     ----------
-    contact : ContactSolution
     materials : mapping, optional
         Of "closure" and "seat", where the model is shared by materials that differ in their strength.
     """

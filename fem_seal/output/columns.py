@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.analysis.caution import VALIDITY_COLUMNS, validity_entries
-from fem_seal.analysis.flow import PROFILE_LEAK_COLUMNS, GasLeak
-from fem_seal.analysis.leakage import leakage, leakage_of, nominal_size
+from fem_seal.analysis.flow import PROFILE_LEAK_COLUMNS
+from fem_seal.analysis.leakage import leakage_of, nominal_size
 from fem_seal.analysis.results import LoadResult, SealSolution
 from fem_seal.analysis.variants import ratio_to_case
 from fem_seal.bodies.fields import ElastoplasticField
@@ -86,7 +86,7 @@ def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
                 (
                     *_leak_row(load),
                     *interval,
-                    *_fluid_row(result, load),
+                    *_fluid_row(load),
                     *_lift_off_row(load),
                     *_force_row(load),
                     *_plastic_row(load),
@@ -124,17 +124,16 @@ def _leak_row(load: LoadResult) -> Iterator[float]:
     yield load.max_von_mises
 
 
-def _fluid_row(result: SealSolution, load: LoadResult) -> Iterator[float]:
+def _fluid_row(load: LoadResult) -> Iterator[float]:
     """The leak rate as mass and, of a gas, as throughput and at the standard state; the gas's Knudsen number."""
-    fluid = result.case.fluid
-    if load.leak is None or fluid is None:
+    found = load.leak
+    if found is None:
         yield from [math.nan] * 4
         return
-    found = leakage(result.case, load.fluid_pressure, load.leak.leak_rate)
     yield _or_nan(found.mass_flow)
     yield _or_nan(found.throughput)
     yield _or_nan(found.standard_leak_rate)
-    knudsen = load.leak.knudsen_number if isinstance(load.leak, GasLeak) else math.nan
+    knudsen = _or_nan(found.knudsen_number)
     yield knudsen if math.isfinite(knudsen) else math.nan
 
 

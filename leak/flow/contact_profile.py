@@ -342,3 +342,9 @@ def checked_ends(ends: tuple[float | None, float | None] | None) -> tuple[float,
     if not low < high:
         raise ProfileError(f"ends = {ends!r}: the first must be below the second [m]")
     return low, high
+
+
+def checked_side(pressure_side: str) -> None:
+    """Refuse a side of the high fluid pressure that is none."""
+    if pressure_side not in ("outer", "inner"):
+        raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")

@@ -74,7 +74,7 @@ def _gaps(lost: LostArea, mean_separation: FloatArray, rms_height: float, refine
     grid = SeparationGrid.around(mean_separation, height, count=_GRID_POINTS * refinement)
     weight = density(lost, grid.separation) * grid.weight
     # What the grid misses is wide open above it; below it is too narrow to matter and counts as contact.
-    beyond = _folded_above(lost, grid.separation[:, -1])
+    beyond = folded_above(lost, grid.separation[:, -1])
     contact = np.maximum(1.0 - weight.sum(axis=1) - beyond, 0.0)
     return _Gaps(grid.separation, weight, contact, beyond)
 
@@ -133,7 +133,7 @@ def _elastic_moment(seen: RoughnessSeen, remaining: FloatArray) -> FloatArray:
     return np.minimum(np.exp(0.5 * (low + high)), seen.end)
 
 
-def _folded_above(lost: LostArea, u: FloatArray) -> FloatArray:
+def folded_above(lost: LostArea, u: FloatArray) -> FloatArray:
     """Area with a separation above u, shape (P,)."""
     from scipy.special import erfc
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
-from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile
+from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile, checked_side
 from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure, leak_flow
 from leak.numerics.curves import spline_slopes
 
@@ -97,8 +97,7 @@ def coupled_leak_flow(
     """
     xs, ps, rs = checked_profile(x, p, radius)
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
-    if pressure_side not in ("outer", "inner"):
-        raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
+    checked_side(pressure_side)
     if not callable(conductivity) and not isinstance(conductivity, LogConductivity):
         raise ProfileError(f"conductivity = {conductivity!r}: must be a function of p [m^3/(Pa s)]")
     if pressure_side == "inner":

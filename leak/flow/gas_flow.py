@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
 from leak.flow.conductivity import GasConductivity
-from leak.flow.contact_profile import ContactProfile, Panels, checked_ends, checked_profile
+from leak.flow.contact_profile import ContactProfile, Panels, checked_ends, checked_profile, checked_side
+from leak.flow.leak_rate import LeakResult
 from leak.flow.rarefied import poiseuille_flow_rate
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.fluids.properties import Gas
@@ -65,6 +66,20 @@ class GasLeakResult:
         """Volume per time at the standard state of 0 degC and 101325 Pa (DIN 1343, "sccm") [m^3/s]."""
         standard_density = STANDARD_PRESSURE / (self.gas.specific_gas_constant * STANDARD_TEMPERATURE)
         return self.mass_flow / standard_density
+
+    @property
+    def above_outlet(self) -> LeakResult:
+        """The same flow in the terms of a liquid's: gas pressures above that of the outlet."""
+        drop, rate = self.inlet_pressure - self.outlet_pressure, self.leak_rate
+        return LeakResult(
+            rate,
+            drop / rate if rate > 0.0 else float("inf"),
+            self.fluid_pressure - self.outlet_pressure,
+            mass_flow=self.mass_flow,
+            throughput=self.throughput,
+            standard_leak_rate=self.standard_leak_rate,
+            knudsen_number=self.knudsen_number,
+        )
 
 
 def gas_leak_flow(
@@ -138,8 +153,7 @@ def gas_leak_flow(
     xs, ps, rs = checked_profile(x, p, radius)
     p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
     p_out = _outlet(p_in, outlet_pressure)
-    if pressure_side not in ("outer", "inner"):
-        raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
+    checked_side(pressure_side)
     table = _table(surface, ps, method) if isinstance(surface, RoughContact) else surface
     profile = ContactProfile.through(xs, ps, rs, checked_ends(ends)).refined(_CELLS)
     path = _Path.along(profile, table, gas)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from dataclasses import dataclass, field, replace
+from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,7 @@ from leak.flow.contact_profile import (
     Panels,
     checked_ends,
     checked_profile,
+    checked_side,
 )
 from leak.numerics.curves import MonotoneCurve, spline_slopes
 
@@ -34,14 +35,38 @@ SigmaOfPressure = Callable[[FloatArray], ArrayLike]
 
 @dataclass(frozen=True, eq=False)
 class LeakResult:
-    """Flow through a ring-shaped contact."""
+    """Flow of a liquid or a gas through a ring-shaped contact."""
 
     leak_rate: float
-    """Q [m^3/s]; zero where the contact is sealed."""
+    """Q, of a gas at 101325 Pa and its temperature [m^3/s]; zero where the contact is sealed."""
     resistance: float
     """Pressure drop over Q [Pa s/m^3]; infinite where sealed."""
     fluid_pressure: FloatArray
     """Fluid pressure above the low side at the points x of the profile, shape (n,) [Pa]."""
+    mass_flow: float | None = field(default=None, kw_only=True)
+    """[kg/s]; None as long as no density is known, see `with_density`."""
+    throughput: float | None = field(default=None, kw_only=True)
+    """pV flow of a gas [Pa m^3/s]; None for a liquid."""
+    standard_leak_rate: float | None = field(default=None, kw_only=True)
+    """Volume flow of a gas at 0 degC and 101325 Pa [m^3/s]; None for a liquid."""
+    knudsen_number: float | None = field(default=None, kw_only=True)
+    """Of a gas: mean free path over u_eff at the peak contact pressure, infinite where sealed; None for a liquid."""
+
+    def with_density(self, density: float | None) -> Self:
+        """The same flow of a liquid with its mass.
+
+        Parameters
+        ----------
+        density : float or None
+            [kg/m^3]; None leaves the mass unknown.
+
+        Examples
+        --------
+        >>> drops = LeakResult(1e-9, 1e15, np.zeros(3))
+        >>> f"{drops.with_density(1000.0).mass_flow:.1e}"
+        '1.0e-06'
+        """
+        return self if density is None else replace(self, mass_flow=density * self.leak_rate)
 
 
 def leak_rate(
@@ -129,8 +154,7 @@ def leak_flow(
     """
     x_all, p_all, r_all = checked_profile(x, p, radius)
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
-    if pressure_side not in ("outer", "inner"):
-        raise ProfileError(f"pressure_side = {pressure_side!r}: must be 'outer' or 'inner'")
+    checked_side(pressure_side)
     profile = ContactProfile.through(x_all, p_all, r_all, checked_ends(ends))
     sigma = by_log_pressure(
         conductivity

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
@@ -254,12 +254,28 @@ class RoughContact:
         p = np.array([positive(SurfaceError, "pressure", pressure, "Pa")])
         if self.hardness is not None and p[0] >= self.hardness:
             raise SurfaceError(f"pressure = {pressure}: must be below the hardness {self.hardness} [Pa]")
-        lost, mean = self._lost_area(p, refinement=_DISTRIBUTION_REFINEMENT)
+        lost, mean = self.lost_area(p, refinement=_DISTRIBUTION_REFINEMENT)
         if separation is None:
             u = SeparationGrid.around(mean, self.spectrum.rms_height, count=1024).separation
         else:
             u = np.atleast_1d(np.asarray(separation, dtype=float))[None, :]
         return u[0], density(lost, u)[0]
+
+    def lost_area(self, pressure: FloatArray, refinement: int = 1) -> tuple[LostArea, FloatArray]:
+        """Area that loses contact from one magnification to the next, and the mean separation [m].
+
+        Parameters
+        ----------
+        pressure : ndarray, shape (P,)
+            Nominal pressures, positive and below the hardness [Pa].
+        refinement : int
+            So many times more magnifications.
+        """
+        relative, seen = pressure / self.effective_modulus, self._seen(pressure)
+        lost = lost_area(
+            self.spectrum, seen, relative, self.gamma, self.separation_width, refinement=refinement
+        )
+        return lost, self._mean(pressure, seen).mean[:, 0]
 
     # ---------------------------------------------------------------- flow
 
@@ -270,7 +286,9 @@ class RoughContact:
         """
         return self._over_pressure(pressure, self._critical_separation)
 
-    def effective_separation(self, pressure: ArrayLike, method: str = "bruggeman") -> FloatArray | float:
+    def effective_separation(
+        self, pressure: ArrayLike, method: str = "bruggeman", *, refinement: int = 1
+    ) -> FloatArray | float:
         """u_eff = (12 eta sigma_eff)^(1/3) along the flow [m]; independent of the fluid, zero where sealed.
 
         Parameters
@@ -280,11 +298,13 @@ class RoughContact:
         method : {"bruggeman", "critical-junction"}
             Effective medium over all channels, or the critical junction alone (u_eff = u_c), which knows no direction
             and is refused unless peklenik = 1.
+        refinement : int
+            Every grid of the effective medium has so many times more points, which shows its error.
         """
         self._check_method(method)
         if method == "critical-junction":
             return self.critical_separation(pressure)
-        return self._over_pressure(pressure, self._effective_separation)
+        return self._over_pressure(pressure, partial(self._effective_separation, refinement=refinement))
 
     def flow_conductivity(
         self, pressure: ArrayLike, viscosity: float, method: str = "bruggeman"
@@ -311,7 +331,7 @@ class RoughContact:
         out = np.empty(lengths.shape)
         for start in range(0, p.size, _CHUNK):
             part = slice(start, start + _CHUNK)
-            lost, mean = self._lost_area(p[part])
+            lost, mean = self.lost_area(p[part])
             out[part] = effective_gas_gap(
                 lost, mean, self.spectrum.rms_height, n, self.peklenik, lengths[part]
             )
@@ -393,13 +413,6 @@ class RoughContact:
             out[tiny] = last + (last - before) * np.log(least / flat[tiny])
         return _scalar(out.reshape(p.shape))
 
-    def _lost_area(self, p: FloatArray, refinement: int = 1) -> tuple[LostArea, FloatArray]:
-        relative, seen = p / self.effective_modulus, self._seen(p)
-        lost = lost_area(
-            self.spectrum, seen, relative, self.gamma, self.separation_width, refinement=refinement
-        )
-        return lost, self._mean(p, seen).mean[:, 0]
-
     def _check_method(self, method: str) -> None:
         if method not in flow.METHODS:
             raise ConductivityError(f"method = {method!r}: must be one of {flow.METHODS}")
@@ -409,8 +422,8 @@ class RoughContact:
                 "'bruggeman'"
             )
 
-    def _effective_separation(self, p: FloatArray, refinement: int = 1) -> FloatArray:
-        lost, mean = self._lost_area(p, refinement)
+    def _effective_separation(self, p: FloatArray, refinement: int) -> FloatArray:
+        lost, mean = self.lost_area(p, refinement)
         n = medium.dimension_number(self.percolation_threshold)
         return effective_gap(lost, mean, self.spectrum.rms_height, n, self.peklenik, refinement=refinement)
 
