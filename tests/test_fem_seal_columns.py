@@ -136,3 +136,14 @@ def test_a_study_refuses_columns_that_its_case_leaves_empty(name, missing):
     smooth = case(roughness=None, interface={"law": "smooth"}, load={"fluid_pressure": "5 bar"})
     with pytest.raises(InputError, match=rf"{name} needs a table \[{missing}\]"):
         Study(smooth, parameters={"load.fluid_pressure": ["5 bar", "6 bar"]}, responses=(name,))
+
+
+def test_a_derived_column_needs_what_it_is_made_of_whatever_its_name():
+    dry = case(fluid=None, load={"fluid_pressure": "5 bar"})
+    study = Study(
+        dry,
+        parameters={"load.fluid_pressure": ["5 bar", "6 bar"]},
+        responses=("peak_pressure_Pa",),
+        derived={"leak_rate_guess": "1 / peak_pressure_Pa", "twice": "2 * leak_rate_guess"},
+    )
+    assert study.responses == ("peak_pressure_Pa",)
