@@ -8,7 +8,6 @@ import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
@@ -17,12 +16,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fem_seal.analysis.caution import Level
-from fem_seal.analysis.results import DIGITS, digits_near_opening
+from fem_seal.analysis.results import DIGITS, digits_near_opening, highest_load
 from fem_seal.cli_study import app as study_app
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError
 from fem_seal.files import as_json
 from fem_seal.output.case_words import section_text
-from fem_seal.units import rounded
+from fem_seal.units import Unit, fixed_unit, rounded
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -82,7 +81,7 @@ def run(
     from fem_seal import result as seal_result
     from fem_seal.folders import alone
     from fem_seal.output import files
-    from fem_seal.output.columns import leak_rows
+    from fem_seal.output.tables import leak_rows
 
     _load_meanwhile("matplotlib.backends.backend_svg", "matplotlib.figure", "jinja2")
     with alone(folder), _progress(quiet) as progress:
@@ -96,7 +95,7 @@ def run(
         typer.echo(as_json({"folder": str(folder), "loads": rows, "warnings": warnings}))
     elif not quiet:
         show_leak_table(rows, case.title)
-        show_leakage(case, rows)
+        show_leakage(case, rows, highest_load(result.loads))
         _list_files(folder)
 
 
@@ -186,12 +185,13 @@ def leak(
     from fem_seal.analysis.profile_file import read_profiles
     from fem_seal.case.case import load_case
     from fem_seal.folders import alone, replaced_together
-    from fem_seal.output.columns import write_rows
+    from fem_seal.output.tables import profile_leak_rows, write_rows
 
     case = load_case(case_file)
     profiles = read_profiles(profile_file)
     folder = _made(output or profile_file.with_suffix(".leak"))
-    rows = leak_of_profiles(case, profiles)
+    loads = leak_of_profiles(case, profiles)
+    rows = profile_leak_rows(case, loads)
     with alone(folder), replaced_together(folder, whole=False) as draft:
         write_rows(rows, draft / "leak.csv")
     _warn_of_mixture(folder)
@@ -199,7 +199,7 @@ def leak(
         typer.echo(as_json({"folder": str(folder), "loads": rows}))
     elif not quiet:
         show_leak_table(rows, f"{profile_file.name}: {case.title}")
-        show_leakage(case, rows)
+        show_leakage(case, rows, highest_load(loads))
         _list_files(folder)
 
 
@@ -407,62 +407,20 @@ def _said_by_system(error: OSError) -> str:
 _ENDLESS = 100_000
 
 
-@dataclass(frozen=True)
-class Column:
-    """A column of the results as it is shown: its name in the files, heading, unit and factor from SI."""
-
-    key: str
-    heading: str
-    unit: str
-    factor: float
-
-
-LEAK_COLUMNS = (
-    Column("fluid_pressure_Pa", "p fluid", "bar", 1e-5),
-    Column("axial_force_N", "force", "N", 1.0),
-    Column("peak_pressure_Pa", "p peak", "MPa", 1e-6),
-    Column("fwhm_m", "FWHM", "mm", 1e3),
-    Column("std_m", "std dev", "mm", 1e3),
-    Column("critical_separation_m", "u_c", "um", 1e6),
-    Column("leak_rate_m3_per_s", "leak rate", "mm³/s", 1e9),
-    Column("leak_rate_Pa_m3_per_s", "leak rate", "mbar l/s", 10.0),
-    Column("leak_rate_low_m3_per_s", "low", "mm³/s", 1e9),
-    Column("leak_rate_high_m3_per_s", "high", "mm³/s", 1e9),
-    Column("leak_rate_elastic_m3_per_s", "elastic", "mm³/s", 1e9),
-    Column("max_von_mises_Pa", "von Mises", "MPa", 1e-6),
-    Column("effective_seal_radius_m", "r fluid", "mm", 1e3),
-    Column("blow_off_pressure_Pa", "opens at", "bar", 1e-5),
-    Column("force_for_target_leak_N", "target force", "N", 1.0),
-    Column("opening_margin_N", "to opening", "N", 1.0),
-    Column("opening_margin_Pa", "to opening", "bar", 1e-5),
-)
-# What follows from the contact force, and is worth fewer digits close to opening; the narrowest gap only like ln F_N.
-_OF_CONTACT_FORCE = {
-    "axial_force_N": 0,
-    "peak_pressure_Pa": 0,
-    "critical_separation_m": 1,
-    "leak_rate_m3_per_s": 0,
-    "leak_rate_Pa_m3_per_s": 0,
-    "leak_rate_low_m3_per_s": 0,
-    "leak_rate_high_m3_per_s": 0,
-    "leak_rate_elastic_m3_per_s": 0,
-    "opening_margin_N": 0,
-    "opening_margin_Pa": 0,
-}
-
-
 def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
     """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks."""
-    columns = [column for column in LEAK_COLUMNS if any(_filled(row.get(column.key)) for row in rows)]
+    from fem_seal.output.columns import LEAK_ON_TERMINAL
+
+    columns = [column for column in LEAK_ON_TERMINAL if any(_filled(row.get(column.name)) for row in rows)]
     cells = [
-        [_cell(row.get(column.key), column.factor, _digits(row, column)) for column in columns]
+        [_cell(row.get(column.name), column.unit, _digits(row, column.name)) for column in columns]
         for row in rows
     ]
-    headings = [f"{column.heading}\n{column.unit}" for column in columns]
+    headings = [f"{column.heading}\n{column.unit.name}" for column in columns]
     levels = [Level(row["validity"]) for row in rows]
     # what tells the rows apart stays beside every part of a table that is too wide
     several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
-    keys = 2 if several_forces and columns[1].key == "axial_force_N" else 1
+    keys = 2 if several_forces and columns[1].name == "axial_force_N" else 1
     if any(level.mark for level in levels):
         headings.insert(keys, "")
         for line, level in zip(cells, levels, strict=True):
@@ -475,23 +433,28 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
             print(f"  {level.mark} {level}: {what}; why, says validity_reasons in leak.csv")  # noqa: T201
 
 
-def _digits(row: Mapping[str, Any], column: Column) -> int:
+def _digits(row: Mapping[str, Any], name: str) -> int:
     """Significant digits that a number of a row is worth."""
-    share = row.get("opening_margin")
-    if not _filled(share) or column.key not in _OF_CONTACT_FORCE:
-        return DIGITS
-    assert share is not None  # it is filled
-    return min(digits_near_opening(share) + _OF_CONTACT_FORCE[column.key], DIGITS)
+    from fem_seal.output.columns import COLUMNS
+
+    share = row.get("opening_margin", math.nan)
+    return DIGITS if math.isnan(share) else COLUMNS[name].digits(digits_near_opening(share))
 
 
-def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Print the leak rate of the highest fluid pressure in the units of leak testing, and its classes.
+def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]], highest: int) -> None:
+    """Print the leak rate of the highest load in the units of leak testing, and its classes.
 
-    Of several forces at this pressure it is the one that closes most.
+    Parameters
+    ----------
+    case : Case
+    rows : sequence of mapping
+        Of leak.csv.
+    highest : int
+        Number of the load, see `fem_seal.analysis.results.highest_load`.
     """
     from fem_seal.output.report.words import leakage_lines
 
-    row = max(rows, key=lambda row: (row["fluid_pressure_Pa"], row.get("axial_force_N", 0.0)))
+    row = rows[highest]
     if not _filled(row.get("leak_rate_m3_per_s")):
         return
     pressure = row["fluid_pressure_Pa"]
@@ -566,43 +529,31 @@ def _filled(value: float | None) -> bool:
     return value is not None and not math.isnan(value)
 
 
-def _cell(value: float | None, factor: float, digits: int = DIGITS) -> str:
+def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
     if value is None or math.isnan(value):
         return "-"
+    shown = unit.of(value)
     if digits < DIGITS and math.isfinite(value) and value:
-        exponent = math.floor(math.log10(abs(rounded(value * factor, digits))) + 1e-12)
+        exponent = math.floor(math.log10(abs(rounded(shown, digits))) + 1e-12)
         if -4 <= exponent < DIGITS:
-            return f"{rounded(value * factor, digits):.{max(digits - 1 - exponent, 0)}f}"
+            return f"{rounded(shown, digits):.{max(digits - 1 - exponent, 0)}f}"
     # so many digits, also when they are zeros: columns stay aligned
-    return f"{value * factor:#.{digits}g}".removesuffix(".")
+    return f"{shown:#.{digits}g}".removesuffix(".")
 
 
-_CHECK_COLUMNS = (
-    Column("fluid_pressure_Pa", "p fluid", "bar", 1e-5),
-    Column("axial_force_N", "force", "N", 1.0),
-    Column("line_load_N_per_m", "line load", "kN/m", 1e-3),
-    Column("hertz_peak_pressure_Pa", "Hertz p0", "MPa", 1e-6),
-    Column("hertz_half_width_m", "half width", "mm", 1e3),
-    Column("gaussian_peak_pressure_Pa", "Gauss p0", "MPa", 1e-6),
-    Column("crossover_peak_pressure_Pa", "crossover p0", "MPa", 1e-6),
-    Column("crossover_fwhm_m", "FWHM", "mm", 1e3),
-    Column("crossover_std_m", "std dev", "mm", 1e3),
-    Column("blow_off_pressure_Pa", "opens at", "bar", 1e-5),
-    Column("force_for_target_leak_N", "target force", "N", 1.0),
-)
-
+# What `fem-seal check` says of the case as a whole: name in its JSON, words, unit.
 _CHECK_LINES = (
-    Column("touch_radius_m", "radius of first touch r0", "mm", 1e3),
-    Column("contact_angle_rad", "angle of the contact normal", "deg", 180 / math.pi),
-    Column("relative_radius_m", "radius of relative curvature", "mm", 1e3),
-    Column("effective_modulus_Pa", "effective modulus E*", "GPa", 1e-9),
-    Column("hardness_Pa", "hardness", "GPa", 1e-9),
-    Column("rms_height_m", "rms height", "um", 1e6),
-    Column("rms_slope", "rms slope", "", 1.0),
-    Column("decay_length_m", "decay length u0", "um", 1e6),
-    Column("law_pressure_Pa", "p_c", "GPa", 1e-9),
-    Column("viscosity_Pa_s", "viscosity", "mPa s", 1e3),
-    Column("contact_size_m", "element size in the contact", "um", 1e6),
+    ("touch_radius_m", "radius of first touch r0", "mm"),
+    ("contact_angle_rad", "angle of the contact normal", "deg"),
+    ("relative_radius_m", "radius of relative curvature", "mm"),
+    ("effective_modulus_Pa", "effective modulus E*", "GPa"),
+    ("hardness_Pa", "hardness", "GPa"),
+    ("rms_height_m", "rms height", "um"),
+    ("rms_slope", "rms slope", ""),
+    ("decay_length_m", "decay length u0", "um"),
+    ("law_pressure_Pa", "p_c", "GPa"),
+    ("viscosity_Pa_s", "viscosity", "mPa s"),
+    ("contact_size_m", "element size in the contact", "um"),
 )
 
 
@@ -612,22 +563,24 @@ def _dimension(key: str, value: float) -> str:
 
 def show_derived(numbers: Mapping[str, Any]) -> None:
     """Print the derived numbers of a case."""
+    from fem_seal.output.columns import CHECK_ON_TERMINAL
+
     for body, lengths in numbers["dimensions"].items():
         shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
         if body in numbers["sections"]:
             shown += section_text(numbers["sections"][body]).values()
         print(f"  {body:10}" + ", ".join(shown))  # noqa: T201
-    for column in _CHECK_LINES:
-        value = numbers[column.key]
+    for name, words, unit in _CHECK_LINES:
+        value = numbers[name]
         if value is not None and math.isfinite(value):
-            print(f"  {column.heading:30}{_cell(value, column.factor)} {column.unit}".rstrip())  # noqa: T201
+            print(f"  {words:30}{_cell(value, fixed_unit(unit))} {unit}".rstrip())  # noqa: T201
     rows = numbers["loads"]
-    columns = [column for column in _CHECK_COLUMNS if any(row[column.key] is not None for row in rows)]
+    columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
     closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
     show_table(
         "Closed-form pressure profiles"
         if closed
         else "Loads (no closed-form profiles: the faces fit each other)",
-        [f"{column.heading}\n{column.unit}" for column in columns],
-        [[_cell(row[column.key], column.factor) for column in columns] for row in rows],
+        [f"{column.heading}\n{column.unit.name}" for column in columns],
+        [[_cell(row[column.name], column.unit) for column in columns] for row in rows],
     )

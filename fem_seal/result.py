@@ -50,7 +50,7 @@ class SealResult(SealSolution):
     @cached_property
     def table(self) -> pd.DataFrame:
         """One row per load, the columns of leak.csv."""
-        from fem_seal.output.columns import leak_table
+        from fem_seal.output.tables import leak_table
 
         return leak_table(self)
 

@@ -242,14 +242,17 @@ class Unit:
     name : str
     size : float
         One of it in SI.
+    zero : float
+        SI value at which it is zero: 273.15 K of a temperature in °C.
     """
 
     name: str
     size: float
+    zero: float = 0.0
 
     def of(self, value: float) -> float:
         """An SI value in this unit."""
-        return value / self.size
+        return (value - self.zero) / self.size
 
 
 # From large to small; the last one serves everything below.
@@ -268,6 +271,28 @@ _UNITS = {
     "force": (Unit("MN", 1e6), Unit("kN", 1e3), Unit("N", 1.0)),
     "line load": (Unit("MN/m", 1e6), Unit("kN/m", 1e3), Unit("N/m", 1.0)),
     "viscosity": (Unit("Pa s", 1.0), Unit("mPa s", 1e-3), Unit("µPa s", 1e-6)),
+    "throughput": (Unit("mbar l/s", 0.1),),
+    "mass flow": (Unit("g/h", 1e-3 / 3600),),
+    "angle": (Unit("°", math.pi / 180),),
+    "temperature": (Unit("°C", 1.0, 273.15),),
+}
+# Units of columns that have the same one in every table, in letters that every terminal has.
+_FIXED = {
+    unit.name: unit
+    for unit in (
+        Unit("", 1.0),
+        Unit("bar", 1e5),
+        Unit("MPa", 1e6),
+        Unit("GPa", 1e9),
+        Unit("N", 1.0),
+        Unit("kN/m", 1e3),
+        Unit("mm", 1e-3),
+        Unit("um", 1e-6),
+        Unit("deg", math.pi / 180),
+        Unit("mPa s", 1e-3),
+        Unit("mm³/s", 1e-9),
+        Unit("mbar l/s", 0.1),
+    )
 }
 # The smallest figure before the next smaller unit reads better: 0.31 mm, but 90 µm; 1200 N, but 12 kN.
 _SMALLEST = {"length": 0.1, "fluid pressure": 0.1, "flow": 0.1, "force": 10.0}
@@ -280,16 +305,28 @@ def unit_for(kind: str, value: float) -> Unit:
 
     Parameters
     ----------
-    kind : {"length", "contact pressure", "fluid pressure", "flow", "force", "line load", "viscosity"}
+    kind : str
+        "length", "contact pressure", "fluid pressure", "flow", "force", "line load", "viscosity", "throughput",
+        "mass flow", "angle" or "temperature".
     value : float
         Usually the largest of those shown together.
     """
     units = _UNITS[kind]
     if not (math.isfinite(value) and value):
-        return units[_USUAL.get(kind, 1)]
+        return units[min(_USUAL.get(kind, 1), len(units) - 1)]
     smallest = _SMALLEST.get(kind, 1.0)
     # A rounding error below the limit must not change the unit: 1 MPa is not 1000 kPa.
     return next((unit for unit in units if abs(value) >= smallest * unit.size * (1 - 1e-9)), units[-1])
+
+
+def fixed_unit(name: str) -> Unit:
+    """A unit that a table of the terminal shows whatever the size of its numbers.
+
+    Parameters
+    ----------
+    name : {"", "bar", "MPa", "GPa", "N", "kN/m", "mm", "um", "deg", "mPa s", "mm³/s", "mbar l/s"}
+    """
+    return _FIXED[name]
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -405,3 +442,38 @@ def split_unit(column: str) -> tuple[str, str]:
         if column.endswith(ending):
             return column.removesuffix(ending), unit
     return column, ""
+
+
+# What a quantity of this SI unit is, unless more is known.
+_KINDS = {
+    "m": "length",
+    "Pa": "contact pressure",
+    "N": "force",
+    "Pa s": "viscosity",
+    "m^3/s": "flow",
+    "Pa m^3/s": "throughput",
+    "kg/s": "mass flow",
+    "N/m": "line load",
+    "rad": "angle",
+    "K": "temperature",
+}
+_OF_FLUID = ("fluid_pressure", "outlet_pressure")
+
+
+def kind_of(path: str, si_unit: str) -> str:
+    """What `unit_for` calls the quantity behind a key of the case file; empty if nothing is known of it.
+
+    Parameters
+    ----------
+    path : str
+        Such as "load.fluid_pressure".
+    si_unit : str
+
+    Examples
+    --------
+    >>> kind_of("load.fluid_pressure", "Pa"), kind_of("seat.material.hardness", "Pa")
+    ('fluid pressure', 'contact pressure')
+    """
+    if si_unit == "Pa" and any(word in path for word in _OF_FLUID):
+        return "fluid pressure"
+    return _KINDS.get(si_unit, "")

@@ -47,20 +47,20 @@ def cells(text):
     return [line.split() for line in text.splitlines() if line.strip()]
 
 
-@pytest.mark.parametrize("width", [40, 80, 200])
+@pytest.mark.parametrize("width", [40, 80, 240])
 def test_a_terminal_folds_columns_and_cuts_no_number(width, capsys, monkeypatch):
     text = shown(capsys, monkeypatch, ROWS, width)
     table = text[: text.index("doubtful")]
     assert "…" not in text
     assert max(len(line.rstrip()) for line in table.splitlines()) <= width
     for one in ROWS:
-        for column in cli.LEAK_COLUMNS:
-            assert cli._cell(one[column.key], column.factor) in text.split()
+        for column in output_columns.LEAK_ON_TERMINAL:
+            assert cli._cell(one[column.name], column.unit) in text.split()
     # every part begins with the pressure, and its rows carry their marks
     firsts = [line[0] for line in cells(table) if line[0] in ("5.000", "20.00", "1800")]
     parts = len(firsts) // 3
     assert firsts == ["5.000", "20.00", "1800"] * parts
-    assert (parts == 1) == (width == 200)
+    assert (parts == 1) == (width == 240)
     assert sum(line[:2] == ["1800", "!"] for line in cells(table)) == parts
     assert sum(line[:2] == ["20.00", "?"] for line in cells(table)) == parts
 
@@ -75,7 +75,7 @@ def test_a_file_gets_all_columns_side_by_side(columns, capsys, monkeypatch):
     assert line == [
         "1800",
         "!",
-        *(cli._cell(ROWS[2][column.key], column.factor) for column in cli.LEAK_COLUMNS[1:]),
+        *(cli._cell(ROWS[2][column.name], column.unit) for column in output_columns.LEAK_ON_TERMINAL[1:]),
     ]
 
 
@@ -135,10 +135,10 @@ def test_marks_have_a_legend_and_valid_rows_none(capsys, monkeypatch):
 
 def test_no_class_is_claimed_outside_the_theory(capsys):
     of = case(load={"fluid_pressure": ["5 bar", "20 bar", "1800 bar"]})
-    cli.show_leakage(of, ROWS[:2])
+    cli.show_leakage(of, ROWS[:2], 1)
     doubtful = capsys.readouterr().out
     assert "ISO 5208 A" in doubtful and "(doubtful: seat: 7.4 times its yield stress)" in doubtful
-    cli.show_leakage(of, ROWS)
+    cli.show_leakage(of, ROWS, 2)
     outside = capsys.readouterr().out
     assert "ISO" not in outside and "FCI" not in outside
     assert "not claimed, because the leak rate is outside the theory" in outside

@@ -14,10 +14,10 @@ import fem_seal
 import leak
 from fem_seal.analysis.leakage import leakage, nominal_size
 from fem_seal.errors import InputError
-from fem_seal.output.columns import leak_table, leakage_table
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import leakage_lines, leakage_text
 from fem_seal.output.summary import summary
+from fem_seal.output.tables import leak_table, leakage_table
 from fem_seal.units import parse_quantity
 
 

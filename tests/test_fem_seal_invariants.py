@@ -12,7 +12,8 @@ from sample_results import STEEL
 
 import fem_seal
 from fem_seal.case.case import Case
-from fem_seal.output.columns import LEAK_COLUMNS, leak_rows
+from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.output.tables import leak_rows
 
 # Round-off of the input, and what a Newton iteration leaves.
 SAME = 1e-8

@@ -23,10 +23,10 @@ from fem_seal.contact.model import condense
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.errors import InputError
 from fem_seal.loads import closing_force
-from fem_seal.output.columns import write_profile_csv
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import far_field_sentence, headline, leakage_lines
 from fem_seal.output.summary import summary
+from fem_seal.output.tables import write_profile_csv
 
 VALVE = {
     "fluid_pressure": ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"],

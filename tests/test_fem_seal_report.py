@@ -15,7 +15,6 @@ from sample_results import STEEL, case, rough_result, single_result, smooth_resu
 
 import fem_seal
 from fem_seal.analysis.caution import Caution, Level, Validity
-from fem_seal.analysis.closed_forms import derive, profile_sizes
 from fem_seal.output.pictures.style import logarithmic, number_dots, panels
 from fem_seal.output.report import tables
 from fem_seal.output.report import words as report_words
@@ -310,10 +309,10 @@ def test_headline_claims_nothing_outside_the_theory():
 def test_loads_and_their_reasons_stand_in_the_tables():
     page = Page(report(judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)))
     assert "How far each load can be trusted" in page.text
-    table = tables.load_table(rough_result(), profile_sizes(rough_result(), derive(rough_result().case)))
+    table = tables.load_table(rough_result())
     assert [row[0] for row in table.rows] == ["2", "5", "20"]
     marked = judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)
-    table = tables.load_table(marked, profile_sizes(marked, derive(marked.case)))
+    table = tables.load_table(marked)
     assert [row[0] for row in table.rows] == ["2", "5 ?", "20 !"]
     assert "in leak.csv. ? doubtful, ! outside the theory." in page.text
     assert "How far each load can be trusted" not in Page(report(rough_result())).text

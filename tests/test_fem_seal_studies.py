@@ -18,7 +18,8 @@ from fem_seal import result as seal_result
 from fem_seal.analysis.sampling import LogNormal, Normal
 from fem_seal.errors import Problem
 from fem_seal.folders import alone
-from fem_seal.output.columns import LEAK_COLUMNS, leak_rows
+from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.output.tables import leak_rows
 from fem_seal.studies import designs, store, work
 from fem_seal.studies import responses as studies_responses
 from fem_seal.studies import shared as studies_shared

@@ -284,6 +284,13 @@ def test_every_response_has_its_unit_in_exports_and_on_the_page():
     ]
 
 
+def test_margins_to_opening_are_shown_beside_the_fluid_pressure_in_its_unit():
+    columns = {"load.fluid_pressure": [5e5, 8e5], "opening_margin_Pa": [1e5, 3e5]}
+    display = Display(made([parameter("load.fluid_pressure", "Pa", [5e5, 8e5])], columns))
+    assert display.label("opening_margin_Pa") == "opening margin [bar]"
+    assert display.label("load.fluid_pressure") == "load.fluid_pressure [bar]"
+
+
 def test_numbers_are_short_and_never_in_computer_notation():
     texts = [short(one) for one in (30.0, 0.50976, 1500.0, 1.23e-10, None)]
     assert texts == ["30", "0.5098", "1500", "1.23·10⁻¹⁰", "–"]

@@ -15,14 +15,9 @@ from sample_results import case, rough_result, single_result, smooth_result
 import fem_seal
 from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
-from fem_seal.output.columns import (
-    PROFILE_COLUMNS,
-    leak_table,
-    profile_array,
-    write_leak_csv,
-    write_profile_csv,
-)
+from fem_seal.output.columns import PROFILE_COLUMNS
 from fem_seal.output.summary import summary, write_summary
+from fem_seal.output.tables import leak_table, profile_array, write_leak_csv, write_profile_csv
 from fem_seal.units import given, leak_rate_text, number, percent, quantity, trimmed, unit_for
 
 LEAK_HEADER = (

@@ -23,9 +23,9 @@ from fem_seal.analysis.variants import theory_variants
 from fem_seal.case.roughness import UncertainHeight
 from fem_seal.case.uncertainty import Spread, Uncertainty
 from fem_seal.errors import InputError
-from fem_seal.output.columns import variant_rows
 from fem_seal.output.report.page import report
 from fem_seal.output.summary import summary
+from fem_seal.output.tables import variant_rows
 
 TEN_PER_CENT = Spread(relative=0.1)
 

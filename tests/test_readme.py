@@ -46,14 +46,24 @@ def test_system_libraries_are_the_same_everywhere():
     assert line == ci
 
 
-def test_input_reference_is_up_to_date():
+@pytest.fixture(scope="module")
+def script():
     spec = importlib.util.spec_from_file_location(
         "make_input_reference", ROOT / "docs" / "make_input_reference.py"
     )
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
+    return script
+
+
+def test_input_reference_is_up_to_date(script):
     written = script.FILE.read_text(encoding="utf-8")
     assert written == script.reference(), "run `make docs`"
+
+
+def test_reference_of_the_columns_is_up_to_date(script):
+    written = script.COLUMNS_FILE.read_text(encoding="utf-8")
+    assert written == script.columns_reference(), "run `make docs`"
 
 
 @pytest.mark.parametrize("table", Case.model_fields)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem_seal.analysis.caution import validity_entries
-from fem_seal.analysis.leakage import leakage
 from fem_seal.analysis.problem import expected_forces, rough_contact
 from fem_seal.analysis.results import GivenContact, GivenLoad
 from fem_seal.analysis.warnings import profile_validity
@@ -204,35 +202,24 @@ class CaseFlow:
         return min(peaks), max(peaks)
 
 
-PROFILE_LEAK_COLUMNS = (
-    "fluid_pressure_Pa",
-    "peak_pressure_Pa",
-    "leak_rate_m3_per_s",
-    "leak_rate_elastic_m3_per_s",
-    "critical_separation_m",
-    "critical_separation_elastic_m",
-    "leak_rate_kg_per_s",
-    "leak_rate_Pa_m3_per_s",
-)
 # Radii of a profile that this program wrote are those of its seat up to the digits of the file.
 _SAME_RADIUS = 1e-7
 
 
-def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[dict[str, Any]]:
-    """Leak rates of imported pressure profiles with the surface and the fluid of a case.
+def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[GivenLoad]:
+    """Leak of imported pressure profiles with the surface and the fluid of a case.
 
     Parameters
     ----------
     case : Case
         Its roughness, fluid and leak tables are used, and its seat where a profile has no radius.
     profiles : sequence of ImportedProfile
-        A profile with its own fluid pressure gives one row, one without gives a row for each fluid pressure
+        A profile with its own fluid pressure gives one load, one without gives a load for each fluid pressure
         of the case.
 
     Returns
     -------
-    list of dict
-        Rows with `COLUMNS`, as in leak.csv, and their validity, as far as a profile without its bodies tells it.
+    list of GivenLoad
 
     Raises
     ------
@@ -251,7 +238,7 @@ def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[di
     peaks = [float(profile.pressure.max()) for profile in profiles]
     plastic, elastic = (_conductivity(case, one, peaks) for one in (surface, surface.elastic))
     return [
-        _row(case, surface, profile, (plastic, elastic), fluid_pressure)
+        _given_load(case, surface, profile, (plastic, elastic), fluid_pressure)
         for profile in profiles
         for fluid_pressure in (
             [profile.fluid_pressure] if profile.fluid_pressure else dict.fromkeys(case.load.fluid_pressure)
@@ -259,29 +246,19 @@ def leak_of_profiles(case: Case, profiles: Sequence[ImportedProfile]) -> list[di
     ]
 
 
-def _row(
+def _given_load(
     case: Case,
     surface: RoughContact,
     profile: ImportedProfile,
     tables: Sequence[ConductivityTable | GasConductivityTable],
     fluid_pressure: float,
-) -> dict[str, Any]:
+) -> GivenLoad:
     peak = float(profile.pressure.max())
     leak, elastic = (_leak(case, profile, table, fluid_pressure) for table in tables)
-    found = leakage(case, fluid_pressure, float(leak.leak_rate))
-    separation = float(surface.critical_separation(peak))
-    load = GivenLoad(fluid_pressure, GivenContact(_profile(case, profile)), leak, separation)
-    values = (
-        fluid_pressure,
-        peak,
-        float(leak.leak_rate),
-        float(elastic.leak_rate),
-        separation,
-        float(surface.elastic.critical_separation(peak)),
-        *(math.nan if value is None else value for value in (found.mass_flow, found.throughput)),
-    )
-    row = dict[str, Any](zip(PROFILE_LEAK_COLUMNS, values, strict=True))
-    return row | validity_entries(profile_validity(case, surface, load))
+    separation, without = (float(one.critical_separation(peak)) for one in (surface, surface.elastic))
+    contact = GivenContact(_profile(case, profile))
+    load = GivenLoad(fluid_pressure, contact, leak, elastic, separation, without)
+    return replace(load, validity=profile_validity(case, surface, load))
 
 
 def _conductivity(

@@ -103,6 +103,11 @@ def strongest_load(loads: Sequence[LoadResult]) -> int:
     return max(range(len(loads)), key=lambda n: loads[n].axial_force)
 
 
+def highest_load(loads: Sequence[LoadResult] | Sequence[GivenLoad]) -> int:
+    """Number of the load with the highest fluid pressure; of several, the one that spring or actuator closes most."""
+    return max(range(len(loads)), key=lambda n: loads[n].point)
+
+
 @dataclass(frozen=True, eq=False)
 class TargetContact:
     """The contact that leaks as much as the target, at one of the fluid pressures of a case.
@@ -150,18 +155,24 @@ class GivenLoad:
     fluid_pressure : float
         [Pa]
     contact : GivenContact
-    leak : LeakResult
-    critical_separation : float
+    leak, leak_elastic : LeakResult
+        With and without asperity plasticity.
+    critical_separation, critical_separation_elastic : float
         u_c at the peak pressure [m].
     applied_force : float
         Not known, and the same for all [N].
+    validity : Validity
+        As far as a profile without its bodies tells it.
     """
 
     fluid_pressure: float
     contact: GivenContact
     leak: LeakResult
+    leak_elastic: LeakResult
     critical_separation: float
+    critical_separation_elastic: float
     applied_force: float = 0.0
+    validity: Validity = VALID
 
     @property
     def point(self) -> tuple[float, float]:
@@ -236,6 +247,11 @@ class SealSolution:
     def strongest(self) -> LoadResult:
         """The load with the largest closing force; for it error, far field and interface laws are compared."""
         return self.loads[strongest_load(self.loads)]
+
+    @property
+    def highest(self) -> LoadResult:
+        """The load with the highest fluid pressure, which headline, report and terminal explain."""
+        return self.loads[highest_load(self.loads)]
 
     @property
     def profiles(self) -> tuple[PressureProfile, ...]:

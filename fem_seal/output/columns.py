@@ -1,359 +1,556 @@
-"""The results as tables: leak.csv, profile.csv and summary.json."""
+"""The columns of all tables: one row each with name, unit, headings, meaning, and how to get it from a load.
+
+leak.csv, the terminal, the report, studies and docs/columns.md choose from this list; none of them has one of its own.
+"""
 
 from __future__ import annotations
 
-import csv
-import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal.analysis.caution import VALIDITY_COLUMNS, validity_entries
-from fem_seal.analysis.flow import PROFILE_LEAK_COLUMNS
-from fem_seal.analysis.leakage import leakage_of, nominal_size
-from fem_seal.analysis.results import LoadResult, SealSolution
-from fem_seal.analysis.variants import ratio_to_case
+from fem_seal.analysis.caution import VALIDITY_COLUMNS
+from fem_seal.analysis.results import DIGITS
 from fem_seal.bodies.fields import ElastoplasticField
 from fem_seal.contact.load_path import ElastoplasticContact
-from fem_seal.files import write_bytes, write_text
-from leak import CoupledLeakResult
-from leak.standards import STANDARDS, Standard
+from fem_seal.units import Unit, fixed_unit, split_unit
+from leak import CoupledLeakResult, LeakResult
 
 if TYPE_CHECKING:
-    import pandas as pd
+    from fem_seal.analysis.results import OpeningMargin
+    from fem_seal.case.case import Case
+    from fem_seal.contact.solution import ContactSolution
 
 
-LEAK_COLUMNS = (
-    "fluid_pressure_Pa",
-    "axial_force_N",
-    "line_load_N_per_m",
-    "peak_pressure_Pa",
-    "contact_radius_m",
-    "fwhm_m",
-    "std_m",
-    "leak_rate_m3_per_s",
-    "leak_rate_elastic_m3_per_s",
-    "critical_separation_m",
-    "critical_separation_elastic_m",
-    "max_von_mises_Pa",
-    "leak_rate_low_m3_per_s",
-    "leak_rate_high_m3_per_s",
-    "leak_rate_kg_per_s",
-    "leak_rate_Pa_m3_per_s",
-    "leak_rate_standard_m3_per_s",
-    "knudsen_number",
-    "lift_off_x_m",
-    "blow_off_pressure_Pa",
-    "applied_force_N",
-    "effective_seal_radius_m",
-    "force_for_target_leak_N",
-    "max_accumulated_plastic_strain",
-    "load_steps",
-    "opening_margin_N",
-    "opening_margin_Pa",
-    "opening_margin",
-)
-PROFILE_COLUMNS = (
-    "fluid_pressure_Pa",
-    "x_m",
-    "r_m",
-    "contact_pressure_Pa",
-    "gap_m",
-    "fluid_pressure_in_gap_Pa",
-)
+class Load(Protocol):
+    """What columns ask of a load; see `fem_seal.analysis.results.LoadResult` for the meanings.
 
-IMPRINT_COLUMNS = ("body", "x_m", "depth_m")
-# Ten digits: more than any of the numbers is good for, and the files stay readable.
-_NUMBER = ".10g"
+    A study has a load of its own, which calculates what it is asked for and nothing else.
+    """
+
+    @property
+    def fluid_pressure(self) -> float: ...  # noqa: D102
+    @property
+    def axial_force(self) -> float: ...  # noqa: D102
+    @property
+    def line_load(self) -> float: ...  # noqa: D102
+    @property
+    def contact(self) -> ContactSolution: ...  # noqa: D102
+    @property
+    def leak(self) -> LeakResult | None: ...  # noqa: D102
+    @property
+    def leak_elastic(self) -> LeakResult | None: ...  # noqa: D102
+    @property
+    def critical_separation(self) -> float | None: ...  # noqa: D102
+    @property
+    def critical_separation_elastic(self) -> float | None: ...  # noqa: D102
+    @property
+    def max_von_mises(self) -> float: ...  # noqa: D102
+    @property
+    def applied_force(self) -> float: ...  # noqa: D102
+    @property
+    def effective_radius(self) -> float | None: ...  # noqa: D102
+    @property
+    def blow_off_pressure(self) -> float | None: ...  # noqa: D102
+    @property
+    def force_for_target(self) -> float | None: ...  # noqa: D102
+    @property
+    def opening(self) -> OpeningMargin | None: ...  # noqa: D102
 
 
-def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
-    """Rows of leak.csv, one per load: numbers in SI, NaN where nothing was calculated; validity, a list of reasons.
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One load with what a table says of it and no `LoadResult` knows: the row that columns are cells of.
 
     Parameters
     ----------
-    result : SealSolution
+    load : Load
+    case : Case
+        Whose fluid leaks.
+    interval : tuple of float, optional
+        Lower and upper end of the leak rate's interval [m^3/s].
     """
-    return [
-        dict[str, Any](
-            zip(
-                LEAK_COLUMNS,
-                (
-                    *_leak_row(load),
-                    *interval,
-                    *_fluid_row(load),
-                    *_lift_off_row(load),
-                    *_force_row(load),
-                    *_plastic_row(load),
-                    *_opening_row(load),
-                ),
-                strict=True,
-            )
-        )
-        | validity_entries(load.validity)
-        for load, interval in zip(result.loads, _intervals(result), strict=True)
-    ]
+
+    load: Load
+    case: Case
+    interval: tuple[float, float] | None = None
 
 
-def _intervals(result: SealSolution) -> list[tuple[float, float]]:
-    """Lower and upper end of the leak rate's interval at each load."""
-    if result.uncertainty is None:
-        return [(math.nan, math.nan)] * len(result.loads)
-    ends = zip(result.uncertainty.low, result.uncertainty.high, strict=True)
-    return [(float(low), float(high)) for low, high in ends]
+@dataclass(frozen=True)
+class Shown:
+    """A number on the terminal, always in the same unit.
+
+    Parameters
+    ----------
+    name : str
+        In leak.csv or in what ``check --json`` prints.
+    heading : str
+    unit : Unit
+    """
+
+    name: str
+    heading: str
+    unit: Unit
 
 
-def _leak_row(load: LoadResult) -> Iterator[float]:
-    profile = load.contact.profile
-    yield load.fluid_pressure
-    yield load.axial_force
-    yield load.line_load
-    yield profile.peak_pressure
-    yield float(np.interp(profile.centroid, profile.x, profile.radius))
-    yield profile.fwhm
-    yield profile.std
-    yield math.nan if load.leak is None else load.leak.leak_rate
-    yield math.nan if load.leak_elastic is None else load.leak_elastic.leak_rate
-    yield _or_nan(load.critical_separation)
-    yield _or_nan(load.critical_separation_elastic)
-    yield load.max_von_mises
+@dataclass(frozen=True)
+class Column:
+    """A column of leak.csv and of all that is made from it.
+
+    Parameters
+    ----------
+    name : str
+        In the files; it ends in the SI unit.
+    kind : str
+        What `fem_seal.units.unit_for` calls the quantity; empty for a plain number.
+    meaning : str
+        For docs/columns.md.
+    of : callable
+        The number of a `Row` in SI, None where nothing was calculated.
+    heading : str
+        In the report, without a unit.
+    title : str
+        On the page of a study; the name in words unless given.
+    short, shown_in : str
+        Heading on the terminal and the unit there, see `fem_seal.units.fixed_unit`.
+    unit_like : str
+        Name of the column whose unit it has in the report, so that the two can be compared.
+    spare_digits : int, optional
+        So many digits more than the contact force it is worth where little is missing to opening; None if it does not
+        follow from that force.
+    needs : tuple of str
+        Tables of the case without which the column stays empty.
+    """
+
+    name: str
+    kind: str
+    meaning: str
+    of: Callable[[Row], float | None]
+    heading: str = ""
+    title: str = ""
+    short: str = ""
+    shown_in: str = ""
+    unit_like: str = ""
+    spare_digits: int | None = None
+    needs: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """SI unit, empty for a plain number."""
+        return split_unit(self.name)[1]
+
+    @property
+    def words(self) -> str:
+        """What the page of a study calls it."""
+        return self.title or split_unit(self.name)[0].replace("_", " ")
+
+    @property
+    def on_terminal(self) -> Shown:
+        """How the terminal shows it."""
+        return Shown(self.name, self.short, fixed_unit(self.shown_in))
+
+    def number(self, row: Row) -> float:
+        """Its cell in a row of numbers, NaN where nothing was calculated."""
+        value = self.of(row)
+        return math.nan if value is None else float(value)
+
+    def digits(self, of_force: int) -> int:
+        """Significant digits that it is worth at a load whose contact force is worth `of_force`."""
+        return DIGITS if self.spare_digits is None else min(of_force + self.spare_digits, DIGITS)
 
 
-def _fluid_row(load: LoadResult) -> Iterator[float]:
-    """The leak rate as mass and, of a gas, as throughput and at the standard state; the gas's Knudsen number."""
-    found = load.leak
-    if found is None:
-        yield from [math.nan] * 4
-        return
-    yield _or_nan(found.mass_flow)
-    yield _or_nan(found.throughput)
-    yield _or_nan(found.standard_leak_rate)
-    knudsen = _or_nan(found.knudsen_number)
-    yield knudsen if math.isfinite(knudsen) else math.nan
+def _rate(leak: LeakResult | None) -> float | None:
+    return None if leak is None else leak.leak_rate
 
 
-def _lift_off_row(load: LoadResult) -> Iterator[float]:
-    """Where the fluid lifts the surfaces off each other, and the pressure at which it does so everywhere."""
-    coupled = load.leak if isinstance(load.leak, CoupledLeakResult) else None
-    yield math.nan if coupled is None else _or_nan(coupled.lift_off_x)
-    yield _or_nan(load.blow_off_pressure if coupled is None else coupled.blow_off_pressure)
+def _contact_radius(row: Row) -> float:
+    profile = row.load.contact.profile
+    return float(np.interp(profile.centroid, profile.x, profile.radius))
 
 
-def _force_row(load: LoadResult) -> Iterator[float]:
-    """Spring force, the circle that the fluid acts on, and the spring force for the target leak rate."""
-    yield load.applied_force
-    yield _or_nan(load.effective_radius)
-    yield _or_nan(load.force_for_target)
+def _knudsen_number(row: Row) -> float | None:
+    number = None if row.load.leak is None else row.load.leak.knudsen_number
+    return number if number is not None and math.isfinite(number) else None
 
 
-def _plastic_row(load: LoadResult) -> Iterator[float]:
-    """The largest accumulated plastic strain of both bodies, and the load steps since the load before."""
-    contact = load.contact
+def _coupled(row: Row) -> CoupledLeakResult | None:
+    return row.load.leak if isinstance(row.load.leak, CoupledLeakResult) else None
+
+
+def _lift_off_x(row: Row) -> float | None:
+    coupled = _coupled(row)
+    return None if coupled is None else coupled.lift_off_x
+
+
+def _blow_off_pressure(row: Row) -> float | None:
+    coupled = _coupled(row)
+    return row.load.blow_off_pressure if coupled is None else coupled.blow_off_pressure
+
+
+def _plastic_strain(row: Row) -> float | None:
+    contact = row.load.contact
     if not isinstance(contact, ElastoplasticContact):
-        yield from [math.nan] * 2
-        return
-    yield max(
+        return None
+    return max(
         float(field.accumulated_plastic_strain.max())
         for field in contact.fields.values()
         if isinstance(field, ElastoplasticField)
     )
-    yield float(contact.load_steps)
 
 
-def _opening_row(load: LoadResult) -> Iterator[float]:
-    """How far the load is from opening the seal: force, pressure, and their share in what acts."""
-    if load.opening is None:
-        yield from [math.nan] * 3
-        return
-    yield load.opening.force
-    yield load.opening.pressure
-    yield load.opening.share
+def _load_steps(row: Row) -> float | None:
+    contact = row.load.contact
+    return float(contact.load_steps) if isinstance(contact, ElastoplasticContact) else None
 
 
-def leak_table(result: SealSolution) -> pd.DataFrame:
-    """One row per load with `LEAK_COLUMNS`, SI, and `VALIDITY_COLUMNS`, texts.
+_FLOW = ("roughness", "fluid")
 
-    ``contact_radius_m`` is the distance of the pressure's centre from the axis; the other columns are those of
-    `fem_seal.profile.PressureProfile`, `fem_seal.analysis.results.LoadResult` and
-    `fem_seal.analysis.results.LeakInterval`. NaN where nothing was calculated. ``leak_rate_m3_per_s`` of a gas is
-    the volume at 101325 Pa and the temperature of the gas; ``leak_rate_kg_per_s``, ``leak_rate_Pa_m3_per_s`` (pV
-    throughput of a gas), ``leak_rate_standard_m3_per_s`` (0 degC, 101325 Pa) say the same in other units.
-    ``knudsen_number`` is the mean free path over u_eff at the peak. ``axial_force_N`` is the force that the solid
-    contact carries, ``applied_force_N`` that of spring or actuator (load.axial_force); they differ by the axial
-    force of the fluid, the fluid pressure times the circle of radius ``effective_seal_radius_m`` (closing =
-    "penetration") or of first touch. ``blow_off_pressure_Pa`` is the fluid pressure that opens the seal at the force
-    of the row, infinite if none does; ``force_for_target_leak_N`` the smallest force of spring or actuator for
-    load.target_leak_rate. With leak.fluid_in_gap = "local" ``lift_off_x_m`` and ``blow_off_pressure_Pa`` are where
-    the fluid has lifted the surfaces off each other, and the pressure at which it does so everywhere. Where a body
-    yields, ``max_accumulated_plastic_strain`` is the largest of both bodies, and ``load_steps`` the number of steps
-    from the load before. ``opening_margin_N`` and ``opening_margin_Pa`` are how far force and fluid pressure are
-    from opening the seal, ``opening_margin`` their share in what acts; NaN where neither fluid nor spring opens it.
-    ``validity`` is "valid", "doubtful" or "outside the theory"; ``validity_reasons`` says why, the worst reason
-    first, with "; " between them (docs/validity.md).
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    import pandas as pd
-
-    rows = [with_text(row) for row in leak_rows(result)]
-    table = pd.DataFrame(rows, columns=[*LEAK_COLUMNS, *VALIDITY_COLUMNS])
-    return table.astype(dict.fromkeys(LEAK_COLUMNS, float))
-
-
-def with_text(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A row with its reasons in one text."""
-    return {**row, "validity_reasons": "; ".join(row["validity_reasons"])}
-
-
-def profile_array(result: SealSolution) -> NDArray[np.float64]:
-    """The pressure profiles of all loads under each other, one column for each of `PROFILE_COLUMNS`, SI.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    blocks = []
-    for load in result.loads:
-        profile = load.contact.profile
-        fluid = np.full(len(profile.x), math.nan) if load.gap_pressure is None else load.gap_pressure
-        pressure = np.full(len(profile.x), load.fluid_pressure)
-        blocks.append(
-            np.column_stack([pressure, profile.x, profile.radius, profile.pressure, profile.gap, fluid])
-        )
-    return np.concatenate(blocks)
-
-
-def write_leak_csv(result: SealSolution, path: Path) -> Path:
-    """Write leak.csv, atomically."""
-    rows = [with_text(row) for row in leak_rows(result)]
-    return write_rows_csv(path, (*LEAK_COLUMNS, *VALIDITY_COLUMNS), [list(row.values()) for row in rows])
-
-
-def write_rows_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> Path:
-    """Write numbers and texts under their headings, atomically; OutputError if that is impossible."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([f"{one:{_NUMBER}}" if isinstance(one, float) else one for one in row] for row in rows)
-    return write_bytes(path, text.getvalue().encode())
-
-
-def write_imprint_csv(result: SealSolution, path: Path) -> Path | None:
-    """Write imprint.csv, atomically: body, x [m], depth [m]; None, and an old one is removed, if nothing yielded."""
-    imprints = {} if result.unloaded is None else result.unloaded.imprints
-    if not imprints:
-        path.unlink(missing_ok=True)
-        return None
-    lines = [",".join(IMPRINT_COLUMNS)]
-    for name, imprint in imprints.items():
-        lines += [f"{name},{x:.10g},{depth:.10g}" for x, depth in zip(imprint.x, imprint.depth, strict=True)]
-    return write_bytes(path, ("\n".join(lines) + "\n").encode("ascii"))
-
-
-def write_profile_csv(result: SealSolution, path: Path) -> Path:
-    """Write profile.csv, atomically."""
-    return _write_csv(path, PROFILE_COLUMNS, profile_array(result).tolist())
-
-
-def _write_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float]]) -> Path:
-    line = ",".join([f"%{_NUMBER}"] * len(columns)) + "\n"
-    text = ",".join(columns) + "\n" + "".join(line % tuple(row) for row in rows)
-    return write_bytes(path, text.encode("ascii"))
-
-
-def _or_nan(value: float | None) -> float:
-    return math.nan if value is None else value
-
-
-def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
-    """Units and classes of all loads as plain numbers and texts; empty without a leak rate.
-
-    A load outside the theory has no classes.
-    """
-    case = result.case
-    return [
-        {
-            **asdict(found),
-            "nominal_size": nominal_size(case).size,
-            "classes": {one.standard: one.name for one in found.classes},
-            "validity": str(load.validity.level),
-        }
-        for load in result.loads
-        for found in (leakage_of(case, load),)
-        if found is not None
-    ]
-
-
-def standards_used(result: SealSolution) -> list[Standard]:
-    """The standards that the leak rates are classed by."""
-    names = dict.fromkeys(
-        one.standard
-        for load in result.loads
-        for found in (leakage_of(result.case, load),)
-        for one in (() if found is None else found.classes)
+COLUMNS = {
+    column.name: column
+    for column in (
+        Column(
+            "fluid_pressure_Pa",
+            "fluid pressure",
+            "pressure difference across the seal",
+            lambda row: row.load.fluid_pressure,
+            heading="fluid pressure",
+            short="p fluid",
+            shown_in="bar",
+        ),
+        Column(
+            "axial_force_N",
+            "force",
+            "force F_N that the solid contact carries: `applied_force_N` and the axial force of the fluid",
+            lambda row: row.load.axial_force,
+            heading="closing force",
+            short="force",
+            shown_in="N",
+            spare_digits=0,
+        ),
+        Column(
+            "line_load_N_per_m",
+            "line load",
+            "f_N, force per circumference of first touch, normal to the contact",
+            lambda row: row.load.line_load,
+            heading="line load",
+            short="line load",
+            shown_in="kN/m",
+            spare_digits=0,
+        ),
+        Column(
+            "peak_pressure_Pa",
+            "contact pressure",
+            "largest contact pressure over x",
+            lambda row: row.load.contact.profile.peak_pressure,
+            heading="peak pressure",
+            short="p peak",
+            shown_in="MPa",
+            spare_digits=0,
+        ),
+        Column(
+            "contact_radius_m",
+            "length",
+            "distance of the centre of the contact pressure from the axis",
+            _contact_radius,
+        ),
+        Column(
+            "fwhm_m",
+            "length",
+            "full width of the pressure profile at half of its peak",
+            lambda row: row.load.contact.profile.fwhm,
+            heading="width (FWHM)",
+            title="width at half maximum",
+            short="FWHM",
+            shown_in="mm",
+        ),
+        Column(
+            "std_m",
+            "length",
+            "square root of the second central moment of the pressure over x",
+            lambda row: row.load.contact.profile.std,
+            heading="std. deviation",
+            title="standard deviation of the pressure profile",
+            short="std dev",
+            shown_in="mm",
+            unit_like="fwhm_m",
+        ),
+        Column(
+            "leak_rate_m3_per_s",
+            "flow",
+            "volume per time through the whole circumference; of a gas the volume at 101325 Pa and its temperature",
+            lambda row: _rate(row.load.leak),
+            heading="leak rate",
+            short="leak rate",
+            shown_in="mm³/s",
+            spare_digits=0,
+            needs=_FLOW,
+        ),
+        Column(
+            "leak_rate_elastic_m3_per_s",
+            "flow",
+            "leak rate of the same contact with asperities that never yield",
+            lambda row: _rate(row.load.leak_elastic),
+            heading="leak rate, elastic",
+            short="elastic",
+            shown_in="mm³/s",
+            unit_like="leak_rate_m3_per_s",
+            spare_digits=0,
+            needs=_FLOW,
+        ),
+        Column(
+            "critical_separation_m",
+            "length",
+            "u_c, height of the narrowest place on the first open leak path, at the peak pressure; zero where sealed",
+            lambda row: row.load.critical_separation,
+            heading="u_c",
+            short="u_c",
+            shown_in="um",
+            # the narrowest gap follows the force only like its logarithm
+            spare_digits=1,
+            needs=("roughness",),
+        ),
+        Column(
+            "critical_separation_elastic_m",
+            "length",
+            "u_c with asperities that never yield",
+            lambda row: row.load.critical_separation_elastic,
+            heading="u_c, elastic",
+            unit_like="critical_separation_m",
+            spare_digits=1,
+            needs=("roughness",),
+        ),
+        Column(
+            "max_von_mises_Pa",
+            "contact pressure",
+            "largest von Mises stress in both bodies",
+            lambda row: row.load.max_von_mises,
+            heading="von Mises",
+            title="max. von Mises stress",
+            short="von Mises",
+            shown_in="MPa",
+        ),
+        Column(
+            "leak_rate_low_m3_per_s",
+            "flow",
+            "lower end of the interval of the leak rate from the uncertain inputs",
+            lambda row: None if row.interval is None else row.interval[0],
+            short="low",
+            shown_in="mm³/s",
+            spare_digits=0,
+            needs=("uncertainty", *_FLOW),
+        ),
+        Column(
+            "leak_rate_high_m3_per_s",
+            "flow",
+            "upper end of the same interval",
+            lambda row: None if row.interval is None else row.interval[1],
+            short="high",
+            shown_in="mm³/s",
+            spare_digits=0,
+            needs=("uncertainty", *_FLOW),
+        ),
+        Column(
+            "leak_rate_kg_per_s",
+            "mass flow",
+            "leak rate by mass; nan if the density is unknown",
+            lambda row: None if row.load.leak is None else row.load.leak.mass_flow,
+            title="leak rate by mass",
+            needs=_FLOW,
+        ),
+        Column(
+            "leak_rate_Pa_m3_per_s",
+            "throughput",
+            "pV throughput of a gas",
+            lambda row: None if row.load.leak is None else row.load.leak.throughput,
+            title="leak rate pV",
+            short="leak rate",
+            shown_in="mbar l/s",
+            spare_digits=0,
+            needs=_FLOW,
+        ),
+        Column(
+            "leak_rate_standard_m3_per_s",
+            "flow",
+            "volume of a gas per time at 0 degC and 101325 Pa",
+            lambda row: None if row.load.leak is None else row.load.leak.standard_leak_rate,
+            title="leak rate at 0 °C, 1 atm",
+            needs=_FLOW,
+        ),
+        Column(
+            "knudsen_number",
+            "",
+            "of a gas: mean free path over u_eff at the peak of the contact pressure",
+            _knudsen_number,
+        ),
+        Column(
+            "lift_off_x_m",
+            "length",
+            'with leak.fluid_in_gap = "local": x beyond which, towards the high pressure, the fluid has lifted the '
+            "surfaces off each other",
+            _lift_off_x,
+        ),
+        Column(
+            "blow_off_pressure_Pa",
+            "fluid pressure",
+            "fluid pressure that opens the seal at the force of the row, infinite if none does; with "
+            'leak.fluid_in_gap = "local" the one that lifts the surfaces off each other everywhere',
+            _blow_off_pressure,
+            heading="opens at",
+            short="opens at",
+            shown_in="bar",
+        ),
+        Column(
+            "applied_force_N",
+            "force",
+            "force of spring or actuator on the closure (load.axial_force), positive where it closes",
+            lambda row: row.load.applied_force,
+            heading="spring force",
+        ),
+        Column(
+            "effective_seal_radius_m",
+            "length",
+            'with load.closing = "penetration": radius of the circle whose area times the fluid pressure is the axial '
+            "force of the fluid",
+            lambda row: row.load.effective_radius,
+            heading="radius of the fluid's force",
+            short="r fluid",
+            shown_in="mm",
+        ),
+        Column(
+            "force_for_target_leak_N",
+            "force",
+            "smallest force of spring or actuator for which the leak rate stays below load.target_leak_rate",
+            lambda row: row.load.force_for_target,
+            heading="spring force for the target",
+            short="target force",
+            shown_in="N",
+        ),
+        Column(
+            "max_accumulated_plastic_strain",
+            "",
+            "where a body yields: the largest accumulated plastic strain of both bodies",
+            _plastic_strain,
+        ),
+        Column(
+            "load_steps",
+            "",
+            "where a body yields: number of steps from the load before",
+            _load_steps,
+        ),
+        Column(
+            "opening_margin_N",
+            "force",
+            "by how much the force of spring or actuator may fall before the seal opens; nan where neither fluid nor "
+            "spring opens it",
+            lambda row: None if row.load.opening is None else row.load.opening.force,
+            heading="force to opening",
+            short="to opening",
+            shown_in="N",
+            spare_digits=0,
+        ),
+        Column(
+            "opening_margin_Pa",
+            "fluid pressure",
+            "by how much the fluid pressure may change before the seal opens",
+            lambda row: None if row.load.opening is None else row.load.opening.pressure,
+            heading="pressure to opening",
+            short="to opening",
+            shown_in="bar",
+            spare_digits=0,
+        ),
+        Column(
+            "opening_margin",
+            "",
+            "either of the two over what acts",
+            lambda row: None if row.load.opening is None else row.load.opening.share,
+        ),
     )
-    return [STANDARDS[name] for name in names]
+}
 
-
-VARIANT_COLUMNS = (
-    "interface_law",
-    "conductivity",
-    "separation_width",
-    "percolation_threshold",
+LEAK_COLUMNS = tuple(COLUMNS)
+# What is known of the pressure profile of another program.
+PROFILE_LEAK_COLUMNS = (
     "fluid_pressure_Pa",
+    "peak_pressure_Pa",
     "leak_rate_m3_per_s",
-    "ratio_to_case",
+    "leak_rate_elastic_m3_per_s",
+    "critical_separation_m",
+    "critical_separation_elastic_m",
+    "leak_rate_kg_per_s",
+    "leak_rate_Pa_m3_per_s",
 )
 
-
-def variant_rows(result: SealSolution) -> list[dict[str, object]]:
-    """Rows with `COLUMNS`, one per reading and load.
-
-    Parameters
-    ----------
-    result : SealSolution
-        With its `theory_variants`.
-    """
-    return [
-        dict(
-            zip(
-                VARIANT_COLUMNS,
-                (
-                    variant.interface_law,
-                    variant.conductivity,
-                    variant.separation_width or "",
-                    variant.percolation_threshold,
-                    load.fluid_pressure,
-                    rate,
-                    ratio_to_case(rate, load.leak.leak_rate if load.leak else 0.0),
-                ),
-                strict=True,
-            )
-        )
-        for variant in result.theory_variants
-        for load, rate in zip(result.loads, variant.leak_rate, strict=True)
-    ]
-
-
-def write_variants_csv(result: SealSolution, path: Path) -> Path:
-    """Write variants.csv, atomically."""
-    lines = [",".join(VARIANT_COLUMNS)]
-    lines += [
-        ",".join(f"{value:.10g}" if isinstance(value, float) else str(value) for value in row.values())
-        for row in variant_rows(result)
-    ]
-    return write_text(path, "\n".join(lines) + "\n")
-
-
-def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Write rows as a CSV file; OutputError if it cannot be written."""
-    write_rows_csv(
-        path, (*PROFILE_LEAK_COLUMNS, *VALIDITY_COLUMNS), [list(with_text(row).values()) for row in rows]
+# What the terminal shows of the loads, where a row fills it.
+LEAK_ON_TERMINAL = tuple(
+    COLUMNS[name].on_terminal
+    for name in (
+        "fluid_pressure_Pa",
+        "axial_force_N",
+        "peak_pressure_Pa",
+        "fwhm_m",
+        "std_m",
+        "critical_separation_m",
+        "leak_rate_m3_per_s",
+        "leak_rate_Pa_m3_per_s",
+        "leak_rate_low_m3_per_s",
+        "leak_rate_high_m3_per_s",
+        "leak_rate_elastic_m3_per_s",
+        "max_von_mises_Pa",
+        "effective_seal_radius_m",
+        "blow_off_pressure_Pa",
+        "force_for_target_leak_N",
+        "opening_margin_N",
+        "opening_margin_Pa",
     )
+)
+# What `fem-seal check` shows of the loads: what is known of the columns before a solve, and the closed forms.
+CHECK_ON_TERMINAL = (
+    *(COLUMNS[name].on_terminal for name in ("fluid_pressure_Pa", "axial_force_N", "line_load_N_per_m")),
+    Shown("hertz_peak_pressure_Pa", "Hertz p0", fixed_unit("MPa")),
+    Shown("hertz_half_width_m", "half width", fixed_unit("mm")),
+    Shown("gaussian_peak_pressure_Pa", "Gauss p0", fixed_unit("MPa")),
+    Shown("crossover_peak_pressure_Pa", "crossover p0", fixed_unit("MPa")),
+    Shown("crossover_fwhm_m", "FWHM", fixed_unit("mm")),
+    Shown("crossover_std_m", "std dev", fixed_unit("mm")),
+    *(COLUMNS[name].on_terminal for name in ("blow_off_pressure_Pa", "force_for_target_leak_N")),
+)
+
+# The other tables: names of the columns and what they mean.
+VALIDITY_MEANINGS = dict(
+    zip(
+        VALIDITY_COLUMNS,
+        (
+            '"valid", "doubtful" or "outside the theory", see [validity.md](validity.md)',
+            'why, the worst reason first, with "; " between them',
+        ),
+        strict=True,
+    )
+)
+PROFILE_MEANINGS = {
+    "fluid_pressure_Pa": "of the load",
+    "x_m": "arc length along the contact line, zero at first touch, positive towards larger r",
+    "r_m": "distance from the axis",
+    "contact_pressure_Pa": "pressure between the bodies, averaged over many asperities, positive in compression",
+    "gap_m": "distance of the mean planes of the surfaces",
+    "fluid_pressure_in_gap_Pa": "of the fluid there, over that at the outlet; nan where nothing is known of it",
+}
+IMPRINT_MEANINGS = {
+    "body": '"closure" or "seat"',
+    "x_m": "arc length along the contact line",
+    "depth_m": "how deep the face lies below where it was made, after unloading; negative where it is raised",
+}
+VARIANT_MEANINGS = {
+    "interface_law": 'p(u): "plastic", "elastic" or as "given"',
+    "conductivity": "leak.conductivity",
+    "separation_width": "width of the Gaussians in P(u); empty for the critical junction, which needs no P(u)",
+    "percolation_threshold": "share of contact above which no leak path is open",
+    "fluid_pressure_Pa": "of the load",
+    "leak_rate_m3_per_s": "with this reading of the theory",
+    "ratio_to_case": "over the leak rate of the case; nan where the case is sealed",
+}
+PROFILE_COLUMNS, IMPRINT_COLUMNS, VARIANT_COLUMNS = map(
+    tuple, (PROFILE_MEANINGS, IMPRINT_MEANINGS, VARIANT_MEANINGS)
+)

@@ -9,9 +9,9 @@ from pathlib import Path
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.results import SealSolution
 from fem_seal.folders import replaced_together
-from fem_seal.output.columns import write_imprint_csv, write_leak_csv, write_profile_csv, write_variants_csv
 from fem_seal.output.report.page import write_report
 from fem_seal.output.summary import write_summary
+from fem_seal.output.tables import write_imprint_csv, write_leak_csv, write_profile_csv, write_variants_csv
 from fem_seal.output.vtk import write_contact, write_contact_line, write_unloaded
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fem_seal.analysis.results import SealSolution
-from fem_seal.output.columns import standards_used
+from fem_seal.output.tables import standards_used
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.files import as_json, write_text
 from fem_seal.output.case_words import chosen_dimensions, dimensions, section
-from fem_seal.output.columns import leak_rows, leakage_table, variant_rows
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
+from fem_seal.output.tables import leak_rows, leakage_table, variant_rows
 from fem_seal.version import __version__
 
 # Raised when a key of summary.json changes its meaning or goes away; new keys do not count.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, get_args
@@ -12,7 +11,7 @@ from fem_seal.case.bodies import MaterialTable
 from fem_seal.case.fields import Number, OneOrMany, Pressures, Quantity, shown
 from fem_seal.errors import InputError, Problem
 from fem_seal.materials import Material
-from fem_seal.units import DIMENSIONS, Unit, unit_for
+from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -23,6 +22,8 @@ Value = float | str | bool
 
 # Tables of a case that say nothing about the seal.
 _NOT_VARIED = ("title", "output", "uncertainty")
+# What people give in a unit that suits its size, and a case file reads it back.
+_WRITTEN = ("length", "contact pressure", "fluid pressure", "force", "viscosity")
 # Entries that decide which others there are, or that hold more than one value.
 _NO_VALUE = ("shape", "kind", "outline", "stress_strain", "files")
 
@@ -83,15 +84,9 @@ class Entry:
     def _usual_unit(self, value: float) -> Unit:
         """Unit in which people write a value of this entry."""
         if self.unit == "rad":
-            return Unit("deg", math.pi / 180)
-        of_fluid = self.path.endswith("_pressure")
-        kinds = {
-            "m": "length",
-            "Pa": "fluid pressure" if of_fluid else "contact pressure",
-            "N": "force",
-            "Pa s": "viscosity",
-        }
-        return unit_for(kinds[self.unit], value) if self.unit in kinds else Unit(self.unit, 1.0)
+            return fixed_unit("deg")
+        kind = kind_of(self.path, self.unit)
+        return unit_for(kind, value) if kind in _WRITTEN else Unit(self.unit, 1.0)
 
 
 def entry_at(case: Case, path: str) -> Entry:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.files import write_bytes
+from fem_seal.output.columns import COLUMNS
 from fem_seal.studies.designs_table import Designs
-from fem_seal.units import split_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,7 +101,7 @@ def dataset(designs: Designs) -> xr.Dataset:
             data[one["name"]].attrs["units"] = one["unit"]
     for name in designs.about["responses"]:
         # a plain number has the unit 1 in the conventions of netCDF
-        data[name].attrs["units"] = split_unit(name)[1] or "1"
+        data[name].attrs["units"] = COLUMNS[name].unit or "1"
     for name, text in designs.about["derived"].items():
         data[name].attrs["formula"] = text
     return data.assign_attrs(title=designs.about["title"], source=f"fem-seal {designs.about['version']}")

@@ -14,13 +14,12 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
 from fem_seal.case.fields import shown
 from fem_seal.errors import InputError, Problem
-from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.entries import Value
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unit_of, unknown_name
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.tables import Design, Optimise, Report, Run, StudyTables
-from fem_seal.units import split_unit
 
 
 class StudyPlan:
@@ -87,7 +86,6 @@ class StudyPlan:
         return dict(self._given)
 
 
-_INTERVAL = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 # Columns of the study's own table.
 RESERVED = ("number", "status", "reason", "seconds", "key", "validity", "validity_reasons")
 
@@ -216,7 +214,7 @@ def _check_known(key: str, text: str, names: Iterable[str], known: list[str], st
 
 def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
     """Two quantities that are compared as they are have to be of one kind."""
-    units = {name: split_unit(name)[1] for name in LEAK_COLUMNS}
+    units = {name: column.unit for name, column in COLUMNS.items()}
     units |= {one.name: one.entry.unit for one in study.parameters}
     left, right = (unit_of(side, units) for side in constraint.sides)
     if None not in (left, right) and left != right:
@@ -226,14 +224,9 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
 
 def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     """Columns that stay empty in this case."""
-    case = study.case
-    if name in _INTERVAL and case.uncertainty is None:
-        raise InputError(Problem(key, f"{name} needs a table [uncertainty] in the base case"))
-    if name.startswith("leak_rate") and (case.roughness is None or case.fluid is None):
-        missing = "roughness" if case.roughness is None else "fluid"
-        raise InputError(Problem(key, f"{name} needs a table [{missing}] in the base case"))
-    if name.startswith("critical_separation") and case.roughness is None:
-        raise InputError(Problem(key, f"{name} needs a table [roughness] in the base case"))
+    for table in COLUMNS[name].needs if name in COLUMNS else ():
+        if getattr(study.case, table) is None:
+            raise InputError(Problem(key, f"{name} needs a table [{table}] in the base case"))
 
 
 def _check_name(key: str, name: str, taken: Sequence[str]) -> None:

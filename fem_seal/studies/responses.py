@@ -7,16 +7,13 @@ so that a study gives the same table in whatever order and on however many worke
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-
-import numpy as np
 
 from fem_seal import result as seal_result
 from fem_seal.analysis import flow, problem
 from fem_seal.analysis.caution import Validity
-from fem_seal.analysis.leakage import Leakage, leakage
 from fem_seal.analysis.opening import opening_margin
 from fem_seal.analysis.problem import rough_contact, supports
 from fem_seal.analysis.results import LoadResult, OpeningMargin
@@ -27,11 +24,22 @@ from fem_seal.contact.newton import solve
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.loads import blow_off_of_sealed_area, closing_force
+from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, Row
+from fem_seal.output.tables import leak_rows
 from fem_seal.profile import PressureProfile
 from fem_seal.studies.shared import TabulatedSurface, family_law, family_table, shared_model
 from leak import ConductivityTable, LeakResult, RoughContact
 from meshes import Sizing
 
+# Columns of leak.csv that take a complete run of the case; all others cost milliseconds.
+_COMPLETE = (
+    "leak_rate_low_m3_per_s",
+    "leak_rate_high_m3_per_s",
+    "knudsen_number",
+    "max_accumulated_plastic_strain",
+    "load_steps",
+)
+FAST = tuple(name for name in LEAK_COLUMNS if name not in _COMPLETE)
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
 # The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
@@ -72,8 +80,7 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
         return _complete_run(case, columns)
     can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
     design = _Design(case, can_yield or "max_von_mises_Pa" in columns, _leaks(columns), interpolate)
-    values = {column: FAST[column](design) for column in columns}
-    return Evaluation(values, load_validity(case, design.load, design.judged_surface))
+    return Evaluation(_read(design, columns), load_validity(case, design.load, design.judged_surface))
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -100,7 +107,12 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     if takes_complete_run(case, columns):
         return _complete_run(case, columns).values
     design = _Design(case, "max_von_mises_Pa" in columns, _leaks(columns), interpolate)
-    return {column: FAST[column](design) for column in columns}
+    return _read(design, columns)
+
+
+def _read(design: _Design, columns: Sequence[str]) -> dict[str, float]:
+    row = Row(design, design.case)
+    return {column: COLUMNS[column].number(row) for column in columns}
 
 
 def _leaks(columns: Sequence[str]) -> bool:
@@ -125,8 +137,6 @@ def _plain(case: Case) -> bool:
 
 
 def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
-    from fem_seal.output.columns import leak_rows
-
     result = seal_result.run(case)
     row, (load, *_) = leak_rows(result)[0], result.loads
     cautions = load.validity.without("mesh").cautions
@@ -138,7 +148,7 @@ def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
 
 @dataclass(frozen=True)
 class _Design:
-    """One case with one load; everything is calculated when it is asked for."""
+    """One case with one load, as columns see it; everything is calculated when it is asked for."""
 
     case: Case
     stress: bool
@@ -177,30 +187,45 @@ class _Design:
         return self.contact.profile
 
     @property
-    def pressure(self) -> float:
+    def fluid_pressure(self) -> float:
         return self.case.load.fluid_pressure[0]
+
+    @property
+    def applied_force(self) -> float:
+        return self.case.load.points[0][1]
+
+    @property
+    def axial_force(self) -> float:
+        return self.contact.axial_force
+
+    @property
+    def line_load(self) -> float:
+        return self.contact.line_load
+
+    @property
+    def effective_radius(self) -> None:
+        """Only where the fluid gets between the surfaces, which takes a complete run."""
+
+    @property
+    def force_for_target(self) -> None:
+        """Not asked, or it takes a complete run."""
 
     @cached_property
     def leak(self) -> LeakResult | None:
         return self._leak(self.surface)
 
     @property
-    def leak_rate(self) -> float:
-        return math.nan if self.leak is None else self.leak.leak_rate
-
-    @property
-    def leak_rate_elastic(self) -> float:
+    def leak_elastic(self) -> LeakResult | None:
         if self.surface is None or self.surface.hardness is None:
-            return self.leak_rate
-        elastic = self._leak(self.surface.elastic)
-        return math.nan if elastic is None else elastic.leak_rate
+            return self.leak
+        return self._leak(self.surface.elastic)
 
     def _leak(self, surface: RoughContact | None) -> LeakResult | None:
         if surface is None or self.case.fluid is None:
             return None
         shared = self._family_table if surface is self.surface else self._shared_table(surface)
         table = shared or flow.conductivity_table(self.case, surface, [self.contact])
-        return flow.leak_of_contact(self.case, table, self.contact, self.pressure)
+        return flow.leak_of_contact(self.case, table, self.contact, self.fluid_pressure)
 
     def _shared_table(self, surface: RoughContact) -> ConductivityTable | None:
         return family_table(self.case, surface, self.contact) if self.interpolate else None
@@ -234,90 +259,49 @@ class _Design:
     def load(self) -> LoadResult:
         """What the checks of a load look at."""
         contact = self.contact
-        separation = self.critical_separation(self.surface) if self._narrow else math.nan
         return LoadResult(
-            fluid_pressure=self.pressure,
-            axial_force=contact.axial_force,
-            line_load=contact.line_load,
+            fluid_pressure=self.fluid_pressure,
+            axial_force=self.axial_force,
+            line_load=self.line_load,
             contact=contact,
             # no check of a fluid that does not move the surfaces asks for it
             leak=None,
             leak_elastic=None,
-            critical_separation=None if math.isnan(separation) else separation,
+            critical_separation=self.critical_separation if self._narrow else None,
             critical_separation_elastic=None,
             max_von_mises=math.nan,
             max_von_mises_at=("", math.nan, math.nan),
-            applied_force=self.case.load.points[0][1],
+            applied_force=self.applied_force,
             opening=self.opening,
         )
 
-    @cached_property
-    def leakage(self) -> Leakage | None:
-        return None if self.leak is None else leakage(self.case, self.pressure, self.leak.leak_rate)
+    @property
+    def critical_separation(self) -> float | None:
+        return self._separation(self.surface)
 
-    def critical_separation(self, surface: RoughContact | None) -> float:
+    @property
+    def critical_separation_elastic(self) -> float | None:
+        return self._separation(None if self.surface is None else self.surface.elastic)
+
+    def _separation(self, surface: RoughContact | None) -> float | None:
         if surface is None:
-            return math.nan
+            return None
         return float(surface.critical_separation(self.profile.peak_pressure))
 
     @property
-    def elastic_surface(self) -> RoughContact | None:
-        return None if self.surface is None else self.surface.elastic
-
-    @property
-    def contact_radius(self) -> float:
-        profile = self.profile
-        return float(np.interp(profile.centroid, profile.x, profile.radius))
-
-    @property
-    def blow_off_pressure(self) -> float:
+    def blow_off_pressure(self) -> float | None:
         if self.case.load.pressure_side == "outer":
-            return math.nan
-        radius = self.case.touch_radius
-        return blow_off_of_sealed_area(radius, self.case.load.points[0][1], "inner")
+            return None
+        return blow_off_of_sealed_area(self.case.touch_radius, self.applied_force, "inner")
 
     @property
     def opening(self) -> OpeningMargin | None:
-        case, spring = self.case, self.case.load.points[0][1]
-        held = -closing_force(case.touch_radius, self.pressure, 0.0, case.load.pressure_side)
+        case, side = self.case, self.case.load.pressure_side
+        held = -closing_force(case.touch_radius, self.fluid_pressure, 0.0, side)
         return opening_margin(
-            self.pressure, spring, case.load.pressure_side, opens=self.blow_off_pressure, held=held
+            self.fluid_pressure, self.applied_force, side, opens=self.blow_off_pressure, held=held
         )
 
     @property
     def max_von_mises(self) -> float:
         return max(float(field.von_mises.max()) for field in self.contact.fields.values())
-
-
-# Columns of leak.csv that need no complete run.
-FAST: dict[str, Callable[[_Design], float]] = {
-    "fluid_pressure_Pa": lambda design: design.pressure,
-    "axial_force_N": lambda design: design.contact.axial_force,
-    "line_load_N_per_m": lambda design: design.contact.line_load,
-    "peak_pressure_Pa": lambda design: design.profile.peak_pressure,
-    "contact_radius_m": lambda design: design.contact_radius,
-    "fwhm_m": lambda design: design.profile.fwhm,
-    "std_m": lambda design: design.profile.std,
-    "leak_rate_m3_per_s": lambda design: design.leak_rate,
-    "leak_rate_elastic_m3_per_s": lambda design: design.leak_rate_elastic,
-    "critical_separation_m": lambda design: design.critical_separation(design.surface),
-    "critical_separation_elastic_m": lambda design: design.critical_separation(design.elastic_surface),
-    "max_von_mises_Pa": lambda design: design.max_von_mises,
-    "leak_rate_kg_per_s": lambda design: _found(design.leakage, "mass_flow"),
-    "leak_rate_Pa_m3_per_s": lambda design: _found(design.leakage, "throughput"),
-    "leak_rate_standard_m3_per_s": lambda design: _found(design.leakage, "standard_leak_rate"),
-    "lift_off_x_m": lambda design: _found(design.leak, "lift_off_x"),
-    "blow_off_pressure_Pa": lambda design: design.blow_off_pressure,
-    "applied_force_N": lambda design: design.case.load.points[0][1],
-    "effective_seal_radius_m": lambda design: math.nan,
-    "force_for_target_leak_N": lambda design: math.nan,
-    "opening_margin_N": lambda design: _found(design.opening, "force"),
-    "opening_margin_Pa": lambda design: _found(design.opening, "pressure"),
-    "opening_margin": lambda design: _found(design.opening, "share"),
-}
-
-
-def _found(result: object, name: str) -> float:
-    """A number of a result that may not exist, NaN if it does not."""
-    value = getattr(result, name, None)
-    return math.nan if value is None else float(value)

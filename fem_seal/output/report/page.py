@@ -69,7 +69,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
     sizes : mapping
         From `fem_seal.analysis.closed_forms.profile_sizes`.
     """
-    top = words.highest_load(result)
+    top = result.highest
     with style():
         drawn = (
             sketch(result),
@@ -88,7 +88,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
 
 
 def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:
-    load = words.highest_load(result)
+    load = result.highest
     return {
         "headline": words.headline(result),
         "highest": load_name(load, result.loads),
@@ -100,7 +100,7 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "validity": tables.validity_table(result),
         "seal_groups": case.seal_groups(result),
         "surface_groups": case.surface_groups(result),
-        "loads": tables.load_table(result, sizes),
+        "loads": tables.load_table(result),
         "valve": tables.valve_table(result),
         "comparison_note": tables.comparison_note(result),
         "comparison": tables.comparison_table(result, sizes),

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem_seal.analysis.caution import Level
 from fem_seal.analysis.closed_forms import Sizes, closed_form_limits, derive
 from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.results import LoadResult, SealSolution
+from fem_seal.analysis.results import LoadResult, SealSolution, highest_load
 from fem_seal.analysis.variants import ratio_to_case
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.materials import HardeningCurve
+from fem_seal.output.columns import COLUMNS, Column
+from fem_seal.output.tables import rows_of
 from fem_seal.units import (
     Unit,
     given,
@@ -28,7 +30,6 @@ from fem_seal.units import (
     unit_for,
     worth,
 )
-from leak import LeakResult
 
 
 @dataclass(frozen=True)
@@ -45,42 +46,38 @@ class ReadableTable:
     rows: tuple[tuple[str, ...], ...]
 
 
-def load_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> ReadableTable:
+# Columns of the table of all loads, and what the next one asks about opening and target.
+_OF_LOADS = (
+    "fluid_pressure_Pa",
+    "axial_force_N",
+    "line_load_N_per_m",
+    "peak_pressure_Pa",
+    "fwhm_m",
+    "std_m",
+    "critical_separation_m",
+    "critical_separation_elastic_m",
+    "leak_rate_m3_per_s",
+    "leak_rate_elastic_m3_per_s",
+    "max_von_mises_Pa",
+)
+_GIVEN = ("fluid_pressure_Pa", "applied_force_N", "axial_force_N")
+_ASKED = (
+    "effective_seal_radius_m",
+    "blow_off_pressure_Pa",
+    "opening_margin_N",
+    "opening_margin_Pa",
+    "force_for_target_leak_N",
+)
+
+
+def load_table(result: SealSolution) -> ReadableTable:
     """All loads, with one unit per column and without the columns that no load fills."""
-    calculated, loads = sizes["calculated"], result.loads
-    digits = [load.digits for load in loads]
-    # the narrowest gap follows the force only like its logarithm
-    of_gap = [min(one + 1, 4) for one in digits]
-    columns = [
-        Column("fluid pressure", "fluid pressure", [load.fluid_pressure for load in loads]),
-        Column("closing force", "force", [load.axial_force for load in loads], digits=digits),
-        Column("line load", "line load", [load.line_load for load in loads], digits=digits),
-        Column("peak pressure", "contact pressure", calculated.peak_pressure.tolist(), digits=digits),
-        Column("width (FWHM)", "length", calculated.fwhm.tolist()),
-        Column("std. deviation", "length", calculated.std.tolist(), unit_of="width (FWHM)"),
-        Column("u_c", "length", [load.critical_separation for load in loads], digits=of_gap),
-        Column(
-            "u_c, elastic",
-            "length",
-            [load.critical_separation_elastic for load in loads],
-            unit_of="u_c",
-            digits=of_gap,
-        ),
-        Column("leak rate", "flow", [_leak_rate(load.leak) for load in loads], digits=digits),
-        Column(
-            "leak rate, elastic",
-            "flow",
-            [_leak_rate(load.leak_elastic) for load in loads],
-            unit_of="leak rate",
-            digits=digits,
-        ),
-        Column("von Mises", "contact pressure", [load.max_von_mises for load in loads]),
-    ]
+    loads, names = result.loads, list(_OF_LOADS)
     if any(load.applied_force for load in loads):
-        columns.insert(1, Column("spring force", "force", [load.applied_force for load in loads]))
+        names.insert(1, "applied_force_N")
     if result.surface is None or result.surface.hardness is None:
-        columns = [column for column in columns if not column.name.endswith("elastic")]
-    table = columns_table(columns)
+        names = [name for name in names if "_elastic_" not in name]
+    table = columns_table([_filled(name, result) for name in names])
     # with a mark and not a column more: the page is full
     rows = (
         (f"{first} {load.validity.level.mark}".rstrip(), *others)
@@ -107,66 +104,69 @@ def validity_table(result: SealSolution) -> ReadableTable:
 
 
 @dataclass(frozen=True)
-class Column:
-    """A column in SI; `unit_of` names the one whose unit it shares, so that the two can be compared.
+class Filled:
+    """A column with its values.
 
     Parameters
     ----------
-    name, kind : str
-        Heading without its unit, and what `fem_seal.units.unit_for` calls the quantity.
+    column : Column
     values : list of float or None
-        One per row.
-    unit_of : str
-    digits : sequence of int, optional
-        Significant digits that the values are worth, four unless given.
+        One per row, SI.
+    digits : list of int
+        Significant digits that the values are worth.
     """
 
-    name: str
-    kind: str
+    column: Column
     values: list[float | None]
-    unit_of: str = ""
-    digits: Sequence[int] = ()
+    digits: list[int]
 
     @property
-    def filled(self) -> bool:
+    def some(self) -> bool:
         """Whether any row has a value."""
         return any(value is not None for value in self.values)
 
     @property
-    def largest(self) -> float:
-        """Largest absolute value."""
-        return max(abs(value) for value in self.values if value is not None)
+    def unit(self) -> Unit:
+        """The one that suits the largest of the values."""
+        largest = max(abs(value) for value in self.values if value is not None)
+        return unit_for(self.column.kind, largest)
 
 
-def columns_table(columns: Sequence[Column]) -> ReadableTable:
+def _filled(name: str, result: SealSolution) -> Filled:
+    column = COLUMNS[name]
+    return Filled(
+        column,
+        [column.of(row) for row in rows_of(result)],
+        [column.digits(load.digits) for load in result.loads],
+    )
+
+
+def columns_table(columns: Sequence[Filled]) -> ReadableTable:
     """Columns side by side, one unit in each, without those that no row fills.
 
     Parameters
     ----------
-    columns : sequence of Column
+    columns : sequence of Filled
     """
-    shown = [column for column in columns if column.filled]
-    units = {column.name: unit_for(column.kind, column.largest) for column in shown}
+    shown = [one for one in columns if one.some]
+    own = {one.column.name: one.unit for one in shown}
+    units = [own.get(one.column.unit_like, own[one.column.name]) for one in shown]
     return ReadableTable(
-        tuple(f"{column.name} [{units[column.unit_of or column.name].name}]" for column in shown),
+        tuple(f"{one.column.heading} [{unit.name}]" for one, unit in zip(shown, units, strict=True)),
         tuple(
-            tuple(_cell(column, units[column.unit_of or column.name], n) for column in shown)
+            tuple(_cell(one, unit, n) for one, unit in zip(shown, units, strict=True))
             for n in range(len(columns[0].values))
         ),
     )
 
 
-def _leak_rate(leak: LeakResult | None) -> float | None:
-    return None if leak is None else leak.leak_rate
-
-
-def _cell(column: Column, unit: Unit, n: int) -> str:
-    value = column.values[n]
+def _cell(filled: Filled, unit: Unit, n: int) -> str:
+    value = filled.values[n]
     if value is None:
         return "–"
-    if column.name == "fluid pressure":
+    if filled.column.name == "fluid_pressure_Pa":
         return trimmed(unit.of(value))
-    return worth(unit.of(value), column.digits[n] if column.digits else 4)
+    return worth(unit.of(value), filled.digits[n])
 
 
 def comparison_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> ReadableTable:
@@ -314,8 +314,8 @@ def theory_table(result: SealSolution) -> ReadableTable:
     """Leak rate at the lowest and highest fluid pressure with every reading of the theory; maybe no rows."""
     if not result.theory_variants:
         return ReadableTable((), ())
-    order = sorted(range(len(result.loads)), key=lambda n: result.loads[n].point)
-    shown = list(dict.fromkeys((order[0], order[-1])))
+    lowest = min(range(len(result.loads)), key=lambda n: result.loads[n].point)
+    shown = list(dict.fromkeys((lowest, highest_load(result.loads))))
     of_case = [load.leak.leak_rate if load.leak else 0.0 for load in result.loads]
     largest = max(variant.leak_rate[n] for variant in result.theory_variants for n in shown)
     unit = unit_for("flow", largest)
@@ -342,7 +342,7 @@ def theory_note(result: SealSolution) -> str:
     """How far the readings lie apart; empty without them."""
     if not result.theory_variants:
         return ""
-    load = max(range(len(result.loads)), key=lambda n: result.loads[n].point)
+    load = highest_load(result.loads)
     rates = [variant.leak_rate[load] for variant in result.theory_variants]
     pressure = load_name(result.loads[load], result.loads)
     if min(rates) <= 0:
@@ -408,28 +408,13 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
 
 def valve_table(result: SealSolution) -> ReadableTable:
     """What fluid and spring do at each load; no rows if nobody asked."""
-    loads, digits = result.loads, [load.digits for load in result.loads]
-    asked = [
-        Column("radius of the fluid's force", "length", [load.effective_radius for load in loads]),
-        Column("opens at", "fluid pressure", [_finite(load.blow_off_pressure) for load in loads]),
-        Column("force to opening", "force", [_of(load, "force") for load in loads], digits=digits),
-        Column(
-            "pressure to opening", "fluid pressure", [_of(load, "pressure") for load in loads], digits=digits
-        ),
-        Column("spring force for the target", "force", [load.force_for_target for load in loads]),
-    ]
-    if not any(column.filled for column in asked):
+    asked = {name: _filled(name, result) for name in _ASKED}
+    # what lifts the closure off, also where leak.csv has what the surfaces hold by themselves; infinite: nothing does
+    opens = [_finite(load.blow_off_pressure) for load in result.loads]
+    asked["blow_off_pressure_Pa"] = replace(asked["blow_off_pressure_Pa"], values=opens)
+    if not any(one.some for one in asked.values()):
         return ReadableTable((), ())
-    given_loads = [
-        Column("fluid pressure", "fluid pressure", [load.fluid_pressure for load in loads]),
-        Column("spring force", "force", [load.applied_force for load in loads]),
-        Column("closing force", "force", [load.axial_force for load in loads], digits=digits),
-    ]
-    return columns_table([*given_loads, *asked])
-
-
-def _of(load: LoadResult, name: str) -> float | None:
-    return None if load.opening is None else float(getattr(load.opening, name))
+    return columns_table([*(_filled(name, result) for name in _GIVEN), *asked.values()])
 
 
 def _finite(value: float | None) -> float | None:

@@ -13,7 +13,7 @@ from fem_seal.analysis.caution import Level, Validity
 from fem_seal.analysis.closed_forms import Derived
 from fem_seal.analysis.leakage import Leakage, NominalSize, leakage, leakage_of, nominal_size
 from fem_seal.analysis.load_names import load_name, load_values
-from fem_seal.analysis.results import LoadResult, SealSolution
+from fem_seal.analysis.results import LoadResult, SealSolution, highest_load
 from fem_seal.analysis.warnings import FLUID_OPENS
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.report.tables import (
@@ -51,14 +51,9 @@ class Fact:
     level: Level = Level.VALID
 
 
-def highest_load(result: SealSolution) -> LoadResult:
-    """The load that the report explains in detail: the one with the highest fluid pressure."""
-    return max(result.loads, key=lambda load: (load.fluid_pressure, load.line_load))
-
-
 def facts(result: SealSolution) -> list[Fact]:
     """The result in a few numbers, at the highest load, each with the level of its validity."""
-    load = highest_load(result)
+    load = result.highest
     of_target = load.target_validity or load.validity
     return [
         replace(fact, level=(of_target if fact.name == TARGET_FORCE else load.validity).level)
@@ -155,7 +150,7 @@ def _how_sure(result: SealSolution) -> str:
     for level in (Level.OUTSIDE, Level.DOUBTFUL):
         found = [load for load in result.loads if load.validity.level is level]
         if found:
-            highest = max(found, key=lambda load: load.point)
+            highest = found[highest_load(found)]
             at = "" if len(result.loads) == 1 else f" at {_named(found, result.loads)}"
             told.append(f"{level}{at} ({_why(highest.validity)})")
     return f" The result is {', '.join(told)}." if told else ""
@@ -179,7 +174,7 @@ def _why(validity: Validity) -> str:
 
 def _what_leaks(result: SealSolution) -> str:
     loads = result.loads
-    highest = max(loads, key=lambda load: load.point)
+    highest = result.highest
     last = loads[-1]
     # a body that yields is another one after the highest load
     changed = result.unloaded is not None and last.point != highest.point
@@ -225,7 +220,7 @@ def _flow_beside(leak_rate: float, others: Sequence[float], digits: int) -> str:
 
 def reasons(result: SealSolution, derived: Derived) -> list[str]:
     """Why the result came out so: what sets the contact and what throttles the flow."""
-    load = highest_load(result)
+    load = result.highest
     return [
         *_what_sets_the_width(result, derived, load),
         *what_yielded(result, load),

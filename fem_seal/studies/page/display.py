@@ -13,38 +13,15 @@ from numpy.typing import ArrayLike
 
 from fem_seal.analysis.caution import Level
 from fem_seal.arrays import FloatArray
+from fem_seal.output.columns import COLUMNS
 from fem_seal.studies.designs_table import Designs
-from fem_seal.units import Unit, number, split_unit, unit_for
+from fem_seal.units import Unit, kind_of, number, unit_for
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
 _NONE = Unit("", 1.0)
-_DEGREE = Unit("°", math.pi / 180)
-_CELSIUS = Unit("°C", 1.0)
-_FREEZING = 273.15
-_TITLES = {
-    "fwhm_m": "width at half maximum",
-    "std_m": "standard deviation of the pressure profile",
-    "max_von_mises_Pa": "max. von Mises stress",
-    "leak_rate_kg_per_s": "leak rate by mass",
-    "leak_rate_Pa_m3_per_s": "leak rate pV",
-    "leak_rate_standard_m3_per_s": "leak rate at 0 °C, 1 atm",
-}
-_SI_UNITS: dict[str, str | Unit] = {
-    "m": "length",
-    "Pa": "contact pressure",
-    "N": "force",
-    "Pa s": "viscosity",
-    "m^3/s": "flow",
-    "Pa m^3/s": Unit("mbar l/s", 0.1),
-    "kg/s": Unit("g/h", 1e-3 / 3600),
-    "N/m": "line load",
-    "rad": _DEGREE,
-    "K": _CELSIUS,
-}
-_OF_FLUID = ("fluid_pressure", "blow_off_pressure", "outlet_pressure")
 _DISTRIBUTIONS = {"LogUniform": "log-uniform", "LogNormal": "lognormal"}
 # So many values can be named one by one.
 FEW = 8
@@ -65,7 +42,7 @@ class Display:
         """What a column is called: a parameter by its path, which the user wrote; a response without its SI unit."""
         if name not in self.designs.about["responses"]:
             return name
-        return _TITLES.get(name) or split_unit(name)[0].replace("_", " ")
+        return COLUMNS[name].words
 
     def label(self, name: str) -> str:
         """What a column is called, with its unit."""
@@ -83,7 +60,7 @@ class Display:
     def shown(self, name: str, values: ArrayLike) -> FloatArray:
         """SI numbers of a column in its unit."""
         unit = self.unit(name)
-        return (np.asarray(values, dtype=float) - (_FREEZING if unit is _CELSIUS else 0.0)) / unit.size
+        return (np.asarray(values, dtype=float) - unit.zero) / unit.size
 
     def values(self, rows: pd.Index, name: str) -> list[Any]:
         """A column of some designs in its unit, None where there is no number; words as they are, "yes" and "no"."""
@@ -116,7 +93,7 @@ class Display:
 
     def logarithmic(self, name: str) -> bool:
         """Whether a logarithmic axis suits: a parameter by what it was asked to be, anything else by its values."""
-        if not self._numeric(name) or self.unit(name) is _CELSIUS:
+        if not self._numeric(name) or self.unit(name).zero:
             return False
         if name in self._parameters:
             return _by_factors(self._parameters[name])
@@ -186,16 +163,14 @@ class Display:
             return _NONE
         if name in self._parameters:
             si = self._parameters[name]["unit"]
+            kind = kind_of(name, si)
         elif name in self.designs.about["responses"]:
-            si = split_unit(name)[1]
+            si, kind = COLUMNS[name].unit, COLUMNS[name].kind
         else:
             # nobody wrote what a formula is a quantity of
-            si = "" if name in self.designs.done else "SI"
-        kind = _SI_UNITS.get(si, Unit(si, 1.0))
-        if isinstance(kind, Unit):
-            return kind
-        if kind == "contact pressure" and any(word in name for word in _OF_FLUID):
-            kind = "fluid pressure"
+            si, kind = "" if name in self.designs.done else "SI", ""
+        if not kind:
+            return Unit(si, 1.0)
         values = self.numbers(name).to_numpy(dtype=float)
         return unit_for(kind, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
 

@@ -1,0 +1,244 @@
+"""The results as tables: leak.csv, profile.csv, imprint.csv, variants.csv; their columns stand in `columns`."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.analysis.caution import VALIDITY_COLUMNS, validity_entries
+from fem_seal.analysis.leakage import leakage_of, nominal_size
+from fem_seal.analysis.results import GivenLoad, SealSolution
+from fem_seal.analysis.variants import ratio_to_case
+from fem_seal.files import write_bytes, write_text
+from fem_seal.output.columns import (
+    COLUMNS,
+    IMPRINT_COLUMNS,
+    LEAK_COLUMNS,
+    PROFILE_COLUMNS,
+    PROFILE_LEAK_COLUMNS,
+    VARIANT_COLUMNS,
+    Load,
+    Row,
+)
+from leak.standards import STANDARDS, Standard
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from fem_seal.case.case import Case
+
+
+# Ten digits: more than any of the numbers is good for, and the files stay readable.
+_NUMBER = ".10g"
+
+
+def rows_of(result: SealSolution) -> list[Row]:
+    """What the columns of a result are read from, one row per load.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    interval = result.uncertainty
+    return [
+        Row(
+            load, result.case, None if interval is None else (float(interval.low[n]), float(interval.high[n]))
+        )
+        for n, load in enumerate(result.loads)
+    ]
+
+
+def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
+    """Rows of leak.csv, one per load: numbers in SI, NaN where nothing was calculated; validity, a list of reasons.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return [
+        _cells(LEAK_COLUMNS, row) | validity_entries(load.validity)
+        for row, load in zip(rows_of(result), result.loads, strict=True)
+    ]
+
+
+def profile_leak_rows(case: Case, loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
+    """Rows of the leak.csv of given pressure profiles: `PROFILE_LEAK_COLUMNS` and validity.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of GivenLoad
+        From `fem_seal.analysis.flow.leak_of_profiles`.
+    """
+    return [
+        # these columns ask nothing that a profile without its bodies does not know
+        _cells(PROFILE_LEAK_COLUMNS, Row(cast(Load, load), case)) | validity_entries(load.validity)
+        for load in loads
+    ]
+
+
+def _cells(names: Sequence[str], row: Row) -> dict[str, Any]:
+    return {name: COLUMNS[name].number(row) for name in names}
+
+
+def leak_table(result: SealSolution) -> pd.DataFrame:
+    """One row per load with `LEAK_COLUMNS`, SI, and `VALIDITY_COLUMNS`, texts.
+
+    docs/columns.md says what each of them means. NaN where nothing was calculated. ``validity`` is "valid", "doubtful"
+    or "outside the theory"; ``validity_reasons`` says why, the worst reason first, with "; " between them
+    (docs/validity.md).
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    import pandas as pd
+
+    rows = [with_text(row) for row in leak_rows(result)]
+    table = pd.DataFrame(rows, columns=[*LEAK_COLUMNS, *VALIDITY_COLUMNS])
+    return table.astype(dict.fromkeys(LEAK_COLUMNS, float))
+
+
+def with_text(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row with its reasons in one text."""
+    return {**row, "validity_reasons": "; ".join(row["validity_reasons"])}
+
+
+def profile_array(result: SealSolution) -> NDArray[np.float64]:
+    """The pressure profiles of all loads under each other, one column for each of `PROFILE_COLUMNS`, SI.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    blocks = []
+    for load in result.loads:
+        profile = load.contact.profile
+        fluid = np.full(len(profile.x), math.nan) if load.gap_pressure is None else load.gap_pressure
+        pressure = np.full(len(profile.x), load.fluid_pressure)
+        blocks.append(
+            np.column_stack([pressure, profile.x, profile.radius, profile.pressure, profile.gap, fluid])
+        )
+    return np.concatenate(blocks)
+
+
+def write_leak_csv(result: SealSolution, path: Path) -> Path:
+    """Write leak.csv, atomically."""
+    rows = [with_text(row) for row in leak_rows(result)]
+    return write_rows_csv(path, (*LEAK_COLUMNS, *VALIDITY_COLUMNS), [list(row.values()) for row in rows])
+
+
+def write_rows_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> Path:
+    """Write numbers and texts under their headings, atomically; OutputError if that is impossible."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([f"{one:{_NUMBER}}" if isinstance(one, float) else one for one in row] for row in rows)
+    return write_bytes(path, text.getvalue().encode())
+
+
+def write_imprint_csv(result: SealSolution, path: Path) -> Path | None:
+    """Write imprint.csv, atomically: body, x [m], depth [m]; None, and an old one is removed, if nothing yielded."""
+    imprints = {} if result.unloaded is None else result.unloaded.imprints
+    if not imprints:
+        path.unlink(missing_ok=True)
+        return None
+    lines = [",".join(IMPRINT_COLUMNS)]
+    for name, imprint in imprints.items():
+        lines += [f"{name},{x:.10g},{depth:.10g}" for x, depth in zip(imprint.x, imprint.depth, strict=True)]
+    return write_bytes(path, ("\n".join(lines) + "\n").encode("ascii"))
+
+
+def write_profile_csv(result: SealSolution, path: Path) -> Path:
+    """Write profile.csv, atomically."""
+    return _write_csv(path, PROFILE_COLUMNS, profile_array(result).tolist())
+
+
+def _write_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float]]) -> Path:
+    line = ",".join([f"%{_NUMBER}"] * len(columns)) + "\n"
+    text = ",".join(columns) + "\n" + "".join(line % tuple(row) for row in rows)
+    return write_bytes(path, text.encode("ascii"))
+
+
+def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
+    """Units and classes of all loads as plain numbers and texts; empty without a leak rate.
+
+    A load outside the theory has no classes.
+    """
+    case = result.case
+    return [
+        {
+            **asdict(found),
+            "nominal_size": nominal_size(case).size,
+            "classes": {one.standard: one.name for one in found.classes},
+            "validity": str(load.validity.level),
+        }
+        for load in result.loads
+        for found in (leakage_of(case, load),)
+        if found is not None
+    ]
+
+
+def standards_used(result: SealSolution) -> list[Standard]:
+    """The standards that the leak rates are classed by."""
+    names = dict.fromkeys(
+        one.standard
+        for load in result.loads
+        for found in (leakage_of(result.case, load),)
+        for one in (() if found is None else found.classes)
+    )
+    return [STANDARDS[name] for name in names]
+
+
+def variant_rows(result: SealSolution) -> list[dict[str, object]]:
+    """Rows with `VARIANT_COLUMNS`, one per reading and load.
+
+    Parameters
+    ----------
+    result : SealSolution
+        With its `theory_variants`.
+    """
+    return [
+        dict(
+            zip(
+                VARIANT_COLUMNS,
+                (
+                    variant.interface_law,
+                    variant.conductivity,
+                    variant.separation_width or "",
+                    variant.percolation_threshold,
+                    load.fluid_pressure,
+                    rate,
+                    ratio_to_case(rate, load.leak.leak_rate if load.leak else 0.0),
+                ),
+                strict=True,
+            )
+        )
+        for variant in result.theory_variants
+        for load, rate in zip(result.loads, variant.leak_rate, strict=True)
+    ]
+
+
+def write_variants_csv(result: SealSolution, path: Path) -> Path:
+    """Write variants.csv, atomically."""
+    lines = [",".join(VARIANT_COLUMNS)]
+    lines += [
+        ",".join(f"{value:.10g}" if isinstance(value, float) else str(value) for value in row.values())
+        for row in variant_rows(result)
+    ]
+    return write_text(path, "\n".join(lines) + "\n")
+
+
+def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """Write rows as a CSV file; OutputError if it cannot be written."""
+    write_rows_csv(
+        path, (*PROFILE_LEAK_COLUMNS, *VALIDITY_COLUMNS), [list(with_text(row).values()) for row in rows]
+    )
