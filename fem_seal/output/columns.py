@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.analysis.caution import VALIDITY_COLUMNS, validity_entries
-from fem_seal.analysis.flow import PROFILE_LEAK_COLUMNS
 from fem_seal.analysis.leakage import leakage_of, nominal_size
+from fem_seal.analysis.profile_leak import PROFILE_LEAK_COLUMNS
 from fem_seal.analysis.results import LoadResult, SealSolution
 from fem_seal.analysis.variants import ratio_to_case
 from fem_seal.bodies.fields import ElastoplasticField
