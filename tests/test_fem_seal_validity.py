@@ -63,7 +63,7 @@ def test_loads_that_differ_in_their_force_alone_are_named_by_it():
 
 
 @pytest.mark.parametrize(
-    ("area", "words"), [(0.14, ""), (0.17, "factor 1.7"), (0.3, "factor 3.3"), (0.41, "3.3")]
+    ("area", "words"), [(0.14, ""), (0.17, "factor 1.7"), (0.3, "factor 3.3"), (0.41, "orders of magnitude")]
 )
 def test_few_channels_left(area, words):
     found = said(warnings._nearly_sealed, [load(), load(peak=pressure_at(area))])
