@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from fem_seal import Case, load_case
-from fem_seal.analysis.problem import axial_forces, interface_law, sizing
+from fem_seal.analysis.problem import SealProblem, expected_forces, sizing
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSolution
@@ -26,7 +26,7 @@ from meshes import SealMesh, build_contact
 
 def mesh_of(case: Case, contact_size: float = 0.0) -> SealMesh:
     """Mesh of a case, with elements along the contact line coarser than [mesh] contact_size would allow."""
-    sizes = sizing(case, interface_law(case, None))
+    sizes = sizing(SealProblem.of(case))
     return build_contact(case.contact, replace(sizes, contact_size=contact_size or sizes.contact_size))
 
 
@@ -37,8 +37,8 @@ def model_of(case: Case, seal_mesh: SealMesh) -> ContactModel:
 
 def solutions(case: Case, model: ContactModel) -> Sequence[ContactSolution]:
     """Solve all loads of a case."""
-    law = interface_law(case, None)
-    return [solve(model, law, axial_force=force) for force in axial_forces(case)]
+    problem = SealProblem.of(case)
+    return [solve(model, problem.law, axial_force=force) for force in expected_forces(problem)]
 
 
 def main(file: str, contact_size: str, output: str) -> None:

@@ -27,7 +27,7 @@ from measured_process import Cost, measured
 
 import fem_seal
 import leak
-from fem_seal.analysis.problem import axial_forces, interface_law
+from fem_seal.analysis.problem import SealProblem, expected_forces
 from fem_seal.contact.newton import solve
 from fem_seal.profile import PressureProfile
 from meshes import SealMesh
@@ -60,7 +60,7 @@ def accuracy(case: fem_seal.Case, found: Sequence[PressureProfile]) -> Accuracy:
     """Judge the profiles of all loads of a case."""
     normal_z = float(np.cos(case.contact.angle))
     errors = []
-    for force, profile in zip(axial_forces(case), found, strict=True):
+    for force, profile in zip(expected_forces(SealProblem.of(case)), found, strict=True):
         line_load = force / (2 * np.pi * case.touch_radius * normal_z)
         exact = leak.crossover_line(line_load, case.contact.relative_radius, case.effective_modulus, U0)
         carried = (
@@ -114,7 +114,8 @@ def run_seal(case: fem_seal.Case, size: float, repeat: int, folder: Path) -> tup
     seal_mesh = mesh_of(case, size)
     model = model_of(case, seal_mesh)
     found = [solution.profile for solution in solutions(case, model)]
-    law, forces = interface_law(case, None), axial_forces(case)
+    problem = SealProblem.of(case)
+    law, forces = problem.law, expected_forces(problem)
     warm = Warm(
         seconds(repeat + 1, lambda: mesh_of(case, size)),
         seconds(repeat + 1, lambda: model_of(case, seal_mesh)),
@@ -127,7 +128,8 @@ def run_calculix(
     case: fem_seal.Case, seal_mesh: SealMesh, choices: Choices, folder: Path, threads: Sequence[int] = (1, 2)
 ) -> tuple[Cost, list[PressureProfile], float]:
     """CalculiX on a mesh; cost, profiles of all loads, and the worst relative error of the reaction."""
-    law, forces = interface_law(case, None), axial_forces(case)
+    problem = SealProblem.of(case)
+    law, forces = problem.law, expected_forces(problem)
     line_load = forces[0] / (2 * np.pi * case.touch_radius * np.cos(case.contact.angle))
     expected = leak.crossover_line(
         line_load, case.contact.relative_radius, case.effective_modulus, U0

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 import fem_seal
 from fem_seal.analysis.load_solver import model_and_contacts
-from fem_seal.analysis.problem import axial_forces, interface_law
+from fem_seal.analysis.problem import SealProblem, expected_forces
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, SealError
 from leak import crossover_line
@@ -139,15 +139,15 @@ def outcome(tables: dict[str, Any]) -> Outcome:
         tables[body] = {**tables[body], "material": tables.pop(f"{body}_material")}
     try:
         case = fem_seal.Case(**tables)
-        law = interface_law(case, None)
-        _, _, solved = model_and_contacts(case, law)
+        problem = SealProblem.of(case)
+        _, _, solved = model_and_contacts(problem)
         (contact,) = solved.contacts
     except (SealError, MeshesError) as error:
         kind = "not converged" if isinstance(error, ConvergenceError) else "refused"
         return Outcome(kind, str(error), time.perf_counter() - start)
     except Exception as error:
         return Outcome("failed", f"{type(error).__name__}: {error}", time.perf_counter() - start)
-    wrong = doubts(contact, axial_forces(case)[0], law.u0, case.contact.breaks)
+    wrong = doubts(contact, expected_forces(problem)[0], problem.law.u0, problem.contact.breaks)
     return Outcome("failed" if wrong else "solved", wrong, time.perf_counter() - start)
 
 

@@ -16,7 +16,6 @@ from fem_seal.version import __version__
 if TYPE_CHECKING:
     from fem_seal import contact
     from fem_seal.analysis.closed_forms import derive
-    from fem_seal.analysis.questions import axial_force_for_leak, blow_off_pressures
     from fem_seal.bodies.held_body import Supports
     from fem_seal.case.case import Case, load_case
     from fem_seal.contact.coupled import Seal
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
     from fem_seal.errors import ConvergenceError, InputError, SealError
     from fem_seal.materials import Material, effective_modulus, material
     from fem_seal.profile import PressureProfile
-    from fem_seal.result import SealResult, run
+    from fem_seal.result import SealResult, axial_force_for_leak, blow_off_pressures, run
     from fem_seal.studies.results import StudyResult
     from fem_seal.studies.study import Study, load_study
 
@@ -47,8 +46,8 @@ _HOME = {
     "derive": "fem_seal.analysis.closed_forms",
     "run": "fem_seal.result",
     "SealResult": "fem_seal.result",
-    "axial_force_for_leak": "fem_seal.analysis.questions",
-    "blow_off_pressures": "fem_seal.analysis.questions",
+    "axial_force_for_leak": "fem_seal.result",
+    "blow_off_pressures": "fem_seal.result",
     "condense": "fem_seal.contact.model",
     "ContactModel": "fem_seal.contact.model",
     "solve": "fem_seal.contact.newton",

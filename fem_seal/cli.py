@@ -121,10 +121,9 @@ def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: 
     case = load_case(case_file)
     derived = derive(case)
     numbers = summary.derived_numbers(case, derived)
-    from fem_seal.analysis import problem
+    from fem_seal.analysis.problem import SealProblem, sizing
 
-    law = problem.interface_law(case, problem.rough_contact(case))
-    numbers["contact_size_m"] = problem.sizing(case, law).contact_size
+    numbers["contact_size_m"] = sizing(SealProblem.of(case)).contact_size
     _warn([*_remarks(case), *filter(None, [nearly_open(derived), closed_form_limits(case, derived)])])
     if json:
         typer.echo(as_json(numbers))
@@ -148,10 +147,10 @@ def mesh(
 
     case = load_case(case_file)
     folder = _results_folder(output, case)
-    from fem_seal.analysis import problem
+    from fem_seal.analysis.problem import SealProblem, build_mesh
     from fem_seal.folders import alone, replaced_together
 
-    seal_mesh = problem.build_mesh(case)
+    seal_mesh = build_mesh(SealProblem.of(case))
     path = folder / "mesh.msh"
     with alone(folder), replaced_together(folder, whole=False) as draft:
         seal_mesh.write(draft / path.name)
@@ -181,8 +180,9 @@ def leak(
     debug: Debug = False,
 ) -> None:
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
-    from fem_seal.analysis.flow import leak_of_profiles
+    from fem_seal.analysis.problem import SealProblem
     from fem_seal.analysis.profile_file import read_profiles
+    from fem_seal.analysis.profile_leak import leak_of_profiles
     from fem_seal.case.case import load_case
     from fem_seal.folders import alone, replaced_together
     from fem_seal.output.tables import profile_leak_rows, write_rows
@@ -190,8 +190,8 @@ def leak(
     case = load_case(case_file)
     profiles = read_profiles(profile_file)
     folder = _made(output or profile_file.with_suffix(".leak"))
-    loads = leak_of_profiles(case, profiles)
-    rows = profile_leak_rows(case, loads)
+    loads = leak_of_profiles(SealProblem.of(case), profiles)
+    rows = profile_leak_rows(loads)
     with alone(folder), replaced_together(folder, whole=False) as draft:
         write_rows(rows, draft / "leak.csv")
     _warn_of_mixture(folder)
@@ -293,7 +293,7 @@ def _made(folder: Path) -> Path:
 
 def _remarks(case: Case) -> list[str]:
     from fem_seal.analysis.left_out import left_out
-    from fem_seal.case.load_limits import refused_loads
+    from fem_seal.analysis.problem import SealProblem
 
     remarks = []
     if case.roughness is None:
@@ -302,11 +302,12 @@ def _remarks(case: Case) -> list[str]:
         remarks.append("no [fluid]: no leak rate is calculated")
     if case.roughness is not None:
         remarks.extend(case.roughness.remarks())
-    remarks.extend(one.text for one in left_out(case.load, refused_loads(case)))
+    problem = SealProblem.of(case)
+    remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))
     if case.load.target_leak_rate is not None:
-        from fem_seal.analysis.closed_forms import target_remarks
+        from fem_seal.analysis.target import target_remarks
 
-        remarks.extend(target_remarks(case))
+        remarks.extend(target_remarks(problem))
     return remarks
 
 

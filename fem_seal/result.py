@@ -9,8 +9,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from fem_seal.analysis import questions
 from fem_seal.analysis.chain import solve
+from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import SealSolution
+from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
 
 if TYPE_CHECKING:
@@ -24,6 +29,8 @@ class SealResult(SealSolution):
     ----------
     case : Case
         Without the loads that could not be calculated.
+    problem : SealProblem
+        The same as the calculation knows it.
     seal_mesh : SealMesh
     model : ContactModel
     surface : RoughContact or None
@@ -114,3 +121,52 @@ def run(case: Case, progress: Callable[[str], None] | None = None) -> SealResult
     """
     solution = solve(case, progress)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
+
+
+def axial_force_for_leak(case: Case, target_leak_rate: float | None = None) -> FloatArray:
+    """Smallest force of spring or actuator for which the leak rate stays below a target, at each fluid pressure.
+
+    Parameters
+    ----------
+    case : Case
+        With roughness and fluid.
+    target_leak_rate : float, optional
+        [m^3/s], of a gas at 101325 Pa and its temperature; the case's own target unless given.
+
+    Returns
+    -------
+    ndarray, shape (loads,)
+        [N], positive where it closes. Negative where the fluid alone closes more than is needed.
+
+    Raises
+    ------
+    InputError
+        If the case has no leak rate or no target, if even the largest force that keeps strains small leaks more, or if
+        hardly any force is needed.
+    ConvergenceError
+
+    Examples
+    --------
+    >>> fem_seal.axial_force_for_leak(case, 1e-9)     # doctest: +SKIP
+    array([312.6])
+    """
+    found = questions.contacts_at_target(SealProblem.of(case), target_leak_rate)
+    return np.array([one.applied_force for one in found])
+
+
+def blow_off_pressures(case: Case) -> FloatArray:
+    """Fluid pressure at which the seal opens under the force of spring or actuator of each load [Pa], shape (loads,).
+
+    Infinite where the fluid does not lift the closure. With closing = "sealed-area" this is the force over the area of
+    the circle of first touch; with "penetration" the fluid's own way between the surfaces decides.
+
+    Parameters
+    ----------
+    case : Case
+        Its fluid pressures only size the mesh.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    return questions.blow_off_pressures(SealProblem.of(case))

@@ -15,6 +15,7 @@ import leak
 from fem_seal.analysis import warnings
 from fem_seal.analysis.caution import NOT_JUDGED, VALID, Caution, Level, Validity, worst_first
 from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
+from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import GivenContact, GivenLoad, TargetContact
 from fem_seal.analysis.warnings import load_validity, profile_validity
 from fem_seal.case.case import Case
@@ -62,6 +63,10 @@ def model(relative_radius=0.02):
     )
 
 
+def problem():
+    return SealProblem.of(case())
+
+
 def level_of(found):
     return Validity.of(found).level
 
@@ -90,7 +95,7 @@ def test_an_elastic_body_is_outside_the_theory_from_one_and_a_half_times_its_yie
 ):
     zone = YieldedZone("seat", 300e6, excess * 300e6, (0.014, 0.0), 1e-5, 2e-5)
     monkeypatch.setattr(warnings, "yielding_of", lambda contact, materials: {"seat": zone})
-    (found,) = warnings._yielding(case(), model(), [load()])
+    (found,) = warnings._yielding(problem(), model(), [load()])
     assert found.level is level
     assert found.reason == f"seat: von Mises stress {excess:.3g} times its yield stress"
 
@@ -101,7 +106,10 @@ def test_the_body_that_is_further_above_its_yield_stress_comes_first(monkeypatch
         for name, excess in (("closure", 2.0), ("seat", 5.0))
     }
     monkeypatch.setattr(warnings, "yielding_of", lambda contact, materials: zones)
-    assert [one.reason[:7] for one in warnings._yielding(case(), model(), [load()])] == ["seat: v", "closure"]
+    assert [one.reason[:7] for one in warnings._yielding(problem(), model(), [load()])] == [
+        "seat: v",
+        "closure",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -113,7 +121,7 @@ def test_plastic_strain_has_to_stay_on_its_curve_and_small(strain, levels, monke
     of = case(seat={"shape": "cone", "angle": "45 deg", "material": {**material, "stress_strain": curve}})
     zone = PlasticZone("seat", 300e6, strain, (0.014, 0.0), 1e-5, 2e-5)
     monkeypatch.setattr(warnings, "yielding_of", lambda contact, materials: {"seat": zone})
-    assert [one.level for one in warnings._table_left(of, model(), [load()])] == levels
+    assert [one.level for one in warnings._table_left(SealProblem.of(of), model(), [load()])] == levels
 
 
 @pytest.mark.parametrize(
@@ -126,7 +134,7 @@ def test_plastic_strain_has_to_stay_on_its_curve_and_small(strain, levels, monke
     ],
 )
 def test_contact_cut_off(share, radius, level):
-    assert level_of(warnings._cut_off(case(), model(radius), [load(end_share=share)])) is level
+    assert level_of(warnings._cut_off(problem(), model(radius), [load(end_share=share)])) is level
 
 
 @pytest.mark.parametrize(
@@ -134,11 +142,14 @@ def test_contact_cut_off(share, radius, level):
     [(0.29, Level.VALID), (0.31, Level.DOUBTFUL), (0.99, Level.DOUBTFUL), (1.01, Level.OUTSIDE)],
 )
 def test_no_body_carries_more_than_its_hardness(share, level):
-    assert level_of(warnings._above_hardness(case(), None, [load(peak=share * 3.5e9)])) is level
+    assert level_of(warnings._above_hardness(problem(), None, [load(peak=share * 3.5e9)])) is level
     # also where asperities are kept elastic
     elastic = case(leak={"plasticity": False})
     expected = Level.OUTSIDE if share > 1 else Level.VALID
-    assert level_of(warnings._above_hardness(elastic, None, [load(peak=share * 3.5e9)])) is expected
+    assert (
+        level_of(warnings._above_hardness(SealProblem.of(elastic), None, [load(peak=share * 3.5e9)]))
+        is expected
+    )
 
 
 @pytest.mark.parametrize(
@@ -147,15 +158,15 @@ def test_no_body_carries_more_than_its_hardness(share, level):
 )
 def test_fluid_pressure_that_is_not_coupled(share, level):
     pressed = [load(fluid_pressure=share * 50e6)]
-    assert level_of(warnings._fluid_opens(case(), SURFACE, pressed)) is level
+    assert level_of(warnings._fluid_opens(problem(), SURFACE, pressed)) is level
     coupled = case(load={"fluid_pressure": "20 bar", "closing": "penetration"})
-    assert level_of(warnings._fluid_opens(coupled, SURFACE, pressed)) is Level.VALID
+    assert level_of(warnings._fluid_opens(SealProblem.of(coupled), SURFACE, pressed)) is Level.VALID
 
 
 def test_what_is_sealed_or_nearly_so_is_doubtful_and_what_is_blown_open_has_no_result():
     sealing = SURFACE.sealing_pressure
-    assert level_of(warnings._sealed(case(), SURFACE, [load(peak=1.01 * sealing)])) is Level.DOUBTFUL
-    assert level_of(warnings._nearly_sealed(case(), SURFACE, [load(peak=0.9 * sealing)])) is Level.DOUBTFUL
+    assert level_of(warnings._sealed(problem(), SURFACE, [load(peak=1.01 * sealing)])) is Level.DOUBTFUL
+    assert level_of(warnings._nearly_sealed(problem(), SURFACE, [load(peak=0.9 * sealing)])) is Level.DOUBTFUL
     assert level_of(warnings._blown_open([load(leak_rate=math.inf)])) is Level.OUTSIDE
 
 
@@ -206,7 +217,7 @@ def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
     from fem_seal.analysis.results import DiscretisationError
 
     result, coarse = rough_result(), DiscretisationError(0.01, 0.0, 0.0, None)
-    found = load_validity(result.case, result.loads[0], result.surface, coarse)
+    found = load_validity(result.problem, result.loads[0], result.surface, coarse)
     assert found.level is Level.DOUBTFUL and found.reasons == ("estimated discretisation error 1 %",)
     assert found.without("mesh") == VALID
 
@@ -219,7 +230,7 @@ def test_a_force_for_the_target_that_is_outside_the_theory_is_said_at_its_load()
     assert found.validity.level is Level.DOUBTFUL
     assert any("force for the target leak rate outside the theory" in one for one in found.validity.reasons)
     contact = TargetContact(found.fluid_pressure, 0.0, found.contact, found.critical_separation)
-    assert not warnings.target_validity(result.case, result.surface, contact).outside
+    assert not warnings.target_validity(result.problem, result.surface, contact).outside
 
 
 # ---------------------------------------------------------------- numbers that agree
@@ -267,7 +278,7 @@ def test_a_mesh_error_that_is_not_known_is_no_clean_bill():
     from fem_seal.analysis.results import DiscretisationError
 
     result, unknown = rough_result(), DiscretisationError(math.nan, math.nan, math.nan, None)
-    found = load_validity(result.case, result.loads[0], result.surface, unknown)
+    found = load_validity(result.problem, result.loads[0], result.surface, unknown)
     assert found.reasons == ("discretisation error not estimated",)
 
 
@@ -373,7 +384,7 @@ def test_next_to_the_percolation_threshold_no_factor_is_claimed():
     given = GivenLoad(2e6, GivenContact(profile), result.loads[0].leak, 1e-9)
     (reason, *_) = (
         one.reason
-        for one in profile_validity(result.case, result.surface, given).cautions
+        for one in profile_validity(result.problem, result.surface, given).cautions
         if one.kind == "few channels"
     )
     assert "orders of magnitude" in reason

@@ -9,8 +9,8 @@ import pytest
 from sample_results import case, rough_result
 
 from fem_seal import cli
-from fem_seal.analysis.flow import leak_of_profiles
 from fem_seal.analysis.profile_file import read_profiles
+from fem_seal.analysis.profile_leak import leak_of_profiles
 from fem_seal.analysis.results import highest_load
 from fem_seal.errors import InputError
 from fem_seal.output.columns import (
@@ -115,8 +115,10 @@ def test_the_report_shows_the_numbers_of_leak_csv_in_its_units():
 
 def test_a_given_profile_has_the_columns_of_leak_csv(tmp_path):
     result = rough_result()
-    loads = leak_of_profiles(result.case, read_profiles(write_profile_csv(result, tmp_path / "profile.csv")))
-    rows = profile_leak_rows(result.case, loads)
+    loads = leak_of_profiles(
+        result.problem, read_profiles(write_profile_csv(result, tmp_path / "profile.csv"))
+    )
+    rows = profile_leak_rows(loads)
     for row, full in zip(rows, leak_rows(result), strict=True):
         assert tuple(row) == (*PROFILE_LEAK_COLUMNS, "validity", "validity_reasons")
         # another range of the table of conductivities

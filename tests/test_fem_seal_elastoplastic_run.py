@@ -17,7 +17,6 @@ from matplotlib.figure import Figure
 from sample_results import case as elastic_case
 
 import fem_seal
-import fem_seal.analysis.problem
 from fem_seal.analysis.closed_forms import derive, profile_sizes
 from fem_seal.analysis.load_names import different, load_axis, load_name
 from fem_seal.bodies.fields import ElastoplasticField, von_mises
@@ -106,7 +105,7 @@ def folder(result: SealResult, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 def test_a_run_is_the_load_path_of_the_case(result: SealResult) -> None:
     """The same contacts as those of the solver called by hand on the same mesh; same code, so to round-off."""
-    case, law = result.case, fem_seal.analysis.problem.interface_law(result.case, None)
+    case, law = result.case, result.problem.law
     fit = FurtherLoads(seat={"wall": 2e-6})
     forces = [closing_force(case.touch_radius, pressure) for pressure in (300e5, 50e5)]
     path = load_path(result.model, law, [PathLoad(force, fit) for force in forces], at_rest=fit)
@@ -127,7 +126,7 @@ def test_the_mesh_covers_the_contact_that_yielding_makes_wide(result: SealResult
 
 def test_a_coined_seat_is_wider_than_a_new_one(result: SealResult) -> None:
     """50 bar after 300 bar, against the same load on the elastic seat: that alone does not reach the yield stress."""
-    coined, law = result.loads[1].contact, fem_seal.analysis.problem.interface_law(result.case, None)
+    coined, law = result.loads[1].contact, result.problem.law
     alone = solve(result.model, law, axial_force=coined.axial_force, loads=coined.loads)
     assert alone.fields["seat"].von_mises.max() < YIELD
     assert coined.profile.std > 1.02 * alone.profile.std

@@ -13,12 +13,14 @@ from sample_results import STEEL, case
 
 import fem_seal
 from fem_seal import cli
-from fem_seal.analysis import chain, flow
+from fem_seal.analysis import chain
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.closed_forms import derive
+from fem_seal.analysis.flow import Flow
 from fem_seal.analysis.left_out import left_out
 from fem_seal.analysis.load_solver import LoadSolver, SolvedLoads
 from fem_seal.analysis.opening import opening_margin
+from fem_seal.analysis.problem import Loads
 from fem_seal.analysis.results import digits_near_opening
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, OutputError
@@ -127,13 +129,13 @@ def test_a_path_ends_before_a_load_whose_traces_are_not_known():
         2: "strain",
         3: "path",
     }
-    told = [caution.text for caution in left_out(path.load, refused_loads(path))]
+    told = [caution.text for caution in left_out(Loads.of(path), refused_loads(path))]
     assert len(told) == 3
     assert told[2].startswith("at 10 bar with 0 N: a body that yields remembers its loads")
 
 
 def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_first():
-    pressures = case(load={"fluid_pressure": ["5 bar", "2 bar", "8 bar"]}).load
+    pressures = Loads.of(case(load={"fluid_pressure": ["5 bar", "2 bar", "8 bar"]}))
     failures = {0: ConvergenceError("no luck"), 2: ZeroDivisionError("float division by zero")}
     (said,) = left_out(pressures, SolvedLoads((), failures=failures).problems)
     assert said.text == "at 5 bar: no luck. This load is left out; so are those at 8 bar"
@@ -175,14 +177,14 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
 
 
 def test_a_leak_rate_that_fails_costs_no_contact(monkeypatch):
-    leak_of_contact = flow.leak_of_contact
+    leak_of = Flow.leak_of
 
-    def failing(case, table, contact, fluid_pressure):
+    def failing(flow, table, profile, fluid_pressure):
         if fluid_pressure == 5e5:
             raise ZeroDivisionError("float division by zero")
-        return leak_of_contact(case, table, contact, fluid_pressure)
+        return leak_of(flow, table, profile, fluid_pressure)
 
-    monkeypatch.setattr(chain, "leak_of_contact", failing)
+    monkeypatch.setattr(Flow, "leak_of", failing)
     result = fem_seal.run(case())
     assert result.table.leak_rate_m3_per_s.isna().tolist() == [False, True, False]
     assert result.table.peak_pressure_Pa.notna().all()

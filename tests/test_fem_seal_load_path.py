@@ -14,9 +14,11 @@ from sample_results import case
 
 import fem_seal
 import meshes
-from fem_seal.analysis.closed_forms import derive, target_remarks
+from fem_seal.analysis.closed_forms import derive
 from fem_seal.analysis.load_names import different, load_axis, load_name
+from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.profile_file import read_profiles
+from fem_seal.analysis.target import target_remarks
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
 from fem_seal.bodies.held_body import Supports
 from fem_seal.contact.model import condense
@@ -344,7 +346,7 @@ def test_a_single_pressure_under_several_forces_is_told_once():
         }
     )
     # that any force meets it is one remark and not three
-    assert len(target_remarks(several)) == 1
+    assert len(target_remarks(SealProblem.of(several))) == 1
     (lines, _) = leakage_lines(several, 5e5, 1e-9, 200.0)
     assert lines.startswith("Leak rate at 5 bar with 200 N:")
 

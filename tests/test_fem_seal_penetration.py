@@ -12,7 +12,7 @@ import fem_seal
 import leak
 import meshes
 from fem_seal import HardContact, solve
-from fem_seal.analysis.problem import condensed, interface_law, sizing
+from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.bodies.elasticity import node_dofs, pressure_load, quadratic_nodes, stiffness_matrix
 from fem_seal.bodies.held_body import Supports
 from fem_seal.contact.coupled import Seal
@@ -97,8 +97,8 @@ def wetted(closure, seat, refine=1.0, **load):
         interface={"law": "exponential", "u0": "0.5 um", "p_c": "10 GPa"},
         load={"fluid_pressure": "10 bar", "pressure_side": "inner", "closing": "penetration", **load},
     )
-    law = interface_law(case, None)
-    return case, condensed(case, build_contact(case.contact, sizing(case, law).refined(refine)))
+    problem = SealProblem.of(case)
+    return case, condensed(problem, build_contact(problem.contact, sizing(problem).refined(refine)))
 
 
 def unevenness(model, p):

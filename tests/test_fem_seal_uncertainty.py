@@ -110,8 +110,7 @@ def test_polynomial_gives_the_samples_that_it_has_not_seen():
     result = single_result()
     interval = leak_interval(result, settings)
     assert interval.runs < interval.samples
-    case_of_samples = result.case.model_copy(update={"uncertainty": settings})
-    study = module._Study.of(replace(result, case=case_of_samples), settings)
+    study = module._Study.of(result, settings)
     unseen = list(range(70, 128, 4))
     np.testing.assert_allclose(interval.leak_rate[:, unseen].T, study.leak_rates(unseen), rtol=2e-3)
     assert interval.shares.sum() == pytest.approx(1.0, abs=0.01)
@@ -246,9 +245,11 @@ def test_each_surface_has_its_own_scans(tmp_path):
         roughness={"seat": rough, "closure": {"kind": "profile", "file": files[1]}},
         uncertainty={"spectrum": {"distribution": "scans"}, "rms_height": {"relative": 0.1}},
     )
-    names = [found.name for found in uncertain_inputs(one)]
+    names = [found.name for found in uncertain_inputs(one, one.uncertainty)]
     assert names == ["rms_height", "seat", "scan_length_seat", "scan_length_closure"]
-    shares = [found.share for found in uncertain_inputs(one) if isinstance(found, UncertainHeight)]
+    shares = [
+        found.share for found in uncertain_inputs(one, one.uncertainty) if isinstance(found, UncertainHeight)
+    ]
     # what three scans do not show of themselves; of the one scan, whose only source this is, all
     assert shares == [0.5, 1.0]
     with pytest.raises(InputError, match="two or more files"):

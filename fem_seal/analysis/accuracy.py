@@ -5,22 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
 
 from fem_seal.analysis.load_solver import LoadSolver, solve_load
-from fem_seal.analysis.problem import condensed, interference, supports
+from fem_seal.analysis.problem import SealProblem, condensed
 from fem_seal.analysis.results import DiscretisationError, FarFieldChange
 from fem_seal.bodies.held_body import Supports
-from fem_seal.contact.laws import Law
-from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
-from meshes import ContactGeometry, GeometryError, MeshingError, SealMesh, Sizing, build_contact
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
+from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
 
 # Of a result whose estimate failed.
 NOT_ESTIMATED = DiscretisationError(math.nan, math.nan, math.nan, None)
@@ -31,14 +26,14 @@ _STEPS = PlasticSettings().steps
 
 @dataclass(frozen=True)
 class CoarserLoad:
-    """One load of a case on larger elements than those of the result.
+    """One load of a problem on larger elements than those of the result.
 
     Parameters
     ----------
     solver : LoadSolver
     mesh : SealMesh
     number : int
-        Which of the case's loads it is.
+        Which of the loads it is.
     contact : ContactSolution
     """
 
@@ -50,27 +45,26 @@ class CoarserLoad:
     @property
     def fluid_pressure(self) -> float:
         """Fluid pressure of the load [Pa]."""
-        return self.solver.case.load.fluid_pressure[self.number]
+        return self.solver.problem.loads.fluid_pressure[self.number]
 
     def solve(self, solver: LoadSolver) -> ContactSolution:
         """The same load and load steps with another solver."""
         return solve_load(solver, self.number, steps=_STEPS // COARSER, start=self.contact)
 
 
-def on_coarser_mesh(case: Case, law: Law, sizing: Sizing, number: int) -> CoarserLoad:
-    """Solve one load of a case on elements larger by `COARSER`.
+def on_coarser_mesh(problem: SealProblem, sizing: Sizing, number: int) -> CoarserLoad:
+    """Solve one load of a problem on elements larger by `COARSER`.
 
     Parameters
     ----------
-    case : Case
-    law : Law
+    problem : SealProblem
     sizing : Sizing
         Of the result.
     number : int
-        Which of the case's loads.
+        Which of the loads.
     """
-    mesh = build_contact(case.contact, sizing.refined(1 / COARSER))
-    solver = LoadSolver(case, law, condensed(case, mesh))
+    mesh = build_contact(problem.contact, sizing.refined(1 / COARSER))
+    solver = LoadSolver(problem, condensed(problem, mesh))
     return CoarserLoad(solver, mesh, number, solve_load(solver, number, steps=_STEPS // COARSER))
 
 
@@ -87,12 +81,12 @@ def discretisation_error(
     sizing : Sizing
         Of the result.
     """
-    case = coarser.solver.case
-    if not case.contact.has_ready_mesh:
+    problem = coarser.solver.problem
+    if not problem.contact.has_ready_mesh:
         return _compared(coarser, result, coarser.contact)
     # A ready mesh cannot be made coarser, but finer.
-    fine_mesh = build_contact(case.contact.with_finer_meshes(), sizing.refined(COARSER))
-    solver = LoadSolver(case, coarser.solver.law, condensed(case, fine_mesh))
+    fine_mesh = build_contact(problem.contact.with_finer_meshes(), sizing.refined(COARSER))
+    solver = LoadSolver(problem, condensed(problem, fine_mesh))
     fine = solve_load(solver, coarser.number, steps=_STEPS * COARSER)
     return _compared(coarser, fine, result, of_coarse=True)
 
@@ -121,10 +115,6 @@ def _compared(
     )
 
 
-_LARGER = 2.0
-_LENGTHS = ("outer_radius", "height")
-
-
 def far_field(load: CoarserLoad) -> tuple[FarFieldChange, ...]:
     """Solve one load with a housing twice as large, and with its wall held if it is free and free if it is held.
 
@@ -133,37 +123,25 @@ def far_field(load: CoarserLoad) -> tuple[FarFieldChange, ...]:
     load : CoarserLoad
     """
     changes = []
-    for name, model in _variations(load.solver.case, load.mesh):
+    for name, model in _variations(load.solver.problem, load.mesh):
         # Close to blow-off the seal may open with another support: that is told by the blow-off pressure.
         with suppress(InputError, ConvergenceError):
             changes.append(_change(name, load, load.solve(replace(load.solver, model=model))))
     return tuple(changes)
 
 
-def _variations(case: Case, mesh: SealMesh) -> Iterator[tuple[str, ContactModel]]:
-    materials = {"closure": case.closure.material, "seat": case.seat.material}
-    held = supports(case)
-    if interference(case):
+def _variations(problem: SealProblem, mesh: SealMesh) -> Iterator[tuple[str, ContactModel]]:
+    if problem.interference:
         return  # another size or support is another fit: that is no question of the far field
-    # The larger housing is no question of this case if it cannot be built.
+    # The larger housing is no question of this seal if it cannot be built.
     with suppress(GeometryError, MeshingError):
-        larger = _larger_housing(case)
+        larger = problem.larger_housing()
         if larger is not None:
-            model = condense(build_contact(larger, mesh.sizing), materials, held)
-            yield "a housing twice as wide and high", model
-    other = Supports(wall="fixed" if held.wall == "free" else "free")
-    name = "holding its wall" if other.wall == "fixed" else "leaving its wall free"
-    yield name, condense(mesh, materials, other)
-
-
-def _larger_housing(case: Case) -> ContactGeometry | None:
-    closure = case.closure.body()
-    seat: Any = case.seat.body(closure)
-    known = {field.name for field in fields(seat)} if is_dataclass(seat) else set()
-    if not set(_LENGTHS) <= known:
-        return None
-    larger = replace(seat, **{name: _LARGER * getattr(seat, name) for name in _LENGTHS})
-    return ContactGeometry.of(closure.outline, larger.outline)
+            wider = replace(problem, contact=larger)
+            yield "a housing twice as wide and high", condensed(wider, build_contact(larger, mesh.sizing))
+    free = problem.supports.wall == "free"
+    other = replace(problem, supports=Supports(wall="fixed" if free else "free"))
+    yield "holding its wall" if free else "leaving its wall free", condensed(other, mesh)
 
 
 def _change(name: str, base: CoarserLoad, changed: ContactSolution) -> FarFieldChange:

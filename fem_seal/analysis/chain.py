@@ -13,11 +13,10 @@ import numpy as np
 from fem_seal.analysis.accuracy import NOT_ESTIMATED, discretisation_error, far_field, on_coarser_mesh
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.caution import NOT_JUDGED, worst_first
-from fem_seal.analysis.flow import conductivity_table, leak_of_contact
 from fem_seal.analysis.left_out import left_out
 from fem_seal.analysis.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.analysis.opening import with_margins
-from fem_seal.analysis.problem import interface_law, rough_contact
+from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.questions import with_answers
 from fem_seal.analysis.results import (
     DiscretisationError,
@@ -28,7 +27,6 @@ from fem_seal.analysis.results import (
 )
 from fem_seal.analysis.variants import interface_variants, theory_variants
 from fem_seal.analysis.warnings import contact_cautions, load_validity
-from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.units import given
 from leak import LeakResult, RoughContact
@@ -51,29 +49,30 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     """
     clock = Clock(progress or (lambda text: None))
     with clock.step("interface", "roughness and interface law"):
-        surface = rough_contact(case)
-        law = interface_law(case, surface)
-    whole, refused = case, refused_loads(case)
-    case = _without(case, refused)
-    seal_mesh, model, solved = model_and_contacts(case, law, clock)
-    case, contacts, after = _without(case, solved.failures), solved.contacts, Afterwards()
-    kept = [number for number in range(len(whole.load.points)) if number not in refused]
-    unsolved = {kept[number]: problem for number, problem in solved.problems.items()}
-    remarks = tuple(left_out(whole.load, refused | unsolved))
+        whole = SealProblem.of(case)
+        _ = whole.law  # made once for each surface, and here, where it is timed
+    refused = whole.loads.refused
+    problem = _without(whole, refused)
+    seal_mesh, model, solved = model_and_contacts(problem, clock)
+    problem, contacts, after = _without(problem, solved.failures), solved.contacts, Afterwards()
+    kept = [number for number in range(len(whole.loads.points)) if number not in refused]
+    unsolved = {kept[number]: one for number, one in solved.problems.items()}
+    missing = {**refused, **unsolved}
+    remarks = tuple(left_out(whole.loads, missing))
     if solved.not_unloaded is not None:
         after.name("residual stress and imprint", solved.not_unloaded)
     with clock.step("leak", "flow conductivity and leak rates"):
-        flows = _leak_rates(case, surface, contacts, after)
+        flows = _leak_rates(problem, contacts, after)
     with clock.step("stress", "stress in both bodies"):
-        separations = _critical_separations(surface, contacts, after)
+        separations = _critical_separations(problem.surface, contacts, after)
         loads = tuple(
             _load_result(after, *item)
-            for item in zip(case.load.points, contacts, *flows, *separations, strict=True)
+            for item in zip(problem.loads.points, contacts, *flows, *separations, strict=True)
         )
-    solver, coarser, error = LoadSolver(case, law, model), None, NOT_ESTIMATED
+    solver, coarser, error = LoadSolver(problem, model), None, NOT_ESTIMATED
     with clock.step("error", "estimating the discretisation error"), after.going_on("discretisation error"):
         strongest = strongest_load(loads)
-        coarser = on_coarser_mesh(case, law, seal_mesh.sizing, strongest)
+        coarser = on_coarser_mesh(problem, seal_mesh.sizing, strongest)
         error = discretisation_error(contacts[strongest], coarser, seal_mesh.sizing)
     far: tuple[FarFieldChange, ...] = ()
     if coarser is not None:
@@ -83,16 +82,17 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
         loads, of_answers = with_answers(solver, loads, after)
         loads = after.get("margin to opening", partial(with_margins, solver, loads), loads)
     with clock.step("variants", "comparing elastic and plastic interface law"):
-        compare = partial(interface_variants, solver, surface, loads)
+        compare = partial(interface_variants, solver, loads)
         variants = after.get("comparison of elastic and plastic interface law", compare, ())
-    check = partial(contact_cautions, case, model, loads, error, surface)
+    check = partial(contact_cautions, problem, model, loads, error, problem.surface)
     found = (*remarks, *after.get("checks of what the theory allows", check, ()), *of_answers)
     result = SealSolution(
-        case,
+        case.without_loads(missing),
+        problem,
         seal_mesh,
         model,
-        surface,
-        _judged(after, case, loads, surface, error),
+        problem.surface,
+        _judged(after, problem, loads, error),
         error,
         variants,
         tuple(caution.text for caution in worst_first(found)),
@@ -106,11 +106,7 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
 
 
 def _judged(
-    after: Afterwards,
-    case: Case,
-    loads: Sequence[LoadResult],
-    surface: RoughContact | None,
-    error: DiscretisationError,
+    after: Afterwards, problem: SealProblem, loads: Sequence[LoadResult], error: DiscretisationError
 ) -> tuple[LoadResult, ...]:
     """Loads with their validity."""
     return tuple(
@@ -118,7 +114,7 @@ def _judged(
             load,
             validity=after.get(
                 f"validity at {given('fluid pressure', load.fluid_pressure)}",
-                partial(load_validity, case, load, surface, error),
+                partial(load_validity, problem, load, problem.surface, error),
                 NOT_JUDGED,
             ),
         )
@@ -147,32 +143,30 @@ def _with_uncertainty(result: SealSolution, clock: Clock, after: Afterwards) -> 
         return replace(result, uncertainty=after.get("interval of the leak rates", calculate, None))
 
 
-def _without(case: Case, numbers: Collection[int]) -> Case:
-    """The case without some of its loads."""
-    return case.model_copy(update={"load": case.load.without(numbers)}) if numbers else case
+def _without(problem: SealProblem, numbers: Collection[int]) -> SealProblem:
+    return replace(problem, loads=problem.loads.without(numbers)) if numbers else problem
 
 
 def _leak_rates(
-    case: Case, surface: RoughContact | None, contacts: Sequence[ContactSolution], after: Afterwards
+    problem: SealProblem, contacts: Sequence[ContactSolution], after: Afterwards
 ) -> tuple[list[LeakResult | None], list[LeakResult | None]]:
-    """Leak of each contact with the case's surface and with the same surface kept elastic."""
+    """Leak of each contact with the problem's surface and with the same surface kept elastic."""
     nothing: list[LeakResult | None] = [None] * len(contacts)
-    if surface is None or case.fluid is None:
+    surface, flow = problem.surface, problem.flow
+    if surface is None or flow is None:
         return nothing, nothing
 
     def of(surface: RoughContact, name: str) -> list[LeakResult | None]:
-        table = after.get(
-            f"flow conductivity{name}", partial(conductivity_table, case, surface, contacts), None
-        )
+        table = after.get(f"flow conductivity{name}", partial(flow.table_of, surface, contacts), None)
         if table is None:
             return nothing
         return [
             after.get(
                 f"leak rate{name} at {given('fluid pressure', pressure)}",
-                partial(leak_of_contact, case, table, contact, pressure),
+                partial(flow.leak_of, table, contact.profile, pressure),
                 None,
             )
-            for contact, pressure in zip(contacts, case.load.fluid_pressure, strict=True)
+            for contact, pressure in zip(contacts, problem.loads.fluid_pressure, strict=True)
         ]
 
     found = of(surface, "")

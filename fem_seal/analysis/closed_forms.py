@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.flow import CaseFlow
-from fem_seal.analysis.problem import exponential_law, interface_law, rough_contact
+from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import SealSolution
+from fem_seal.analysis.seal_flow import SealFlow
+from fem_seal.analysis.target import expected_contact_force
 from fem_seal.arrays import FloatArray
-from fem_seal.case.load_limits import refused_loads
-from fem_seal.contact.laws import HardContact, InterfaceLaw, Law
-from fem_seal.errors import InputError, Problem
+from fem_seal.contact.laws import HardContact, InterfaceLaw
+from fem_seal.errors import InputError
 from fem_seal.loads import blow_off_of_sealed_area, closing_force, expected_force, line_load
 from leak import CrossoverLine, GaussianLine, HertzLine, crossover_line, gaussian_line, hertz_line
 
@@ -110,20 +110,21 @@ def derive(case: Case) -> Derived:
     Derived
         With law "persson" the exponential of the elastic spectrum at low pressure stands for the law.
     """
-    surface, refused = rough_contact(case), refused_loads(case)
-    decay_length, law_pressure = exponential_law(case, surface)
+    problem = SealProblem.of(case)
+    surface, loads = problem.surface, problem.loads
+    decay_length, law_pressure = problem.interface.exponential(surface)
     return Derived(
-        touch_radius=case.touch_radius,
-        effective_modulus=case.effective_modulus,
-        relative_radius=case.contact.relative_radius,
+        touch_radius=problem.touch_radius,
+        effective_modulus=problem.effective_modulus,
+        relative_radius=problem.contact.relative_radius,
         hardness=surface.hardness if surface else None,
         rms_height=surface.spectrum.rms_height if surface else None,
         rms_slope=surface.spectrum.rms_slope if surface else None,
         decay_length=decay_length,
         law_pressure=law_pressure,
         loads=tuple(
-            _derive_load(case, *point, decay_length, profiles=number not in refused)
-            for number, point in enumerate(case.load.points)
+            _derive_load(problem, *point, decay_length, profiles=number not in loads.refused)
+            for number, point in enumerate(loads.points)
         ),
     )
 
@@ -137,7 +138,7 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
     derived : Derived
         Of the same case.
     """
-    law = _stiffening_law(case)
+    law = _stiffening_law(SealProblem.of(case))
     for load in derived.loads:
         closed = load.crossover or load.hertz
         if closed is None:
@@ -178,28 +179,33 @@ def nearly_open(derived: Derived) -> str:
     )
 
 
-def _stiffening_law(case: Case) -> InterfaceLaw | None:
+def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:
     """The law of the rough surface; None where it is an exponential or hard contact."""
-    if case.interface.law != "persson":
+    if problem.interface.law != "persson":
         return None
 
-    law = interface_law(case, rough_contact(case))
+    law = problem.law
     assert not isinstance(law, HardContact)  # that is law = "smooth"
     return law
 
 
 def _derive_load(
-    case: Case, fluid_pressure: float, axial_force: float, decay_length: float | None, *, profiles: bool
+    problem: SealProblem,
+    fluid_pressure: float,
+    axial_force: float,
+    decay_length: float | None,
+    *,
+    profiles: bool,
 ) -> DerivedLoad:
 
-    r0, R, E = case.touch_radius, case.contact.relative_radius, case.effective_modulus
+    r0, R, E = problem.touch_radius, problem.contact.relative_radius, problem.effective_modulus
     profiles = profiles and not math.isinf(R)
-    side = case.load.pressure_side
-    force = expected_force(r0, fluid_pressure, axial_force, side, case.load.closing)
+    side = problem.loads.pressure_side
+    force = expected_force(r0, fluid_pressure, axial_force, side, problem.loads.closing)
     if force > closing_force(r0, fluid_pressure, axial_force, side):
         # what a run begins with where the fluid carries the spring or nearly so, and no estimate of the force
         force, profiles = math.nan, False
-    f = line_load(force, r0, case.contact.angle)
+    f = line_load(force, r0, problem.contact.angle)
     return DerivedLoad(
         fluid_pressure=fluid_pressure,
         closing_force=force,
@@ -208,20 +214,20 @@ def _derive_load(
         gaussian=gaussian_line(f, R, decay_length) if decay_length and profiles else None,
         crossover=crossover_line(f, R, E, decay_length) if decay_length and profiles else None,
         blow_off_pressure=blow_off_of_sealed_area(r0, axial_force) if side == "inner" else None,
-        force_for_target=_force_for_target(case, fluid_pressure),
+        force_for_target=_force_for_target(problem, fluid_pressure),
     )
 
 
-def _force_for_target(case: Case, fluid_pressure: float) -> float | None:
-    target = case.load.target_leak_rate
-    if target is None:
+def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | None:
+    flow, target = SealFlow.of(problem), problem.loads.target_leak_rate
+    if flow is None or target is None:
         return None
 
     try:
-        force = expected_contact_force(case, interface_law(case, rough_contact(case)), fluid_pressure, target)
+        force = expected_contact_force(flow, fluid_pressure, target)
     except InputError:
         return None
-    return force - closing_force(case.touch_radius, fluid_pressure, 0.0, case.load.pressure_side)
+    return force - closing_force(problem.touch_radius, fluid_pressure, 0.0, problem.loads.pressure_side)
 
 
 CLOSED_FORMS = ("hertz", "gaussian", "crossover")
@@ -268,104 +274,3 @@ def profile_sizes(result: SealSolution, derived: Derived) -> dict[str, Sizes]:
         if all(profile is not None for profile in profiles):
             sizes[name] = Sizes.of(profiles)
     return sizes
-
-
-# Step of the force while a target is looked for, and how far down from the largest sensible force.
-_STEP = 4.0
-_LEAST = 1e-9
-# Leak rates are compared within this factor of the target: sealed and blown open have to be something, too.
-_FARTHEST = 1e6
-
-
-def expected_contact_force(case: Case, law: Law, fluid_pressure: float, target: float) -> float:
-    """Force F_N at which a Gaussian profile of the expected width leaks as much as the target [N].
-
-    Parameters
-    ----------
-    case : Case
-    law : Law
-    fluid_pressure : float
-        [Pa]
-    target : float
-        [m^3/s]
-
-    Raises
-    ------
-    InputError
-        If no sensible force does.
-    """
-    from scipy.optimize import brentq
-
-    flow = CaseFlow(case, law)
-
-    def excess(log_force: float) -> float:
-        profile = flow.expected_profile(math.exp(log_force))
-        return log_excess(flow.leak(profile, fluid_pressure).leak_rate, target)
-
-    highest = math.log(largest_force(case))
-    area = math.pi * case.touch_radius**2
-    at = min(math.log(abs(closing_force(case.touch_radius, fluid_pressure)) + 1e-12 * area), highest)
-    step = math.log(_STEP) * (1 if excess(at) > 0 else -1)
-    while True:
-        ahead = min(at + step, highest)
-        if excess(ahead) * step <= 0:
-            return math.exp(float(brentq(excess, at, ahead, xtol=1e-3)))
-        if ahead == highest:
-            raise target_problem(
-                case,
-                f"even a contact force of {largest_force(case):.4g} N, the largest for small strains, leaves "
-                f"{flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate:.4g} m^3/s at "
-                f"{fluid_pressure / 1e5:.4g} bar; allowed is a larger target, or take a smoother surface",
-                target,
-            )
-        if ahead < highest + math.log(_LEAST):
-            raise target_problem(
-                case,
-                f"a contact that carries next to nothing leaks less at {fluid_pressure / 1e5:.4g} bar; any force "
-                "that closes the seal meets it",
-                target,
-            )
-        at = ahead
-
-
-def target_remarks(case: Case) -> tuple[str, ...]:
-    """Why the target leak rate of a case cannot be met, before anything is solved; empty if it can.
-
-    Parameters
-    ----------
-    case : Case
-        With a target.
-    """
-    law, target = interface_law(case, rough_contact(case)), case.load.target_leak_rate
-    assert target is not None
-    remarks = []
-    for pressure in dict.fromkeys(case.load.fluid_pressure):
-        try:
-            expected_contact_force(case, law, pressure, target)
-        except InputError as error:
-            remarks.append(str(error))
-    return tuple(remarks)
-
-
-def largest_force(case: Case) -> float:
-    """Largest force F_N with small strains [N]: Hertz half-width a tenth of contact radius and relative curvature."""
-    contact, modulus = case.contact, case.effective_modulus
-    r0, R = contact.touch_radius, contact.relative_radius
-    if math.isinf(R):
-        # Faces that fit each other: the pressure at which Hertz' contact would be as wide, all over the face.
-        start, end = contact.reach
-        f = (end - start) * modulus / 20
-    else:
-        f = math.pi * modulus * (min(r0, R) / 10) ** 2 / (4 * R)
-    return f / line_load(1.0, r0, contact.angle)
-
-
-def log_excess(leak_rate: float, target: float) -> float:
-    """ln of a leak rate over the target, within bounds: sealed and blown open are something, too."""
-    return math.log(min(max(leak_rate / target, 1 / _FARTHEST), _FARTHEST))
-
-
-def target_problem(case: Case, message: str, target: float | None) -> InputError:
-    """What is wrong with a target leak rate."""
-    shown = None if target is None else f"{target:.4g} m^3/s"
-    return InputError(Problem("load.target_leak_rate", message, shown), file=case.file)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem_seal.analysis.problem import flow_of
 from fem_seal.units import quantity
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult
     from fem_seal.case.case import Case
     from leak import LeakageClass
-
-_ATMOSPHERE = 101325.0
 
 
 @dataclass(frozen=True)
@@ -107,18 +106,18 @@ def leakage(case: Case, fluid_pressure: float, leak_rate: float, *, claimed: boo
     """
     from leak import leakage_class
 
-    assert case.fluid is not None
-    gas, density, size = case.fluid.gas, case.fluid.density, nominal_size(case)
+    flow, size = flow_of(case), nominal_size(case)
+    assert flow is not None  # there is a leak rate
     return Leakage(
         fluid_pressure,
         leak_rate,
-        None if density is None else leak_rate * density,
-        None if gas is None else leak_rate * _ATMOSPHERE,
-        None if gas is None else leak_rate * 273.15 / gas.temperature,
+        flow.mass_flow(leak_rate),
+        flow.throughput(leak_rate),
+        flow.standard_leak_rate(leak_rate),
         leakage_class(
             leak_rate,
             size.size,
-            gas=gas is not None,
+            gas=flow.gas is not None,
             pressure_drop=fluid_pressure,
             seat_diameter=size.diameter,
         )

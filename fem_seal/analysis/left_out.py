@@ -1,4 +1,4 @@
-"""Which loads of a case have no result, and why: one sentence for each reason."""
+"""Which loads have no result, and why: one sentence for each reason."""
 
 from __future__ import annotations
 
@@ -8,48 +8,48 @@ from typing import TYPE_CHECKING
 from fem_seal.analysis.caution import Caution, Level
 
 if TYPE_CHECKING:
-    from fem_seal.case.tables import Load
+    from fem_seal.analysis.problem import Loads
     from fem_seal.errors import LoadProblem
 
 
-def left_out(load: Load, problems: Mapping[int, LoadProblem]) -> Iterator[Caution]:
+def left_out(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Caution]:
     """Which loads have no result: one sentence for each reason and force, or for all forces under one pressure.
 
     Parameters
     ----------
-    load : Load
+    loads : Loads
     problems : mapping
         Number of each load that is left out, with the reason.
     """
     for kind in dict.fromkeys(problem.kind for problem in problems.values()):
         alike = {number: problem for number, problem in problems.items() if problem.kind == kind}
-        for text in _alike(load, alike):
+        for text in _alike(loads, alike):
             # nothing against the loads that are left
             yield Caution("left out", Level.DOUBTFUL, "left out", text)
 
 
-def _alike(load: Load, problems: Mapping[int, LoadProblem]) -> Iterator[str]:
+def _alike(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[str]:
     """The same for loads with the same kind of problem; told is the reason of the one that is nearest to a result."""
-    points = {number: load.points[number] for number in problems}
+    points = {number: loads.points[number] for number in problems}
     kind = next(iter(problems.values())).kind
     # whose pressure is lowest; of an open seal whose spring is strongest; of those without a solution the first
     direction = {"open": -1, "strain": 1}.get(kind, 0)
-    if len(set(load.fluid_pressure)) == 1:
+    if len(set(loads.fluid_pressure)) == 1:
         nearest = min(points, key=lambda number: direction * points[number][1])
         others = {force for _, force in points.values()} - {points[nearest][1]}
-        yield _sentence(load, nearest, problems[nearest], _others("with", others, "N"))
+        yield _sentence(loads, nearest, problems[nearest], _others("with", others, "N"))
         return
     for spring in dict.fromkeys(force for _, force in points.values()):
         numbers = [number for number, (_, force) in points.items() if force == spring]
-        nearest = min(numbers, key=lambda number: abs(direction) * load.fluid_pressure[number])
-        pressures = {load.fluid_pressure[number] / 1e5 for number in numbers}
-        others = pressures - {load.fluid_pressure[nearest] / 1e5}
-        yield _sentence(load, nearest, problems[nearest], _others("at", others, "bar"))
+        nearest = min(numbers, key=lambda number: abs(direction) * loads.fluid_pressure[number])
+        pressures = {loads.fluid_pressure[number] / 1e5 for number in numbers}
+        others = pressures - {loads.fluid_pressure[nearest] / 1e5}
+        yield _sentence(loads, nearest, problems[nearest], _others("at", others, "bar"))
 
 
-def _sentence(load: Load, number: int, problem: LoadProblem, others: str) -> str:
-    pressure, force = load.points[number]
-    several = len({spring for _, spring in load.points}) > 1
+def _sentence(loads: Loads, number: int, problem: LoadProblem, others: str) -> str:
+    pressure, force = loads.points[number]
+    several = len({spring for _, spring in loads.points}) > 1
     at = f"at {pressure / 1e5:.6g} bar" + (f" with {force:.6g} N" if several else "")
     # a seal that opens says itself at which pressure and under which force
     name = "" if problem.kind == "open" else f"{at}: "

@@ -1,4 +1,4 @@
-"""All loads of a case: each by its way of closing, on a mesh that fits what was found."""
+"""All loads of a problem: each by its way of closing, on a mesh that fits what was found."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from fem_seal.analysis.afterwards import told
-from fem_seal.analysis.flow import CaseFlow
-from fem_seal.analysis.problem import condensed, interference, sizing
+from fem_seal.analysis.problem import SealProblem, condensed, sizing
+from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.contact.coupled import Seal
 from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
-from fem_seal.contact.laws import Law
 from fem_seal.contact.load_path import LoadPath, PathLoad, Unloaded, load_path, yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
@@ -40,24 +38,18 @@ from fem_seal.errors import (
 from fem_seal.loads import blow_off_of_sealed_area, closing_force
 from meshes import SealMesh, Sizing, build_contact
 
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
-
 
 @dataclass(frozen=True)
 class LoadSolver:
-    """Solves loads of a case on one model.
+    """Solves loads of a problem on one model.
 
     Parameters
     ----------
-    case : Case
-    law : Law
-        Between contact pressure and gap.
+    problem : SealProblem
     model : ContactModel
     """
 
-    case: Case
-    law: Law
+    problem: SealProblem
     model: ContactModel
 
     def solve(
@@ -71,7 +63,7 @@ class LoadSolver:
             If these leave the seal open.
         ConvergenceError
         """
-        if self.case.load.closing == "sealed-area":
+        if self.problem.loads.closing == "sealed-area":
             return self._sealed_area(axial_force + self._closes(fluid_pressure), start)
         try:
             return solve_penetration(
@@ -85,13 +77,13 @@ class LoadSolver:
                 f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",
                 f"{axial_force:.6g} N",
             )
-            raise InputError(problem, file=self.case.file) from error
+            raise InputError(problem, file=self.problem.file) from error
 
     def at_contact_force(
         self, fluid_pressure: float, contact_force: float, start: ContactSolution | None = None
     ) -> tuple[ContactSolution, float]:
         """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the spring force that this takes [N]."""
-        if self.case.load.closing == "sealed-area":
+        if self.problem.loads.closing == "sealed-area":
             return self._sealed_area(contact_force, start), contact_force - self._closes(fluid_pressure)
         contact = solve_at_contact_force(
             self.seal, contact_force=contact_force, fluid_pressure=fluid_pressure, start=start
@@ -100,14 +92,14 @@ class LoadSolver:
 
     def blow_off_pressure(self, axial_force: float) -> float:
         """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not."""
-        load = self.case.load
-        if load.closing == "penetration":
+        loads = self.problem.loads
+        if loads.closing == "penetration":
             return blow_off_pressure(self.seal, closing_force=axial_force)
-        return blow_off_of_sealed_area(self.case.touch_radius, axial_force, load.pressure_side)
+        return blow_off_of_sealed_area(self.problem.touch_radius, axial_force, loads.pressure_side)
 
     def opening_force(self, fluid_pressure: float) -> float | None:
         """Force of spring or actuator [N] below which the seal is open at a fluid pressure [Pa]; None if not found."""
-        if self.case.load.closing == "penetration":
+        if self.problem.loads.closing == "penetration":
             return least_closing_force(self.seal, fluid_pressure)
         return -self._closes(fluid_pressure)
 
@@ -117,19 +109,18 @@ class LoadSolver:
         return bool(yielding_bodies(self.model))
 
     @cached_property
-    def flow(self) -> CaseFlow | None:
+    def flow(self) -> SealFlow | None:
         """Flow through the contacts; None without roughness or fluid."""
-        known = self.case.roughness is not None and self.case.fluid is not None
-        return CaseFlow(self.case, self.law) if known else None
+        return SealFlow.of(self.problem)
 
     @cached_property
     def seal(self) -> Seal:
         """What stays the same at every load."""
-        return Seal(self.model, self.law, self._path, interference(self.case))
+        return Seal(self.model, self.problem.law, self._path, self.problem.interference)
 
     @cached_property
     def _path(self) -> FluidPath:
-        side, flow = self.case.load.pressure_side, self.flow
+        side, flow = self.problem.loads.pressure_side, self.flow
         if flow is None:
             return HeldFluid(side)
         return FlowThrough(
@@ -139,11 +130,11 @@ class LoadSolver:
         )
 
     def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
-        fit = FurtherLoads.press_fit(interference(self.case))
-        return solve(self.model, self.law, axial_force=force, loads=fit, start=start)
+        fit = FurtherLoads.press_fit(self.problem.interference)
+        return solve(self.model, self.problem.law, axial_force=force, loads=fit, start=start)
 
     def _closes(self, fluid_pressure: float) -> float:
-        return closing_force(self.case.touch_radius, fluid_pressure, 0.0, self.case.load.pressure_side)
+        return closing_force(self.problem.touch_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side)
 
 
 # What keeps one load from being solved: it opens the seal, does not converge, or its numbers leave their range.
@@ -178,13 +169,13 @@ class SolvedLoads:
 
 
 def solve_loads(solver: LoadSolver) -> SolvedLoads:
-    """Solve all loads of a case on a model; those that cannot be solved do not keep the others from it.
+    """Solve all loads of a problem on a model; those that cannot be solved do not keep the others from it.
 
     Parameters
     ----------
     solver : LoadSolver
     """
-    points = solver.case.load.points
+    points = solver.problem.loads.points
     if solver.yields:
         return _solved_path(solver)
     contacts: list[ContactSolution] = []
@@ -199,7 +190,7 @@ def solve_loads(solver: LoadSolver) -> SolvedLoads:
 
 def _solved_path(solver: LoadSolver) -> SolvedLoads:
     """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
-    numbers = range(len(solver.case.load.points))
+    numbers = range(len(solver.problem.loads.points))
     try:
         path = _path(solver, len(numbers))
     except ConvergenceError as error:
@@ -220,13 +211,13 @@ def _problem(error: Exception) -> LoadProblem:
 def solve_load(
     solver: LoadSolver, number: int, *, steps: int | None = None, start: ContactSolution | None = None
 ) -> ContactSolution:
-    """One load of a case; the bodies that yield go through those before it.
+    """One load of a problem; the bodies that yield go through those before it.
 
     Parameters
     ----------
     solver : LoadSolver
     number : int
-        Which of the case's loads.
+        Which of the loads.
     steps : int, optional
         Load steps from zero to a load with bodies that yield; those of `PlasticSettings` unless given.
     start : ContactSolution, optional
@@ -243,20 +234,20 @@ def solve_load(
         if path.stopped is not None:
             raise path.stopped
         return path.contacts[-1]
-    return solver.solve(*solver.case.load.points[number], start=start)
+    return solver.solve(*solver.problem.loads.points[number], start=start)
 
 
 def _path(solver: LoadSolver, count: int, steps: int | None = None) -> LoadPath:
     """The first `count` loads of the case, and the unloading."""
-    case, settings = solver.case, PlasticSettings()
-    fit = FurtherLoads.press_fit(interference(case))
+    problem, settings = solver.problem, PlasticSettings()
+    fit = FurtherLoads.press_fit(problem.interference)
     loads = [
-        PathLoad(closing_force(case.touch_radius, pressure, force, case.load.pressure_side), fit)
-        for pressure, force in case.load.points[:count]
+        PathLoad(closing_force(problem.touch_radius, pressure, force, problem.loads.pressure_side), fit)
+        for pressure, force in problem.loads.points[:count]
     ]
     if steps is not None:
         settings = replace(settings, steps=steps)
-    return load_path(solver.model, solver.law, loads, at_rest=fit, settings=settings, partial=True)
+    return load_path(solver.model, problem.law, loads, at_rest=fit, settings=settings, partial=True)
 
 
 Progress = Callable[[str], None]
@@ -287,15 +278,13 @@ class Clock:
 
 
 def model_and_contacts(
-    case: Case, law: Law, clock: Clock | None = None
+    problem: SealProblem, clock: Clock | None = None
 ) -> tuple[SealMesh, ContactModel, SolvedLoads]:
-    """All loads of a case on a mesh whose zone and element sizes fit what was found on it.
+    """All loads of a problem on a mesh whose zone and element sizes fit what was found on it.
 
     Parameters
     ----------
-    case : Case
-    law : Law
-        See `interface_law`.
+    problem : SealProblem
     clock : Clock, optional
         Told what is being done.
 
@@ -306,38 +295,38 @@ def model_and_contacts(
     GeometryError, MeshingError, ConvergenceError
     """
     clock = clock or Clock(lambda text: None)
-    size_given = case.mesh.contact_size is not None
+    size_given = problem.contact_size is not None
     meshes: list[SealMesh] = []
     solved: list[SolvedLoads] = []
     # a load that does not converge is tried on a finer mesh once, before the others go on without it
-    finer_may_help = not (size_given or case.contact.has_ready_mesh)
+    finer_may_help = not (size_given or problem.contact.has_ready_mesh)
 
     def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
         nonlocal finer_may_help
         with clock.step("mesh", "meshing closure and seat"):
-            meshes.append(build_contact(case.contact, sizing))
+            meshes.append(build_contact(problem.contact, sizing))
         with clock.step("condense", "condensing both bodies on the contact line"):
-            solver = LoadSolver(case, law, condensed(case, meshes[-1]))
+            solver = LoadSolver(problem, condensed(problem, meshes[-1]))
         along = ", one after the other in load steps, and unloading" if solver.yields else ""
-        with clock.step("contact", f"solving {len(case.load.fluid_pressure)} contacts{along}"):
+        with clock.step("contact", f"solving {len(problem.loads.points)} contacts{along}"):
             found = solve_loads(solver)
         unconverged = [error for error in found.failures.values() if isinstance(error, ConvergenceError)]
         if unconverged and finer_may_help:
             finer_may_help = False
             raise unconverged[0]
         if not found.contacts:
-            raise _no_load_left(case, found)
+            raise _no_load_left(problem, found)
         solved.append(found)
         return found.contacts
 
-    contacts = solve_fitted(sizing(case, law), case.contact, solve_on, size_given=size_given)
+    contacts = solve_fitted(sizing(problem), problem.contact, solve_on, size_given=size_given)
     return meshes[-1], contacts[0].model, solved[-1]
 
 
-def _no_load_left(case: Case, solved: SolvedLoads) -> Exception:
-    """The error of a case without a contact at any of its loads."""
+def _no_load_left(problem: SealProblem, solved: SolvedLoads) -> Exception:
+    """The error of a problem without a contact at any of its loads."""
     errors = list(solved.failures.values())
     if all(isinstance(error, ConvergenceError) for error in errors):
         return errors[0]
-    problems = {problem.kind: problem for problem in reversed(solved.problems.values())}
-    return NoLoadLeftError(*problems.values(), file=case.file)
+    problems = {one.kind: one for one in reversed(solved.problems.values())}
+    return NoLoadLeftError(*problems.values(), file=problem.file)

@@ -23,9 +23,9 @@ def with_margins(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[LoadR
     loads : sequence of LoadResult
         With the pressure that opens the seal.
     """
-    case, found = solver.case, []
+    side, found = solver.problem.loads.pressure_side, []
     for load in loads:
-        pressure, spring, side = load.fluid_pressure, load.applied_force, case.load.pressure_side
+        pressure, spring = load.fluid_pressure, load.applied_force
         held = solver.opening_force(pressure) if side == "outer" and spring < 0 else None
         margin = opening_margin(pressure, spring, side, opens=load.blow_off_pressure, held=held)
         found.append(replace(load, opening=margin))

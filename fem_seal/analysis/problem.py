@@ -1,36 +1,267 @@
-"""From the tables of a case to what is solved: rough contact, law, bodies, element sizes."""
+"""The problem that a case poses: bodies, surfaces, flow and loads as the calculation knows them.
+
+`SealProblem.of` is the door: behind it nobody asks the tables of the case. A variant of a problem is
+``replace(problem, ...)``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
+from fem_seal.analysis.flow import Flow
 from fem_seal.bodies.held_body import Supports
 from fem_seal.case.load_limits import refused_loads
-from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.refit import rounded
-from fem_seal.contact.sizing import element_sizes
-from fem_seal.errors import InputError
-from fem_seal.loads import expected_force, line_load, plastic_half_width
-from meshes import SealMesh, Sizing, build_contact
+from fem_seal.contact.sizing import element_sizes, for_yielding
+from fem_seal.errors import InputError, LoadProblem
+from fem_seal.loads import PressureSide, expected_force, line_load
+from fem_seal.materials import HardeningCurve, Material, effective_modulus
+from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
-    from fem_seal.case.case import Case
+    from fem_seal.case.tables import CaseTables
     from leak import RoughContact
 
 # Ratio of decay length to rms height of Fischer et al. 2020, below eq. 8.
 DEFAULT_GAMMA = 0.4
 
 
-def rough_contact(case: Case) -> RoughContact | None:
+@dataclass(frozen=True)
+class Interface:
+    """Which law between contact pressure and gap carries the macroscopic contact.
+
+    Parameters
+    ----------
+    law : {"persson", "exponential", "smooth"}
+    plastic : bool
+        With "persson": p(u) of the elastic or of the plastically smoothed spectrum.
+    gamma : float or None
+        With "exponential": decay length over rms height, unless `u0` is given.
+    u0 : float or None
+        With "exponential": decay length [m].
+    p_c : float or None
+        With "exponential": pressure at zero gap [Pa]; that of the spectrum unless given.
+    """
+
+    law: Literal["persson", "exponential", "smooth"]
+    plastic: bool = False
+    gamma: float | None = None
+    u0: float | None = None
+    p_c: float | None = None
+
+    def of_surface(self, surface: RoughContact | None) -> Law:
+        """The law of a rough contact; of "smooth", and of "exponential" with its own numbers, without one.
+
+        Parameters
+        ----------
+        surface : RoughContact or None
+        """
+        from leak import ExponentialLaw
+
+        if self.law == "smooth":
+            return HardContact()
+        if self.law == "persson":
+            assert surface is not None  # the case's own checks demand a roughness
+            return surface.interface_law(plastic=self.plastic)
+        u0, p_c = self.exponential(surface)
+        assert u0 is not None and p_c is not None
+        return ExponentialLaw(p_c=p_c, u0=u0)
+
+    def exponential(self, surface: RoughContact | None) -> tuple[float | None, float | None]:
+        """Decay length u0 [m] and pressure p_c [Pa] of p = p_c exp(-u/u0); None, None for a smooth interface.
+
+        With law "exponential" as given, or gamma times rms height and p_c of the spectrum; with law "persson" the
+        elastic spectrum's at low pressure.
+
+        Parameters
+        ----------
+        surface : RoughContact or None
+        """
+        if self.law == "smooth":
+            return None, None
+        if surface is None:
+            return self.u0, self.p_c
+        if self.law == "persson":
+            return surface.u0, surface.p_c
+        gamma = DEFAULT_GAMMA if self.gamma is None else self.gamma
+        return self.u0 or gamma * surface.spectrum.rms_height, self.p_c or surface.p_c
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Loads of a seal, and what is asked of them.
+
+    Parameters
+    ----------
+    points : tuple
+        Fluid pressure [Pa] and force of spring or actuator [N] of every load.
+    pressure_side : {"outer", "inner"}
+        Side of the high pressure.
+    closing : {"sealed-area", "penetration"}
+        What the fluid pressure acts on: the circle of first touch, or all that it wets.
+    target_leak_rate : float or None
+        To which the smallest force is asked [m^3/s].
+    refused : mapping
+        Number of each load of which is known beforehand that it cannot be calculated, with the reason.
+    """
+
+    points: tuple[tuple[float, float], ...]
+    pressure_side: PressureSide = "outer"
+    closing: Literal["sealed-area", "penetration"] = "sealed-area"
+    target_leak_rate: float | None = None
+    refused: Mapping[int, LoadProblem] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, case: CaseTables) -> Loads:
+        """Those of a case."""
+        load = case.load
+        return cls(load.points, load.pressure_side, load.closing, load.target_leak_rate, refused_loads(case))
+
+    @property
+    def fluid_pressure(self) -> tuple[float, ...]:
+        """Fluid pressure of every load [Pa]."""
+        return tuple(pressure for pressure, _ in self.points)
+
+    def without(self, numbers: Collection[int]) -> Loads:
+        """The others.
+
+        Parameters
+        ----------
+        numbers : collection of int
+            Of the loads that go.
+        """
+        kept = [number for number in range(len(self.points)) if number not in numbers]
+        refused = {new: self.refused[old] for new, old in enumerate(kept) if old in self.refused}
+        return replace(self, points=tuple(self.points[number] for number in kept), refused=refused)
+
+
+_FREE = Supports()
+
+
+def _no_larger_housing() -> ContactGeometry | None:
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class SealProblem:
+    """What is solved: a seal with its surfaces, its fluid and its loads.
+
+    Parameters
+    ----------
+    contact : ContactGeometry
+        Closure and seat in first touch.
+    materials : dict
+        Of "closure" and "seat".
+    interface : Interface
+    loads : Loads
+    surface : RoughContact or None
+        With the hardness if asperities yield; None without roughness.
+    flow : Flow or None
+        None without a fluid.
+    supports : Supports
+        How the seat is held.
+    interference : float
+        Of a press fit of the seat, on the radius [m]; zero without one.
+    contact_size : float or None
+        Size of the elements along the contact line, if the user gives it [m].
+    hardness : float or None
+        Penetration hardness of the softer body, whether asperities yield or not [Pa].
+    asperities_yield : bool
+        Whether the asperities are meant to yield.
+    remarks : tuple of str
+        What the scans themselves say against their use.
+    larger_housing : callable
+        Gives the contact in a seat twice as wide and high, None if the seat has no such lengths; may raise
+        GeometryError. Not made before it is asked for, because it takes as long as the contact itself.
+    file : Path or None
+        That errors name.
+    """
+
+    contact: ContactGeometry
+    materials: dict[str, Material]
+    interface: Interface
+    loads: Loads
+    surface: RoughContact | None = None
+    flow: Flow | None = None
+    supports: Supports = _FREE
+    interference: float = 0.0
+    contact_size: float | None = None
+    hardness: float | None = None
+    asperities_yield: bool = False
+    remarks: tuple[str, ...] = ()
+    larger_housing: Callable[[], ContactGeometry | None] = _no_larger_housing
+    file: Path | None = None
+
+    @classmethod
+    def of(cls, case: CaseTables) -> SealProblem:
+        """The problem that a case poses.
+
+        Parameters
+        ----------
+        case : CaseTables
+            Whose tables fit together, as those of a `Case` do.
+        """
+        return cls(
+            contact=case.contact,
+            materials={"closure": case.closure.material, "seat": case.seat.material},
+            interface=_interface(case),
+            loads=Loads.of(case),
+            surface=rough_contact(case),
+            flow=flow_of(case),
+            supports=Supports(wall=getattr(case.seat, "wall", "free")),
+            interference=getattr(case.seat, "interference", None) or 0.0,
+            contact_size=case.mesh.contact_size,
+            hardness=case.hardness,
+            asperities_yield=case.leak.plasticity and case.roughness is not None,
+            remarks=tuple(case.roughness.remarks()) if case.roughness else (),
+            larger_housing=partial(_larger_housing, case),
+            file=case.file,
+        )
+
+    @cached_property
+    def law(self) -> Law:
+        """The law between contact pressure and gap, made when it is asked for."""
+        return self.interface.of_surface(self.surface)
+
+    @property
+    def touch_radius(self) -> float:
+        """Radius r0 of the circle of first touch [m]."""
+        return self.contact.touch_radius
+
+    @cached_property
+    def effective_modulus(self) -> float:
+        """E* of both bodies [Pa]."""
+        return effective_modulus(self.materials["closure"], self.materials["seat"])
+
+    @property
+    def curves(self) -> list[HardeningCurve]:
+        """Hardening curves of the bodies that yield; empty if both are elastic."""
+        return [material.hardening for material in self.materials.values() if material.hardening is not None]
+
+    @property
+    def leaks(self) -> bool:
+        """Whether there is a leak rate: it takes roughness and fluid."""
+        return self.surface is not None and self.flow is not None
+
+
+def _interface(case: CaseTables) -> Interface:
+    given = case.interface
+    return Interface(given.law, given.plastic, given.gamma, given.u0, given.p_c)
+
+
+def rough_contact(case: CaseTables) -> RoughContact | None:
     """The case's rough contact, with the hardness if its asperities yield; None without roughness.
 
     Parameters
     ----------
-    case : Case
+    case : CaseTables
     """
     from leak import RoughContact
 
@@ -46,172 +277,140 @@ def rough_contact(case: Case) -> RoughContact | None:
     )
 
 
-def exponential_law(case: Case, surface: RoughContact | None) -> tuple[float | None, float | None]:
-    """Decay length u0 [m] and pressure p_c [Pa] of p = p_c exp(-u/u0); None, None for a smooth interface.
+def flow_of(case: CaseTables) -> Flow | None:
+    """How the case's fluid flows; None without one.
 
     Parameters
     ----------
-    case : Case
+    case : CaseTables
+    """
+    fluid = case.fluid
+    if fluid is None:
+        return None
+    return Flow(
+        fluid.name,
+        fluid.viscosity,
+        fluid.density,
+        fluid.gas,
+        fluid.outlet_pressure or 0.0,
+        case.leak.conductivity,
+        case.leak.fluid_in_gap,
+        case.load.pressure_side,
+    )
+
+
+_LARGER = 2.0
+_LENGTHS = ("outer_radius", "height")
+
+
+def _larger_housing(case: CaseTables) -> ContactGeometry | None:
+    closure, found = case.bodies
+    seat: Any = found
+    known = {field.name for field in fields(seat)} if is_dataclass(seat) else set()
+    if not set(_LENGTHS) <= known:
+        return None
+    larger = replace(seat, **{name: _LARGER * getattr(seat, name) for name in _LENGTHS})
+    return ContactGeometry.of(closure.outline, larger.outline)
+
+
+def exponential_law(case: CaseTables, surface: RoughContact | None) -> tuple[float | None, float | None]:
+    """`Interface.exponential` of a case.
+
+    Parameters
+    ----------
+    case : CaseTables
     surface : RoughContact or None
         The case's rough contact.
-
-    Returns
-    -------
-    u0, p_c : float or None
-        With law "exponential" as given, or gamma times rms height and p_c of the spectrum; with law "persson"
-        the elastic spectrum's at low pressure.
     """
-    interface = case.interface
-    if interface.law == "smooth":
-        return None, None
-    if surface is None:
-        return interface.u0, interface.p_c
-    if interface.law == "persson":
-        return surface.u0, surface.p_c
-    gamma = DEFAULT_GAMMA if interface.gamma is None else interface.gamma
-    return interface.u0 or gamma * surface.spectrum.rms_height, interface.p_c or surface.p_c
+    return _interface(case).exponential(surface)
 
 
-def build_mesh(case: Case) -> SealMesh:
-    """Mesh of a case, sized for all its loads.
+def build_mesh(problem: SealProblem) -> SealMesh:
+    """Mesh of a problem, sized for all its loads.
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
 
     Raises
     ------
     GeometryError, MeshingError
     """
-    return build_contact(case.contact, sizing(case, interface_law(case, rough_contact(case))))
+    return build_contact(problem.contact, sizing(problem))
 
 
-def interface_law(case: Case, surface: RoughContact | None) -> Law:
-    """The law between contact pressure and gap that the case asks for.
-
-    Parameters
-    ----------
-    case : Case
-    surface : RoughContact or None
-        The case's rough contact.
-    """
-    from leak import ExponentialLaw
-
-    if case.interface.law == "smooth":
-        return HardContact()
-    if case.interface.law == "persson":
-        assert surface is not None  # the case's own checks demand a roughness
-        return surface.interface_law(plastic=case.interface.plastic)
-    u0, p_c = exponential_law(case, surface)
-    assert u0 is not None and p_c is not None
-    return ExponentialLaw(p_c=p_c, u0=u0)
-
-
-def axial_forces(case: Case) -> list[float]:
-    """Force F_N that the solid contact carries at each load, with closing = "penetration" its estimate [N]."""
-    return expected_forces(case)
-
-
-def sizing(case: Case, law: Law) -> Sizing:
-    """Element sizes and contact zone for all loads of a case.
+def sizing(problem: SealProblem, law: Law | None = None, forces: Sequence[float] | None = None) -> Sizing:
+    """Element sizes and contact zone for all loads of a problem.
 
     Parameters
     ----------
-    case : Case
-    law : Law
-        See `interface_law`.
+    problem : SealProblem
+    law : Law, optional
+        Instead of the problem's own.
+    forces : sequence of float, optional
+        Forces F_N of the contact [N] instead of those of the loads.
 
     Raises
     ------
     InputError
         If [mesh] contact_size is out of range for this contact.
     """
-    return sizing_for(case, law, axial_forces(case))
-
-
-def sizing_for(case: Case, law: Law, forces: Sequence[float]) -> Sizing:
-    """The same for other forces F_N than those of the case [N]."""
-    contact = case.contact
+    law = problem.law if law is None else law
+    forces = expected_forces(problem) if forces is None else forces
+    contact, size = problem.contact, problem.contact_size
     line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in forces]
-    size = case.mesh.contact_size
     try:
-        elastic = element_sizes(law, line_loads, contact, case.effective_modulus, size)
+        found = element_sizes(law, line_loads, contact, problem.effective_modulus, size)
     except InputError as error:
-        raise error.in_file(case.file) from None
+        raise error.in_file(problem.file) from None
     size_given = size is not None
-    found = for_yielding(elastic, case, line_loads, size_given=size_given) if curves(case) else elastic
+    if problem.curves:
+        softest = min(curve.yield_stress for curve in problem.curves)
+        found = for_yielding(found, contact, softest, max(line_loads), size_given=size_given)
     return rounded(found, contact, size_given=size_given)
 
 
-def condensed_on(case: Case, sizing: Sizing) -> ContactModel:
-    """The bodies of a case, meshed with a sizing and condensed."""
-    return condensed(case, build_contact(case.contact, sizing))
+def condensed(problem: SealProblem, seal_mesh: SealMesh) -> ContactModel:
+    """The bodies of a problem on a mesh, condensed.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    seal_mesh : SealMesh
+    """
+    return condense(seal_mesh, problem.materials, problem.supports)
 
 
-def supports(case: Case) -> Supports:
-    """How the seat of a case is held."""
-    return Supports(wall=getattr(case.seat, "wall", "free"))
-
-
-def interference(case: Case) -> float:
-    """Interference of the press fit of a case's seat, on the radius [m]; zero without one."""
-    return getattr(case.seat, "interference", None) or 0.0
-
-
-def condensed(case: Case, seal_mesh: SealMesh) -> ContactModel:
-    """The bodies of a case on a mesh, condensed."""
-    materials = {"closure": case.closure.material, "seat": case.seat.material}
-    return condense(seal_mesh, materials, supports(case))
-
-
-def expected_forces(case: Case) -> list[float]:
+def expected_forces(problem: SealProblem) -> list[float]:
     """Force F_N that the solid contact is expected to carry at each load that can be calculated [N].
 
     With closing "sealed-area" it is the force, with "penetration" an estimate.
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
     """
-    load, refused = case.load, refused_loads(case)
+    loads = problem.loads
     return [
-        expected_force(case.touch_radius, pressure, spring, load.pressure_side, load.closing)
-        for number, (pressure, spring) in enumerate(load.points)
-        if number not in refused
+        expected_force(problem.touch_radius, pressure, spring, loads.pressure_side, loads.closing)
+        for number, (pressure, spring) in enumerate(loads.points)
+        if number not in loads.refused
     ]
 
 
-# The pressure falls off over some distance beyond the plateau, and the face rises beside it.
-_BEYOND = 1.3
-# Every element of a body that yields costs in every iteration; a plateau needs no more of them than this.
-_ELEMENTS = 100
-# As `fem_seal.contact.refit` demands it of the narrowest profile.
-_PER_STD = 4.0
-
-
-def for_yielding(
-    sizing: Sizing, case: Case, line_loads: Iterable[float], *, size_given: bool = False
-) -> Sizing:
-    """A sizing for elastic bodies, wide enough for those that yield, and no finer than they need.
+def largest_force(problem: SealProblem) -> float:
+    """Largest force F_N with small strains [N]: Hertz half-width a tenth of contact radius and relative curvature.
 
     Parameters
     ----------
-    sizing : Sizing
-    case : Case
-    line_loads : iterable of float
-        f_N of every load [N/m].
-    size_given : bool
-        Whether the element size is the user's own.
+    problem : SealProblem
     """
-    softest = min(curve.yield_stress for curve in curves(case))
-    half = _BEYOND * plastic_half_width(max(line_loads), softest)
-    if half <= sizing.core:
-        return sizing
-    lower, upper = case.contact.reach
-    start, end = sizing.zone
-    # Beyond the plateau the pressure falls off as it does between elastic bodies.
-    zone = max(start - half, lower), min(end + half, upper)
-    # The core of an elastic sizing is three standard deviations of the narrowest contact.
-    coarsest = min(2 * half / _ELEMENTS, sizing.core / 3 / _PER_STD)
-    size = sizing.contact_size if size_given else max(sizing.contact_size, coarsest)
-    return replace(sizing, zone=zone, core=half, contact_size=size)
+    contact, modulus = problem.contact, problem.effective_modulus
+    r0, R = contact.touch_radius, contact.relative_radius
+    if math.isinf(R):
+        # Faces that fit each other: the pressure at which Hertz' contact would be as wide, all over the face.
+        start, end = contact.reach
+        f = (end - start) * modulus / 20
+    else:
+        f = math.pi * modulus * (min(r0, R) / 10) ** 2 / (4 * R)
+    return f / line_load(1.0, r0, contact.angle)

@@ -6,29 +6,24 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.caution import Caution, Level, Validity
-from fem_seal.analysis.closed_forms import expected_contact_force, largest_force, log_excess, target_problem
-from fem_seal.analysis.flow import CaseFlow
 from fem_seal.analysis.load_solver import LoadSolver
-from fem_seal.analysis.problem import condensed_on, interface_law, rough_contact, sizing_for
+from fem_seal.analysis.problem import SealProblem, condensed, largest_force, sizing
 from fem_seal.analysis.results import LoadResult, TargetContact
+from fem_seal.analysis.seal_flow import SealFlow
+from fem_seal.analysis.target import expected_contact_force, log_excess, target_problem
 from fem_seal.analysis.warnings import target_cautions, target_validity
 from fem_seal.arrays import FloatArray
-from fem_seal.case.tables import curves
 from fem_seal.contact.penetration import effective_radius
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.loads import blow_off_of_sealed_area
-from meshes import Sizing
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
+from meshes import Sizing, build_contact
 
 # Relative accuracy of the force.
 _ACCURACY = 1e-6
@@ -36,25 +31,25 @@ _ACCURACY = 1e-6
 _MARGIN = (0.7, 1.4)
 
 
-def axial_force_for_leak(case: Case, target_leak_rate: float | None = None) -> FloatArray:
-    """Smallest force of spring or actuator for which the leak rate stays below a target, at each fluid pressure.
+def contacts_at_target(problem: SealProblem, target_leak_rate: float | None = None) -> list[TargetContact]:
+    """Contact and smallest force of spring or actuator with which a seal leaks as a target, at each fluid pressure.
 
     Parameters
     ----------
-    case : Case
-        With roughness and fluid.
+    problem : SealProblem
+        With surface and flow.
     target_leak_rate : float, optional
-        [m^3/s], of a gas at 101325 Pa and its temperature; the case's own target unless given.
+        [m^3/s], of a gas at 101325 Pa and its temperature; the problem's own target unless given.
 
     Returns
     -------
-    ndarray, shape (loads,)
-        [N], positive where it closes. Negative where the fluid alone closes more than is needed.
+    list of TargetContact
+        One per load.
 
     Raises
     ------
     InputError
-        If the case has no leak rate or no target, if even the largest force that keeps strains small leaks more, or if
+        If there is no leak rate or no target, if even the largest force that keeps strains small leaks more, or if
         hardly any force is needed.
     ConvergenceError
 
@@ -62,68 +57,57 @@ def axial_force_for_leak(case: Case, target_leak_rate: float | None = None) -> F
     -----
     The leak rate falls with the force on the solid contact; ln Q over ln F_N is bracketed around what a Gaussian
     profile says and its root found on a mesh sized for it, one contact of the condensed bodies per step.
-
-    Examples
-    --------
-    >>> fem_seal.axial_force_for_leak(case, 1e-9)     # doctest: +SKIP
-    array([312.6])
     """
-    return np.array([found.applied_force for found in _contacts_at_target(case, target_leak_rate)])
-
-
-def _contacts_at_target(case: Case, target_leak_rate: float | None = None) -> list[TargetContact]:
-    """Contact and force for which the leak rate is the target, at each fluid pressure; see `axial_force_for_leak`."""
-    target = case.load.target_leak_rate if target_leak_rate is None else target_leak_rate
+    target = problem.loads.target_leak_rate if target_leak_rate is None else target_leak_rate
     if target is None or not target > 0:
-        raise target_problem(case, "needed is a target leak rate above zero", target)
-    if case.roughness is None or case.fluid is None:
+        raise target_problem(problem, "needed is a target leak rate above zero", target)
+    flow = SealFlow.of(problem)
+    if flow is None:
         raise target_problem(
-            case, "needs [roughness] and [fluid]: without them there is no leak rate", target
+            problem, "needs [roughness] and [fluid]: without them there is no leak rate", target
         )
-    if curves(case):
+    if problem.curves:
         raise target_problem(
-            case, "is for elastic bodies, and one has a stress_strain curve; leave it out", target
+            problem, "is for elastic bodies, and one has a stress_strain curve; leave it out", target
         )
-    law = interface_law(case, rough_contact(case))
     # up and down again, or under several forces, a pressure may come more than once
-    pressures = dict.fromkeys(case.load.fluid_pressure)
-    expected = {pressure: expected_contact_force(case, law, pressure, target) for pressure in pressures}
+    pressures = dict.fromkeys(problem.loads.fluid_pressure)
+    expected = {pressure: expected_contact_force(flow, pressure, target) for pressure in pressures}
     found: dict[float, TargetContact] = {}
 
     def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
-        solver = LoadSolver(case, law, condensed_on(case, sizing))
+        solver = LoadSolver(problem, condensed(problem, build_contact(problem.contact, sizing)))
         for pressure, force in expected.items():
-            found[pressure] = _on_model(solver, pressure, force, target)
+            found[pressure] = _on_model(solver, flow, pressure, force, target)
         return [one.contact for one in found.values()]
 
     forces = [share * force for force in expected.values() for share in _MARGIN]
-    size_given = case.mesh.contact_size is not None
-    solve_fitted(sizing_for(case, law, forces), case.contact, solve_on, size_given=size_given)
-    return [found[pressure] for pressure in case.load.fluid_pressure]
+    size_given = problem.contact_size is not None
+    solve_fitted(sizing(problem, forces=forces), problem.contact, solve_on, size_given=size_given)
+    return [found[pressure] for pressure in problem.loads.fluid_pressure]
 
 
-def blow_off_pressures(case: Case) -> FloatArray:
+def blow_off_pressures(problem: SealProblem) -> FloatArray:
     """Fluid pressure at which the seal opens under the force of spring or actuator of each load [Pa], shape (loads,).
 
-    Infinite where the fluid does not lift the closure. With closing = "sealed-area" this is the force over the area of
-    the circle of first touch; with "penetration" the fluid's own way between the surfaces decides.
+    Infinite where the fluid does not lift the closure.
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
         Its fluid pressures only size the mesh.
 
     Raises
     ------
     ConvergenceError
     """
-    law = interface_law(case, rough_contact(case))
-    springs = [spring for _, spring in case.load.points]
+    springs = [spring for _, spring in problem.loads.points]
     forces = [share * abs(spring) for spring in springs for share in (1.0, 0.1) if spring]
-    if case.load.closing == "sealed-area" or not forces:
-        radius, side = case.touch_radius, case.load.pressure_side
+    if problem.loads.closing == "sealed-area" or not forces:
+        radius, side = problem.touch_radius, problem.loads.pressure_side
         return np.array([blow_off_of_sealed_area(radius, spring, side) for spring in springs])
-    solver = LoadSolver(case, law, condensed_on(case, sizing_for(case, law, forces)))
+    mesh = build_contact(problem.contact, sizing(problem, forces=forces))
+    solver = LoadSolver(problem, condensed(problem, mesh))
     known = {spring: solver.blow_off_pressure(spring) for spring in dict.fromkeys(springs)}
     return np.array([known[spring] for spring in springs])
 
@@ -141,9 +125,9 @@ def with_answers(
     after : Afterwards
         Told which question found no answer.
     """
-    case = solver.case
-    penetrates = case.load.closing == "penetration"
-    asked = penetrates or case.load.pressure_side == "inner"
+    asked_of = solver.problem.loads
+    penetrates = asked_of.closing == "penetration"
+    asked = penetrates or asked_of.pressure_side == "inner"
     forces, verdicts, remarks = after.get(
         "force for the target leak rate",
         lambda: _forces_for_target(solver, len(loads)),
@@ -179,24 +163,25 @@ def _no_forces(count: int) -> Forces:
 
 def _forces_for_target(solver: LoadSolver, count: int) -> Forces:
     """Force for the target leak rate at each load and how good it is, and what to know before believing it."""
-    case = solver.case
-    if case.load.target_leak_rate is None:
+    problem, flow = solver.problem, solver.flow
+    if problem.loads.target_leak_rate is None or flow is None:
         return _no_forces(count)
     try:
-        found = _contacts_at_target(case)
+        found = contacts_at_target(problem)
     except InputError as error:
         return *_no_forces(count)[:2], tuple(
             Caution("target", Level.DOUBTFUL, str(one), str(one)) for one in error.problems
         )
-    surface = _flow(solver).surface
+    surface = flow.surface
     forces: list[float | None] = [one.applied_force for one in found]
-    verdicts: list[Validity | None] = [target_validity(case, surface, one) for one in found]
-    return forces, verdicts, tuple(target_cautions(case, surface, found))
+    verdicts: list[Validity | None] = [target_validity(problem, surface, one) for one in found]
+    return forces, verdicts, tuple(target_cautions(problem, surface, found))
 
 
-def _on_model(solver: LoadSolver, fluid_pressure: float, expected: float, target: float) -> TargetContact:
+def _on_model(
+    solver: LoadSolver, flow: SealFlow, fluid_pressure: float, expected: float, target: float
+) -> TargetContact:
     """Contact that leaks as much as the target."""
-    flow = _flow(solver)
     known: dict[float, tuple[ContactSolution, float]] = {}
 
     def excess(log_force: float) -> float:
@@ -208,8 +193,8 @@ def _on_model(solver: LoadSolver, fluid_pressure: float, expected: float, target
     root = _root_near(excess, math.log(expected))
     if root is None:
         raise target_problem(
-            solver.case,
-            f"no contact force up to {largest_force(solver.case):.4g} N leaks as little at "
+            solver.problem,
+            f"no contact force up to {largest_force(solver.problem):.4g} N leaks as little at "
             f"{fluid_pressure / 1e5:.4g} bar",
             target,
         )
@@ -218,11 +203,6 @@ def _on_model(solver: LoadSolver, fluid_pressure: float, expected: float, target
     contact, spring = known[root]
     separation = float(flow.surface.critical_separation(contact.profile.peak_pressure))
     return TargetContact(fluid_pressure, spring, contact, separation)
-
-
-def _flow(solver: LoadSolver) -> CaseFlow:
-    assert solver.flow is not None  # a target needs roughness and fluid
-    return solver.flow
 
 
 def _root_near(excess: Callable[[float], float], expected: float) -> float | None:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from fem_seal.analysis.problem import SealProblem
     from fem_seal.case.case import Case
     from fem_seal.contact.load_path import Unloaded
     from fem_seal.contact.model import ContactModel
@@ -230,6 +231,7 @@ class SealSolution:
     """
 
     case: Case
+    problem: SealProblem = field(repr=False)
     seal_mesh: SealMesh
     model: ContactModel
     surface: RoughContact | None

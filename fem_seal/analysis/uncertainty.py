@@ -14,7 +14,7 @@ from fem_seal.analysis.response_surface import ResponseSurface, fit
 from fem_seal.analysis.results import LeakInterval, SealSolution
 from fem_seal.analysis.sampling import UncertainInput, sobol_points
 from fem_seal.arrays import FloatArray
-from fem_seal.case.checks import contradictions
+from fem_seal.case.checks import problems_with_uncertainty
 from fem_seal.case.roughness import (
     SHAPE,
     SelfAffine,
@@ -82,13 +82,10 @@ def leak_interval(
     >>> settings = Uncertainty(samples=1024, hardness=Spread(relative=0.1))
     >>> leak_interval(fem_seal.run(case), settings).high                # doctest: +SKIP
     """
-    if settings is not None:
-        case = result.case.model_copy(update={"uncertainty": settings})
-        result = replace(result, case=case)
-    settings = result.case.uncertainty
+    settings = settings or result.case.uncertainty
     if settings is None:
         raise InputError(Problem("uncertainty", "is missing; say which inputs are uncertain"))
-    wrong = contradictions(result.case)
+    wrong = list(problems_with_uncertainty(result.case, settings))
     if wrong:
         raise InputError(*wrong)
     return _interval(_Study.of(result, settings), settings, progress or (lambda text: None))
@@ -188,7 +185,7 @@ class _Study:
 
     @classmethod
     def of(cls, result: SealSolution, settings: Uncertainty) -> _Study:
-        inputs = uncertain_inputs(result.case)
+        inputs = uncertain_inputs(result.case, settings)
         dimensions = sum(one.dimensions for one in inputs)
         return cls(result, inputs, sobol_points(settings.samples, dimensions, settings.seed))
 
@@ -235,9 +232,8 @@ class _Study:
             return np.array(list(pool.map(self._leak_rates, samples)))
 
     def _leak_rates(self, sample: int) -> list[float]:
-        from fem_seal.analysis import flow
-
-        result, case = self.result, self.result.case
+        result, flow = self.result, self.result.problem.flow
+        assert flow is not None  # of the checks
         factors = {
             one.name: float(self.values[one.name][sample, 0])
             for one in self.calculated
@@ -246,9 +242,9 @@ class _Study:
         surface = self._surface(sample, factors)
         contacts = self._contacts(surface, factors)
         # with the range of the case itself, as long as it will do, the table's own error is that of all samples
-        table = flow.conductivity_table(case, surface, [*result.contact, *contacts])
+        table = flow.table_of(surface, [*result.contact, *contacts])
         return [
-            flow.leak_of_contact(case, table, contact, load.fluid_pressure).leak_rate
+            flow.leak_of(table, contact.profile, load.fluid_pressure).leak_rate
             for contact, load in zip(contacts, result.loads, strict=True)
         ]
 
@@ -269,13 +265,12 @@ class _Study:
 
     def _contacts(self, surface: RoughContact, factors: dict[str, float]) -> list[ContactSolution]:
         """Contact of every load; that of the case itself where its law and its bodies have not changed."""
-        from fem_seal.analysis.problem import interface_law
         from fem_seal.contact.newton import solve
 
         result = self.result
-        law = interface_law(result.case, surface)
+        law = result.problem.interface.of_surface(surface)
         stiffness = factors.get("youngs_modulus", 1.0)
-        if stiffness == 1 and law is self._law:
+        if stiffness == 1 and law is result.problem.law:
             return [load.contact for load in result.loads]
         model = _stiffer(result.model, stiffness)
         try:
@@ -286,12 +281,6 @@ class _Study:
         except ConvergenceError as error:
             changes = ", ".join(f"{name} times {factor:.4g}" for name, factor in factors.items())
             raise ConvergenceError(f"uncertainty, sample with {changes}: {error}") from error
-
-    @cached_property
-    def _law(self) -> object:
-        from fem_seal.analysis.problem import interface_law
-
-        return interface_law(self.result.case, self.result.surface)
 
 
 def _stiffer(model: ContactModel, factor: float) -> ContactModel:
@@ -383,21 +372,19 @@ def scaled(spectrum: PowerSpectrum, factor: float) -> PowerSpectrum:
 AnyInput = UncertainInput | UncertainScans | UncertainHeight
 
 
-def uncertain_inputs(case: Case) -> tuple[AnyInput, ...]:
-    """The uncertain inputs of a case, in the order of its table, and last what its scans are too short to show.
+def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
+    """The uncertain inputs of a case, in the order of the table, and last what its scans are too short to show.
 
     Parameters
     ----------
     case : Case
-        With a table [uncertainty].
+    settings : Uncertainty
+        Its table [uncertainty], or another one.
     """
-    assert case.uncertainty is not None
-    inputs: list[AnyInput] = [
-        UncertainInput.of(name, spread) for name, spread in case.uncertainty.spreads.items()
-    ]
-    if case.uncertainty.spectrum is not None:
+    inputs: list[AnyInput] = [UncertainInput.of(name, spread) for name, spread in settings.spreads.items()]
+    if settings.spectrum is not None:
         inputs += [UncertainScans(key, scans) for key, scans in scan_spectra(case.roughness).items()]
-    return (*inputs, *uncertain_heights(case.roughness, between_scans=case.uncertainty.spectrum is not None))
+    return (*inputs, *uncertain_heights(case.roughness, between_scans=settings.spectrum is not None))
 
 
 def changed_surface(

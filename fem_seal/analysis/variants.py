@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import Literal
 
-from fem_seal.analysis.flow import conductivity_table, leak_of_contact
+from fem_seal.analysis.flow import Flow
 from fem_seal.analysis.load_solver import LoadSolver, solve_load, solve_loads
-from fem_seal.analysis.problem import interface_law
+from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import (
     InterfaceVariant,
     LoadResult,
@@ -17,17 +17,13 @@ from fem_seal.analysis.results import (
     TheoryVariant,
     strongest_load,
 )
-from fem_seal.contact.laws import Law
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSolution
 from leak import RoughContact
 
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
-
 # Share of the contact area at which channels close: two-dimensional percolation, and the textbook value.
 _THRESHOLDS = (0.42, 0.5)
-_WIDTHS = ("effective", "plain")
+_WIDTHS: tuple[Literal["effective", "plain"], ...] = ("effective", "plain")
 
 
 def theory_variants(result: SealSolution) -> tuple[TheoryVariant, ...]:
@@ -40,84 +36,95 @@ def theory_variants(result: SealSolution) -> tuple[TheoryVariant, ...]:
     Returns
     -------
     tuple of TheoryVariant
-        Empty if nothing leaks in the case for want of roughness or fluid.
+        Empty if nothing leaks for want of roughness or fluid.
     """
-    case, surface = result.case, result.surface
-    if surface is None or case.fluid is None:
+    problem = result.problem
+    surface, flow = problem.surface, problem.flow
+    if surface is None or flow is None:
         return ()
     variants: list[TheoryVariant] = []
-    for plastic in _laws(result):
+    for plastic in _laws(problem, surface):
         contacts: Sequence[ContactSolution] = result.contact
-        if plastic is not None and plastic != case.interface.plastic:
-            changed = case.model_copy(
-                update={"interface": case.interface.model_copy(update={"plastic": plastic})}
+        if plastic is not None and plastic != problem.interface.plastic:
+            contacts = _contacts(result, _with_law(problem, plastic))
+        for reading in _readings(flow, surface):
+            rates = _leak_rates(problem, surface, flow, contacts, reading)
+            used = plastic in (None, problem.interface.plastic) and reading.is_of(flow, surface)
+            variants.append(
+                TheoryVariant(plastic, reading.conductivity, reading.width, reading.threshold, rates, used)
             )
-            contacts = _contacts(result, interface_law(changed, surface))
-        variants += [
-            _variant(case, surface, contacts, plastic, *flow) for flow in _flows(case, surface.peklenik)
-        ]
     return tuple(variants)
 
 
-def _contacts(result: SealSolution, law: Law) -> Sequence[ContactSolution]:
-    """The loads of a result with another interface law."""
-    from fem_seal.contact.newton import solve
+def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
+    return replace(problem, interface=replace(problem.interface, plastic=plastic))
 
+
+def _contacts(result: SealSolution, problem: SealProblem) -> Sequence[ContactSolution]:
+    """The loads of a result with another interface law."""
     if result.unloaded is not None:
-        return solve_loads(LoadSolver(result.case, law, result.model)).contacts
+        return solve_loads(LoadSolver(problem, result.model)).contacts
     return tuple(
-        solve(result.model, law, axial_force=load.axial_force, loads=load.contact.loads, start=load.contact)
+        solve(
+            result.model,
+            problem.law,
+            axial_force=load.axial_force,
+            loads=load.contact.loads,
+            start=load.contact,
+        )
         for load in result.loads
     )
 
 
-def _laws(result: SealSolution) -> tuple[bool | None, ...]:
-    if result.case.interface.law != "persson":
+def _laws(problem: SealProblem, surface: RoughContact) -> tuple[bool | None, ...]:
+    if problem.interface.law != "persson":
         return (None,)
-    assert result.surface is not None
-    return (False,) if result.surface.hardness is None else (False, True)
+    return (False,) if surface.hardness is None else (False, True)
 
 
-def _flows(case: Case, peklenik: float) -> list[tuple[str, str | None, float]]:
-    """Conductivity, width in P(u) and threshold."""
-    thresholds = sorted({*_THRESHOLDS, case.leak.percolation_threshold})
-    channels: list[tuple[str, str | None, float]] = [
-        ("bruggeman", width, threshold) for width, threshold in product(_WIDTHS, thresholds)
-    ]
-    if peklenik != 1.0:
+@dataclass(frozen=True)
+class _Reading:
+    """How the flow through a rough contact is read: conductivity, width in P(u) and threshold."""
+
+    conductivity: Literal["bruggeman", "critical-junction"]
+    width: Literal["effective", "plain"] | None
+    threshold: float
+
+    def is_of(self, flow: Flow, surface: RoughContact) -> bool:
+        """Whether it is that of the problem itself."""
+        return (
+            self.conductivity == flow.conductivity
+            and self.width in (None, "effective")
+            and self.threshold == surface.percolation_threshold
+        )
+
+
+def _readings(flow: Flow, surface: RoughContact) -> list[_Reading]:
+    thresholds = sorted({*_THRESHOLDS, surface.percolation_threshold})
+    channels = [_Reading("bruggeman", width, threshold) for width, threshold in product(_WIDTHS, thresholds)]
+    if surface.peklenik != 1.0:
         return channels  # one junction knows no direction
-    return [*channels, *(("critical-junction", None, threshold) for threshold in thresholds)]
+    return [*channels, *(_Reading("critical-junction", None, threshold) for threshold in thresholds)]
 
 
-def _variant(
-    case: Case,
+def _leak_rates(
+    problem: SealProblem,
     surface: RoughContact,
+    flow: Flow,
     contacts: Sequence[ContactSolution],
-    plastic: bool | None,
-    conductivity: str,
-    width: str | None,
-    threshold: float,
-) -> TheoryVariant:
-    from fem_seal.analysis.flow import conductivity_table, leak_of_contact
-
-    read = case.model_copy(update={"leak": case.leak.model_copy(update={"conductivity": conductivity})})
+    reading: _Reading,
+) -> tuple[float, ...]:
+    read = replace(flow, conductivity=reading.conductivity)
     surface = replace(
         surface,
-        percolation_threshold=threshold,
-        separation_width=surface.separation_width if width is None else width,
+        percolation_threshold=reading.threshold,
+        separation_width=surface.separation_width if reading.width is None else reading.width,
     )
-    table = conductivity_table(read, surface, contacts)
-    rates = tuple(
-        leak_of_contact(read, table, contact, pressure).leak_rate
-        for contact, pressure in zip(contacts, case.load.fluid_pressure, strict=True)
+    table = read.table_of(surface, contacts)
+    return tuple(
+        read.leak_of(table, contact.profile, pressure).leak_rate
+        for contact, pressure in zip(contacts, problem.loads.fluid_pressure, strict=True)
     )
-    used = (
-        plastic in (None, case.interface.plastic)
-        and conductivity == case.leak.conductivity
-        and width in (None, "effective")
-        and threshold == case.leak.percolation_threshold
-    )
-    return TheoryVariant(plastic, conductivity, width, threshold, rates, used)
 
 
 def ratio_to_case(leak_rate: float, of_case: float) -> float:
@@ -125,28 +132,27 @@ def ratio_to_case(leak_rate: float, of_case: float) -> float:
     return leak_rate / of_case if of_case > 0 else float("nan")
 
 
-def interface_variants(
-    solver: LoadSolver, surface: RoughContact | None, loads: Sequence[LoadResult]
-) -> tuple[InterfaceVariant, ...]:
+def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[InterfaceVariant, ...]:
     """The load with the largest closing force with p(u) of the elastic and of the plastically smoothed surface."""
-    case = solver.case
-    if surface is None or surface.hardness is None or case.interface.law != "persson":
+    problem = solver.problem
+    surface, flow = problem.surface, problem.flow
+    if surface is None or surface.hardness is None or problem.interface.law != "persson":
         return ()
     strongest = strongest_load(loads)
     load, variants = loads[strongest], []
     for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
         contact = load.contact
-        if plastic != case.interface.plastic:
-            law = surface.interface_law(plastic=plastic)
+        if plastic != problem.interface.plastic:
+            changed = _with_law(problem, plastic)
             if solver.yields:
-                contact = solve_load(replace(solver, law=law), strongest)
+                contact = solve_load(replace(solver, problem=changed), strongest)
             else:
                 # what the fluid does between the surfaces stays as it is
-                contact = solve(solver.model, law, axial_force=load.axial_force, loads=contact.loads)
+                contact = solve(solver.model, changed.law, axial_force=load.axial_force, loads=contact.loads)
         leak = None
-        if case.fluid is not None:
-            table = conductivity_table(case, surface, [contact])
-            leak = leak_of_contact(case, table, contact, load.fluid_pressure).leak_rate
+        if flow is not None:
+            table = flow.table_of(surface, [contact])
+            leak = flow.leak_of(table, contact.profile, load.fluid_pressure).leak_rate
         profile = contact.profile
         variants.append(InterfaceVariant(name, profile.peak_pressure, profile.fwhm, profile.std, leak))
     return tuple(variants)

@@ -18,8 +18,8 @@ from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.units import number
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.problem import SealProblem
     from fem_seal.analysis.results import DiscretisationError, GivenLoad, LoadResult, TargetContact
-    from fem_seal.case.case import Case
     from leak import PowerSpectrum
 
     Solved: TypeAlias = LoadResult | TargetContact
@@ -86,7 +86,7 @@ class Surface(Protocol):
 
 
 def contact_cautions(
-    case: Case,
+    problem: SealProblem,
     model: ContactModel,
     loads: Sequence[LoadResult],
     error: DiscretisationError,
@@ -96,46 +96,46 @@ def contact_cautions(
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
     model : ContactModel
     loads : sequence of LoadResult
     error : DiscretisationError
     surface : RoughContact, optional
-        The case's rough contact.
+        The problem's rough contact.
     """
-    return (*_of_surface(case), *load_cautions(case, model, loads, surface), *_coarse(model, error))
+    return (*_of_surface(problem), *load_cautions(problem, model, loads, surface), *_coarse(model, error))
 
 
 def load_cautions(
-    case: Case, model: ContactModel, loads: Sequence[LoadResult], surface: Surface | None = None
+    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult], surface: Surface | None = None
 ) -> Iterator[Caution]:
     """What the numbers of the loads themselves say against them, without mesh and roughness.
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
     model : ContactModel
     loads : sequence of LoadResult
         What is said is about the worst of them.
     surface : RoughContact, optional
-        The case's rough contact.
+        The problem's rough contact.
     """
     bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _thick_layer, _above_hardness)
-    yield from (caution for check in bodies for caution in check(case, model, loads))
+    yield from (caution for check in bodies for caution in check(problem, model, loads))
     if surface is not None:
-        yield from _interface_cautions(case, surface, loads)
+        yield from _interface_cautions(problem, surface, loads)
 
 
 def _interface_cautions(
-    case: Case, surface: Surface, loads: Sequence[LoadResult | GivenLoad]
+    problem: SealProblem, surface: Surface, loads: Sequence[LoadResult | GivenLoad]
 ) -> Iterator[Caution]:
     interface = (_sealed, _nearly_sealed, _range, _long_waves)
-    flow = () if case.fluid is None else (_molecules, _fluid_opens, _dense_gas)
-    yield from (caution for check in (*interface, *flow) for caution in check(case, surface, loads))
+    flow = () if problem.flow is None else (_molecules, _fluid_opens, _dense_gas)
+    yield from (caution for check in (*interface, *flow) for caution in check(problem, surface, loads))
 
 
 def load_validity(
-    case: Case,
+    problem: SealProblem,
     load: LoadResult,
     surface: Surface | None = None,
     error: DiscretisationError | None = None,
@@ -144,78 +144,80 @@ def load_validity(
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
     load : LoadResult
     surface : RoughContact, optional
-        The case's rough contact.
+        The problem's rough contact.
     error : DiscretisationError, optional
         Of the mesh; left out where it is not known.
     """
     model = load.contact.model
     mesh = () if error is None else _coarse(model, error)
-    own = load_cautions(case, model, [load], surface)
-    return Validity.of((*_of_surface(case), *own, *mesh, *_of_target(load)))
+    own = load_cautions(problem, model, [load], surface)
+    return Validity.of((*_of_surface(problem), *own, *mesh, *_of_target(load)))
 
 
-def profile_validity(case: Case, surface: Surface, load: GivenLoad) -> Validity:
+def profile_validity(problem: SealProblem, surface: Surface, load: GivenLoad) -> Validity:
     """How far the leak rate of a given pressure profile can be trusted; of its bodies nothing is known.
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
     surface : RoughContact
-        The case's rough contact.
+        The problem's rough contact.
     load : GivenLoad
     """
     return Validity.of(
         (
-            *_of_surface(case),
-            *_above_hardness(case, None, [load]),
-            *_interface_cautions(case, surface, [load]),
+            *_of_surface(problem),
+            *_above_hardness(problem, None, [load]),
+            *_interface_cautions(problem, surface, [load]),
         )
     )
 
 
-def target_cautions(case: Case, surface: Surface, answers: Sequence[TargetContact]) -> Iterator[Caution]:
+def target_cautions(
+    problem: SealProblem, surface: Surface, answers: Sequence[TargetContact]
+) -> Iterator[Caution]:
     """What a user should know before believing the force for a target leak rate.
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
     surface : RoughContact
-        The case's rough contact.
+        The problem's rough contact.
     answers : sequence of TargetContact
         At least one.
     """
     ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
     named = dict.fromkeys(f"{one.applied_force:.4g} N at {one.fluid_pressure / 1e5:.4g} bar" for one in ends)
-    for caution in _at_target(case, surface, answers):
+    for caution in _at_target(problem, surface, answers):
         text = f"at the force for the target leak rate, {' to '.join(named)}: {caution.text}"
         yield replace(caution, text=text)
 
 
-def target_validity(case: Case, surface: Surface, answer: TargetContact) -> Validity:
+def target_validity(problem: SealProblem, surface: Surface, answer: TargetContact) -> Validity:
     """How far the force for a target leak rate can be trusted at one fluid pressure.
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
     surface : RoughContact
-        The case's rough contact.
+        The problem's rough contact.
     answer : TargetContact
     """
-    return Validity.of(_at_target(case, surface, [answer]))
+    return Validity.of(_at_target(problem, surface, [answer]))
 
 
-def _at_target(case: Case, surface: Surface, answers: Sequence[TargetContact]) -> Iterator[Caution]:
+def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[TargetContact]) -> Iterator[Caution]:
     model = answers[0].contact.model
     bodies, interface = (_yielding, _cut_off, _wide, _above_hardness), (_nearly_sealed, _molecules)
-    yield from (caution for check in bodies for caution in check(case, model, answers))
-    yield from (caution for check in interface for caution in check(case, surface, answers))
+    yield from (caution for check in bodies for caution in check(problem, model, answers))
+    yield from (caution for check in interface for caution in check(problem, surface, answers))
 
 
-def _of_surface(case: Case) -> Iterator[Caution]:
-    for text in case.roughness.remarks() if case.roughness else ():
+def _of_surface(problem: SealProblem) -> Iterator[Caution]:
+    for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)
 
 
@@ -227,7 +229,9 @@ def _of_target(load: LoadResult) -> Iterator[Caution]:
         yield Caution("target", Level.DOUBTFUL, reason, reason)
 
 
-def _near_opening(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _near_opening(
+    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
     close = [(load.opening, load) for load in loads if load.opening and load.opening.share < _NEAR_OPENING]
     if close:
         margin, load = min(close, key=lambda item: item[0].share)
@@ -243,12 +247,12 @@ def _near_opening(case: Case, model: ContactModel, loads: Sequence[LoadResult]) 
         yield Caution("near opening", Level.DOUBTFUL, f"{100 * share:.2g} % from opening the seal", text)
 
 
-def _yielding_of(case: Case, load: Solved) -> Mapping[str, YieldedZone | PlasticZone]:
-    return yielding_of(load.contact, {"closure": case.closure.material, "seat": case.seat.material})
+def _yielding_of(problem: SealProblem, load: Solved) -> Mapping[str, YieldedZone | PlasticZone]:
+    return yielding_of(load.contact, problem.materials)
 
 
-def _yielding(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
-    zones = [(load, zone) for load in loads for zone in _yielding_of(case, load).values()]
+def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+    zones = [(load, zone) for load in loads for zone in _yielding_of(problem, load).values()]
     elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
     # the body that is further above its yield stress comes first
     for name in dict.fromkeys(zone.body for _, zone in sorted(elastic, key=lambda item: -item[1].excess)):
@@ -266,15 +270,19 @@ def _yielding(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Itera
             f"z = {z * 1e3:.4g} mm, {zone.depth * 1e6:.3g} um from the contact line; it is passed down to "
             f"{zone.deepest * 1e6:.3g} um (from {first} on). The body is solved as elastic, the true "
             "contact is wider and its peak pressure lower; a stress_strain curve in its material"
-            + (' together with [load] closing = "sealed-area"' if case.load.closing == "penetration" else "")
+            + (
+                ' together with [load] closing = "sealed-area"'
+                if problem.loads.closing == "penetration"
+                else ""
+            )
             + " solves it as elastoplastic",
         )
 
 
-def _table_left(case: Case, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    for name, body in (("closure", case.closure), ("seat", case.seat)):
-        curve = body.material.hardening
-        found = [(load, _yielding_of(case, load).get(name)) for load in loads]
+def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    for name, material in problem.materials.items():
+        curve = material.hardening
+        found = [(load, _yielding_of(problem, load).get(name)) for load in loads]
         zones = [(load, zone) for load, zone in found if isinstance(zone, PlasticZone)]
         if curve is None or not zones:
             continue
@@ -298,7 +306,7 @@ def _table_left(case: Case, model: ContactModel, loads: Sequence[LoadResult]) ->
             )
 
 
-def _cut_off(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
     for end, side in ((0, "bore"), (-1, "outer")):
         shares = [float(load.contact.pressure[end]) / load.contact.profile.peak_pressure for load in loads]
         if max(shares) > _CUT_OFF:
@@ -316,7 +324,7 @@ def _cut_off(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterat
             )
 
 
-def _wide(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.std)
     share = 2 * load.contact.profile.std / model.touch_radius
     if share > _NARROW:
@@ -329,7 +337,7 @@ def _wide(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[
         )
 
 
-def _thick_layer(case: Case, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
     line = model.line
     shares = []
     for load in loads:
@@ -350,11 +358,12 @@ def _thick_layer(case: Case, model: ContactModel, loads: Sequence[Solved]) -> It
         )
 
 
-def _above_hardness(case: Case, model: ContactModel | None, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _above_hardness(
+    problem: SealProblem, model: ContactModel | None, loads: Sequence[Loaded]
+) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.peak_pressure)
-    peak, hardness = load.contact.profile.peak_pressure, case.hardness
-    asperities_yield = case.leak.plasticity and case.roughness is not None
-    if hardness is None or peak <= (_NEAR_HARDNESS if asperities_yield else 1.0) * hardness:
+    peak, hardness = load.contact.profile.peak_pressure, problem.hardness
+    if hardness is None or peak <= (_NEAR_HARDNESS if problem.asperities_yield else 1.0) * hardness:
         return
     share = peak / hardness
     why = (
@@ -370,7 +379,7 @@ def _above_hardness(case: Case, model: ContactModel | None, loads: Sequence[Load
     )
 
 
-def _sealed(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     tight = [load for load in loads if load.contact.profile.peak_pressure >= surface.sealing_pressure]
     if tight:
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
@@ -387,7 +396,7 @@ def _sealed(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[C
         )
 
 
-def _nearly_sealed(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     leaky = [load for load in loads if load.contact.profile.peak_pressure < surface.sealing_pressure]
     if not leaky:
         return
@@ -433,7 +442,7 @@ def _lay_factor(area: float, peklenik: float) -> float:
     return float(peklenik ** -next(exponent for limit, exponent in _LAY_ACROSS if area <= limit))
 
 
-def _range(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _range(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.std)
     std, q_low = load.contact.profile.std, surface.spectrum.q_low
     if q_low * std > 1:
@@ -449,7 +458,7 @@ def _range(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Ca
         )
 
 
-def _long_waves(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     load = min(loads, key=lambda load: load.contact.profile.std)
     std, spectrum = load.contact.profile.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
@@ -464,11 +473,12 @@ def _long_waves(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterat
         )
 
 
-def _molecules(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _molecules(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
     from leak.fluids.names import molecular_size
 
-    assert case.fluid is not None
-    size = molecular_size(case.fluid.name)
+    if problem.flow is None:
+        return
+    size = molecular_size(problem.flow.fluid)
     narrow = [load for load in loads if load.critical_separation and load.critical_separation < size]
     if narrow:
         load = min(narrow, key=lambda load: load.critical_separation or 0.0)
@@ -482,10 +492,13 @@ def _molecules(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterato
         )
 
 
-def _fluid_opens(case: Case, surface: Surface, loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
-    if case.leak.fluid_in_gap == "local":
+def _fluid_opens(
+    problem: SealProblem, surface: Surface, loads: Sequence[LoadResult | GivenLoad]
+) -> Iterator[Caution]:
+    local = problem.flow is not None and problem.flow.fluid_in_gap == "local"
+    if local:
         yield from _blown_open(loads)
-    if case.leak.fluid_in_gap == "local" or case.load.closing == "penetration":
+    if local or problem.loads.closing == "penetration":
         return
     load = max(loads, key=lambda load: load.fluid_pressure / load.contact.profile.peak_pressure)
     share = load.fluid_pressure / load.contact.profile.peak_pressure
@@ -517,12 +530,12 @@ def _blown_open(loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
         )
 
 
-def _dense_gas(case: Case, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
-    assert case.fluid is not None
-    gas = case.fluid.gas
-    if gas is None:
+def _dense_gas(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+    flow = problem.flow
+    if flow is None or flow.gas is None:
         return
-    highest = max(load.fluid_pressure for load in loads) + (case.fluid.outlet_pressure or 0.0)
+    gas = flow.gas
+    highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
     if highest > gas.dilute_pressure:
         yield Caution(
             "dense gas",

@@ -9,6 +9,7 @@ from fem_seal.case.fields import shown
 from fem_seal.case.load_limits import problems_of_all_loads
 from fem_seal.case.roughness import SelfAffine
 from fem_seal.case.tables import CaseTables, curves
+from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.errors import Problem
 from meshes import GeometryError
 
@@ -27,8 +28,8 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *([] if geometry or load else problems_of_all_loads(case)),
         *_fluid(case),
         *_flow(case),
-        *uncertainty_problems(case),
-        *yielding_problems(case),
+        *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
+        *_yielding(case),
     ]
 
 
@@ -203,24 +204,23 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
             "remove it",
             f"{fluid.outlet_pressure:.6g} Pa",
         )
-    if fluid.gas is not None and case.uncertainty is not None and case.uncertainty.viscosity is not None:
-        yield Problem(
-            "uncertainty.viscosity",
-            f"only for a liquid, whose leak rate is inversely proportional to it; remove it for {shown(fluid.name)}",
-        )
 
 
 def _mm(length: float) -> str:
     return f"{1e3 * length:.6g} mm"
 
 
-def yielding_problems(case: CaseTables) -> Iterator[Problem]:
+def _remembering(case: CaseTables) -> str:
+    """Which bodies remember their loads, in words."""
+    bodies = [name for name in ("closure", "seat") if getattr(case, name).material.hardening is not None]
+    return f"a body that yields ({' and '.join(bodies)}: material.stress_strain) remembers its loads"
+
+
+def _yielding(case: CaseTables) -> Iterator[Problem]:
     """What in a case with a stress_strain curve needs bodies that do not remember their loads."""
     if not curves(case):
         return
-    bodies = [name for name in ("closure", "seat") if getattr(case, name).material.hardening is not None]
-    because = f"a body that yields ({' and '.join(bodies)}: material.stress_strain) remembers its loads"
-    remedy = "or leave stress_strain out"
+    because, remedy = _remembering(case), "or leave stress_strain out"
     if case.load.closing == "penetration":
         yield Problem(
             "load.closing",
@@ -235,21 +235,31 @@ def yielding_problems(case: CaseTables) -> Iterator[Problem]:
             f"in load.axial_force instead, {remedy}",
             f"{case.load.target_leak_rate:.4g} m^3/s",
         )
-    if case.uncertainty is not None:
+
+
+def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[Problem]:
+    """What in a table [uncertainty] does not fit the other tables of a case.
+
+    Parameters
+    ----------
+    case : CaseTables
+    table : Uncertainty
+        The case's own, or another one.
+    """
+    if curves(case):
         yield Problem(
             "uncertainty",
-            f"the samples solve each load on its own, but {because}; remove the table (a study can vary the inputs: "
-            f"it solves the whole path of every design), {remedy}",
+            f"the samples solve each load on its own, but {_remembering(case)}; remove the table (a study can vary "
+            "the inputs: it solves the whole path of every design), or leave stress_strain out",
         )
-
-
-def uncertainty_problems(case: CaseTables) -> Iterator[Problem]:
-    """What in [uncertainty] does not fit the other tables."""
+    if case.fluid is not None and case.fluid.gas is not None and table.viscosity is not None:
+        yield Problem(
+            "uncertainty.viscosity",
+            "only for a liquid, whose leak rate is inversely proportional to it; remove it for "
+            f"{shown(case.fluid.name)}",
+        )
     from fem_seal.case.roughness import SHAPE, scan_spectra, self_affine_part, uncertain_heights
 
-    table = case.uncertainty
-    if table is None:
-        return
     for name in ("roughness", "fluid"):
         if getattr(case, name) is None:
             yield Problem("uncertainty", f"is about the leak rate, which needs a table [{name}]; add it")

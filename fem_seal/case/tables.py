@@ -6,7 +6,7 @@ One frozen model per table, in SI after reading.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
@@ -237,6 +237,15 @@ class CaseTables(Table):
     def file(self) -> Path | None:
         """File the case was read from, None if made in code."""
         return self._file
+
+    def without_loads(self, numbers: Collection[int]) -> Self:
+        """The same without some of its loads; at least one must be left.
+
+        Parameters
+        ----------
+        numbers : collection of int
+        """
+        return self.model_copy(update={"load": self.load.without(numbers)}) if numbers else self
 
 
 def curves(case: CaseTables) -> list[HardeningCurve]:

@@ -11,6 +11,7 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import HardContact, InterfaceLaw, Law
 from fem_seal.errors import InputError, Problem
+from fem_seal.loads import plastic_half_width
 from meshes import ContactGeometry, Sizing
 
 # Chosen so that peak, width and standard deviation change by less than 2e-4 on further refinement
@@ -278,3 +279,45 @@ def _bend(contact: ContactGeometry, x: float) -> float:
     return contact.closure_face.curvature(closure) - contact.seat_face.curvature(
         float(contact.seat_arc(np.array(x)))
     )
+
+
+# The pressure falls off over some distance beyond the plateau, and the face rises beside it.
+_BEYOND = 1.3
+# Every element of a body that yields costs in every iteration; a plateau needs no more of them than this.
+_ELEMENTS = 100
+# As `fem_seal.contact.refit` demands it of the narrowest profile.
+_PER_STD = 4.0
+
+
+def for_yielding(
+    sizing: Sizing,
+    contact: ContactGeometry,
+    yield_stress: float,
+    line_load: float,
+    *,
+    size_given: bool = False,
+) -> Sizing:
+    """A sizing for elastic bodies, wide enough for those that yield, and no finer than they need.
+
+    Parameters
+    ----------
+    sizing : Sizing
+    contact : ContactGeometry
+    yield_stress : float
+        Of the softest body that yields [Pa].
+    line_load : float
+        The largest f_N [N/m].
+    size_given : bool
+        Whether the element size is the user's own.
+    """
+    half = _BEYOND * plastic_half_width(line_load, yield_stress)
+    if half <= sizing.core:
+        return sizing
+    lower, upper = contact.reach
+    start, end = sizing.zone
+    # Beyond the plateau the pressure falls off as it does between elastic bodies.
+    zone = max(start - half, lower), min(end + half, upper)
+    # The core of an elastic sizing is three standard deviations of the narrowest contact.
+    coarsest = min(2 * half / _ELEMENTS, sizing.core / 3 / _PER_STD)
+    size = sizing.contact_size if size_given else max(sizing.contact_size, coarsest)
+    return replace(sizing, zone=zone, core=half, contact_size=size)

@@ -21,7 +21,6 @@ from leak import CoupledLeakResult, LeakResult
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import OpeningMargin
-    from fem_seal.case.case import Case
     from fem_seal.contact.solution import ContactSolution
 
 
@@ -68,14 +67,11 @@ class Row:
     Parameters
     ----------
     load : Load
-    case : Case
-        Whose fluid leaks.
     interval : tuple of float, optional
         Lower and upper end of the leak rate's interval [m^3/s].
     """
 
     load: Load
-    case: Case
     interval: tuple[float, float] | None = None
 
 

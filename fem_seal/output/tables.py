@@ -33,8 +33,6 @@ from leak.standards import STANDARDS, Standard
 if TYPE_CHECKING:
     import pandas as pd
 
-    from fem_seal.case.case import Case
-
 
 # Ten digits: more than any of the numbers is good for, and the files stay readable.
 _NUMBER = ".10g"
@@ -49,9 +47,7 @@ def rows_of(result: SealSolution) -> list[Row]:
     """
     interval = result.uncertainty
     return [
-        Row(
-            load, result.case, None if interval is None else (float(interval.low[n]), float(interval.high[n]))
-        )
+        Row(load, None if interval is None else (float(interval.low[n]), float(interval.high[n])))
         for n, load in enumerate(result.loads)
     ]
 
@@ -69,18 +65,17 @@ def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
     ]
 
 
-def profile_leak_rows(case: Case, loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
+def profile_leak_rows(loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
     """Rows of the leak.csv of given pressure profiles: `PROFILE_LEAK_COLUMNS` and validity.
 
     Parameters
     ----------
-    case : Case
     loads : sequence of GivenLoad
-        From `fem_seal.analysis.flow.leak_of_profiles`.
+        From `fem_seal.analysis.profile_leak.leak_of_profiles`.
     """
     return [
         # these columns ask nothing that a profile without its bodies does not know
-        _cells(PROFILE_LEAK_COLUMNS, Row(cast(Load, load), case)) | validity_entries(load.validity)
+        _cells(PROFILE_LEAK_COLUMNS, Row(cast(Load, load))) | validity_entries(load.validity)
         for load in loads
     ]
 

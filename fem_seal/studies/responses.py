@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from fem_seal import result as seal_result
-from fem_seal.analysis import flow, problem
 from fem_seal.analysis.caution import Validity
 from fem_seal.analysis.opening import opening_margin
-from fem_seal.analysis.problem import rough_contact, supports
+from fem_seal.analysis.problem import SealProblem, expected_forces, sizing
 from fem_seal.analysis.results import LoadResult, OpeningMargin
 from fem_seal.analysis.warnings import load_validity
 from fem_seal.case.case import Case
@@ -79,8 +78,11 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     if takes_complete_run(case, columns):
         return _complete_run(case, columns)
     can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
-    design = _Design(case, can_yield or "max_von_mises_Pa" in columns, _leaks(columns), interpolate)
-    return Evaluation(_read(design, columns), load_validity(case, design.load, design.judged_surface))
+    stress = can_yield or "max_von_mises_Pa" in columns
+    design = _Design(SealProblem.of(case), stress, _leaks(columns), interpolate)
+    return Evaluation(
+        _read(design, columns), load_validity(design.problem, design.load, design.judged_surface)
+    )
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -106,12 +108,12 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     """
     if takes_complete_run(case, columns):
         return _complete_run(case, columns).values
-    design = _Design(case, "max_von_mises_Pa" in columns, _leaks(columns), interpolate)
-    return _read(design, columns)
+    stress = "max_von_mises_Pa" in columns
+    return _read(_Design(SealProblem.of(case), stress, _leaks(columns), interpolate), columns)
 
 
 def _read(design: _Design, columns: Sequence[str]) -> dict[str, float]:
-    row = Row(design, design.case)
+    row = Row(design)
     return {column: COLUMNS[column].number(row) for column in columns}
 
 
@@ -130,7 +132,7 @@ def _plain(case: Case) -> bool:
         case.load.closing == "sealed-area"
         and case.load.target_leak_rate is None
         and case.leak.fluid_in_gap == "uncoupled"
-        and supports(case).wall == "free"
+        and getattr(case.seat, "wall", "free") == "free"
         and case.closure.material.hardening is None
         and case.seat.material.hardening is None
     )
@@ -148,37 +150,37 @@ def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
 
 @dataclass(frozen=True)
 class _Design:
-    """One case with one load, as columns see it; everything is calculated when it is asked for."""
+    """One problem with one load, as columns see it; everything is calculated when it is asked for."""
 
-    case: Case
+    problem: SealProblem
     stress: bool
     leaks: bool
     interpolate: bool
 
-    @cached_property
+    @property
     def surface(self) -> RoughContact | None:
-        return rough_contact(self.case)
+        return self.problem.surface
 
     @cached_property
     def law(self) -> Law:
-        interface = self.case.interface
+        interface = self.problem.interface
         if interface.law == "persson" and not interface.plastic and self.surface is not None:
             return family_law(self.surface)
-        return problem.interface_law(self.case, self.surface)
+        return self.problem.law
 
     @cached_property
     def contact(self) -> ContactSolution:
-        force = problem.axial_forces(self.case)[0]
+        force = expected_forces(self.problem)[0]
 
         def solve_on(sizing: Sizing) -> list[ContactSolution]:
-            model = shared_model(self.case, sizing, stress=self.stress)
+            model = shared_model(self.problem, sizing, stress=self.stress)
             return [solve(model, self.law, axial_force=force, settings=_SETTINGS)]
 
         (contact,) = solve_fitted(
-            problem.sizing(self.case, self.law),
-            self.case.contact,
+            sizing(self.problem, self.law),
+            self.problem.contact,
             solve_on,
-            size_given=self.case.mesh.contact_size is not None,
+            size_given=self.problem.contact_size is not None,
         )
         return contact
 
@@ -188,11 +190,11 @@ class _Design:
 
     @property
     def fluid_pressure(self) -> float:
-        return self.case.load.fluid_pressure[0]
+        return self.problem.loads.points[0][0]
 
     @property
     def applied_force(self) -> float:
-        return self.case.load.points[0][1]
+        return self.problem.loads.points[0][1]
 
     @property
     def axial_force(self) -> float:
@@ -221,19 +223,20 @@ class _Design:
         return self._leak(self.surface.elastic)
 
     def _leak(self, surface: RoughContact | None) -> LeakResult | None:
-        if surface is None or self.case.fluid is None:
+        flow = self.problem.flow
+        if surface is None or flow is None:
             return None
         shared = self._family_table if surface is self.surface else self._shared_table(surface)
-        table = shared or flow.conductivity_table(self.case, surface, [self.contact])
-        return flow.leak_of_contact(self.case, table, self.contact, self.fluid_pressure)
+        table = shared or flow.table_of(surface, [self.contact])
+        return flow.leak_of(table, self.contact.profile, self.fluid_pressure)
 
     def _shared_table(self, surface: RoughContact) -> ConductivityTable | None:
-        return family_table(self.case, surface, self.contact) if self.interpolate else None
+        flow = self.problem.flow
+        return family_table(flow, surface, self.contact) if self.interpolate and flow is not None else None
 
     @cached_property
     def _family_table(self) -> ConductivityTable | None:
-        known = self.surface is not None and self.case.fluid is not None
-        return self._shared_table(self.surface) if known and self.surface is not None else None
+        return None if self.surface is None else self._shared_table(self.surface)
 
     @property
     def _known_table(self) -> ConductivityTable | None:
@@ -290,14 +293,14 @@ class _Design:
 
     @property
     def blow_off_pressure(self) -> float | None:
-        if self.case.load.pressure_side == "outer":
+        if self.problem.loads.pressure_side == "outer":
             return None
-        return blow_off_of_sealed_area(self.case.touch_radius, self.applied_force, "inner")
+        return blow_off_of_sealed_area(self.problem.touch_radius, self.applied_force, "inner")
 
     @property
     def opening(self) -> OpeningMargin | None:
-        case, side = self.case, self.case.load.pressure_side
-        held = -closing_force(case.touch_radius, self.fluid_pressure, 0.0, side)
+        side = self.problem.loads.pressure_side
+        held = -closing_force(self.problem.touch_radius, self.fluid_pressure, 0.0, side)
         return opening_margin(
             self.fluid_pressure, self.applied_force, side, opens=self.blow_off_pressure, held=held
         )

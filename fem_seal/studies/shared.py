@@ -33,7 +33,8 @@ from leak import ConductivityTable, PowerSpectrum, RoughContact
 from meshes import ContactGeometry, Sizing, build_contact
 
 if TYPE_CHECKING:
-    from fem_seal.case.case import Case
+    from fem_seal.analysis.flow import Flow
+    from fem_seal.analysis.problem import SealProblem
 
 # Steps of the sizes and of the reach in the logarithm to base 2. A longer reach costs few elements: they grow along it.
 _STEP, _REACH_STEP = 0.25, 1.0
@@ -51,22 +52,22 @@ class Bodies:
     seat_material: Material
 
 
-def shared_model(case: Case, sizing: Sizing, *, stress: bool) -> ContactModel:
-    """The condensed bodies of a case, from this process's memory if they are known.
+def shared_model(problem: SealProblem, sizing: Sizing, *, stress: bool) -> ContactModel:
+    """The condensed bodies of a problem, from this process's memory if they are known.
 
     Parameters
     ----------
-    case : Case
+    problem : SealProblem
     sizing : Sizing
         Rounded here, so that neighbouring designs share a mesh.
     stress : bool
         Whether stresses will be asked for; without them the model takes far less memory.
     """
     bodies = Bodies(
-        case.contact,
-        rounded(sizing, case.contact, exact_size=case.mesh.contact_size is not None),
-        _elastic(case.closure.material),
-        _elastic(case.seat.material),
+        problem.contact,
+        rounded(sizing, problem.contact, exact_size=problem.contact_size is not None),
+        _elastic(problem.materials["closure"]),
+        _elastic(problem.materials["seat"]),
     )
     return _full_model(bodies) if stress else _light_model(bodies)
 
@@ -220,19 +221,19 @@ def family_law(surface: RoughContact) -> ScaledLaw:
     return ScaledLaw(_law(member), height, pressure)
 
 
-def family_table(case: Case, surface: RoughContact, contact: ContactSolution) -> ConductivityTable | None:
+def family_table(flow: Flow, surface: RoughContact, contact: ContactSolution) -> ConductivityTable | None:
     """Flow conductivity of a surface from the tables of its shape; None where the relations above do not hold.
 
     Parameters
     ----------
-    case : Case
-        With a fluid. The relations hold for liquids: a gas brings its mean free path, a length of its own.
+    flow : Flow
+        The relations hold for liquids: a gas brings its mean free path, a length of its own.
     surface : RoughContact
     contact : ContactSolution
     """
-    if getattr(case.fluid, "gas", None) is not None:
+    if flow.gas is not None:
         return None
-    method = case.leak.conductivity
+    method = flow.conductivity
     member, height, pressure = _member(surface)
     if member.hardness is None:
         peak = math.log10(float(contact.pressure.max()) / pressure)

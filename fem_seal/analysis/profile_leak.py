@@ -1,0 +1,130 @@
+"""Leak rates of pressure profiles that come from elsewhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.analysis.flow import Flow
+from fem_seal.analysis.results import GivenContact, GivenLoad
+from fem_seal.analysis.warnings import profile_validity
+from fem_seal.arrays import FloatArray
+from fem_seal.errors import InputError, Problem
+from fem_seal.profile import PressureProfile
+from leak import ConductivityTable, GasConductivityTable, LeakResult, RoughContact
+from meshes import ContactGeometry
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.problem import SealProblem
+    from fem_seal.analysis.profile_file import ImportedProfile
+
+# Radii of a profile that this program wrote are those of its seat up to the digits of the file.
+_SAME_RADIUS = 1e-7
+
+
+def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) -> list[GivenLoad]:
+    """Leak rates of imported pressure profiles with the surface and the fluid of a problem.
+
+    Parameters
+    ----------
+    problem : SealProblem
+        Its surface and flow are used, and its contact where a profile has no radius.
+    profiles : sequence of ImportedProfile
+        A profile with its own fluid pressure gives one load, one without gives a load for each fluid pressure
+        of the problem.
+
+    Returns
+    -------
+    list of GivenLoad
+        With their validity, as far as a profile without its bodies tells it.
+
+    Raises
+    ------
+    InputError
+        If the problem has no roughness or no fluid.
+    """
+    surface, flow = problem.surface, problem.flow
+    if surface is None or flow is None:
+        missing = [name for name, one in (("roughness", surface), ("fluid", flow)) if one is None]
+        raise InputError(
+            *(Problem(name, f"is missing; a leak rate needs a table [{name}]") for name in missing),
+            file=problem.file,
+        )
+    peaks = [float(profile.pressure.max()) for profile in profiles]
+    plastic, elastic = (_conductivity(flow, one, peaks) for one in (surface, surface.elastic))
+    return [
+        _given_load(problem, flow, surface, profile, (plastic, elastic), fluid_pressure)
+        for profile in profiles
+        for fluid_pressure in (
+            [profile.fluid_pressure]
+            if profile.fluid_pressure
+            else dict.fromkeys(problem.loads.fluid_pressure)
+        )
+    ]
+
+
+def _given_load(
+    problem: SealProblem,
+    flow: Flow,
+    surface: RoughContact,
+    profile: ImportedProfile,
+    tables: Sequence[ConductivityTable | GasConductivityTable],
+    fluid_pressure: float,
+) -> GivenLoad:
+    peak, contact = float(profile.pressure.max()), problem.contact
+    leak, elastic = (_leak(flow, contact, profile, table, fluid_pressure) for table in tables)
+    separation, without = (float(one.critical_separation(peak)) for one in (surface, surface.elastic))
+    given = GivenContact(_profile(contact, profile))
+    load = GivenLoad(fluid_pressure, given, leak, elastic, separation, without)
+    return replace(load, validity=profile_validity(problem, surface, load))
+
+
+def _conductivity(
+    flow: Flow, surface: RoughContact, peaks: Sequence[float]
+) -> ConductivityTable | GasConductivityTable:
+    """Flow conductivity over all pressures of the profiles."""
+    # nine decades below the peak the resistance is less than one part in a million of the whole
+    return flow.table(surface, 1e-9 * min(peaks), 1.01 * max(peaks))
+
+
+def _leak(
+    flow: Flow,
+    contact: ContactGeometry,
+    profile: ImportedProfile,
+    table: ConductivityTable | GasConductivityTable,
+    fluid_pressure: float,
+) -> LeakResult:
+    ends = _ends(contact, profile)
+    radius = _radius(contact, profile)
+    return flow.leak(table, profile.x, profile.pressure, fluid_pressure, radius, ends)
+
+
+def _ends(contact: ContactGeometry, profile: ImportedProfile) -> tuple[float, float] | None:
+    """Where the faces end, if the profile is one on its seat: with the x of this program, or its radii."""
+    ends, x = contact.reach, profile.x
+    if not ends[0] <= x[0] < x[-1] <= ends[1]:
+        return None
+    if profile.radius is None:
+        return ends
+    same = np.allclose(profile.radius, contact.radius(x), rtol=_SAME_RADIUS, atol=0.0)
+    return ends if same else None
+
+
+def _radius(contact: ContactGeometry, profile: ImportedProfile) -> FloatArray:
+    return contact.radius(profile.x) if profile.radius is None else profile.radius
+
+
+def _profile(contact: ContactGeometry, profile: ImportedProfile) -> PressureProfile:
+    """The profile with weights of the trapezoidal rule; nothing is known of its gap."""
+    x, ends = profile.x, np.diff(profile.x, prepend=profile.x[0], append=profile.x[-1])
+    return PressureProfile(
+        x,
+        _radius(contact, profile),
+        profile.pressure,
+        np.full(len(x), math.nan),
+        0.5 * (ends[1:] + ends[:-1]),
+    )

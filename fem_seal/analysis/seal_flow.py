@@ -1,0 +1,87 @@
+"""Flow through the contacts of a seal while their force is still looked for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.analysis.problem import expected_forces
+from fem_seal.contact.sizing import Opening, contact_width
+from fem_seal.loads import line_load
+from fem_seal.profile import PressureProfile
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.flow import Flow
+    from fem_seal.analysis.problem import SealProblem
+    from leak import LeakResult, RoughContact
+
+# Points of a Gaussian profile, and how far it reaches in standard deviations.
+_POINTS, _REACH = 121, 5.0
+_TABLE_POINTS = 80
+# Decades between the highest pressure and the end of the table.
+_MARGIN = 0.3
+
+
+@dataclass(frozen=True)
+class SealFlow:
+    """Leak rates of any contacts of a seal, by tables over the range in which its loads are expected.
+
+    Parameters
+    ----------
+    problem : SealProblem
+        Of which the expected contacts are.
+    surface : RoughContact
+    flow : Flow
+    """
+
+    problem: SealProblem
+    surface: RoughContact
+    flow: Flow
+
+    @classmethod
+    def of(cls, problem: SealProblem) -> SealFlow | None:
+        """The flow of a problem; None without roughness or fluid.
+
+        Parameters
+        ----------
+        problem : SealProblem
+        """
+        if problem.surface is None or problem.flow is None:
+            return None
+        return cls(problem, problem.surface, problem.flow)
+
+    def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
+        """Flow through a contact at a pressure difference [Pa]."""
+        low, high = self._expected_peaks
+        # Whole decades, so that neighbouring contacts share one table; below it the low-pressure law goes on, above it
+        # two more decades at a time.
+        top, peak = math.ceil(high + _MARGIN), math.log10(profile.pressure.max()) + _MARGIN
+        p_min, p_max = 10.0 ** math.floor(low - 6), 10.0 ** (top + 2 * max(0, math.ceil((peak - top) / 2)))
+        table = self.flow.table(self.surface, p_min, p_max, _TABLE_POINTS)
+        return self.flow.leak_of(table, profile, fluid_pressure)
+
+    def expected_profile(self, contact_force: float) -> PressureProfile:
+        """Gaussian with the line load and the expected width of a contact that carries a force F_N [N]."""
+        contact = self.problem.contact
+        f = line_load(contact_force, contact.touch_radius, contact.angle)
+        std = contact_width(self.problem.law, f, self._opening, self.problem.effective_modulus).std
+        x = std * np.linspace(-_REACH, _REACH, _POINTS)
+        pressure = f / (math.sqrt(2 * math.pi) * std) * np.exp(-0.5 * (x / std) ** 2)
+        radius = np.maximum(contact.touch_radius + x * math.cos(contact.angle), 0.1 * contact.touch_radius)
+        return PressureProfile(x, radius, pressure, np.full_like(x, np.nan), np.gradient(x))
+
+    @cached_property
+    def _opening(self) -> Opening:
+        return Opening.of(self.problem.contact)
+
+    @cached_property
+    def _expected_peaks(self) -> tuple[float, float]:
+        """Decimal logarithms of the smallest and the largest peak pressure that is expected [Pa]."""
+        peaks = [
+            math.log10(self.expected_profile(force).pressure.max()) for force in expected_forces(self.problem)
+        ]
+        return min(peaks), max(peaks)

@@ -1,0 +1,88 @@
+"""What a case poses: its loads, and variants of it without the tables of a case file."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sample_results import STEEL, case, rough_result, single_result
+
+import fem_seal
+from fem_seal.analysis.flow import Flow
+from fem_seal.analysis.problem import Loads, SealProblem, expected_forces
+from fem_seal.bodies.held_body import Supports
+from fem_seal.contact.laws import HardContact
+from fem_seal.errors import LoadProblem
+
+
+def test_what_is_left_of_the_loads_keeps_its_reasons():
+    points = ((1e5, 0.0), (2e5, 10.0), (3e5, 20.0), (4e5, 30.0))
+    reasons = {1: LoadProblem("load", "a"), 3: LoadProblem("load", "b")}
+    left = Loads(points, refused=reasons).without({0, 1})
+    assert left.points == points[2:] and left.fluid_pressure == (3e5, 4e5)
+    assert left.refused == {1: reasons[3]}
+    assert Loads(points, refused=reasons).without(()).refused == reasons
+
+
+def test_loads_that_leave_the_seal_open_size_nothing():
+    lifted = case(
+        load={"fluid_pressure": ["5 bar", "20 bar"], "axial_force": "1 kN", "pressure_side": "inner"}
+    )
+    problem = SealProblem.of(lifted)
+    area = math.pi * problem.touch_radius**2
+    assert list(problem.loads.refused) == [1]
+    assert expected_forces(problem) == pytest.approx([1e3 - 5e5 * area], rel=1e-12)
+
+
+def test_case_and_problem_of_a_result_have_the_same_loads():
+    mixed = case(
+        load={"fluid_pressure": ["2 bar", "20 bar", "5 bar"], "axial_force": ["0 N", "-1 MN", "0 N"]}
+    )
+    result = fem_seal.run(mixed)
+    assert result.problem.loads.points == result.case.load.points == ((2e5, 0.0), (5e5, 0.0))
+    assert mixed.load.fluid_pressure == (2e5, 20e5, 5e5)
+
+
+def test_a_variant_of_a_problem_leaks_as_a_case_that_asks_for_it():
+    """Another conductivity with the contact as it is: the same number as that of a run of the changed case."""
+    result, changed = single_result(), {"leak.conductivity": "critical-junction"}
+    problem = result.problem
+    flow = replace(problem.flow, conductivity="critical-junction")
+    (load,) = result.loads
+    table = flow.table_of(problem.surface, result.contact)
+    found = flow.leak_of(table, load.contact.profile, load.fluid_pressure).leak_rate
+    (expected,) = fem_seal.run(result.case.replace(changed)).loads
+    assert found == pytest.approx(expected.leak.leak_rate, rel=1e-9)
+    assert abs(found / load.leak.leak_rate - 1) > 0.01
+
+
+def test_the_law_is_that_of_the_variant():
+    problem = rough_result().problem
+    plastic = replace(problem, interface=replace(problem.interface, plastic=True))
+    pressure = np.log(np.array([1e6, 1e8]))
+    assert plastic.law is not problem.law
+    assert np.all(plastic.law.decay_length(pressure) < problem.law.decay_length(pressure))
+    assert replace(problem, interface=replace(problem.interface, law="smooth")).law == HardContact()
+
+
+def test_the_seat_of_a_case_and_its_larger_housing():
+    held = case(
+        seat={"shape": "cone", "angle": "45 deg", "material": STEEL, "wall": "fixed", "interference": "2 um"}
+    )
+    problem = SealProblem.of(held)
+    assert problem.supports == Supports(wall="fixed") and problem.interference == pytest.approx(2e-6)
+    larger = problem.larger_housing()
+    assert larger.seat.largest_radius == pytest.approx(2 * held.contact.seat.largest_radius, rel=1e-12)
+    assert larger.touch_radius == pytest.approx(held.touch_radius, rel=1e-12)
+
+
+def test_a_liquid_without_density_has_no_mass_flow_and_only_a_gas_a_throughput():
+    own = Flow("my oil", 0.05)
+    assert (own.mass_flow(1e-9), own.throughput(1e-9), own.standard_leak_rate(1e-9)) == (None, None, None)
+    helium = SealProblem.of(case(fluid={"name": "helium", "temperature": "20 degC"})).flow
+    assert helium.throughput(1e-9) == pytest.approx(1.01325e-4, rel=1e-12)
+    assert helium.standard_leak_rate(1e-9) == pytest.approx(1e-9 * 273.15 / 293.15, rel=1e-12)
+    # 4.0026 g/mol at 101325 Pa and 20 degC
+    assert helium.mass_flow(1.0) == pytest.approx(101325 * 4.0026e-3 / (8.314462618 * 293.15), rel=1e-4)
