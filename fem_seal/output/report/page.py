@@ -20,7 +20,7 @@ from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
 from fem_seal.output.report import case, tables, words
 from fem_seal.output.report.words import far_field_sentence
-from fem_seal.output.sources import sources
+from fem_seal.output.sources import definitions, sources
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "accuracy": case.accuracy(result),
         "far_field": far_field_sentence(result),
         "timings": case.times(result),
-        "definitions": words.DEFINITIONS,
+        "definitions": definitions(),
     }
 
 

@@ -327,39 +327,6 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     yield text + "."
 
 
-DEFINITIONS = (
-    (
-        "contact pressure p",
-        "pressure between the bodies, averaged over many asperities, positive in compression",
-    ),
-    ("x", "arc length across the sealing line, zero where the bodies first touch, positive outwards"),
-    ("peak pressure", "largest nominal contact pressure over x"),
-    ("FWHM", "full width of the pressure profile at half of its peak"),
-    ("standard deviation", "square root of the second central moment of p over x"),
-    ("line load", "force per circumference normal to the contact, F_N / (2π r₀ cos θ)"),
-    ("gap u", "mean separation of the surfaces, measured between their mean planes"),
-    (
-        "u_c",
-        "critical separation: height of the narrowest place on the first open leak path, at the peak pressure",
-    ),
-    (
-        "magnification",
-        "wavenumber up to which roughness is seen, over the smallest wavenumber of the spectrum",
-    ),
-    (
-        "yielded area A_pl",
-        "area of real contact in which the asperities carry the hardness; A_el: the elastic rest",
-    ),
-    ("elastic columns", "the same contact with asperities that never yield"),
-    ("leak rate", "volume per time through the whole circumference, all fluid pressures as differences"),
-    (
-        "discretisation error",
-        "error of the mesh alone: upper estimate from the load with the largest closing force, solved again on a mesh "
-        "twice as coarse; shape, supports, roughness and the theory itself it cannot see",
-    ),
-)
-
-
 def leakage_text(found: Leakage, digits: int = 3) -> str:
     """The leak rate in the units of its kind: "1.2 ml/min = 19 drops/min = 20 mg/s"."""
     if found.throughput is not None and found.standard_leak_rate is not None:
