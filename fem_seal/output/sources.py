@@ -1,19 +1,13 @@
-"""The publications behind the numbers of a result, only those whose formulas it used, and the definitions of its words.
-
-What is said stands in templates/words.toml; here is decided which of it a result needs.
-"""
+"""The publications behind the numbers of a result: only those whose formulas it used."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
-from importlib.resources import files
-from typing import Any
 
 from fem_seal.analysis.results import SealSolution
 from fem_seal.output.columns import standards_used
+from fem_seal.output.prose import prose
 
 
 @dataclass(frozen=True)
@@ -38,11 +32,6 @@ class Source:
     equations: tuple[str, ...] = ()
 
 
-def definitions() -> list[tuple[str, str]]:
-    """Words of the report with their meanings, in the order of the page."""
-    return [(one["term"], one["meaning"]) for one in _words()["definitions"]]
-
-
 def sources(result: SealSolution) -> list[Source]:
     """Publications whose formulas a result used, in the order of the calculation.
 
@@ -56,7 +45,7 @@ def sources(result: SealSolution) -> list[Source]:
 def _sources(result: SealSolution) -> Iterator[Source]:
     parts = {name for name, is_used in used(result).items() if is_used}
     flow = {"roughness", "flow"} <= parts
-    for entry in _words()["sources"]:
+    for entry in prose()["sources"]:
         if "placeholder" in entry:
             yield from _own_sources(result, entry["placeholder"]) if flow else ()
         elif set(entry.get("when", ())) <= parts:
@@ -108,9 +97,3 @@ def _own_sources(result: SealSolution, what: str) -> Iterator[Source]:
 
 def _chosen(parts: Mapping[str, str], used: set[str]) -> Iterator[str]:
     return (text for name, text in parts.items() if name == "always" or name in used)
-
-
-@cache
-def _words() -> dict[str, Any]:
-    text = files("fem_seal").joinpath("templates", "words.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)

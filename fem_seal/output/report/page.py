@@ -18,9 +18,10 @@ from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.sketch import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
+from fem_seal.output.prose import definitions
 from fem_seal.output.report import case, tables, words
 from fem_seal.output.report.words import far_field_sentence
-from fem_seal.output.sources import definitions, sources
+from fem_seal.output.sources import sources
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
