@@ -42,19 +42,15 @@ def defined():
 
 def resolve(dotted):
     """The object of a dotted name that begins with a package."""
-    parts = dotted.split(".")
-    for count in range(len(parts), 0, -1):
-        try:
-            found = importlib.import_module(".".join(parts[:count]))
-        except ModuleNotFoundError:
-            continue
-        for name in parts[count:]:
-            # a field of a dataclass without default is no attribute of the class
-            if name in getattr(found, "__dataclass_fields__", {}):
-                return found
-            found = getattr(found, name)
-        return found
-    raise ModuleNotFoundError(dotted)
+    package, *names = dotted.split(".")
+    found, path = importlib.import_module(package), package
+    for name in names:
+        path = f"{path}.{name}"
+        # a field of a dataclass without default is no attribute of the class
+        if name in getattr(found, "__dataclass_fields__", {}):
+            return found
+        found = getattr(found, name) if hasattr(found, name) else importlib.import_module(path)
+    return found
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
