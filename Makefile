@@ -4,7 +4,7 @@ PYTHON ?= python3
 
 PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: run test lint check docs clean
+.PHONY: run test lint check wheel docs clean
 
 run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
@@ -19,6 +19,11 @@ lint: $(VENV)/.tools
 	@$(VENV)/bin/lint-imports
 
 check: lint test
+
+# What users install: the wheel in an environment of its own, which sees the dependencies of the first one but not the
+# checkout, and the example solved from there.
+wheel: $(VENV)/.tools
+	@$(VENV)/bin/python tests/wheel.py
 
 docs: $(VENV)/.tools
 	@$(VENV)/bin/python docs/make_input_reference.py

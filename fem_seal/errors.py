@@ -7,7 +7,14 @@ from pathlib import Path
 
 
 class SealError(Exception):
-    """Base of all errors that fem_seal raises on purpose."""
+    """Base of all errors that fem_seal raises on purpose.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> issubclass(fem_seal.InputError, fem_seal.SealError)
+    True
+    """
 
 
 class QuantityError(SealError, ValueError):
@@ -61,6 +68,21 @@ class InputError(SealError, ValueError):
         At least one.
     file : path, optional
         File in which they stand.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> case = fem_seal.Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     interface={"law": "smooth"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ... )
+    >>> try:
+    ...     case.replace({"seat.angle": "100 deg"})
+    ... except fem_seal.InputError as error:
+    ...     print(error.key, error.value)
+    seat.angle "100 deg"
     """
 
     def __init__(self, *problems: Problem, file: str | Path | None = None) -> None:
@@ -106,6 +128,12 @@ class ConvergenceError(SealError, RuntimeError):
         Which load, which residual, what to try.
     partial : object, optional
         Results of the loads solved before, or the last iterate.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> issubclass(fem_seal.ConvergenceError, fem_seal.SealError)
+    True
     """
 
     def __init__(self, message: str, partial: object = None) -> None:

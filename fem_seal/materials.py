@@ -136,6 +136,13 @@ def material(name: str) -> Material:
     ------
     InputError
         If the library does not have it.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> steel = fem_seal.material("steel")
+    >>> print(f"{steel.youngs_modulus / 1e9:.0f} GPa, {steel.poissons_ratio}")
+    210 GPa, 0.3
     """
     if name not in LIBRARY:
         known = ", ".join(f'"{known}"' for known in LIBRARY)

@@ -28,6 +28,16 @@ class PressureProfile:
         Quadrature weights over x [m] that belong to the points.
     ends : tuple of float or None, optional
         x at which the faces end [m], None where that is not known: the contact does not go on beyond.
+
+    Examples
+    --------
+    >>> import numpy as np, fem_seal
+    >>> x = np.linspace(-5e-4, 5e-4, 201)
+    >>> p = 50e6 * np.exp(-0.5 * (x / 1e-4) ** 2)
+    >>> weight = np.full_like(x, x[1] - x[0])
+    >>> profile = fem_seal.PressureProfile(x, 0.014 + x, p, 0 * x, weight)
+    >>> f"{profile.peak_pressure / 1e6:.1f} MPa, std {profile.std * 1e3:.3f} mm, FWHM {profile.fwhm * 1e3:.3f} mm"
+    '50.0 MPa, std 0.100 mm, FWHM 0.235 mm'
     """
 
     x: FloatArray

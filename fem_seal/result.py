@@ -52,7 +52,33 @@ class SealResult(SealSolution):
         What another housing and another support of its wall do to the strongest load.
     unloaded : Unloaded or None
         Residual stress and imprint after the last load; None if both bodies are elastic.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> case = fem_seal.Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     interface={"law": "smooth"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ... )
+    >>> result = fem_seal.run(case)
+    >>> result.loads[0].leak is None
+    True
+    >>> list(result.table.columns[:3])
+    ['fluid_pressure_Pa', 'axial_force_N', 'line_load_N_per_m']
     """
+
+    def __repr__(self) -> str:
+        from fem_seal.output.notebook import result_text
+
+        return f"<{type(self).__name__} of {result_text(self)}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the table and the pressure profiles."""
+        from fem_seal.output.notebook import result_html
+
+        return result_html(self, self.table)
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -118,6 +144,19 @@ def run(case: Case, progress: Callable[[str], None] | None = None) -> SealResult
         If gmsh cannot be loaded or fails.
     ConvergenceError
         If no contact converges.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> case = fem_seal.Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     interface={"law": "smooth"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ... )
+    >>> result = fem_seal.run(case)
+    >>> print(f"{result.loads[0].contact.profile.peak_pressure / 1e6:.0f} MPa")
+    192 MPa
     """
     solution = solve(case, progress)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})

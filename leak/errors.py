@@ -2,35 +2,109 @@
 
 
 class LeakError(ValueError):
-    """Any wrong input to the `leak` package; the message names the key, the value and what is allowed."""
+    """Any wrong input to the `leak` package; the message names the key, the value and what is allowed.
+
+    Examples
+    --------
+    >>> import leak
+    >>> issubclass(leak.SpectrumError, leak.LeakError), issubclass(leak.LeakError, ValueError)
+    (True, True)
+    """
 
 
 class SpectrumError(LeakError):
-    """A power spectrum cannot be made from the numbers given."""
+    """A power spectrum cannot be made from the numbers given.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.PowerSpectrum.self_affine(rms_height=-1.0, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    Traceback (most recent call last):
+        ...
+    leak.errors.SpectrumError: rms_height = -1.0: must be a positive finite number [m]
+    """
 
 
 class ScanError(LeakError):
-    """A measured line scan or height map cannot be read, or holds too little to make a spectrum of."""
+    """A measured line scan or height map cannot be read, or holds too little to make a spectrum of.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.line_scan([0.0], [0.0])
+    Traceback (most recent call last):
+        ...
+    leak.errors.ScanError: a scan of 1 point: needs at least 16
+    """
 
 
 class SurfaceError(LeakError):
-    """A rough contact was given a material value or a pressure outside its meaning."""
+    """A rough contact was given a material value or a pressure outside its meaning.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> leak.RoughContact(spectrum, effective_modulus=0.0)
+    Traceback (most recent call last):
+        ...
+    leak.errors.SurfaceError: effective_modulus = 0.0: must be a positive finite number [Pa]
+    """
 
 
 class LawError(LeakError):
-    """An interface law cannot be made from the numbers given."""
+    """An interface law cannot be made from the numbers given.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.TabulatedLaw([0.0, 1e-6], [1e6, 2e6])
+    Traceback (most recent call last):
+        ...
+    leak.errors.LawError: pressure[1]: pressure must strictly decrease along the table [Pa]
+    """
 
 
 class ProfileError(LeakError):
-    """A pressure profile, or what goes with it into the leak integral, cannot be used."""
+    """A pressure profile, or what goes with it into the leak integral, cannot be used.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.leak_rate([0.0, 1e-3], [1e6, 1e6, 1e6], 1e-15, 1e5, 0.014)
+    Traceback (most recent call last):
+        ...
+    leak.errors.ProfileError: x has shape (2,), p has shape (3,): both must be (n,)
+    """
 
 
 class ConductivityError(LeakError):
-    """A flow conductivity was asked for outside the pressures it was tabulated for, or with an unknown method."""
+    """A flow conductivity was asked for outside the pressures it was tabulated for, or with an unknown method.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
+    >>> surface.conductivity_table(1e6, 1e8, method="guess")
+    Traceback (most recent call last):
+        ...
+    leak.errors.ConductivityError: method = 'guess': must be one of ('bruggeman', 'critical-junction')
+    """
 
 
 class FluidError(LeakError):
-    """A fluid is not in the library, or has an impossible property."""
+    """A fluid is not in the library, or has an impossible property.
+
+    Examples
+    --------
+    >>> import leak
+    >>> try:
+    ...     leak.liquid("soup")
+    ... except leak.FluidError as error:
+    ...     print(str(error)[:18])
+    fluid = 'soup': mu
+    """
 
 
 def positive(error: type[LeakError], name: str, value: float, unit: str) -> float:

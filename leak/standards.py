@@ -103,6 +103,12 @@ class LeakageLimit:
         Such as "ISO 5208", "B".
     leak_rate : float
         Largest allowed volume flow; of a gas at atmospheric pressure [m^3/s].
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.leakage_limits(0.025, gas=False)[0].standard
+    'ISO 5208'
     """
 
     standard: str
@@ -121,6 +127,12 @@ class LeakageClass:
         None if it meets no class of those that can be judged.
     limit : float or None
         Largest leak rate of that class [m^3/s].
+
+    Examples
+    --------
+    >>> import leak
+    >>> str(leak.LeakageClass("ISO 5208", "B", 1e-9))
+    'ISO 5208 B'
     """
 
     standard: str
@@ -373,6 +385,11 @@ BUBBLE_VOLUME = 0.15e-6
 def millilitres_per_minute(leak_rate: float) -> float:
     """Volume flow [m^3/s] in ml/min.
 
+    Parameters
+    ----------
+    leak_rate : float
+        Volume flow [m^3/s].
+
     Examples
     --------
     >>> round(millilitres_per_minute(1e-6), 9)
@@ -384,6 +401,13 @@ def millilitres_per_minute(leak_rate: float) -> float:
 def drops_per_minute(leak_rate: float, drop_volume: float = DROP_VOLUME) -> float:
     """Volume flow of a liquid [m^3/s] in drops/min, a drop being 1/16 ml unless given [m^3].
 
+    Parameters
+    ----------
+    leak_rate : float
+        Volume flow of the liquid [m^3/s].
+    drop_volume : float
+        Of one drop [m^3]; 1/16 ml unless given.
+
     Examples
     --------
     >>> round(drops_per_minute(1e-6 / 60), 9)
@@ -393,12 +417,31 @@ def drops_per_minute(leak_rate: float, drop_volume: float = DROP_VOLUME) -> floa
 
 
 def bubbles_per_minute(leak_rate: float, bubble_volume: float = BUBBLE_VOLUME) -> float:
-    """Volume flow of a gas [m^3/s] in bubbles/min, a bubble being 0.15 ml unless given [m^3]."""
+    """Volume flow of a gas [m^3/s] in bubbles/min, a bubble being 0.15 ml unless given [m^3].
+
+    Parameters
+    ----------
+    leak_rate : float
+        Volume flow of the gas [m^3/s].
+    bubble_volume : float
+        Of one bubble [m^3]; 0.15 ml unless given.
+
+    Examples
+    --------
+    >>> import leak
+    >>> print(f"{leak.bubbles_per_minute(1e-9):.2f}")
+    0.40
+    """
     return leak_rate * 60.0 / bubble_volume
 
 
 def millibar_litres_per_second(throughput: float) -> float:
     """Throughput of a gas [Pa m^3/s] in mbar l/s.
+
+    Parameters
+    ----------
+    throughput : float
+        Pressure times volume flow [Pa m^3/s].
 
     Examples
     --------

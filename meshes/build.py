@@ -59,12 +59,50 @@ def build(closure: Shape, seat: Shape, sizing: Sizing) -> SealMesh:
         If closure and seat do not touch properly, or the zone does not fit on their faces.
     MeshingError
         If gmsh cannot be loaded or fails.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> mesh = meshes.build(ball, cone, sizing)
+    >>> mesh.quality.elements == mesh.mesh.nelements
+    True
     """
     return build_contact(ContactGeometry.of(closure.outline, seat.outline), sizing)
 
 
 def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
-    """Mesh two sections in first touch, see `build`."""
+    """Mesh two sections in first touch, see `build`.
+
+    Parameters
+    ----------
+    contact : ContactGeometry
+        Both sections, also drawn ones or ready meshes.
+    sizing : Sizing
+
+    Returns
+    -------
+    SealMesh
+
+    Raises
+    ------
+    GeometryError
+        If the zone does not fit on the faces.
+    MeshingError
+        If gmsh cannot be loaded or fails.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> contact = meshes.ContactGeometry.of(ball.outline, cone.outline)
+    >>> meshes.build_contact(contact, sizing).contact is contact
+    True
+    """
     _check_zone(contact, sizing)
     if isinstance(contact.seat, MeshedOutline):
         sizing = replace(sizing, zone=contact.seat.within(contact, sizing.zone))

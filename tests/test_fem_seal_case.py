@@ -10,7 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import fem_seal
-from fem_seal import Case, InputError, load_case
+from fem_seal import Case, InputError, Study, load_case
+from fem_seal.case.si_numbers import with_units
+from fem_seal.case.tables import CaseTables
 from fem_seal.materials import LIBRARY, Material, effective_modulus, material
 
 CASE = {
@@ -48,7 +50,8 @@ def case():
 def wrong(changes, **tables):
     """The message for a changed case that is wrong."""
     with pytest.raises(InputError) as caught:
-        Case(**CASE).replace(changes, **tables)
+        # as a file says it: in code a bare number is SI
+        Case(**CASE).replace_written({**(changes or {}), **tables})
     return str(caught.value)
 
 
@@ -498,3 +501,82 @@ def test_public_names_load_on_first_use():
     assert fem_seal.load_case is load_case
     with pytest.raises(AttributeError, match="no attribute"):
         fem_seal.no_such_name  # noqa: B018
+
+
+def test_a_case_is_loaded_from_a_dict_of_its_tables_as_from_a_file():
+    tables = copy.deepcopy(CASE)
+    assert load_case(tables) == Case(**CASE)
+    assert load_case(tables).file is None
+    # read as a file is: nobody could tell whether 20 meant metres or millimetres
+    tables["closure"]["radius"] = 0.02
+    with pytest.raises(InputError, match=r"closure.radius = 0.02: has no unit"):
+        load_case(tables)
+    with pytest.raises(InputError, match="keys must be words"):
+        load_case({1: {}})
+
+
+def test_replace_takes_si_numbers_as_well_as_texts():
+    case = Case(**CASE)
+    same = {
+        "closure.radius": ("25 mm", 0.025),
+        "seat.angle": ("60 deg", math.radians(60)),
+        "load.fluid_pressure": (["1 bar", "7 bar"], np.array([1e5, 7e5])),
+        "seat.material": (
+            {"youngs_modulus": "200 GPa", "poissons_ratio": 0.3, "hardness": "3 GPa"},
+            {"youngs_modulus": 200e9, "poissons_ratio": 0.3, "hardness": 3_000_000_000},
+        ),
+        "seat.bore_radius": ("10 mm", np.float64(0.01)),
+        "roughness.spectrum.rms_height": ("1.5 um", 1.5e-6),
+    }
+    for key, (text, number) in same.items():
+        written, si = case.replace({key: text}), case.replace({key: number})
+        assert si.closure == written.closure
+        assert si.seat == written.seat
+        assert si.load == written.load
+        assert si.roughness == written.roughness
+    # beside texts, in a list and in a range, and once more on top
+    both = case.replace({"load.fluid_pressure": [1e5, "7 bar"]})
+    assert both.load.fluid_pressure == (1e5, 7e5)
+    ranged = both.replace(load={"fluid_pressure": {"start": 1e5, "stop": 3e5, "num": 3}})
+    assert ranged.load.fluid_pressure == (1e5, 2e5, 3e5)
+    drawn = [{"to": [0.0, 0.0]}, {"to": [0.02, "0 mm"]}, {"to": ["20 mm", 0.02], "radius": 0.03}]
+    assert with_units(CaseTables, {"seat": {"shape": "profile", "outline": drawn}}) == {
+        "seat": {
+            "shape": "profile",
+            "outline": [
+                {"to": ["0.0 m", "0.0 m"]},
+                {"to": ["0.02 m", "0 mm"]},
+                {"to": ["20 mm", "0.02 m"], "radius": "0.03 m"},
+            ],
+        }
+    }
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (25, "out of range"),
+        (math.nan, "not a finite number"),
+        (True, "not a quantity"),
+        (10**400, "has no unit"),
+    ],
+)
+def test_numbers_that_may_not_stand_there_are_refused(value, message):
+    with pytest.raises(InputError, match=message):
+        Case(**CASE).replace({"closure.radius": value})
+
+
+def test_a_study_file_needs_units_all_the_same():
+    with pytest.raises(InputError, match=r"changes.closure.radius = 0.02: has no unit"):
+        Study(
+            Case(**CASE),
+            changes={"closure.radius": 0.02},
+            parameters={"seat.angle": ["40 deg", "50 deg"]},
+            responses=["peak_pressure_Pa"],
+        )
+
+
+def test_replace_keeps_what_it_does_not_change():
+    # the contact geometry takes longest, and studies change other entries thousands of times
+    case = Case(**CASE)
+    assert case.replace({"load.fluid_pressure": 3e5}).contact is case.contact

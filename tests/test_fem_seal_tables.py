@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +17,7 @@ import fem_seal
 from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.columns import PROFILE_COLUMNS
+from fem_seal.output.sources import used
 from fem_seal.output.summary import summary, write_summary
 from fem_seal.output.tables import leak_table, profile_array, write_leak_csv, write_profile_csv
 from fem_seal.units import given, leak_rate_text, number, percent, quantity, trimmed, unit_for
@@ -231,3 +233,11 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OutputError, match=r"file/leak\.csv: cannot be written"):
         write_text(tmp_path / "file" / "leak.csv", "")
+
+
+def test_words_of_the_report_ask_for_nothing_that_no_result_can_have_used():
+    words = tomllib.loads((Path(fem_seal.__file__).parent / "templates" / "words.toml").read_text("utf-8"))
+    asked = {"always"}
+    for entry in words["sources"]:
+        asked |= {*entry.get("when", ()), *entry.get("used_for", ()), *entry.get("equations", ())}
+    assert asked == {"always", *used(rough_result())}

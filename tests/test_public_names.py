@@ -1,12 +1,19 @@
 """Public names of the packages: typed, loaded on first use, and no others."""
 
 import ast
+import inspect
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import fem_seal
 import fem_seal.contact
+import leak
+import meshes
 
 ROOT = Path(__file__).parent.parent
 
@@ -45,3 +52,50 @@ def test_importing_the_package_loads_nothing_heavy():
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
     )
     assert done.stdout.strip() == "[]"
+
+
+def test_the_type_checker_knows_what_run_returns(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import fem_seal\n"
+        "reveal_type(fem_seal.run)\n"
+        'reveal_type(fem_seal.run(fem_seal.load_case("case.toml")).loads[0].fluid_pressure)\n'
+        'reveal_type(fem_seal.load_study("study.toml").run())\n'
+        "reveal_type(fem_seal.contact.solve)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--config-file", str(ROOT / "pyproject.toml"), str(script)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env={**os.environ, "MYPYPATH": str(ROOT)},
+    )
+    run, pressure, study, solve = re.findall(r'Revealed type is "(.*)"', done.stdout)
+    assert run.startswith("def (case: fem_seal.case.case.Case")
+    assert run.endswith("-> fem_seal.result.SealResult")
+    assert pressure.endswith("float")
+    assert study == "fem_seal.studies.results.StudyResult"
+    assert solve.endswith("-> fem_seal.contact.solution.ContactSolution")
+
+
+# Tables and types, which have no docstring of their own.
+DATA = {"FLUIDS", "GASES", "LineProfile", "__version__"}
+PUBLIC = [
+    (package, name) for package in (fem_seal, leak, meshes) for name in package.__all__ if name not in DATA
+]
+
+
+@pytest.mark.parametrize(("package", "name"), PUBLIC, ids=lambda one: getattr(one, "__name__", one))
+def test_every_public_name_has_a_docstring_with_an_example(package, name):
+    thing = getattr(package, name)
+    text = inspect.getdoc(thing) or ""
+    assert ">>> " in text
+    if inspect.isfunction(thing):
+        documented = set(re.findall(r"^([\w, ]+?) : ", text, re.MULTILINE))
+        documented = {one.strip() for names in documented for one in names.split(",")}
+        described = {*documented, *re.findall(r"\b\w+\b", text.partition(">>> ")[0])}
+        # a number or a word needs its unit or its choices; a parameter of a type of its own says what it is
+        plain = re.compile(r"\b(float|int|str|ArrayLike|FloatArray)\b")
+        parameters = inspect.signature(thing).parameters.values()
+        missing = {one.name for one in parameters if plain.search(str(one.annotation))} - described
+        assert not missing, f"{name} says nothing about {missing}"

@@ -109,6 +109,19 @@ def derive(case: Case) -> Derived:
     -------
     Derived
         With law "persson" the exponential of the elastic spectrum at low pressure stands for the law.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> case = fem_seal.Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     interface={"law": "smooth"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ... )
+    >>> derived = fem_seal.derive(case)
+    >>> print(f"r0 = {derived.touch_radius * 1e3:.2f} mm, Hertz {derived.loads[0].hertz.peak_pressure / 1e6:.0f} MPa")
+    r0 = 14.14 mm, Hertz 192 MPa
     """
     problem = SealProblem.of(case)
     surface, loads = problem.surface, problem.loads

@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_seal.analysis.caution import VALID, Validity
 from fem_seal.arrays import FloatArray
+from fem_seal.units import given, leak_rate_text, quantity, quantity_worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -82,6 +83,25 @@ class LoadResult:
     validity: Validity = VALID
     target_validity: Validity | None = None
     opening: OpeningMargin | None = None
+
+    def __repr__(self) -> str:
+        at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
+        return f"<{type(self).__name__} at {at}: {self.in_brief}>"
+
+    @property
+    def in_brief(self) -> str:
+        """Peak pressure, width, leak rate and validity in a line, with units and no more digits than they are worth."""
+        profile = self.contact.profile
+        parts = [
+            f"peak {quantity_worth('contact pressure', profile.peak_pressure, self.digits)}",
+            f"FWHM {quantity('length', profile.fwhm)}",
+        ]
+        if self.leak is not None:
+            claimed = not self.validity.outside
+            parts.append(
+                f"leak rate {leak_rate_text(self.leak.leak_rate, min(self.digits, 3), claimed=claimed)}"
+            )
+        return ", ".join([*parts, str(self.validity.level)])
 
     @property
     def digits(self) -> int:

@@ -29,6 +29,12 @@ class Supports:
     ----------
     wall : {"free", "fixed"}
         Whether the outer wall of the housing is held radially.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> fem_seal.Supports().wall
+    'free'
     """
 
     wall: Literal["free", "fixed"] = "free"

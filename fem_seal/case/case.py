@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
@@ -14,8 +15,9 @@ from fem_seal.case.bodies import place_body_files
 from fem_seal.case.checks import contradictions
 from fem_seal.case.messages import problems
 from fem_seal.case.roughness import place_files
+from fem_seal.case.si_numbers import with_units
 from fem_seal.case.tables import CaseTables
-from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError
+from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
 from fem_seal.files import read_toml
 
 
@@ -76,39 +78,84 @@ class Case(CaseTables):
         Parameters
         ----------
         changes : mapping, optional
-            Dotted keys with their new entries: ``{"seat.angle": "50 deg"}``.
+            Dotted keys with their new entries: ``{"seat.angle": "50 deg"}``. Quantities are texts with a unit, as in a
+            case file, or numbers in SI: ``{"closure.radius": 0.02}``, angles in radian, temperatures in kelvin.
         **tables
             The same as nested tables: ``seat={"angle": "50 deg"}``. Tables are merged; a table with another
             `shape` or `kind` replaces the old one. None removes an entry.
+
+        Returns
+        -------
+        Case
+
+        Raises
+        ------
+        InputError
+            If the changed case is wrong.
+
+        Examples
+        --------
+        >>> case = load_case({
+        ...     "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
+        ...     "seat": {"shape": "cone", "angle": "45 deg", "material": "steel"},
+        ...     "interface": {"law": "smooth"},
+        ...     "load": {"fluid_pressure": "20 bar"},
+        ... })
+        >>> case.replace({"closure.radius": 0.025, "load.fluid_pressure": ["1 bar", 5e5]}).load.fluid_pressure
+        (100000.0, 500000.0)
+        """
+        changed = _merged(self._with(changes or {}), copy.deepcopy(tables))
+        new = {name: table for name, table in changed.items() if table is not self._input.get(name)}
+        return self._checked({**changed, **with_units(CaseTables, new)})
+
+    def replace_written(self, changes: Mapping[str, Any]) -> Case:
+        """The same with entries as they stand in a file, where a quantity without a unit is an error.
+
+        Parameters
+        ----------
+        changes : mapping
+            Dotted keys with their new entries.
 
         Raises
         ------
         InputError
             If the changed case is wrong.
         """
+        return self._checked(self._with(changes))
+
+    def _with(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """The tables as they were given, with entries changed at dotted keys."""
         changed = self._input
-        for key, value in copy.deepcopy(dict(changes or {})).items():
+        for key, value in copy.deepcopy(dict(changes)).items():
             *parents, last = str(key).split(".")
             nested: Any = {last: value}
             for parent in reversed(parents):
                 nested = {parent: nested}
             changed = _merged(changed, nested)
+        return changed
+
+    def _checked(self, tables: dict[str, Any]) -> Case:
         case = Case.__new__(Case)
         try:
-            case._read(_merged(changed, copy.deepcopy(tables)), self)
+            case._read(tables, self)
         except InputError as error:
             raise error.in_file(self._file) from None
         case._file = self._file
         return case
 
 
-def load_case(path: str | Path) -> Case:
-    """Read and check a case file.
+def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
+    """Read and check a case, from its file or from a dict of its tables.
 
     Parameters
     ----------
-    path : path
-        TOML file. Files named in it are looked for beside it, and the results folder is placed beside it.
+    source : path or mapping
+        TOML file; files named in it are looked for beside it, and the results folder is placed beside it. Or the same
+        tables as a mapping, quantities as texts with units; files named there are looked for from the working folder.
+
+    Returns
+    -------
+    Case
 
     Raises
     ------
@@ -117,11 +164,20 @@ def load_case(path: str | Path) -> Case:
 
     Examples
     --------
-    >>> case = load_case("examples/ball_cone.toml")     # doctest: +SKIP
-    >>> case.seat.angle                                 # doctest: +SKIP
+    >>> case = load_case({
+    ...     "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     "seat": {"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     "interface": {"law": "smooth"},
+    ...     "load": {"fluid_pressure": ["1 bar", "20 bar"]},
+    ... })
+    >>> case.load.fluid_pressure
+    (100000.0, 2000000.0)
+    >>> load_case("examples/ball_cone.toml").seat.angle     # doctest: +SKIP
     0.7853981633974483
     """
-    path = Path(path)
+    if isinstance(source, Mapping):
+        return _case_of(source)
+    path = Path(source)
     tables = read_toml(path, "case")
     tables.setdefault("title", path.stem)
     _place_files(tables, path)
@@ -131,6 +187,13 @@ def load_case(path: str | Path) -> Case:
         raise error.in_file(path) from None
     case._file = path
     return case
+
+
+def _case_of(tables: Mapping[str, Any]) -> Case:
+    odd = [key for key in tables if not isinstance(key, str)]
+    if odd:
+        raise InputError(Problem(str(odd[0]), "keys must be words, such as closure, seat, load"))
+    return Case(**tables)
 
 
 def _place_files(tables: dict[str, Any], path: Path) -> None:

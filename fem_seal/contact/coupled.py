@@ -35,6 +35,18 @@ class Seal:
         How the fluid gets between the surfaces.
     interference : float
         Of the press fit, see `FurtherLoads.press_fit` [m].
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> steel = fem_seal.Material("steel", 210e9, 0.3)
+    >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
+    >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("inner"))
+    >>> seal.interference
+    0.0
     """
 
     model: ContactModel

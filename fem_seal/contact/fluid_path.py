@@ -52,6 +52,13 @@ class FlowThrough:
     -----
     Where the contact is sealed nothing flows, and what the fluid does between the two ends of the sealed stretch is
     not known: its pressure is taken to fall evenly there. That is also where it falls just before the contact seals.
+
+    Examples
+    --------
+    >>> import numpy as np, fem_seal
+    >>> evenly = lambda profile, drop: drop * np.linspace(0.0, 1.0, len(profile.x))
+    >>> fem_seal.FlowThrough(evenly, sealing_pressure=1e9).side
+    'outer'
     """
 
     pressure_along: Callable[[PressureProfile, float], FloatArray]
@@ -87,6 +94,12 @@ class HeldFluid:
     Parameters
     ----------
     side : {"outer", "inner"}
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> fem_seal.HeldFluid("inner").side
+    'inner'
     """
 
     side: PressureSide = "outer"

@@ -22,7 +22,14 @@ class InterfaceLaw(Protocol):
 
 @dataclass(frozen=True)
 class HardContact:
-    """Smooth surfaces: p >= 0, gap >= 0, p gap = 0."""
+    """Smooth surfaces: p >= 0, gap >= 0, p gap = 0.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> fem_seal.HardContact()
+    HardContact()
+    """
 
 
 Law = InterfaceLaw | HardContact

@@ -248,7 +248,7 @@ def yielding_bodies(model: ContactModel) -> dict[str, YieldingBody]:
     }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class ElastoplasticContact(ContactSolution):
     """State of the contact line and of the yielding bodies under one axial force of a path.
 

@@ -24,6 +24,7 @@ from fem_seal.bodies.elasticity import node_dofs, stiffness_matrix
 from fem_seal.bodies.held_body import HeldBody, Supports, held_body
 from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.materials import Material, effective_modulus
+from fem_seal.units import quantity
 from meshes import ContactGeometry, SealMesh
 
 if TYPE_CHECKING:
@@ -109,6 +110,19 @@ class ContactModel:
         cos(theta) of the contact normal at first touch.
     relative_radius : float
         R_rel [m].
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> steel = fem_seal.Material("steel", 210e9, 0.3)
+    >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
+    >>> model.closure.material.name, round(model.effective_modulus / 1e9, 1)
+    ('steel', 115.4)
+    >>> round(model.line_load(1257.0))
+    20006
     """
 
     line: ContactLine
@@ -118,6 +132,13 @@ class ContactModel:
     touch_radius: float
     touch_normal_z: float
     relative_radius: float
+
+    def __repr__(self) -> str:
+        return (
+            f"<{type(self).__name__}: {self.closure.material.name} on {self.seat.material.name}, "
+            f"first touch at r = {quantity('length', self.touch_radius)}, "
+            f"{len(self.line.x)} points on the contact line>"
+        )
 
     @property
     def effective_modulus(self) -> float:
@@ -145,6 +166,17 @@ def condense(
     ------
     ValueError
         If the materials are not those of these two bodies.
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> steel = fem_seal.Material("steel", 210e9, 0.3)
+    >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
+    >>> model.compliance.shape == (len(model.line.x), len(model.line.x))
+    True
     """
     if set(materials) != {"closure", "seat"}:
         raise ValueError(f'materials of {sorted(materials)}: needed are those of "closure" and "seat"')

@@ -61,6 +61,18 @@ def solve(
     pressure asks for (`ContactLine.lift`).
     Increments of v are applied as they are where they fall and as log(1 + dv) where they rise: the pressure
     then never rises faster than linear extrapolation says, and the exponential cannot run away.
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> steel = fem_seal.Material("steel", 210e9, 0.3)
+    >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
+    >>> contact = fem_seal.solve(model, fem_seal.HardContact(), axial_force=1257.0)
+    >>> print(f"{contact.profile.peak_pressure / 1e6:.0f} MPa over {contact.profile.fwhm * 1e3:.3f} mm")
+    195 MPa over 0.106 mm
     """
     if not (np.isfinite(axial_force) and axial_force > 0):
         raise ValueError(f"axial_force = {axial_force!r} N: must be positive and finite")

@@ -23,6 +23,12 @@ class FurtherLoads:
         "inner" and the "outer" wetted surface; of a seat with fixed wall also "wall", its motion inwards [m].
     gap_pressure : ndarray, shape (m,), optional
         Fluid pressure at the points of the contact line [Pa].
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> fem_seal.FurtherLoads.press_fit(20e-6)
+    FurtherLoads(closure={}, seat={'wall': 2e-05})
     """
 
     closure: Mapping[str, float] = field(default_factory=dict)

@@ -50,6 +50,19 @@ def solve_penetration(
     pressure profile gives the fluid pressure anew. What the fluid opens the flow feels only as far as its pressure
     counts against that of the contact, so that Anderson's acceleration needs a few steps. Where F_N nearly vanishes it
     is F_N that is given instead, and the fluid pressure that follows.
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> steel = fem_seal.Material("steel", 210e9, 0.3)
+    >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
+    >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("outer"))
+    >>> contact = fem_seal.solve_penetration(seal, closing_force=500.0, fluid_pressure=5e5)
+    >>> contact.axial_force > 500.0, round(contact.closing_force)
+    (True, 500)
     """
     given = _under(closing_force, fluid_pressure)
     carried = expected_force(
@@ -145,6 +158,18 @@ def blow_off_pressure(seal: Seal, *, closing_force: float) -> float:
     Raises
     ------
     ConvergenceError
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> steel = fem_seal.Material("steel", 210e9, 0.3)
+    >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
+    >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("outer"))
+    >>> fem_seal.blow_off_pressure(seal, closing_force=500.0)
+    inf
     """
     if not fluid_lifts(seal, closing_force):
         return math.inf

@@ -14,6 +14,7 @@ from fem_seal.bodies.fields import BodyField
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.profile import PressureProfile
+from fem_seal.units import quantity
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,12 @@ class ContactSettings:
     force_tolerance : float
         Relative residual of the axial force.
     max_iterations : int
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> fem_seal.ContactSettings(gap_tolerance=1e-8).max_iterations
+    60
     """
 
     gap_tolerance: float = 1e-10
@@ -54,6 +61,20 @@ class ContactSolution:
         Largest gap residual over decay length, before each iteration and at the end.
     loads : FurtherLoads
         What acts on the bodies besides the contact pressure.
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> steel = fem_seal.Material("steel", 210e9, 0.3)
+    >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
+    >>> contact = fem_seal.solve(model, fem_seal.HardContact(), axial_force=1257.0)
+    >>> round(contact.profile.peak_pressure / 1e6)
+    195
+    >>> abs(contact.force_error) < 1e-9
+    True
     """
 
     model: ContactModel
@@ -64,6 +85,14 @@ class ContactSolution:
     iterations: int
     residuals: tuple[float, ...] = field(repr=False)
     loads: FurtherLoads = NO_LOADS
+
+    def __repr__(self) -> str:
+        profile = self.profile
+        return (
+            f"<{type(self).__name__} at F_N = {quantity('force', self.axial_force)}: "
+            f"peak {quantity('contact pressure', profile.peak_pressure)}, FWHM {quantity('length', profile.fwhm)}, "
+            f"{len(self.log_pressure)} points, {self.iterations} iterations>"
+        )
 
     @property
     def pressure(self) -> FloatArray:
@@ -103,7 +132,25 @@ class ContactSolution:
 
 
 def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
-    """Fields of both bodies under a solved contact, "closure" and "seat"."""
+    """Fields of both bodies under a solved contact, "closure" and "seat".
+
+    Parameters
+    ----------
+    solution : ContactSolution
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> steel = fem_seal.Material("steel", 210e9, 0.3)
+    >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
+    >>> contact = fem_seal.solve(model, fem_seal.HardContact(), axial_force=1257.0)
+    >>> fields = fem_seal.body_fields(contact)
+    >>> sorted(fields), bool(fields["seat"].von_mises.max() > 50e6)
+    (['closure', 'seat'], True)
+    """
     model, loads = solution.model, solution.loads
     return {
         name: body_field(

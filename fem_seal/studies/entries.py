@@ -135,7 +135,7 @@ def with_open_materials(case: Case, paths: list[str]) -> Case:
         # one with a curve is no name from the library but a table already
         if material.hardening is None and any(path.startswith(f"{body}.material.") for path in paths):
             changes[f"{body}.material"] = _as_table(material)
-    return case.replace(changes) if changes else case
+    return case.replace_written(changes) if changes else case
 
 
 def _as_table(material: Material) -> dict[str, Any]:

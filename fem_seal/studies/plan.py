@@ -78,7 +78,7 @@ class StudyPlan:
         InputError
             If the design contradicts itself.
         """
-        return self.case.replace(self.changes(point))
+        return self.case.replace_written(self.changes(point))
 
     @cached_property
     def written(self) -> dict[str, Any]:

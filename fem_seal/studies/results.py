@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.studies.designs_table import Designs
 from fem_seal.studies.store import FILE, open_to_read
 
 if TYPE_CHECKING:
@@ -28,6 +29,24 @@ class StudyResult:
     ------
     InputError
         If the folder holds no study.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> case = fem_seal.Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     interface={"law": "smooth"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ... )
+    >>> study = fem_seal.Study(
+    ...     case, parameters={"seat.angle": ["40 deg", "50 deg"]}, responses=["peak_pressure_Pa"]
+    ... )
+    >>> result = study.run(workers=0)
+    >>> result.counts["done"]
+    2
+    >>> result.table["peak_pressure_Pa"].round(-6).tolist()
+    [176000000.0, 209000000.0]
     """
 
     def __init__(self, folder: str | Path, *, temporary: bool = False) -> None:
@@ -36,6 +55,16 @@ class StudyResult:
         if temporary:
             weakref.finalize(self, shutil.rmtree, self.folder, ignore_errors=True)
 
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{number} {status}" for status, number in self.counts.items() if number)
+        return f"<{type(self).__name__} in {self.folder}, designs: {counts or 'none'}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the designs, and the first response over the first parameter."""
+        from fem_seal.studies.page.preview import preview
+
+        return preview(self._read(Designs.read))
+
     @cached_property
     def table(self) -> pd.DataFrame:
         """One row per design, SI: status, validity, parameters, responses, derived columns, constraints.
@@ -43,8 +72,6 @@ class StudyResult:
         ``reason`` says why a design failed. ``validity`` is "valid", "doubtful" or "outside the theory",
         ``validity_reasons`` says why. A constraint's column says whether it is met.
         """
-        from fem_seal.studies.designs_table import Designs
-
         return self._read(Designs.read).table
 
     @cached_property
@@ -67,16 +94,12 @@ class StudyResult:
 
         They meet all constraints and, unless the study keeps such designs, are not outside the theory.
         """
-        from fem_seal.studies.designs_table import Designs
-
         designs = self._read(Designs.read)
         return designs.table.loc[designs.best(count)]
 
     @cached_property
     def left_out(self) -> int:
         """How many designs meet all constraints but are left out of the best ones for being outside the theory."""
-        from fem_seal.studies.designs_table import Designs
-
         return int(self._read(Designs.read).left_out)
 
     def report(self, path: str | Path | None = None) -> Path:

@@ -224,7 +224,7 @@ def _keep_fields(
         limit = study.run_settings.time_limit
         try:
             with ended_after(limit, stuck=stuck):
-                run(study.case.replace(changes)).write(place)
+                run(study.case.replace_written(changes)).write(place)
         except OvertimeError:
             progress.note(f"complete results of design {number}: {overtime_reason(limit)}; none are kept")
             continue

@@ -69,6 +69,13 @@ class Study(StudyPlan):
     def __init__(self, base: Case | str | Path, /, **tables: Any) -> None:
         self._set_up(base, tables, Path.cwd(), None)
 
+    def __repr__(self) -> str:
+        many = "designs to be searched" if self.optimise else f"{len(self.points)} designs"
+        return (
+            f"<{type(self).__name__} of {self.title or 'untitled case'}: {many} over {', '.join(self.names)}; "
+            f"{', '.join(self.output_names)}>"
+        )
+
     def _set_up(
         self, base: Case | str | Path, tables: Mapping[str, Any], folder: Path, file: Path | None
     ) -> None:
@@ -177,6 +184,12 @@ def load_study(path: str | Path) -> Study:
     ------
     InputError
         If the file cannot be read or anything in it, or in one of the designs, is wrong.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> study = fem_seal.load_study("examples/studies/angle_and_roughness.toml")     # doctest: +SKIP
+    >>> study.run().table                                                             # doctest: +SKIP
     """
     path = Path(path)
     tables = read_toml(path, "study")
@@ -233,13 +246,13 @@ def _changed(case: Case, changes: Mapping[str, Any], parameters: Mapping[str, An
         return case
     plain = {key: list(value) if isinstance(value, tuple) else value for key, value in changes.items()}
     try:
-        return with_open_materials(case, list(plain)).replace(plain)
+        return with_open_materials(case, list(plain)).replace_written(plain)
     except InputError as error:
         found = error.problems[0]
         for end in (0, -1):
             varied = {path: _ends(given)[end] for path, given in parameters.items()}
             with suppress(InputError):
-                return with_open_materials(case, [*plain, *varied]).replace({**plain, **varied})
+                return with_open_materials(case, [*plain, *varied]).replace_written({**plain, **varied})
         raise InputError(Problem(f"changes.{found.key}", found.message, found.value)) from None
 
 

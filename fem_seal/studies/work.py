@@ -171,7 +171,7 @@ def _outputs(recipe: Recipe, point: Sequence[float]) -> tuple[tuple[float | None
         one.name: one.entry.written(one.value(number))
         for one, number in zip(recipe.parameters, point, strict=True)
     }
-    found = evaluate(recipe.case.replace(changes), recipe.columns, interpolate=recipe.interpolate)
+    found = evaluate(recipe.case.replace_written(changes), recipe.columns, interpolate=recipe.interpolate)
     numbers = {
         one.name: float(number) for one, number in zip(recipe.parameters, point, strict=True) if one.numeric
     }

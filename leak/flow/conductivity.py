@@ -38,7 +38,17 @@ def table_abscissa(log_pressure: FloatArray, log_sealing_pressure: float) -> Flo
 
 @dataclass(frozen=True)
 class Conductivity:
-    """sigma_eff(p) for one fluid: call it with pressures [Pa] to get m^3/(Pa s)."""
+    """sigma_eff(p) for one fluid: call it with pressures [Pa] to get m^3/(Pa s).
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
+    >>> sigma = surface.conductivity_table(1e6, 1e8).at(viscosity=1e-3)
+    >>> bool(sigma(2e7) < sigma(1e7))
+    True
+    """
 
     table: ConductivityTable
     viscosity: float
@@ -73,6 +83,16 @@ class ConductivityTable:
     -----
     A cubic spline over `table_abscissa`. Below the first pressure u_eff goes on linearly in ln p, the low-pressure law
     of the theory; between the last one and the sealing pressure it falls like exp(-C/(1 - p/p_seal)).
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
+    >>> table = surface.conductivity_table(1e6, 1e8)
+    >>> water, oil = table.at(viscosity=1e-3), table.at(viscosity=0.046)
+    >>> round(float(water(1e7) / oil(1e7)), 6)
+    46.0
     """
 
     pressure: FloatArray
@@ -141,7 +161,17 @@ class ConductivityTable:
 
 @runtime_checkable
 class GasConductivity(Protocol):
-    """A gap between surfaces that lets a gas through."""
+    """A gap between surfaces that lets a gas through.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
+    >>> table = leak.gas_conductivity_table(surface, 1e6, 1e8, num=8)
+    >>> hasattr(table, "at_log_pressure"), hasattr(table, "rarefaction")
+    (True, True)
+    """
 
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """u_eff at ln(p/Pa), p the contact pressure [m]."""
@@ -167,6 +197,15 @@ class GasConductivityTable:
         ln R at the pressures of `liquid` and at `log_inverse_knudsen`, shape (n, m).
     log_inverse_knudsen : ndarray
         ln D_eff, shape (m,).
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
+    >>> table = leak.gas_conductivity_table(surface, 1e6, 1e8, num=8)
+    >>> table.log_rarefaction.shape[0] == len(table.liquid.pressure)
+    True
     """
 
     liquid: ConductivityTable

@@ -31,7 +31,14 @@ _SECANT_STEPS, _ROOT_STEPS = 12, 200
 
 @dataclass(frozen=True, eq=False)
 class CoupledLeakResult(LeakResult):
-    """Flow through a ring-shaped contact whose fluid carries part of the load."""
+    """Flow through a ring-shaped contact whose fluid carries part of the load.
+
+    Examples
+    --------
+    >>> import leak
+    >>> issubclass(leak.CoupledLeakResult, leak.LeakResult)
+    True
+    """
 
     contact_pressure: FloatArray
     """Pressure p - p_f on the asperities, zero where the fluid has lifted them off, shape (n,) [Pa]."""

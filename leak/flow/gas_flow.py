@@ -33,7 +33,21 @@ _TABLE_DECADES = 9.0
 
 @dataclass(frozen=True, eq=False)
 class GasLeakResult:
-    """Flow of a gas through a ring-shaped contact; all pressures are absolute."""
+    """Flow of a gas through a ring-shaped contact; all pressures are absolute.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import leak
+    >>> x = np.linspace(-0.5e-3, 0.5e-3, 101)
+    >>> p = 50e6 * np.exp(-(x / 0.2e-3) ** 2)
+    >>> helium = leak.gas("helium")
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
+    >>> found = leak.gas_leak_flow(x, p, surface, helium, 2e5, 1e5, 0.014)
+    >>> bool(found.mass_flow > 0), found.fluid_pressure.shape
+    (True, (101,))
+    """
 
     gas: Gas
     inlet_pressure: float

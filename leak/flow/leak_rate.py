@@ -35,7 +35,18 @@ SigmaOfPressure = Callable[[FloatArray], ArrayLike]
 
 @dataclass(frozen=True, eq=False)
 class LeakResult:
-    """Flow of a liquid or a gas through a ring-shaped contact."""
+    """Flow of a liquid or a gas through a ring-shaped contact.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import leak
+    >>> x = np.linspace(-0.5e-3, 0.5e-3, 101)
+    >>> p = 50e6 * np.exp(-(x / 0.2e-3) ** 2)
+    >>> found = leak.leak_flow(x, p, lambda p: 1e-10 / p, 1e5, 0.014)
+    >>> found.resistance * found.leak_rate
+    100000.0
+    """
 
     leak_rate: float
     """Q, of a gas at 101325 Pa and its temperature [m^3/s]; zero where the contact is sealed."""
@@ -151,6 +162,18 @@ def leak_flow(
     Returns
     -------
     LeakResult
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import leak
+    >>> x = np.linspace(-0.5e-3, 0.5e-3, 101)
+    >>> p = 50e6 * np.exp(-(x / 0.2e-3) ** 2)
+    >>> found = leak.leak_flow(x, p, lambda p: 1e-10 / p, 1e5, 0.014)
+    >>> print(f"{found.leak_rate:.3g} m^3/s")
+    4.96e-11 m^3/s
+    >>> found.fluid_pressure.shape
+    (101,)
     """
     x_all, p_all, r_all = checked_profile(x, p, radius)
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")

@@ -17,7 +17,16 @@ _CLOSE = 1e-9
 
 
 class DirectionalGap(NamedTuple):
-    """Effective separations of an anisotropic interface, each shape (P,) [m]."""
+    """Effective separations of an anisotropic interface, each shape (P,) [m].
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> contact = leak.RoughContact(spectrum, effective_modulus=115e9, peklenik=4.0)
+    >>> contact.peklenik
+    4.0
+    """
 
     along: FloatArray
     """u_eff for flow along x, the direction in which gamma_T stretches the roughness."""
@@ -173,9 +182,20 @@ def dimension_number(percolation_threshold: float) -> float:
 
     n = 2 is the textbook value with a_c = 0.5; a_c = 0.42 (n = 1.724) agrees with direct numerical results.
 
+    Parameters
+    ----------
+    percolation_threshold : float
+        a_c, relative contact area above which no channel is open, below 1 [-].
+
     References
     ----------
     W. B. Dapp et al., Phys. Rev. Lett. 108, 244301 (2012).
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.dimension_number(0.5)
+    2.0
     """
     if not 0.0 < percolation_threshold < 1.0:
         raise ConductivityError(

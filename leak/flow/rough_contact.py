@@ -516,6 +516,15 @@ def gas_conductivity_table(
         Number of pressures in the range, at least 8.
     method : {"bruggeman", "critical-junction"}
         See `RoughContact.effective_separation`.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
+    >>> table = leak.gas_conductivity_table(surface, 1e6, 1e8, num=8)
+    >>> len(table.liquid.pressure) >= 8
+    True
     """
     return _table(surface, float(p_min), float(p_max), int(num), method)
 

@@ -43,7 +43,14 @@ def liquid(name: str, temperature: float = ROOM_TEMPERATURE) -> Liquid:
 
 
 def is_liquid(name: str) -> bool:
-    """Whether `liquid` has an entry of that name."""
+    """Whether `liquid` has an entry of that name.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.is_liquid("water"), leak.is_liquid("helium")
+    (True, False)
+    """
     key = str(name).strip().lower()
     return key in _SYNONYMS or any(key == known.lower() for known in _LIQUIDS)
 
@@ -88,6 +95,13 @@ def gas(name: str, temperature: float = ROOM_TEMPERATURE) -> Gas:
 
 
 def is_gas(name: str) -> bool:
-    """Whether `gas` has an entry of that name."""
+    """Whether `gas` has an entry of that name.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.is_gas("helium"), leak.is_gas("water")
+    (True, False)
+    """
     key = str(name).strip().lower()
     return key in _GASES or key in _SHORT

@@ -30,6 +30,12 @@ class Liquid:
     ------
     FluidError
         A property is not positive and finite.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.Liquid("oil", viscosity=0.046, density=870.0, temperature=313.15, source="data sheet").viscosity
+    0.046
     """
 
     name: str
@@ -73,6 +79,7 @@ class Gas:
 
     Examples
     --------
+    >>> from leak import gas
     >>> helium = gas("helium")
     >>> f"{helium.mean_free_path(101325.0) * 1e9:.0f} nm"
     '189 nm'

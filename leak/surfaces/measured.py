@@ -66,6 +66,15 @@ class MeasuredSurface:
     settings : ScanSettings
     warnings : tuple of str
         What an engineer should know before using the spectrum.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> x, h = leak.random_line_scan(spectrum, length=0.01, points=5_000, seed=1)
+    >>> surface = leak.measure(leak.line_scan(x, h))
+    >>> surface.q_low < surface.q_high, len(surface.scans)
+    (True, 1)
     """
 
     spectrum: PowerSpectrum

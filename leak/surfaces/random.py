@@ -85,6 +85,14 @@ def random_map(
     ------
     ScanError
         A value is not positive, or there are fewer than two points.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> heights = leak.random_map(spectrum, size=1e-3, points=128, seed=1)
+    >>> heights.shape
+    (128, 128)
     """
     L = positive(ScanError, "size", size, "m")
     stretch = np.sqrt(positive(ScanError, "peklenik", peklenik, "-"))

@@ -64,7 +64,29 @@ def read_topography(path: str | PathLike[str], *, unit: Unit | None = None) -> T
 def read_topographies(
     paths: str | PathLike[str] | Sequence[str | PathLike[str]], *, unit: Unit | None = None
 ) -> tuple[Topography, ...]:
-    """The same for one file or several scans of one surface."""
+    """One or several scans of one surface, see `read_topography`.
+
+    Parameters
+    ----------
+    paths : path or sequence of paths
+        Files of the scans.
+    unit : str or two of them, optional
+        Where the files state none, the same for all.
+
+    Returns
+    -------
+    tuple of LineScan or HeightMap
+
+    Raises
+    ------
+    ScanError
+        A file cannot be read; the message names it.
+
+    Examples
+    --------
+    >>> import leak
+    >>> scans = leak.read_topographies(["scan1.csv", "scan2.csv"], unit="um")     # doctest: +SKIP
+    """
     several = [paths] if isinstance(paths, (str, PathLike)) else list(paths)
     return tuple(read_topography(path, unit=unit) for path in several)
 

@@ -42,6 +42,13 @@ class LineScan:
         What messages call it.
     remarks : tuple of str
         What was done to the data.
+
+    Examples
+    --------
+    >>> import numpy as np, leak
+    >>> x = np.arange(200) * 1e-6
+    >>> leak.line_scan(x, 1e-7 * np.sin(1e5 * x)).spacing
+    1e-06
     """
 
     heights: FloatArray
@@ -79,6 +86,13 @@ class HeightMap:
         What messages call it.
     remarks : tuple of str
         What was done to the data.
+
+    Examples
+    --------
+    >>> import numpy as np, leak
+    >>> heights = 1e-6 * np.random.default_rng(1).standard_normal((64, 64))
+    >>> leak.height_map(heights, (1e-6, 1e-6)).spacing
+    (1e-06, 1e-06)
     """
 
     heights: FloatArray
@@ -139,6 +153,14 @@ def line_scan(x: ArrayLike, h: ArrayLike, *, name: str = "", tip_radius: float |
     ScanError
         Different lengths, fewer than 16 points, NaN or infinity, x not monotonic, all heights equal, or a gap of more
         than a fifth of the length.
+
+    Examples
+    --------
+    >>> import numpy as np, leak
+    >>> x = np.arange(200) * 1e-6
+    >>> scan = leak.line_scan(x, 1e-7 * np.sin(1e5 * x), tip_radius=2e-6)
+    >>> len(scan.heights), scan.tip_radius
+    (200, 2e-06)
     """
     x, h = _checked(x, h)
     n, length = x.size, float(x[-1] - x[0])
@@ -192,6 +214,13 @@ def height_map(
     ------
     ScanError
         Not two-dimensional or too small, spacing not positive, all heights equal, or more than 5 % missing.
+
+    Examples
+    --------
+    >>> import numpy as np, leak
+    >>> heights = 1e-6 * np.random.default_rng(1).standard_normal((64, 64))
+    >>> leak.height_map(heights, (1e-6, 1e-6), name="seat").name
+    'seat'
     """
     h = np.array(heights, dtype=float)
     if h.ndim != 2 or min(h.shape) < FEWEST_POINTS:

@@ -26,6 +26,12 @@ class SelfAffineContinuation:
     ------
     ScanError
         A value is outside its range, or neither end is given.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.SelfAffineContinuation(hurst=0.8, q_high=1e8).hurst
+    0.8
     """
 
     hurst: float
@@ -68,6 +74,12 @@ class ScanSettings:
     ------
     ScanError
         A value is none of these.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.ScanSettings(detrend="curvature", tip_radius=2e-6).window
+    'hann'
     """
 
     detrend: Detrend = "tilt"

@@ -22,7 +22,16 @@ _LEAST_OVERLAP = 1.0
 
 @dataclass(frozen=True)
 class StretchedRoughness:
-    """What two directional spectra say about a surface whose spectrum has elliptic isolines."""
+    """What two directional spectra say about a surface whose spectrum has elliptic isolines.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> found = leak.stretched_roughness(along=spectrum, across=spectrum)
+    >>> found.peklenik
+    1.0
+    """
 
     spectrum: PowerSpectrum
     """Angular average of C, for `leak.RoughContact`."""
@@ -44,6 +53,14 @@ def stretched_spectrum(spectrum: PowerSpectrum, peklenik: float) -> PowerSpectru
         C of the surface before it is stretched.
     peklenik : float
         gamma_T [-].
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> stretched = leak.stretched_spectrum(spectrum, peklenik=4.0)
+    >>> print(f"{stretched.rms_height / spectrum.rms_height:.3f} {(stretched.rms_slope / spectrum.rms_slope) ** 2:.2f}")
+    1.000 2.12
     """
     gamma = max(peklenik, 1.0 / peklenik)
     if gamma < 1.0 + 1e-6:
@@ -108,6 +125,14 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
     -----
     A power law without roll-off leaves gamma_T to the levels alone, C_along/C_across = gamma_T^(-2 H); scans should
     therefore reach the roll-off. C_0 is the geometric mean of both where both are known, else the one that is.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> found = leak.stretched_roughness(along=spectrum, across=spectrum)
+    >>> round(found.peklenik, 6), round(found.misfit, 6)
+    (1.0, 0.0)
     """
     from scipy.optimize import minimize_scalar
 

@@ -77,6 +77,14 @@ class TabulatedLaw:
     ------
     LawError
         The points are fewer than two, not finite, or not strictly monotone.
+
+    Examples
+    --------
+    >>> import numpy as np, leak
+    >>> u = np.linspace(0.0, 5e-6, 30)
+    >>> law = leak.TabulatedLaw(u, 1e8 * np.exp(-u / 1e-6))
+    >>> print(f"{float(law.decay_length(np.log(1e7))):.3g} m")
+    1e-06 m
     """
 
     table_gap: FloatArray
@@ -144,6 +152,15 @@ class RoughSurfaceLaw:
         Mean separation there, positive and decreasing, shape (n,) [m].
     decay_nodes : ndarray
         -du/dlnp there, positive, shape (n,) [m].
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
+    >>> law = surface.interface_law()
+    >>> bool(law.gap(10.0) > law.gap(15.0))
+    True
     """
 
     log_pressure_nodes: FloatArray

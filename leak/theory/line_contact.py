@@ -26,7 +26,14 @@ _PANEL_NODES = 32
 
 @dataclass(frozen=True)
 class HertzLine:
-    """Elastic line contact of smooth bodies, p = p0 sqrt(1 - (x/a)^2); use `hertz_line`."""
+    """Elastic line contact of smooth bodies, p = p0 sqrt(1 - (x/a)^2); use `hertz_line`.
+
+    Examples
+    --------
+    >>> import leak
+    >>> print(f"{leak.hertz_line(20e3, 0.02, 115e9).half_width * 1e6:.1f} um")
+    66.5 um
+    """
 
     line_load: float
     radius: float
@@ -60,7 +67,14 @@ class HertzLine:
 
 @dataclass(frozen=True)
 class GaussianLine:
-    """Rigid bodies with the interface law p = p_c exp(-u/u0), p = p0 exp(-x^2/2s^2); use `gaussian_line`."""
+    """Rigid bodies with the interface law p = p_c exp(-u/u0), p = p0 exp(-x^2/2s^2); use `gaussian_line`.
+
+    Examples
+    --------
+    >>> import leak
+    >>> round(leak.gaussian_line(20e3, 0.02, 1e-6).std * 1e6, 1)
+    141.4
+    """
 
     line_load: float
     radius: float
@@ -97,6 +111,13 @@ class CrossoverLine:
     With c = f_N/(pi E* u0), s^2 = R u0, X = x/s: p = (f_N/s)/(sqrt(2 pi) Gamma(1+c) |D_{-c}(iX)|^2), D the parabolic
     cylinder function. N = Gamma(c) |D_{-c}(iX)|^2 obeys N''' = (X^2 + 2 - 4c) N' + X N, which has the positive
     integral used here, N = int_0^1 k^(-1/2) (1-k)^(c-1) (1+k)^(-c) exp(k X^2/2) dk.
+
+    Examples
+    --------
+    >>> import leak
+    >>> line = leak.crossover_line(20e3, 0.02, 115e9, 1e-6)
+    >>> round(line.hertzian_share, 4)
+    0.0554
     """
 
     line_load: float
@@ -184,6 +205,13 @@ def gaussian_line(line_load: float, radius: float, u0: float) -> GaussianLine:
     ----------
     Fischer et al., "Fluid leakage in metallic seals", (8)-(10). Its (11) is misprinted: with the line load
     of (1), p0 = R p_fluid tan(theta)/(2 s sqrt(2 pi)).
+
+    Examples
+    --------
+    >>> import leak
+    >>> line = leak.gaussian_line(line_load=20e3, radius=0.02, u0=1e-6)
+    >>> print(f"{line.peak_pressure / 1e6:.1f} MPa")
+    56.4 MPa
     """
     return GaussianLine(*_valid(line_load=line_load, radius=radius, u0=u0))
 

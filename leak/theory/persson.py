@@ -120,6 +120,12 @@ def relative_contact_area(
     References
     ----------
     B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001).
+
+    Examples
+    --------
+    >>> import leak
+    >>> print(f"{float(leak.relative_contact_area(1e7, 0.01, 115e9)):.2e}")
+    5.54e-04
     """
     from scipy.special import erf
 

@@ -26,7 +26,15 @@ _TABLE_NODES = 384
 
 
 class AreaFractions(NamedTuple):
-    """How the nominal area splits at one magnification; the three add up to one."""
+    """How the nominal area splits at one magnification; the three add up to one.
+
+    Examples
+    --------
+    >>> import leak
+    >>> found = leak.area_fractions(0.01, 0.0)
+    >>> found._fields
+    ('elastic', 'plastic', 'open')
+    """
 
     elastic: FloatArray
     """A_el/A0."""
@@ -77,11 +85,29 @@ def area_fractions(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> AreaF
 def remaining_fraction(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> FloatArray:
     """C_pl/C = 1 - (A_pl/A_pl0)^6 with A_pl0/A0 = p/sigma_P, accurate where either side is tiny.
 
-    Parameters as in `area_fractions`; the limit of vanishing pressure, s = 0, is included.
+    The limit of vanishing pressure, s = 0, is included.
+
+    Parameters
+    ----------
+    stress_ratio : array_like
+        s = p/sigma_P, nominal pressure over hardness [-].
+    stress_variance : array_like
+        t = G/sigma_P^2, broadcast against s [-].
+
+    Returns
+    -------
+    ndarray
+        Between 0 and 1, of the broadcast shape [-].
 
     References
     ----------
     Fischer et al., "Fluid leakage in metallic seals", eq. (16); B. N. J. Persson, Tribol. Lett. 63, 42 (2016).
+
+    Examples
+    --------
+    >>> import leak
+    >>> float(leak.remaining_fraction(0.01, 0.0))
+    1.0
     """
     s, t = np.broadcast_arrays(
         np.asarray(stress_ratio, dtype=float), np.asarray(stress_variance, dtype=float)

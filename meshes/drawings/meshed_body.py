@@ -93,7 +93,13 @@ class MeshedOutline(Outline):
 
 @dataclass(frozen=True)
 class MeshedBody:
-    """Closure or seat read from a gmsh file, see `MeshedBody.read`; `file_unit` is the length of its unit [m]."""
+    """Closure or seat read from a gmsh file, see `MeshedBody.read`; `file_unit` is the length of its unit [m].
+
+    Examples
+    --------
+    >>> import meshes
+    >>> body = meshes.read_section("closure.msh", "closure")     # doctest: +SKIP
+    """
 
     outline: MeshedOutline
     file_unit: float

@@ -54,6 +54,15 @@ class Profile:
     ------
     GeometryError
         If the outline is open, crosses itself or the axis, or lacks a part that the body needs.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> corners = [(0.0, 0.0), (0.01, 0.005), (0.01, 0.02), (0.0, 0.02)]
+    >>> sides = zip(corners, [*corners[1:], corners[0]], ["face", "outer", "top", "axis"], strict=True)
+    >>> plug = meshes.Profile("closure", tuple(meshes.Segment(start, end, name) for start, end, name in sides))
+    >>> print(f"{plug.outline.area * 1e6:.0f} mm^2 of section")
+    175 mm^2 of section
     """
 
     name: str

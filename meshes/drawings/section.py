@@ -61,6 +61,12 @@ def read_section(
         If the file cannot be read, or not in time, or does not hold one closed outline.
     MeshingError
         If gmsh, which reads STEP, cannot be loaded.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> from pathlib import Path
+    >>> seat = meshes.read_section(Path("examples/seat.dxf"), "seat", layer="SEAT")     # doctest: +SKIP
     """
     kind = _FORMATS.get(path.suffix.lower())
     if kind is None:

@@ -39,6 +39,14 @@ class ContactGeometry:
         Sections of the bodies, already in touch.
     touch_radius : float
         Radius r0 of first touch [m].
+
+    Examples
+    --------
+    >>> import meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> contact = meshes.ContactGeometry.of(ball.outline, meshes.ConicalSeat.around(0.785, ball).outline)
+    >>> print(f"r0 = {contact.touch_radius * 1e3:.2f} mm, R = {contact.relative_radius * 1e3:.1f} mm")
+    r0 = 14.14 mm, R = 20.0 mm
     """
 
     closure: Outline

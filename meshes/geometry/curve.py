@@ -30,6 +30,13 @@ class Curve:
     ----------
     segments : tuple of Segment
         Not empty; all of positive length.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> step = meshes.chain([(0.0, 0.0), (0.01, 0.0), (0.01, 0.01)], "seat_face")
+    >>> len(step.segments)
+    2
     """
 
     segments: tuple[Segment, ...]

@@ -23,6 +23,13 @@ class Outline:
     name : str
         Name of the body ("closure", "seat").
     segments : tuple of Segment
+
+    Examples
+    --------
+    >>> import meshes
+    >>> outline = meshes.Ball(0.02).outline
+    >>> print(f"{outline.area * 1e6:.1f} mm^2")
+    628.3 mm^2
     """
 
     name: str

@@ -36,6 +36,13 @@ def chain(points: Iterable[Point], name: str, rounding: Callable[[int], float] |
     ------
     GeometryError
         If an arc does not fit between the neighbouring corners.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> step = meshes.chain([(0.0, 0.0), (0.01, 0.0), (0.01, 0.01)], "seat_face", 1e-3)
+    >>> len(step.segments)
+    3
     """
     return rounded(Curve(tuple(Segment(a, b, name) for a, b in pairwise(points))), rounding)
 
@@ -54,6 +61,13 @@ def rounded(curve: Curve, radius: Callable[[int], float] | float) -> Curve:
     ------
     GeometryError
         If an arc does not fit; it says which radius would.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> step = meshes.chain([(0.0, 0.0), (0.01, 0.0), (0.01, 0.01)], "seat_face")
+    >>> len(meshes.rounded(step, 1e-3).segments)
+    3
     """
     done = [curve.segments[0]]
     for n, after in enumerate(curve.segments[1:], start=1):

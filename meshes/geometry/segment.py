@@ -22,6 +22,13 @@ class Segment:
         Boundary that the piece belongs to; several pieces may share one name.
     centre : tuple of float, optional
         Centre (r, z) [m] of a circular arc. The arc spans less than 180 degrees and runs the short way.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> arc = meshes.Segment((0.0, -0.02), (0.02, 0.0), "closure_face", centre=(0.0, 0.0))
+    >>> arc.centre is None
+    False
     """
 
     start: Point

@@ -51,6 +51,15 @@ def first_touch(closure: Curve, seat: Curve) -> Touch:
     ------
     GeometryError
         If a face turns back towards the axis, or the faces do not lie above each other anywhere.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> seat = meshes.ConicalSeat.around(0.785, ball)
+    >>> touch = meshes.first_touch(ball.outline.face, seat.outline.face)
+    >>> print(f"{touch.radius * 1e3:.2f} mm")
+    14.14 mm
     """
     upper, lower = _graph(closure, "closure"), _graph(seat, "seat")
     places = [(r, c.height(r) - s.height(r)) for c in upper for s in lower for r in _candidates(c, s)]

@@ -35,6 +35,16 @@ class Quality:
     elements, vertices : int
     area_error : float
         Largest relative difference between a body's meshed and exact section area.
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> quality = meshes.build(ball, cone, sizing).quality
+    >>> bool(quality.smallest > 0.3), bool(quality.area_error < 0.01)
+    (True, True)
     """
 
     smallest: float
@@ -59,12 +69,25 @@ class SealMesh:
     sizing : Sizing
     outlines : tuple of Outline
         Exact sections of closure and seat.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> mesh = meshes.build(ball, cone, sizing)
+    >>> sorted(mesh.mesh.subdomains)
+    ['closure', 'seat']
     """
 
     mesh: MeshTri
     contact: ContactGeometry
     sizing: Sizing
     outlines: tuple[Outline, ...]
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.mesh.nelements} triangles, {self.mesh.nvertices} vertices>"
 
     @cached_property
     def closure(self) -> MeshTri:

@@ -47,6 +47,13 @@ class Sizing:
     ------
     GeometryError
         If a size is not positive or the zone does not enclose first touch.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> sizing.refined(2.0).contact_size
+    1e-05
     """
 
     contact_size: float

@@ -24,6 +24,12 @@ class Ball:
     ------
     GeometryError
         If the radius is not positive and finite, or the cavity not smaller than the ball.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> print(f"{meshes.Ball(0.02).outline.area * 1e6:.0f} mm^2 of section")
+    628 mm^2 of section
     """
 
     radius: float

@@ -39,6 +39,13 @@ class ConicalLand:
     ------
     GeometryError
         If a dimension is impossible, or the rounding does not fit.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> land = meshes.ConicalLand.around(0.785, meshes.Ball(0.02), land_width=1e-3)
+    >>> land.land_width
+    0.001
     """
 
     angle: float

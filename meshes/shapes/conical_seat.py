@@ -33,6 +33,13 @@ class ConicalSeat:
     ------
     GeometryError
         If the angle is outside (0, pi/2) or the radii are not increasing.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> seat = meshes.ConicalSeat.around(0.785, meshes.Ball(0.02))
+    >>> 0 < seat.bore_radius < seat.face_radius < seat.outer_radius
+    True
     """
 
     angle: float

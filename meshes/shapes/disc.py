@@ -31,6 +31,12 @@ class Disc:
     ------
     GeometryError
         If a dimension is impossible.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> print(f"{meshes.Disc(radius=0.02, edge_radius=1e-3, height=0.01).outline.area * 1e6:.0f} mm^2 of section")
+    200 mm^2 of section
     """
 
     radius: float

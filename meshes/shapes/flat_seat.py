@@ -13,6 +13,12 @@ class FlatSeat(SharpEdge):
 
     A toroidal edge touches it at its lowest circle, r0 = centre_radius, R_rel = its radius; a flat disc along the whole
     common ring, R_rel = inf.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> meshes.FlatSeat(0.01, 1e-3, 0.0, 0.03, 0.02).bore_radius
+    0.01
     """
 
     @classmethod

@@ -36,6 +36,12 @@ class RoundedCone:
     ------
     GeometryError
         If a dimension is impossible, or the rounding does not fit.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> print(f"{meshes.RoundedCone(0.785, 0.01, 0.02, 1e-3, 0.02).outline.area * 1e6:.0f} mm^2 of section")
+    550 mm^2 of section
     """
 
     angle: float

@@ -15,7 +15,14 @@ from meshes.geometry.touch import first_touch, with_faces
 
 
 class Shape(Protocol):
-    """A body that can be meshed."""
+    """A body that can be meshed.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> isinstance(meshes.Ball(0.02).outline, meshes.Outline)
+    True
+    """
 
     @property
     def outline(self) -> Outline:
@@ -39,6 +46,13 @@ def housing(face: Curve, outer_radius: float, height: float) -> Outline:
     ------
     GeometryError
         If the face reaches beyond the housing or below its bottom.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> face = meshes.chain([(0.01, 0.0), (0.02, 0.01)], "seat_face")
+    >>> meshes.housing(face, outer_radius=0.03, height=0.02).name
+    'seat'
     """
     start, end = face.segments[0].start, face.segments[-1].end
     if not outer_radius >= end[0] * (1 - 1e-12):
@@ -78,6 +92,13 @@ def plunger(face: Curve, height: float) -> Outline:
     ------
     GeometryError
         If the bar would have no height.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> face = meshes.chain([(0.0, 0.0), (0.01, 0.0), (0.015, 0.005)], "closure_face")
+    >>> meshes.plunger(face, height=0.02).name
+    'closure'
     """
     start, end = face.segments[0].start, face.segments[-1].end
     top = end[1] + height

@@ -36,6 +36,12 @@ class SharpEdge:
     ------
     GeometryError
         If a dimension is impossible, or the fillet does not fit.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> meshes.SharpEdge.around(0.01, meshes.Ball(0.02)).bore_radius
+    0.01
     """
 
     bore_radius: float

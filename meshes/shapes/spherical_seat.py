@@ -41,6 +41,13 @@ class SphericalSeat:
     ------
     GeometryError
         If a dimension is impossible, or the rounding does not fit.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> seat = meshes.SphericalSeat.around(0.0205, meshes.Ball(0.02), contact_angle=0.785)
+    >>> seat.radius
+    0.0205
     """
 
     radius: float

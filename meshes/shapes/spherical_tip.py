@@ -34,6 +34,12 @@ class SphericalTip:
     ------
     GeometryError
         If a dimension is impossible, or the rounding does not fit.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> print(f"{meshes.SphericalTip(0.03, 0.01, 1e-3, 0.02).outline.area * 1e6:.0f} mm^2 of section")
+    211 mm^2 of section
     """
 
     radius: float

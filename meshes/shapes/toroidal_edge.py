@@ -36,6 +36,12 @@ class ToroidalEdge:
     ------
     GeometryError
         If a dimension is impossible.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> print(f"{meshes.ToroidalEdge(0.014, 2e-3, 0.0, 0.01).outline.area * 1e6:.0f} mm^2 of section")
+    191 mm^2 of section
     """
 
     centre_radius: float

@@ -40,6 +40,12 @@ class ToroidalSeat:
     ------
     GeometryError
         If a dimension is impossible.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> print(f"{meshes.ToroidalSeat(0.016, 2e-3, 0.015, 0.0, 0.03, 0.02).outline.area * 1e6:.0f} mm^2 of section")
+    304 mm^2 of section
     """
 
     centre_radius: float

@@ -25,6 +25,7 @@ from fem_seal.output.pictures.style import (
     spans_decades,
     svg,
 )
+from fem_seal.output.prose import caption
 from fem_seal.units import quantity, unit_for
 
 if TYPE_CHECKING:
@@ -80,39 +81,13 @@ def profile_picture(result: SealSolution, derived: Derived) -> Picture:
 
 def _profile_caption(result: SealSolution) -> str:
     law = result.case.interface.law
-    start = (
-        "Nominal contact pressure across the sealing line; x = 0 is the circle of first touch, x > 0 lies outside "
-        "it. "
-    )
     if math.isinf(result.model.relative_radius):
-        return start + (
-            "The faces fit each other along a stretch: the closed forms of a curved line contact (Hertz, Gaussian, "
-            "crossover) do not exist here, and the pressure rises towards the edges of the stretch."
-        )
-    hertz = "Hertz: smooth elastic bodies, the narrowest contact possible. "
+        return caption("profile", "start", "conforming")
+    rough = law != "smooth"
     if result.unloaded is not None:
-        return (
-            start
-            + hertz
-            + (
-                ""
-                if law == "smooth"
-                else "Gaussian: rigid bodies with compliant roughness. Crossover: both together. "
-            )
-            + "The closed forms know no yielding, which widens the contact and cuts its peak."
-        )
-    if law == "smooth":
-        return start + hertz + "The interface is smooth, so the calculation should fall on it."
-    rest = "Gaussian: rigid bodies with compliant roughness. Crossover: both together, exact for an exponential p(u)"
-    if law == "exponential":
-        return start + hertz + rest + "; the calculation should fall on it."
-    return (
-        start
-        + hertz
-        + rest
-        + ", drawn with the decay length u₀ that the roughness has at low pressure. The calculation uses the full p(u) "
-        "and may differ where that is no exponential any more."
-    )
+        closed_forms = ["hertz", *(["gaussian", "crossover"] if rough else [])]
+        return caption("profile", "start", *closed_forms, "yielding")
+    return caption("profile", "start", "hertz", *(["gaussian"] if rough else []), law)
 
 
 def _all_profiles(

@@ -93,8 +93,8 @@ def leak_picture(result: SealSolution) -> Picture | None:
         f"Leak rate against {over.name}" + (", with yielding and with elastic asperities" if plastic else ""),
         f"Leak rate of the whole circumference at each {over.name}.{over.order_told}"
         + (
-            " Where asperities yield, the surfaces come closer and less leaks; the elastic curve is the same contact "
-            "with asperities of unlimited strength."
+            " Where asperities yield, the surfaces come closer together and less fluid leaks; the elastic curve is "
+            "the same contact with asperities of unlimited strength."
             if plastic
             else ""
         ),

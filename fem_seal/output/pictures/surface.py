@@ -21,6 +21,7 @@ from fem_seal.output.pictures.style import (
     panels,
     svg,
 )
+from fem_seal.output.prose import caption
 from fem_seal.units import number, percent, quantity, unit_for
 
 if TYPE_CHECKING:
@@ -70,9 +71,7 @@ def separation_picture(result: SealSolution) -> Picture | None:
         "separation",
         svg(figure),
         "Critical separation and area of real contact against contact pressure, the loads marked",
-        "Left: height u_c of the narrowest place on the widest leak path, at a given nominal contact pressure; the "
-        "dots are the peak pressures of the loads. Right: share of the nominal area that really touches, all roughness "
-        f"seen; above {percent(surface.percolation_threshold)} no path is open and the seal is tight.",
+        caption("separation", "all", threshold=percent(surface.percolation_threshold)),
     )
 
 
@@ -265,8 +264,7 @@ def law_picture(result: SealSolution) -> Picture | None:
         "law",
         svg(figure),
         "Contact pressure against mean gap: the law between the two surfaces",
-        "How the rough interface answers: the pressure it carries at a given mean gap. Its slope is the compliance "
-        "that the roughness adds to the bodies.",
+        caption("law", "all"),
     )
 
 

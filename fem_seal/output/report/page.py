@@ -18,6 +18,7 @@ from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.sketch import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
+from fem_seal.output.prose import definitions
 from fem_seal.output.report import case, tables, words
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
@@ -113,7 +114,7 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "accuracy": case.accuracy(result),
         "far_field": far_field_sentence(result),
         "timings": case.times(result),
-        "definitions": words.DEFINITIONS,
+        "definitions": definitions(),
     }
 
 

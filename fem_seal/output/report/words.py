@@ -235,7 +235,7 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
     profile = load.contact.profile
     if hertz is None:
         yield (
-            "The faces fit each other along a stretch, so its width and its edges set the contact: it is "
+            "The faces conform over a finite length, whose width and edges set the contact: it is "
             f"{_contact(load)}."
         )
         return
@@ -271,7 +271,7 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     if load.leak is None or load.leak.leak_rate == 0:
         return
     if not math.isfinite(load.leak.leak_rate):
-        yield "The fluid pressure is not below the peak contact pressure: it lifts the seal open everywhere."
+        yield "The fluid pressure is not below the peak contact pressure, so the fluid forces the whole contact open."
         return
     x, share = load.contact.profile.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
@@ -283,22 +283,22 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     ratio = load.fluid_pressure / load.contact.profile.peak_pressure
     if isinstance(load.leak, CoupledLeakResult):
         yield (
-            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. That it carries part of the load "
-            "and opens the gap is taken into account, place by place."
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. The share of the load "
+            "that it carries, which opens the gap, is taken into account point by point."
         )
     elif load.effective_radius is not None:
         yield (
-            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. That it acts between the surfaces, "
-            "too, and opens the gap is solved together with contact and flow."
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. Its action between the "
+            "surfaces, which opens the gap, is solved together with contact and flow."
         )
     elif ratio > FLUID_OPENS:
         yield (
-            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. It helps to open the gap, which "
-            "this calculation does not take into account: expect a larger leak rate."
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. This helps to open the gap, "
+            "which the calculation does not account for: expect a larger leak rate."
         )
     else:
         yield (
-            f"The fluid pressure is {percent(ratio)} of the peak contact pressure; that it pushes the surfaces apart "
+            f"The fluid pressure is {percent(ratio)} of the peak contact pressure; its effect on the gap "
             "is neglected."
         )
 
@@ -310,7 +310,7 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     peak = load.contact.profile.peak_pressure
     if surface.hardness is None:
         if load.leak is not None:
-            yield "Asperities are taken as elastic. If they yield, the surfaces come closer and less leaks."
+            yield "Asperities are taken as elastic. If they yield, the surfaces come closer and the seal leaks less."
         return
     area = float(surface.contact_area(peak))
     yielded = float(surface.plastic_area(peak)) / area
@@ -318,41 +318,8 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     text = f"{percent(area)} of the nominal area really touches at the peak pressure, and {share} of that has yielded"
     if load.leak is not None and load.leak_elastic is not None and load.leak.leak_rate > 0:
         factor = load.leak_elastic.leak_rate / load.leak.leak_rate
-        text += f"; with asperities that never yield {number(factor, 2)} times as much would leak"
+        text += f"; if the asperities never yielded, {number(factor, 2)} times as much would leak"
     yield text + "."
-
-
-DEFINITIONS = (
-    (
-        "contact pressure p",
-        "pressure between the bodies, averaged over many asperities, positive in compression",
-    ),
-    ("x", "arc length across the sealing line, zero where the bodies first touch, positive outwards"),
-    ("peak pressure", "largest nominal contact pressure over x"),
-    ("FWHM", "full width of the pressure profile at half of its peak"),
-    ("standard deviation", "square root of the second central moment of p over x"),
-    ("line load", "force per circumference normal to the contact, F_N / (2π r₀ cos θ)"),
-    ("gap u", "mean separation of the surfaces, measured between their mean planes"),
-    (
-        "u_c",
-        "critical separation: height of the narrowest place on the first open leak path, at the peak pressure",
-    ),
-    (
-        "magnification",
-        "wavenumber up to which roughness is seen, over the smallest wavenumber of the spectrum",
-    ),
-    (
-        "yielded area A_pl",
-        "area of real contact in which the asperities carry the hardness; A_el: the elastic rest",
-    ),
-    ("elastic columns", "the same contact with asperities that never yield"),
-    ("leak rate", "volume per time through the whole circumference, all fluid pressures as differences"),
-    (
-        "discretisation error",
-        "error of the mesh alone: upper estimate from the load with the largest closing force, solved again on a mesh "
-        "twice as coarse; shape, supports, roughness and the theory itself it cannot see",
-    ),
-)
 
 
 def leakage_text(found: Leakage, digits: int = 3) -> str:

@@ -1,0 +1,89 @@
+"""Bare numbers in code are SI: they get their unit before they are read like the texts of a case file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, get_args
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from fem_seal.case.fields import Place, Pressures, Quantity
+from fem_seal.case.messages import choices, tables_of
+from fem_seal.units import DIMENSIONS
+
+
+def with_units(table: type[BaseModel], entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Entries of a table as a case file has them: a bare number where a quantity stands gets its SI unit.
+
+    Everything else stays as it is; what is wrong is for the reading of the table to say.
+
+    Parameters
+    ----------
+    table : type of a table of the case
+    entries : mapping
+        From keys to what stands there: texts, numbers, lists or tables.
+
+    Examples
+    --------
+    >>> from fem_seal.case.tables import Load
+    >>> with_units(Load, {"fluid_pressure": [1e5, "20 bar"], "closing": "penetration"})
+    {'fluid_pressure': ['100000.0 Pa', '20 bar'], 'closing': 'penetration'}
+    """
+    fields = table.model_fields
+    return {
+        key: _entry_with_units(fields[key], value) if key in fields else value
+        for key, value in entries.items()
+    }
+
+
+def _entry_with_units(field: FieldInfo, value: Any) -> Any:
+    quantity = next(_quantities(field), None)
+    if quantity is not None:
+        return _written(value, DIMENSIONS[quantity.dimension].si_unit)
+    if isinstance(value, (list, tuple)):
+        return [_entry_with_units(field, one) for one in value]
+    if isinstance(value, Mapping):
+        fitting = [table for table in tables_of(field) if _is_meant(table, value)]
+        return with_units(fitting[0], value) if fitting else value
+    return value
+
+
+def _quantities(field: FieldInfo) -> Iterator[Quantity]:
+    """Quantities that may stand at a field, also at one that may be left open."""
+    for marker in (*field.metadata, *_markers(field.annotation)):
+        if isinstance(marker, Quantity):
+            yield marker
+        elif isinstance(marker, Pressures):
+            yield marker.pressure
+        elif isinstance(marker, Place):
+            yield marker.length
+
+
+def _markers(annotation: Any) -> Iterator[Any]:
+    yield from getattr(annotation, "__metadata__", ())
+    for member in get_args(annotation):
+        yield from _markers(member)
+
+
+def _is_meant(table: type[BaseModel], entries: Mapping[str, Any]) -> bool:
+    """Whether `shape` or `kind` of the entries is that of the table."""
+    return all(
+        entries[key] in choices(table, key)
+        for key in ("shape", "kind")
+        if key in entries and key in table.model_fields
+    )
+
+
+def _written(value: Any, unit: str) -> Any:
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, float) or (isinstance(value, int) and abs(value) < 10**300):
+        return f"{float(value)!r} {unit}"
+    if hasattr(value, "tolist"):  # an array, or a number out of one
+        return _written(value.tolist(), unit)
+    if isinstance(value, (list, tuple)):
+        return [_written(one, unit) for one in value]
+    if isinstance(value, Mapping):  # a range
+        return {key: _written(one, unit) if key in ("start", "stop") else one for key, one in value.items()}
+    return value
