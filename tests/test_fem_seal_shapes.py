@@ -152,7 +152,8 @@ def test_dimensions_that_are_left_open_are_listed() -> None:
 )
 def test_wrong_shapes_name_the_key_and_the_remedy(closure: str, seat: str, change, said: str) -> None:
     with pytest.raises(InputError) as caught:
-        Case(**tables(closure, seat)).replace(change)
+        # as a file says it: in code a bare number is SI
+        Case(**tables(closure, seat)).replace_written(change)
     assert said in str(caught.value)
 
 
