@@ -381,7 +381,8 @@ def test_next_to_the_percolation_threshold_no_factor_is_claimed():
         x, np.full_like(x, 0.014), peak * shape, np.full_like(x, np.nan), np.gradient(x)
     )
     assert 0.39 < float(result.surface.contact_area(peak)) < 0.42
-    given = GivenLoad(2e6, GivenContact(profile), result.loads[0].leak, 1e-9)
+    (load,) = result.loads
+    given = GivenLoad(2e6, GivenContact(profile), load.leak, load.leak_elastic, 1e-9, 1e-9)
     (reason, *_) = (
         one.reason
         for one in profile_validity(result.problem, result.surface, given).cautions
