@@ -188,7 +188,11 @@ def _unbalanced(
     terms = (standing, -d * line.normal[1], model.compliance @ f, -separations)
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     # Lengths cancel in the gap: what is below their round-off is no residual.
-    round_off = _ROUND_OFF * sum(np.abs(term) for term in terms) / settings.gap_tolerance
+    lost = _ROUND_OFF * sum(np.abs(term) for term in terms)
+    if line.in_hollow is not None:
+        # the lift is the difference of places
+        lost = lost + _ROUND_OFF * model.touch_radius / 8
+    round_off = lost / settings.gap_tolerance
     worst = float(np.max((np.abs(gap_residual) / (law.decay_length(v) + round_off))[f > 0], initial=0.0))
     return gap_residual, axial_force - float(line.normal[1] @ f), worst
 
