@@ -2,6 +2,7 @@
 
 import base64
 import re
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
@@ -41,14 +42,7 @@ def test_loads_and_contacts_are_a_line_each():
 
 def test_of_many_loads_the_first_and_the_last_are_named():
     result = sample_results.rough_result()
-    many = fem_seal.SealResult(
-        result.case,
-        result.seal_mesh,
-        result.model,
-        result.surface,
-        result.loads * 20,
-        result.discretisation_error,
-    )
+    many = replace(result, loads=result.loads * 20)
     assert few_lines(many)
     assert "55 loads more" in repr(many)
     assert repr(many).splitlines()[-1].startswith("  20 bar")
