@@ -196,7 +196,9 @@ def _sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str,
         scales.append("y")
     else:
         # A closed form far outside its range must not flatten the rest.
-        axes.set_ylim(0.0, min(axes.get_ylim()[1], 5 * float(calculated.max()) / unit.size))
+        # points that lie on the frame cannot be read
+        highest = max(axes.get_ylim()[1], 1.15 * float(calculated.max()) / unit.size)
+        axes.set_ylim(0.0, min(highest, 5 * float(calculated.max()) / unit.size))
     logarithmic(axes, *scales)
     if over.returns:
         number_dots(axes, x, calculated / unit.size, range(1, len(x) + 1))
