@@ -389,3 +389,25 @@ def test_next_to_the_percolation_threshold_no_factor_is_claimed():
         if one.kind == "few channels"
     )
     assert "orders of magnitude" in reason
+
+
+def test_a_thick_layer_on_a_small_steep_seat_says_so():
+    """27 um of layer at 70 degrees and r0 = 0.94 mm: up to 8 % of the radius, as theory_geometry.md counts it."""
+    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
+    tables = {
+        "closure": {"shape": "ball", "radius": "1 mm", "material": steel},
+        "interface": {"law": "exponential", "u0": "3 um", "p_c": "5 GPa"},
+        "load": {"fluid_pressure": "0.5 bar"},
+    }
+    (steep,) = run(Case(**tables, seat={"shape": "cone", "angle": "70 deg", "material": steel})).loads
+    apart = 3e-6 * math.log(5e9 / steep.contact.profile.peak_pressure)
+    share = apart * math.tan(math.radians(70)) / (1e-3 * math.sin(math.radians(70)))
+    assert str(steep.validity.level) == "doubtful"
+    assert any(f"{share:.2g} of the radius of first touch" in reason for reason in steep.validity.reasons)
+    wide = run(
+        Case(
+            **{**tables, "closure": {"shape": "ball", "radius": "20 mm", "material": steel}},
+            seat={"shape": "cone", "angle": "20 deg", "material": steel},
+        )
+    )
+    assert str(wide.loads[0].validity.level) == "valid"

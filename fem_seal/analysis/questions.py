@@ -100,19 +100,6 @@ def blow_off_pressures(problem: SealProblem) -> FloatArray:
     Raises
     ------
     ConvergenceError
-
-    Examples
-    --------
-    >>> import fem_seal
-    >>> case = fem_seal.Case(
-    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
-    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
-    ...     interface={"law": "smooth"},
-    ...     load={"fluid_pressure": "20 bar"},
-    ... )
-    >>> against = case.replace({"load.pressure_side": "inner", "load.axial_force": 2000.0})
-    >>> print(f"{fem_seal.blow_off_pressures(against)[0] / 1e5:.1f} bar")
-    31.8 bar
     """
     springs = [spring for _, spring in problem.loads.points]
     forces = [share * abs(spring) for spring in springs for share in (1.0, 0.1) if spring]

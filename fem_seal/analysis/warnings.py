@@ -58,6 +58,9 @@ _LARGE_STRAIN = 0.1
 # Separation of the surfaces over the radius to which their faces bend, in the mean over the contact pressure, above
 # which the law of parallel planes is stretched, and above which it means nothing; see docs/theory_geometry.md.
 _THICK_LAYER, _NO_LAYER = 0.1, 1.0
+# Way by which such a layer moves closest approach along the seat, over the radius of first touch: the line load, and
+# with it peak and leak rate, are uncertain by as much.
+_SLIDES = 0.02
 # Beyond this share of the ball's radius the contact is no narrow line any more.
 _NARROW = 0.2
 
@@ -120,7 +123,7 @@ def load_cautions(
     surface : RoughContact, optional
         The problem's rough contact.
     """
-    bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _thick_layer, _above_hardness)
+    bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _thick_layer, _slides, _above_hardness)
     yield from (caution for check in bodies for caution in check(problem, model, loads))
     if surface is not None:
         yield from _interface_cautions(problem, surface, loads)
@@ -355,6 +358,22 @@ def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[Solv
             "which their faces bend where they carry the load; the interface law is that of parallel planes, and peak "
             "and width are uncertain by about the decay length over that radius. A larger edge radius or smoother "
             "surfaces cure it",
+        )
+
+
+def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+    slope = math.sqrt(1 - model.touch_normal_z**2) / model.touch_normal_z / model.touch_radius
+    apart = [float(load.contact.gap[int(np.argmax(load.contact.pressure))]) for load in loads]
+    share = slope * max(apart)
+    if share > _SLIDES:
+        load = loads[apart.index(max(apart))]
+        yield Caution(
+            "thick layer",
+            Level.DOUBTFUL,
+            f"separation of the surfaces on a steep seat: {share:.2g} of the radius of first touch",
+            f"at {load_name(load, loads)} the surfaces stand {1e6 * max(apart):.3g} um apart, which on a seat as "
+            f"steep as this moves closest approach by up to {share:.2g} of its radius; peak and leak rate are "
+            "calculated for first touch and uncertain by as much",
         )
 
 
