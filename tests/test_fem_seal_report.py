@@ -15,10 +15,11 @@ from sample_results import STEEL, case, rough_result, single_result, smooth_resu
 
 import fem_seal
 from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.closed_forms import derive, profile_sizes
 from fem_seal.output.pictures.style import logarithmic, number_dots, panels
 from fem_seal.output.report import tables
 from fem_seal.output.report import words as report_words
-from fem_seal.output.report.page import report
+from fem_seal.output.report.page import pictures, report
 from fem_seal.output.summary import summary
 from fem_seal.result import SealResult
 
@@ -107,6 +108,13 @@ def test_every_picture_is_there_and_has_words(page):
     alts = [a["alt"] for tag, a in page.tags if tag == "img"]
     assert all(len(alt) > 20 for alt in alts) and len(set(alts)) == len(alts)
     assert page.text.count("Used for:") == len({a for a in re.findall(r"Used for: ([^.]+)\.", page.text)})
+
+
+def test_every_picture_that_is_drawn_has_a_place_on_the_page(page):
+    result = rough_result()
+    derived = derive(result.case)
+    drawn = pictures(result, derived, profile_sizes(result, derived))
+    assert {picture.name for picture in drawn} == set(page.pictures)
 
 
 def test_pictures_carry_their_axes_as_text(page):

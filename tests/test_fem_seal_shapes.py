@@ -11,7 +11,9 @@ import pytest
 from fem_seal import Case, InputError, load_case, run
 from fem_seal.analysis.closed_forms import derive
 from fem_seal.case import closures, seats
+from fem_seal.case.bodies import Body
 from fem_seal.case.messages import choices, tables_of
+from fem_seal.case.si_numbers import with_units
 from fem_seal.cli import show_derived
 from fem_seal.output.case_words import chosen_dimensions, dimensions
 from fem_seal.output.report.case import seal_groups
@@ -66,10 +68,24 @@ PAIRS = [
 ]
 
 
-@pytest.mark.parametrize("table", [*closures.Closure.__subclasses__(), *seats.Housed.__subclasses__()])
+SHAPES = [*closures.Closure.__subclasses__(), *seats.Housed.__subclasses__()]
+
+
+def dimensions_of(table: type[Body]) -> set[str]:
+    return set(table.model_fields) - {"shape", "material", "wall", "interference"}
+
+
+@pytest.mark.parametrize("table", SHAPES)
 def test_every_dimension_of_a_table_is_one_of_its_shape(table):
-    dimensions = set(table.model_fields) - {"shape", "material", "wall", "interference"}
-    assert dimensions == set(inspect.signature(table.makes).parameters) - {"closure"}
+    assert dimensions_of(table) == set(inspect.signature(table.makes).parameters) - {"closure"}
+
+
+@pytest.mark.parametrize("table", SHAPES)
+def test_a_dimension_is_a_length_unless_its_key_says_angle(table):
+    """Terminal and report choose the unit by the key."""
+    keys = dimensions_of(table)
+    units = {key: "1.0 rad" if key.endswith("angle") else "1.0 m" for key in keys}
+    assert with_units(table, dict.fromkeys(keys, 1.0)) == units
 
 
 def tables(closure: str, seat: str, **more: object) -> dict[str, object]:
