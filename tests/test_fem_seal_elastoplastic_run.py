@@ -214,7 +214,12 @@ def test_summary_says_where_and_how_far(result: SealResult, folder: Path) -> Non
 
 def test_report_shows_imprint_and_yielding(folder: Path) -> None:
     page = (folder / "report.html").read_text()
-    for text in ('id="picture-imprint"', "Lasting imprint", "Yielding and imprint", "has yielded down to"):
+    for text in (
+        'id="picture-imprint"',
+        "Permanent imprint",
+        "Yielding and imprint",
+        "has yielded to a depth of",
+    ):
         assert text in page
     assert "perfectly plastic" not in page
     assert "Simo" in page

@@ -61,7 +61,7 @@ def test_loads_that_come_back_are_told_once():
     assert [load_name(load, loads) for load in loads] == ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"]
     assert [loads[n].fluid_pressure for n in different(loads)] == [20e5, 15e5, 5e5]
     over = load_axis(loads)
-    assert not over.ordered and not over.returns and over.order_told == ""
+    assert not over.ordered and not over.returns and over.order == ""
     assert "after 20 bar" not in headline(valve())
     pictures = [
         base64.b64decode(code).decode() for code in re.findall(r"svg\+xml;base64,([\w+/=]+)", report(valve()))
@@ -292,11 +292,11 @@ def test_summary_and_report_have_the_answers():
     assert told["loads"][0]["force_for_target_leak_N"] == valve().loads[0].force_for_target
     assert told["input"]["load"]["target_leak_rate"] == pytest.approx(TARGET)
     page = report(valve())
-    for text in ("spring force for the target", "opens at", "Far from the contact, ", "between them"):
+    for text in ("applied force for the target", "opens at", "Far from the contact, ", "between them"):
         assert text in page
     json.dumps(told["far_field"])
-    # the load with the largest closing force is that of the lowest fluid pressure
-    assert "Far from the contact, at 5 bar, the load with the largest closing force: " in page
+    # the load with the largest contact force is that of the lowest fluid pressure
+    assert "Far from the contact, at 5 bar (the load with the largest contact force): " in page
     opens = f"{valve().loads[0].blow_off_pressure / 1e5:.2f} bar"
     force = f"{valve().loads[2].force_for_target:.0f} N"
     result = page[page.index('id="result"') : page.index('id="case"')]
@@ -316,7 +316,7 @@ def test_a_path_of_forces_is_told_by_its_forces():
     assert "5 bar, 5 bar" not in page
     assert "at 5 bar with 0 N and " in page and "At 5 bar with 1000 N:" in page
     pictures = [base64.b64decode(code).decode() for code in re.findall(r"svg\+xml;base64,([\w+/=]+)", page)]
-    over_force = [text for text in pictures if "spring force [N]" in " ".join(text.split())]
+    over_force = [text for text in pictures if "applied force [N]" in " ".join(text.split())]
     # peak pressure and width, and the leak rate
     assert len(over_force) == 2
 

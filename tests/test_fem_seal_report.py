@@ -316,7 +316,7 @@ def test_headline_claims_nothing_outside_the_theory():
 
 def test_loads_and_their_reasons_stand_in_the_tables():
     page = Page(report(judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)))
-    assert "How far each load can be trusted" in page.text
+    assert "Validity of each load" in page.text
     table = tables.load_table(rough_result())
     assert [row[0] for row in table.rows] == ["2", "5", "20"]
     marked = judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import tomllib
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +17,7 @@ import fem_seal
 from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.columns import PROFILE_COLUMNS
+from fem_seal.output.prose import prose, said
 from fem_seal.output.sources import used
 from fem_seal.output.summary import summary, write_summary
 from fem_seal.output.tables import leak_table, profile_array, write_leak_csv, write_profile_csv
@@ -235,8 +236,25 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path):
         write_text(tmp_path / "file" / "leak.csv", "")
 
 
+def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_there():
+    output = Path(fem_seal.__file__).parent / "output"
+    code = "\n".join(path.read_text("utf-8") for path in output.rglob("*.py"))
+    kinds = ("captions", "notes", "reasons")
+    tables = {f"{kind}.{name}": table for kind in kinds for name, table in prose()[kind].items()}
+    assert set(re.findall(r'said\(\s*"([^"]+)"', code)) == set(tables)
+    # chosen by the interface law of the case and by the order of its loads
+    elsewhere = {"smooth", "exponential", "persson", "joined", "numbered"}
+    keys = {key for table in tables.values() for key in table}
+    assert {key for key in keys if f'"{key}"' not in code} <= elsewhere
+
+
+def test_sentences_stand_one_after_the_other_with_their_values():
+    text = said("captions.scan", "several", "", "spectrum", count=3, form="tilt")
+    assert text.startswith("Left: the first of 3 scans without its tilt. Right: ")
+
+
 def test_words_of_the_report_ask_for_nothing_that_no_result_can_have_used():
-    words = tomllib.loads((Path(fem_seal.__file__).parent / "templates" / "words.toml").read_text("utf-8"))
+    words = prose()
     asked = {"always"}
     for entry in words["sources"]:
         asked |= {*entry.get("when", ()), *entry.get("used_for", ()), *entry.get("equations", ())}

@@ -91,10 +91,9 @@ class LoadAxis:
     returns: bool
 
     @property
-    def order_told(self) -> str:
-        """How a picture shows the order of the loads, a sentence for its caption; empty if it does not matter."""
-        numbers = ", which the numbers tell" if self.returns else ""
-        return f" The line joins the loads in their order{numbers}." if self.ordered else ""
+    def order(self) -> str:
+        """How a picture shows the order of the loads: "joined", "numbered", or empty if it does not matter."""
+        return ("numbered" if self.returns else "joined") if self.ordered else ""
 
     @property
     def label(self) -> str:
@@ -120,7 +119,7 @@ def load_axis(loads: Sequence[LoadResult]) -> LoadAxis:
     path = any(_remembers(load) for load in loads), any(_number(load, loads) for load in loads)
     if np.ptp(pressures) == 0 and np.ptp(forces) > 0:
         names = tuple(given("force", load.applied_force) + _number(load, loads) for load in loads)
-        return LoadAxis("spring force", unit_for("force", float(np.abs(forces).max())), forces, names, *path)
+        return LoadAxis("applied force", unit_for("force", float(np.abs(forces).max())), forces, names, *path)
     names = tuple(load_name(load, loads) for load in loads)
     return LoadAxis(
         "fluid pressure", unit_for("fluid pressure", float(pressures.max())), pressures, names, *path

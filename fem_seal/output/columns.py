@@ -219,17 +219,19 @@ COLUMNS = {
         Column(
             "axial_force_N",
             "force",
-            "force F_N that the solid contact carries: `applied_force_N` and the axial force of the fluid",
+            "contact force F_N, the axial force that the solid contact carries: `applied_force_N` together with the "
+            "axial force of the fluid",
             lambda row: row.load.axial_force,
-            heading="closing force",
-            short="force",
+            heading="contact force",
+            title="contact force",
+            short="F contact",
             shown_in="N",
             spare_digits=0,
         ),
         Column(
             "line_load_N_per_m",
             "line load",
-            "f_N, force per circumference of first touch, normal to the contact",
+            "f_N, contact force per unit length of the circle of first touch, normal to the contact",
             lambda row: row.load.line_load,
             heading="line load",
             short="line load",
@@ -299,7 +301,7 @@ COLUMNS = {
         Column(
             "critical_separation_m",
             "length",
-            "u_c, height of the narrowest place on the first open leak path, at the peak pressure; zero where sealed",
+            "u_c, height of the narrowest point on the first open leak path, at the peak pressure; zero where sealed",
             lambda row: row.load.critical_separation,
             heading="u_c",
             short="u_c",
@@ -378,21 +380,21 @@ COLUMNS = {
         Column(
             "knudsen_number",
             "",
-            "of a gas: mean free path over u_eff at the peak of the contact pressure",
+            "of a gas: mean free path over u_eff at the peak contact pressure",
             _knudsen_number,
         ),
         Column(
             "lift_off_x_m",
             "length",
             'with leak.fluid_in_gap = "local": x beyond which, towards the high pressure, the fluid has lifted the '
-            "surfaces off each other",
+            "surfaces apart",
             _lift_off_x,
         ),
         Column(
             "blow_off_pressure_Pa",
             "fluid pressure",
-            "fluid pressure that opens the seal at the force of the row, infinite if none does; with "
-            'leak.fluid_in_gap = "local" the one that lifts the surfaces off each other everywhere',
+            "fluid pressure that opens the seal at the applied force of the row, infinite if none does; with "
+            'leak.fluid_in_gap = "local" the pressure that lifts the surfaces apart everywhere',
             _blow_off_pressure,
             heading="opens at",
             short="opens at",
@@ -401,9 +403,9 @@ COLUMNS = {
         Column(
             "applied_force_N",
             "force",
-            "force of spring or actuator on the closure (load.axial_force), positive where it closes",
+            "axial force of spring or actuator on the closure (load.axial_force), positive where it closes",
             lambda row: row.load.applied_force,
-            heading="spring force",
+            heading="applied force",
         ),
         Column(
             "effective_seal_radius_m",
@@ -411,16 +413,16 @@ COLUMNS = {
             'with load.closing = "penetration": radius of the circle whose area times the fluid pressure is the axial '
             "force of the fluid",
             lambda row: row.load.effective_radius,
-            heading="radius of the fluid's force",
+            heading="effective seal radius",
             short="r fluid",
             shown_in="mm",
         ),
         Column(
             "force_for_target_leak_N",
             "force",
-            "smallest force of spring or actuator for which the leak rate stays below load.target_leak_rate",
+            "smallest applied force for which the leak rate stays below load.target_leak_rate",
             lambda row: row.load.force_for_target,
-            heading="spring force for the target",
+            heading="applied force for the target",
             short="target force",
             shown_in="N",
         ),
@@ -433,14 +435,13 @@ COLUMNS = {
         Column(
             "load_steps",
             "",
-            "where a body yields: number of steps from the load before",
+            "where a body yields: number of steps from the previous load",
             _load_steps,
         ),
         Column(
             "opening_margin_N",
             "force",
-            "by how much the force of spring or actuator may fall before the seal opens; nan where neither fluid nor "
-            "spring opens it",
+            "how far the applied force may fall before the seal opens; nan where neither fluid nor spring opens it",
             lambda row: None if row.load.opening is None else row.load.opening.force,
             heading="force to opening",
             short="to opening",
@@ -450,7 +451,7 @@ COLUMNS = {
         Column(
             "opening_margin_Pa",
             "fluid pressure",
-            "by how much the fluid pressure may change before the seal opens",
+            "how far the fluid pressure may change before the seal opens",
             lambda row: None if row.load.opening is None else row.load.opening.pressure,
             heading="pressure to opening",
             short="to opening",
@@ -460,7 +461,7 @@ COLUMNS = {
         Column(
             "opening_margin",
             "",
-            "either of the two over what acts",
+            "margin to opening as a share of the force or pressure that acts",
             lambda row: None if row.load.opening is None else row.load.opening.share,
         ),
     )
@@ -530,22 +531,22 @@ PROFILE_MEANINGS = {
     "x_m": "arc length along the contact line, zero at first touch, positive towards larger r",
     "r_m": "distance from the axis",
     "contact_pressure_Pa": "pressure between the bodies, averaged over many asperities, positive in compression",
-    "gap_m": "distance of the mean planes of the surfaces",
-    "fluid_pressure_in_gap_Pa": "of the fluid there, over that at the outlet; nan where nothing is known of it",
+    "gap_m": "distance between the mean planes of the surfaces",
+    "fluid_pressure_in_gap_Pa": "fluid pressure there, above that of the outlet; nan where it is not known",
 }
 IMPRINT_MEANINGS = {
     "body": '"closure" or "seat"',
     "x_m": "arc length along the contact line",
-    "depth_m": "how deep the face lies below where it was made, after unloading; negative where it is raised",
+    "depth_m": "depth of the face below its original position, after unloading; negative where it is raised",
 }
 VARIANT_MEANINGS = {
-    "interface_law": 'p(u): "plastic", "elastic" or as "given"',
+    "interface_law": 'p(u): "plastic", "elastic" or "given"',
     "conductivity": "leak.conductivity",
     "separation_width": "width of the Gaussians in P(u); empty for the critical junction, which needs no P(u)",
     "percolation_threshold": "share of contact above which no leak path is open",
     "fluid_pressure_Pa": "of the load",
     "leak_rate_m3_per_s": "with this reading of the theory",
-    "ratio_to_case": "over the leak rate of the case; nan where the case is sealed",
+    "ratio_to_case": "ratio to the leak rate of the case; nan where the case is sealed",
 }
 PROFILE_COLUMNS, IMPRINT_COLUMNS, VARIANT_COLUMNS = map(
     tuple, (PROFILE_MEANINGS, IMPRINT_MEANINGS, VARIANT_MEANINGS)

@@ -1,4 +1,4 @@
-"""What the report says at length: definitions, captions and publications, from templates/words.toml.
+"""What the report says at length: definitions, captions, notes and publications, from templates/words.toml.
 
 The text stands there as data; which part of it a result needs is decided where the result is known.
 """
@@ -13,7 +13,7 @@ from typing import Any
 
 @cache
 def prose() -> dict[str, Any]:
-    """The whole file: "definitions", "captions" and "sources"."""
+    """The whole file: "definitions", "captions", "notes", "reasons" and "sources"."""
     text = files("fem_seal").joinpath("templates", "words.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
 
@@ -23,17 +23,18 @@ def definitions() -> list[tuple[str, str]]:
     return [(one["term"], one["meaning"]) for one in prose()["definitions"]]
 
 
-def caption(picture: str, *parts: str, **values: str) -> str:
-    """Caption of a picture, made of some of its sentences.
+def said(where: str, *parts: str, **values: object) -> str:
+    """Some of the sentences of one table of the file, one after the other.
 
     Parameters
     ----------
-    picture : str
-        Its table under [captions].
+    where : str
+        The table, such as "captions.mesh".
     *parts : str
-        Keys of the sentences, in their order.
-    **values : str
+        Keys of the sentences, in their order; empty ones are passed over.
+    **values
         What stands for {names} in them.
     """
-    sentences = prose()["captions"][picture]
-    return " ".join(sentences[part].format(**values) for part in parts)
+    kind, name = where.split(".")
+    sentences = prose()[kind][name]
+    return " ".join(sentences[part].format(**values) for part in parts if part)

@@ -25,7 +25,7 @@ from fem_seal.output.pictures.style import (
     spans_decades,
     svg,
 )
-from fem_seal.output.prose import caption
+from fem_seal.output.prose import said
 from fem_seal.units import quantity, unit_for
 
 if TYPE_CHECKING:
@@ -72,9 +72,7 @@ def profile_picture(result: SealSolution, derived: Derived) -> Picture:
     return Picture(
         "profiles",
         svg(figure),
-        "Contact pressure over the arc length across the contact line"
-        + (", all loads" if len(order) > 1 else "")
-        + ("; and the finite-element result beside the closed-form profiles" if closed else ""),
+        said("captions.profile", "alt", "alt_closed" if closed else ""),
         _profile_caption(result),
     )
 
@@ -82,12 +80,12 @@ def profile_picture(result: SealSolution, derived: Derived) -> Picture:
 def _profile_caption(result: SealSolution) -> str:
     law = result.case.interface.law
     if math.isinf(result.model.relative_radius):
-        return caption("profile", "start", "conforming")
+        return said("captions.profile", "start", "conforming")
     rough = law != "smooth"
     if result.unloaded is not None:
         closed_forms = ["hertz", *(["gaussian", "crossover"] if rough else [])]
-        return caption("profile", "start", *closed_forms, "yielding")
-    return caption("profile", "start", "hertz", *(["gaussian"] if rough else []), law)
+        return said("captions.profile", "start", *closed_forms, "yielding")
+    return said("captions.profile", "start", "hertz", "gaussian" if rough else "", law)
 
 
 def _all_profiles(
@@ -167,16 +165,8 @@ def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> Picture | 
     return Picture(
         "sizes",
         svg(figure),
-        f"Peak contact pressure and full width at half maximum against {over.name}"
-        + (", calculated and in closed form" if len(sizes) > 1 else ""),
-        "Height and width of the pressure profile at every load."
-        + (
-            " Where the calculated width follows Hertz, the elasticity of the bodies sets the contact; where it "
-            "follows the Gaussian, the compliance of the roughness."
-            if "gaussian" in sizes
-            else ""
-        )
-        + over.order_told,
+        said("captions.sizes", "alt", over=over.name),
+        said("captions.sizes", "all", "gaussian" if "gaussian" in sizes else "", over.order),
     )
 
 
@@ -237,20 +227,10 @@ def gap_picture(result: SealSolution) -> Picture:
     for view in axes:
         view.set_xlim(-reach, reach)
         view.legend(title=over.name, title_fontsize=8.5, loc="best", handlelength=1.4)
-    caption = (
-        "Left: mean separation of the surfaces, u(x)."
-        if flowing
-        else "Mean separation of the surfaces, u(x)."
-    )
-    if result.case.interface.law == "smooth":
-        caption += " It is zero where smooth surfaces touch."
-    if flowing:
-        caption += (
-            " Right: how the fluid pressure falls from the high- to the low-pressure side. Where it falls, the flow is "
-            "throttled; the steep part is the seal proper."
-        )
-    alt = "Mean gap across the contact" + (", and fluid pressure in the gap" if flowing else "")
-    return Picture("gap", svg(figure), alt, caption)
+    smooth = "smooth" if result.case.interface.law == "smooth" else ""
+    left, right = ("left", "right") if flowing else ("alone", "")
+    alt = said("captions.gap", "alt_flow" if flowing else "alt")
+    return Picture("gap", svg(figure), alt, said("captions.gap", left, smooth, right))
 
 
 def _reach(loads: Sequence[LoadResult]) -> float:

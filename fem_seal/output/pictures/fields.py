@@ -14,7 +14,8 @@ from fem_seal.bodies.fields import ElastoplasticField
 from fem_seal.contact.load_path import Unloaded
 from fem_seal.contact.yielding import plastic_zone
 from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, label, panels, svg
-from fem_seal.units import number, percent, quantity, unit_for
+from fem_seal.output.prose import said
+from fem_seal.units import percent, quantity, unit_for
 from meshes import SealMesh
 
 if TYPE_CHECKING:
@@ -63,10 +64,16 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
     return Picture(
         "mesh",
         svg(figure),
-        f"Finite-element mesh of both bodies and, enlarged, of the contact zone, {quality.elements} triangles",
-        f"{quality.elements} triangles with quadratic displacement ({_unknowns(result)} unknowns), "
-        f"{quantity('length', smallest)} long at the contact and growing outwards; the circle marks the zone shown on "
-        f"the right. Shape of the elements (1 is equilateral): worst {quality.smallest:.2f}, mean {quality.mean:.2f}.",
+        said("captions.mesh", "alt", elements=quality.elements),
+        said(
+            "captions.mesh",
+            "all",
+            elements=quality.elements,
+            unknowns=_unknowns(result),
+            size=quantity("length", smallest),
+            worst=f"{quality.smallest:.2f}",
+            mean=f"{quality.mean:.2f}",
+        ),
     )
 
 
@@ -106,15 +113,20 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
     _mark_largest(axes[1], result, load)
     body, r, z = load.max_von_mises_at
     depth = float(turned(result.seal_mesh, np.array([[r, z]]))[0, 1])
+    largest = quantity("contact pressure", load.max_von_mises)
     return Picture(
         "stress",
         svg(figure),
-        f"Map of the von Mises stress around the contact; its largest value is "
-        f"{quantity('contact pressure', load.max_von_mises)} in the {body}",
-        f"von Mises stress at {load_name(load, result.loads)}, closure above, seat below, undeformed "
-        f"shape. The largest value, {quantity('contact pressure', load.max_von_mises)}, lies in the {body} "
-        f"{quantity('length', abs(depth))} {'below' if depth < 0 else 'above'} the contact line (cross). "
-        "Asperities are not resolved here: they carry many times this stress and yield first.",
+        said("captions.stress", "alt", largest=largest, body=body),
+        said(
+            "captions.stress",
+            "all",
+            load=load_name(load, result.loads),
+            largest=largest,
+            body=body,
+            depth=quantity("length", abs(depth)),
+            side="below" if depth < 0 else "above",
+        ),
     )
 
 
@@ -182,7 +194,7 @@ def _polyline(points: FloatArray, edges: IntArray) -> FloatArray:
 
 
 def _unknowns(result: SealSolution) -> str:
-    return number(float(result.model.closure.basis.N + result.model.seat.basis.N), 5)
+    return str(result.model.closure.basis.N + result.model.seat.basis.N)
 
 
 _COLOURS = {"seat": BLUE, "closure": ORANGE}
@@ -203,19 +215,23 @@ def imprint_picture(result: SealSolution) -> Picture | None:
         return None
     figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
     _imprints(depth, unloaded)
-    caption = _strains(strain, result, unloaded)
-    told = "; ".join(
-        f"{name}: {quantity('length', imprint.deepest)} deep, {quantity('length', imprint.width)} wide at half of "
-        f"that, with a rim of {quantity('length', imprint.rim)}"
+    strains = _strains(strain, result, unloaded)
+    imprints = "; ".join(
+        said(
+            "captions.imprint",
+            "one",
+            body=name,
+            depth=quantity("length", imprint.deepest),
+            width=quantity("length", imprint.width),
+            rim=quantity("length", imprint.rim),
+        )
         for name, imprint in unloaded.imprints.items()
     )
     return Picture(
         "imprint",
         svg(figure),
-        "Lasting imprint in the contact face after unloading, and the plastic strain around it",
-        f"Left: how far the face has moved into its body for good, after all loads have been taken away ({told}). "
-        f"Right: accumulated plastic strain, closure above, seat below, undeformed shape. {caption} Residual stress "
-        "and lasting displacement are in unloaded.vtu, the imprint in imprint.csv.",
+        said("captions.imprint", "alt"),
+        said("captions.imprint", "all", imprints=imprints, strains=strains),
     )
 
 
@@ -230,7 +246,7 @@ def _imprints(axes: Axes, unloaded: Unloaded) -> None:
     axes.set_xlim(-reach / length.size, reach / length.size)
     axes.invert_yaxis()
     axes.legend(loc="best")
-    label(axes, "Lasting imprint", f"x  [{length.name}]", f"depth  [{height.name}]")
+    label(axes, "Permanent imprint", f"x  [{length.name}]", f"depth  [{height.name}]")
 
 
 def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
@@ -264,7 +280,13 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     if bands is not None:
         scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
     return " ".join(
-        f"The largest in the {name}, {percent(zone.strain)}, lies {quantity('length', zone.depth)} from the contact "
-        f"line; it has yielded down to {quantity('length', zone.deepest)}."
+        said(
+            "captions.imprint",
+            "zone",
+            body=name,
+            strain=percent(zone.strain),
+            depth=quantity("length", zone.depth),
+            deepest=quantity("length", zone.deepest),
+        )
         for name, zone in zones.items()
     )

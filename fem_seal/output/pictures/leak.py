@@ -22,6 +22,7 @@ from fem_seal.output.pictures.style import (
     spans_decades,
     svg,
 )
+from fem_seal.output.prose import said
 from fem_seal.units import Unit, number, percent, quantity, unit_for
 
 if TYPE_CHECKING:
@@ -90,14 +91,8 @@ def leak_picture(result: SealSolution) -> Picture | None:
     return Picture(
         "leak",
         svg(figure),
-        f"Leak rate against {over.name}" + (", with yielding and with elastic asperities" if plastic else ""),
-        f"Leak rate of the whole circumference at each {over.name}.{over.order_told}"
-        + (
-            " Where asperities yield, the surfaces come closer together and less fluid leaks; the elastic curve is "
-            "the same contact with asperities of unlimited strength."
-            if plastic
-            else ""
-        ),
+        said("captions.leak", "alt", over=over.name),
+        said("captions.leak", "all", over.order, "plastic" if plastic else "", over=over.name),
     )
 
 
@@ -118,7 +113,7 @@ def _single_leak(load: str, series: list[tuple[str, float, str]], unit: Unit, ze
         "leak",
         svg(figure),
         f"Leak rate at {load}: " + ", ".join(f"{name} {quantity('flow', rate)}" for name, rate, _ in series),
-        "Leak rate of the whole circumference.",
+        said("captions.leak", "single"),
     )
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.output.case_words import chosen_dimensions
 from fem_seal.output.pictures.style import BLUE, FILL, GREY, INK, ORANGE, Picture
+from fem_seal.output.prose import said
 from fem_seal.units import number, quantity
 from meshes import ContactGeometry, Outline
 from meshes.geometry.segment import Point
@@ -55,18 +56,16 @@ def sketch(result: SealSolution) -> Picture:
         *supports(view, case, seat),
         *measures(view, case, seat),
     ]
-    alt = (
-        f"Section: closure of shape {case.closure.shape} on a seat of shape {case.seat.shape}; their common normal "
-        f"stands {number(math.degrees(theta))} degrees from the axis, touching at radius "
-        f"{quantity('length', r0)}; high pressure on the {'outer' if outside else 'inner'} side"
+    alt = said(
+        "captions.sketch",
+        "alt",
+        closure=case.closure.shape,
+        seat=case.seat.shape,
+        angle=number(math.degrees(theta)),
+        radius=quantity("length", r0),
+        side=case.load.pressure_side,
     )
-    caption = (
-        "Section through the seal, to scale. The angle θ lies between the axis and the common normal of both "
-        "surfaces; a cone's half-angle measured from the axis is 90° − θ. Leakage crosses the circle of contact "
-        "(dots). Rollers hold a surface along its normal and let it slide; dimensions in grey were chosen, the others "
-        "are given."
-    )
-    return Picture("sketch", view.svg(parts).encode(), alt, caption)
+    return Picture("sketch", view.svg(parts).encode(), alt, said("captions.sketch", "all"))
 
 
 def _angle(view: View, centre: Point, touch: Point, theta: float) -> list[str]:

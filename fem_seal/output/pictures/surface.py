@@ -21,7 +21,7 @@ from fem_seal.output.pictures.style import (
     panels,
     svg,
 )
-from fem_seal.output.prose import caption
+from fem_seal.output.prose import said
 from fem_seal.units import number, percent, quantity, unit_for
 
 if TYPE_CHECKING:
@@ -70,8 +70,8 @@ def separation_picture(result: SealSolution) -> Picture | None:
     return Picture(
         "separation",
         svg(figure),
-        "Critical separation and area of real contact against contact pressure, the loads marked",
-        caption("separation", "all", threshold=percent(surface.percolation_threshold)),
+        said("captions.separation", "alt"),
+        said("captions.separation", "all", threshold=percent(surface.percolation_threshold)),
     )
 
 
@@ -115,19 +115,14 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
     return Picture(
         "surface",
         svg(figure),
-        "Relative contact area against magnification"
-        + (
-            ", elastic and yielded part; and spectrum before and after yielding"
-            if plastic
-            else "; and spectrum"
-        ),
-        f"At the peak pressure of {load_name(load, result.loads)}, "
-        f"{quantity('contact pressure', peak)}. Left: the finer one looks (higher magnification, shorter wavelengths), "
-        "the less area touches"
-        + (
-            f"; of what touches in the end, {_nearly_all(share)} has yielded. Right: yielding smooths the short waves."
-            if plastic
-            else ". Right: power spectrum of the combined roughness."
+        said("captions.surface", "alt"),
+        said(
+            "captions.surface",
+            "all",
+            "plastic" if plastic else "elastic",
+            load=load_name(load, result.loads),
+            peak=quantity("contact pressure", peak),
+            share=_nearly_all(share),
         ),
     )
 
@@ -263,8 +258,8 @@ def law_picture(result: SealSolution) -> Picture | None:
     return Picture(
         "law",
         svg(figure),
-        "Contact pressure against mean gap: the law between the two surfaces",
-        caption("law", "all"),
+        said("captions.law", "alt"),
+        said("captions.law", "all"),
     )
 
 
@@ -302,9 +297,14 @@ def scan_picture(surface: MeasuredSurface) -> Picture:
     return Picture(
         "surface",
         svg(figure),
-        "Heights of a measured surface without form, and its isotropic power spectrum",
-        f"Left: {'the first of ' + str(count) + ' scans' if count > 1 else 'the scan'} without its "
-        f"{surface.settings.detrend}. Right: isotropic power spectrum C(q); the band is one standard deviation.",
+        said("captions.scan", "alt"),
+        said(
+            "captions.scan",
+            "several" if count > 1 else "one",
+            "spectrum",
+            count=count,
+            form=surface.settings.detrend,
+        ),
     )
 
 

@@ -19,9 +19,9 @@ from fem_seal.units import given, number, percent, quantity, trimmed
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
-_CLOSING = {
-    "sealed-area": "fluid pressure on the sealed area",
-    "penetration": "fluid pressure on the wetted surfaces and between them",
+_FLUID_ACTS_ON = {
+    "sealed-area": "the sealed area",
+    "penetration": "the wetted surfaces and between them",
 }
 
 
@@ -55,7 +55,7 @@ def _fluid(fluid: Fluid) -> Iterator[tuple[str, str]]:
     if fluid.gas is not None and fluid.outlet_pressure is not None:
         yield "molar mass", f"{trimmed(1e3 * fluid.gas.molar_mass)} g/mol"
         outlet = given("fluid pressure", fluid.outlet_pressure) if fluid.outlet_pressure else "vacuum"
-        yield "pressure at the outlet, absolute", outlet
+        yield "outlet pressure, absolute", outlet
     if fluid.library_entry is not None:
         yield "source", fluid.library_entry.source
 
@@ -83,7 +83,7 @@ def _geometry(result: SealSolution) -> list[tuple[str, str]]:
 
 
 def _curvature(radius: float) -> str:
-    return "the faces fit each other" if math.isinf(radius) else quantity("length", radius, 4)
+    return "infinite: the faces conform" if math.isinf(radius) else quantity("length", radius, 4)
 
 
 def _dimensions(case: Case, name: str) -> Iterator[tuple[str, str]]:
@@ -172,9 +172,9 @@ def _load(case: Case) -> list[tuple[str, str]]:
     )
     return [
         ("fluid pressure", shown),
-        ("force of spring or actuator", _forces([force for _, force in case.load.points])),
+        ("applied force (spring or actuator)", _forces([force for _, force in case.load.points])),
         ("high pressure", f"on the {case.load.pressure_side} side"),
-        ("closing force", _CLOSING[case.load.closing]),
+        ("fluid acts on", _FLUID_ACTS_ON[case.load.closing]),
         *(
             [("target leak rate", given("flow", case.load.target_leak_rate))]
             if case.load.target_leak_rate is not None
@@ -191,11 +191,11 @@ def _forces(forces: list[float]) -> str:
 def _leak(case: Case) -> list[tuple[str, str]]:
     conductivity = {"bruggeman": "effective medium (Bruggeman)", "critical-junction": "critical junction"}
     return [
-        ("asperities", "yield at the hardness" if case.leak.plasticity else "stay elastic"),
-        ("no open path above", f"{percent(case.leak.percolation_threshold)} contact"),
+        ("asperities", "yield at the hardness" if case.leak.plasticity else "elastic"),
+        ("no open path above", f"{percent(case.leak.percolation_threshold)} real contact"),
         ("flow conductivity", conductivity[case.leak.conductivity]),
         *(
-            [("fluid pressure in the gap", "opens it, place by place")]
+            [("fluid pressure in the gap", "opens it, point by point")]
             if case.leak.fluid_in_gap == "local"
             else []
         ),

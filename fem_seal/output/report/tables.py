@@ -17,6 +17,7 @@ from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.materials import HardeningCurve
 from fem_seal.output.columns import COLUMNS, Column
+from fem_seal.output.prose import said
 from fem_seal.output.tables import rows_of
 from fem_seal.units import (
     Unit,
@@ -100,7 +101,7 @@ def validity_table(result: SealSolution) -> ReadableTable:
         for load in result.loads
         for caution in load.validity.cautions
     ]
-    return ReadableTable(("load", "validity", "because"), tuple(rows))
+    return ReadableTable(("load", "validity", "reason"), tuple(rows))
 
 
 @dataclass(frozen=True)
@@ -192,17 +193,10 @@ def comparison_note(result: SealSolution) -> str:
     """What to expect of the comparison with the closed forms; empty if nothing needs saying."""
     law = result.case.interface.law
     if result.unloaded is not None:
-        return " The closed forms are for elastic bodies: the differences show what yielding does."
+        return said("notes.comparison", "yielding")
     if limits := closed_form_limits(result.case, derive(result.case)):
-        return f" {limits[0].upper()}{limits[1:]}."
-    if law == "smooth":
-        return " Small differences to Hertz are those of the mesh and of the curved sealing line."
-    if law == "exponential":
-        return " The crossover is exact for this interface law; the rest is the mesh and the curved sealing line."
-    return (
-        " The crossover is drawn with u₀ of the roughness at low pressure; differences of a per cent or more show that "
-        "the full p(u) is no exponential at these pressures."
-    )
+        return f"{limits[0].upper()}{limits[1:]}."
+    return said("notes.comparison", law)
 
 
 def _difference(share: float) -> str:
@@ -211,7 +205,7 @@ def _difference(share: float) -> str:
 
 
 def variant_table(result: SealSolution) -> ReadableTable:
-    """What the interface law does to the load with the largest closing force; no rows if there was no choice."""
+    """What the interface law does to the load with the largest contact force; no rows if there was no choice."""
     rows = [
         (
             variant.name
@@ -285,28 +279,20 @@ def interval_note(result: SealSolution) -> str:
     if interval is None:
         return ""
     given_as = {} if settings is None else settings.spreads
-    inputs = [
-        _named(name)
-        + (
-            f" ±{percent(given_as[name].relative)} ({given_as[name].distribution})"
-            if name in given_as
-            else ""
-        )
-        for name in interval.inputs
-    ]
-    text = f"{interval.samples} samples (seed {interval.seed}) of {', '.join(inputs)}."
-    if interval.error is not None:
-        text += (
-            f" {interval.runs} of them were calculated in full; a polynomial through these gave the others, off by at "
-            f"most {percent(interval.error)} where it was checked."
-        )
+    spreads = {name: f" ±{percent(one.relative)} ({one.distribution})" for name, one in given_as.items()}
     sealed = float(interval.sealed.max())
-    if sealed > 0:
-        text += f" Up to {percent(sealed)} of the samples are sealed."
-    return text + (
-        " The columns of the inputs show their first-order share in the variance of the logarithm of the leak rate; "
-        "what is missing to 100 % comes from inputs acting together. The interval knows nothing of errors of the "
-        "theory."
+    return said(
+        "notes.interval",
+        "samples",
+        "polynomial" if interval.error is not None else "",
+        "sealed" if sealed > 0 else "",
+        "shares",
+        samples=interval.samples,
+        seed=interval.seed,
+        inputs=", ".join(_named(name) + spreads.get(name, "") for name in interval.inputs),
+        runs=interval.runs,
+        error=percent(interval.error or 0.0),
+        sealed=percent(sealed),
     )
 
 
@@ -322,7 +308,7 @@ def theory_table(result: SealSolution) -> ReadableTable:
     headings = ["p(u)", "channels", "P(u)", "percolation threshold"]
     for n in shown:
         pressure = load_name(result.loads[n], result.loads)
-        headings += [f"leak rate at {pressure} [{unit.name}]", "over that of the case"]
+        headings += [f"leak rate at {pressure} [{unit.name}]", "ratio to the case"]
     rows = []
     for variant in result.theory_variants:
         cells = [
@@ -344,13 +330,12 @@ def theory_note(result: SealSolution) -> str:
         return ""
     load = highest_load(result.loads)
     rates = [variant.leak_rate[load] for variant in result.theory_variants]
-    pressure = load_name(result.loads[load], result.loads)
-    if min(rates) <= 0:
-        return f"At {pressure} some readings of the theory say that the seal is tight, others that it leaks."
-    return (
-        f"At {pressure} the readings of the theory differ by up to a factor {number(max(rates) / min(rates), 2)}: a "
-        "choice of model, not a precision. Direct numerical results favour the effective P(u) with the threshold "
-        "0.42 (docs/verification.md); which p(u) carries the contact is open."
+    tight = min(rates) <= 0
+    return said(
+        "notes.theory",
+        "tight" if tight else "factor",
+        load=load_name(result.loads[load], result.loads),
+        factor="" if tight else number(max(rates) / min(rates), 2),
     )
 
 
@@ -367,15 +352,15 @@ def opens_at(load: LoadResult) -> str | None:
 def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, str, str]]:
     """Name, value and remark of the pressure that opens the seal and of the force for the target leak rate."""
     if opens := opens_at(load):
-        yield "Opens at", opens, f"fluid pressure, under {given('force', load.applied_force)} of the spring"
+        yield (
+            "Opens at",
+            opens,
+            f"fluid pressure, with an applied force of {given('force', load.applied_force)}",
+        )
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
         force = quantity("force", load.force_for_target, _DIGITS)
-        yield (
-            TARGET_FORCE,
-            force,
-            f"of spring or actuator, to leak {given('flow', target)}",
-        )
+        yield TARGET_FORCE, force, f"of spring or actuator, for {given('flow', target)}"
 
 
 def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -383,26 +368,29 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
     if opens := opens_at(load):
         assert load.blow_off_pressure is not None
         share = load.fluid_pressure / load.blow_off_pressure
-        carried = quantity_worth("force", load.axial_force, load.digits)
-        yield (
-            f"The fluid acts against the spring and opens the seal at {opens}. At "
-            f"{percent(share, 2 if load.digits == 4 else 4)} of this pressure the contact still carries "
-            f"{carried} of the spring's {given('force', load.applied_force)}."
+        yield said(
+            "reasons.opening",
+            "all",
+            opens=opens,
+            share=percent(share, 2 if load.digits == 4 else 4),
+            contact_force=quantity_worth("force", load.axial_force, load.digits),
+            applied_force=given("force", load.applied_force),
         )
     target, force = result.case.load.target_leak_rate, load.force_for_target
     if target is None or force is None:
         return
-    pressure, acting = given("fluid pressure", load.fluid_pressure), load.applied_force
-    compared = (
-        "none acts now"
-        if acting == 0
-        else f"{quantity('force', abs(force - acting))} {'more' if force > acting else 'less'} than the "
-        f"{given('force', acting)} that act now"
-    )
-    alone = "; the fluid alone closes more than is needed" if force < 0 else ""
-    yield (
-        f"The leak rate falls to the target of {given('flow', target)} at {pressure} with a force of spring or "
-        f"actuator of {quantity('force', force, _DIGITS)}: {compared}{alone}."
+    acting = load.applied_force
+    compared = ("more" if force > acting else "less") if acting else "none"
+    yield said(
+        "reasons.target",
+        "force",
+        compared,
+        "fluid" if force < 0 else "",
+        target=given("flow", target),
+        pressure=given("fluid pressure", load.fluid_pressure),
+        force=quantity("force", force, _DIGITS),
+        difference=quantity("force", abs(force - acting)),
+        acting=given("force", acting),
     )
 
 
@@ -439,20 +427,15 @@ def what_yielded(result: SealSolution, load: LoadResult) -> Iterator[str]:
         return
     zones = [zone for zone in yielding_of(load.contact).values() if isinstance(zone, PlasticZone)]
     if not zones:
-        yield (
-            "A material has a stress-strain curve, but nothing has yielded up to this load: the bodies are still "
-            "elastic."
-        )
+        yield said("reasons.yielding", "none")
     for zone in zones:
-        yield (
-            f"The {zone.body} has yielded down to {quantity('length', zone.deepest)} from the contact line, with up to "
-            f"{percent(zone.strain)} plastic strain; the contact is the wider and its peak the lower for it."
-        )
+        deepest, strain = quantity("length", zone.deepest), percent(zone.strain)
+        yield said("reasons.yielding", "zone", body=zone.body, deepest=deepest, strain=strain)
 
 
 def yielding_table(result: SealSolution) -> ReadableTable:
     """Where and how far each body has yielded at each load; no rows if all bodies are elastic."""
-    headings = ("load", "body", "plastic strain", "largest at", "yielded down to", "load steps")
+    headings = ("load", "body", "plastic strain", "largest at", "yielded to a depth of", "load steps")
     if result.unloaded is None:
         return ReadableTable(headings, ())
     rows = []
@@ -489,4 +472,4 @@ def path_accuracy(result: SealSolution) -> Iterator[tuple[str, str]]:
     if contacts:
         yield "load steps", str(sum(contact.load_steps for contact in contacts))
         worst = max(contact.equilibrium_residuals[-1] for contact in contacts)
-        yield "forces out of balance in the bodies", f"{number(worst, 1)} of the largest"
+        yield "imbalance of forces in the bodies", f"{number(worst, 1)} of the largest force"

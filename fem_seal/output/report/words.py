@@ -16,6 +16,7 @@ from fem_seal.analysis.load_names import load_name, load_values
 from fem_seal.analysis.results import LoadResult, SealSolution, highest_load
 from fem_seal.analysis.warnings import FLUID_OPENS
 from fem_seal.contact.yielding import PlasticZone, yielding_of
+from fem_seal.output.prose import said
 from fem_seal.output.report.tables import (
     TARGET_FORCE,
     imprint_in_words,
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 
 # Share of the pressure drop whose place is called the seal proper: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
+# Ratio of leak rates that two digits tell from one.
+_NOTICED = 1.05
 
 
 @dataclass(frozen=True)
@@ -73,10 +76,10 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
         ),
     ]
     if load.critical_separation is not None:
-        closed = "zero, as calculated" if load.validity.outside else "sealed"
+        closed = "calculated as zero" if load.validity.outside else "sealed"
         narrow = closed if load.critical_separation == 0 else quantity("length", load.critical_separation)
         found.append(
-            Fact("Narrowest place on the leak path", narrow, "critical separation at the peak pressure")
+            Fact("Narrowest point of the leak path", narrow, "critical separation at the peak pressure")
         )
     found.append(
         Fact(
@@ -86,7 +89,7 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
         )
     )
     if imprint := imprint_in_words(result):
-        found.append(Fact("Lasting imprint", *imprint))
+        found.append(Fact("Permanent imprint", *imprint))
     if load.leak is not None:
         rate = load.leak.leak_rate
         told = leak_rate_text(rate, load.digits, claimed=not load.validity.outside)
@@ -111,7 +114,7 @@ def _class_fact(size: NominalSize, read: Leakage) -> Fact:
     """The best class, or that none can be claimed."""
     name = f"Leakage class, DN {1e3 * size.size:.4g}"
     if not read.classes:
-        return Fact(name, "not claimed", "the leak rate is outside the theory")
+        return Fact(name, "not claimed", "leak rate outside the theory")
     best = next((one for one in read.classes if one.name), read.classes[0])
     return Fact(name, str(best), f"{classes_in_words(read)}; {size}")
 
@@ -234,73 +237,46 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
     hertz = derived.loads[result.loads.index(load)].hertz
     profile = load.contact.profile
     if hertz is None:
-        yield (
-            "The faces conform over a finite length, whose width and edges set the contact: it is "
-            f"{_contact(load)}."
-        )
+        yield said("reasons.width", "conforming", contact=_contact(load))
         return
-    expected = (
-        f"the pressure would peak at {quantity('contact pressure', hertz.peak_pressure)} and be "
-        f"{quantity('length', hertz.fwhm)} wide at half of that"
-    )
-    found = f"it peaks at {_peak(load)} and is {quantity('length', profile.fwhm)} wide"
     smooth = result.case.interface.law == "smooth"
-    if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
-        why = "yielding" if smooth else "roughness and yielding"
-        yield f"Between smooth elastic bodies {expected}; with {why} {found}."
-        return
     bulk = min((hertz.std / profile.std) ** 2, 1.0)
-    if smooth:
-        yield (
-            "The surfaces are smooth, so the elasticity of the bodies alone sets the contact; Hertz' line contact "
-            f"gives {quantity('contact pressure', hertz.peak_pressure)} peak pressure, the calculation "
-            f"{_peak(load)}."
-        )
-        return
-    if bulk < 0.25:
-        dominant = "The roughness, not the elasticity of the bodies, sets the width of the contact"
-    elif bulk > 0.75:
-        dominant = "The elasticity of the bodies, not the roughness, sets the width of the contact"
+    if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
+        parts = ["yielding" if smooth else "rough_yielding"]
+    elif smooth:
+        parts = ["smooth"]
     else:
-        dominant = "Roughness and elasticity of the bodies both set the width of the contact"
-    yield f"{dominant}: between perfectly smooth bodies {expected}, between the rough ones {found}."
+        dominant = "roughness" if bulk < 0.25 else "elasticity" if bulk > 0.75 else "both"
+        parts = [dominant, "rough"]
+    yield said(
+        "reasons.width",
+        *parts,
+        hertz_peak=quantity("contact pressure", hertz.peak_pressure),
+        hertz_width=quantity("length", hertz.fwhm),
+        peak=_peak(load),
+        width=quantity("length", profile.fwhm),
+    )
 
 
 def _what_throttles(load: LoadResult) -> Iterator[str]:
-
     if load.leak is None or load.leak.leak_rate == 0:
         return
     if not math.isfinite(load.leak.leak_rate):
-        yield "The fluid pressure is not below the peak contact pressure, so the fluid forces the whole contact open."
+        yield said("reasons.fluid", "forced_open")
         return
     x, share = load.contact.profile.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
-    yield (
-        f"{percent(_MIDDLE[1] - _MIDDLE[0])} of the pressure drop falls over the middle "
-        f"{quantity('length', float(ends[1] - ends[0]))} of the contact: this strip is the seal proper."
-    )
+    middle = quantity("length", float(ends[1] - ends[0]))
+    yield said("reasons.fluid", "middle", share=percent(_MIDDLE[1] - _MIDDLE[0]), width=middle)
     ratio = load.fluid_pressure / load.contact.profile.peak_pressure
     if isinstance(load.leak, CoupledLeakResult):
-        yield (
-            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. The share of the load "
-            "that it carries, which opens the gap, is taken into account point by point."
-        )
+        effect = "local"
     elif load.effective_radius is not None:
-        yield (
-            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. Its action between the "
-            "surfaces, which opens the gap, is solved together with contact and flow."
-        )
-    elif ratio > FLUID_OPENS:
-        yield (
-            f"The fluid pressure is {percent(ratio)} of the peak contact pressure. This helps to open the gap, "
-            "which the calculation does not account for: expect a larger leak rate."
-        )
+        effect = "penetration"
     else:
-        yield (
-            f"The fluid pressure is {percent(ratio)} of the peak contact pressure; its effect on the gap "
-            "is neglected."
-        )
+        effect = "opens" if ratio > FLUID_OPENS else "neglected"
+    yield said("reasons.fluid", "ratio", effect, ratio=percent(ratio))
 
 
 def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -310,16 +286,17 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     peak = load.contact.profile.peak_pressure
     if surface.hardness is None:
         if load.leak is not None:
-            yield "Asperities are taken as elastic. If they yield, the surfaces come closer and the seal leaks less."
+            yield said("reasons.asperities", "elastic")
         return
     area = float(surface.contact_area(peak))
     yielded = float(surface.plastic_area(peak)) / area
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
-    text = f"{percent(area)} of the nominal area really touches at the peak pressure, and {share} of that has yielded"
+    factor, effect = 1.0, ""
     if load.leak is not None and load.leak_elastic is not None and load.leak.leak_rate > 0:
         factor = load.leak_elastic.leak_rate / load.leak.leak_rate
-        text += f"; if the asperities never yielded, {number(factor, 2)} times as much would leak"
-    yield text + "."
+        effect = "never" if factor > _NOTICED else "hardly"
+    values = {"area": percent(area), "share": share, "factor": number(factor, 2)}
+    yield said("reasons.asperities", "yielded", effect, **values)
 
 
 def leakage_text(found: Leakage, digits: int = 3) -> str:
@@ -392,14 +369,19 @@ def far_field_sentence(result: SealSolution) -> str:
     """The influence of the far field in one sentence; empty if nothing was compared."""
     if not result.far_field:
         return ""
-    told = [
-        f"{change.name} changes the peak pressure by {_in_words(change.peak_pressure)}"
-        + ("" if change.leak_rate is None else f" and the leak rate by {_in_words(change.leak_rate)}")
+    changes = "; ".join(
+        said(
+            "notes.far_field",
+            "peak" if change.leak_rate is None else "both",
+            change=change.name,
+            peak=_in_words(change.peak_pressure),
+            leak_rate="" if change.leak_rate is None else _in_words(change.leak_rate),
+        )
         for change in result.far_field
-    ]
+    )
+    which = "one" if len(result.loads) == 1 else "strongest"
     load = load_name(result.strongest, result.loads)
-    which = "" if len(result.loads) == 1 else ", the load with the largest closing force"
-    return f"Far from the contact, at {load}{which}: {'; '.join(told)}."
+    return said("notes.far_field", which, load=load, changes=changes)
 
 
 def _in_words(change: float) -> str:
