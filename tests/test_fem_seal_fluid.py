@@ -111,7 +111,7 @@ def test_liquid_has_no_throughput():
 
 
 def test_dense_gas_is_warned_of():
-    assert any("helium at 200 bar is no dilute ideal gas" in text for text in helium_result().warnings)
+    assert any("helium at 200 bar is not a dilute ideal gas" in text for text in helium_result().warnings)
 
 
 def test_readable_leak_and_class():

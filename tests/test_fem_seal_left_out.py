@@ -278,9 +278,7 @@ def test_on_the_sealed_area_the_margin_is_the_contact_force():
         assert load.opening.share == pytest.approx(load.axial_force / 1000, rel=1e-9)
     assert (far.digits, near.digits) == (4, 2)
     (said,) = [text for text in result.warnings if "from opening" in text]
-    assert said.startswith(
-        "15.5 bar is 2.6 % from opening the seal: 26 N of the 1000 N of the spring, or 0.42 bar"
-    )
+    assert said.startswith("15.5 bar is 2.6 % from opening the seal: 26 N of the applied 1000 N, or 0.42 bar")
     columns = ["opening_margin_N", "opening_margin_Pa", "opening_margin"]
     np.testing.assert_allclose(
         result.table[columns].iloc[1],

@@ -235,7 +235,7 @@ def test_force_for_a_target_with_the_fluid_on_the_sealed_area():
 @pytest.mark.parametrize(
     ("changes", "target", "said"),
     [
-        ({}, 1.0, "carries next to nothing"),
+        ({}, 1.0, "almost unloaded contact"),
         ({"fluid": None}, 1e-9, r"needs \[roughness\] and \[fluid\]"),
         ({}, None, "above zero"),
     ],

@@ -160,18 +160,18 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
             there = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
             if there < (1 - _STIFFER) * load.crossover.u0:
                 return (
-                    f"from {load.fluid_pressure / 1e5:.6g} bar on p(u) of this surface is no exponential: its decay "
+                    f"from {load.fluid_pressure / 1e5:.6g} bar on, p(u) of this surface is not exponential: its decay "
                     f"length falls from {1e6 * load.crossover.u0:.3g} um at low pressure to {1e6 * there:.3g} um at "
-                    "the peak. The crossover is for the former; the calculated contact is narrower, its peak higher"
+                    "the peak. The crossover uses the former; the calculated contact is narrower and its peak higher"
                 )
         # Beyond two standard deviations there is a twentieth of the load; Hertz's contact ends there.
         inside = case.contact.breaks[np.abs(case.contact.breaks) < 2 * closed.std]
         if len(inside):
             nearest = 1e6 * float(np.abs(inside).min())
             return (
-                f"from {load.fluid_pressure / 1e5:.6g} bar on the contact is wider than the stretch on which the faces "
-                f"bend as they do at first touch ({nearest:.3g} um to one side of it): the closed forms (Hertz, "
-                "crossover) do not hold there, and the calculated peak differs from theirs"
+                f"from {load.fluid_pressure / 1e5:.6g} bar on, the contact is wider than the stretch over which the "
+                f"faces keep the curvature of first touch ({nearest:.3g} um to one side of it): the closed forms "
+                "(Hertz, crossover) do not hold there, and the calculated peak differs from theirs"
             )
     return ""
 
@@ -187,8 +187,8 @@ def nearly_open(derived: Derived) -> str:
     if not carried:
         return ""
     return (
-        f"at {', '.join(f'{pressure:.6g}' for pressure in carried)} bar the fluid carries the closing force on the "
-        "sealed area, or nearly so: the seal is open or close to it, and only a run decides"
+        f"at {', '.join(f'{pressure:.6g}' for pressure in carried)} bar the fluid on the sealed area balances the "
+        "applied force, or nearly so: the seal is open or close to opening, and only a run can tell"
     )
 
 

@@ -53,14 +53,14 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
                 problem,
                 f"even a contact force of {largest_force(problem):.4g} N, the largest for small strains, leaves "
                 f"{flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate:.4g} m^3/s at "
-                f"{fluid_pressure / 1e5:.4g} bar; allowed is a larger target, or take a smoother surface",
+                f"{fluid_pressure / 1e5:.4g} bar; give a larger target or a smoother surface",
                 target,
             )
         if ahead < highest + math.log(_LEAST):
             raise target_problem(
                 problem,
-                f"a contact that carries next to nothing leaks less at {fluid_pressure / 1e5:.4g} bar; any force "
-                "that closes the seal meets it",
+                f"at {fluid_pressure / 1e5:.4g} bar even an almost unloaded contact leaks less than this; any force "
+                "that closes the seal meets the target",
                 target,
             )
         at = ahead

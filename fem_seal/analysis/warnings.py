@@ -243,9 +243,9 @@ def _near_opening(
         counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
         text = (
             f"{load_name(load, loads)} is {100 * share:.2g} % from opening the seal: {number(margin.force, 2)} N of "
-            f"the {load.applied_force:.6g} N of the spring, or {number(margin.pressure / 1e5, 2)} bar{others}. What "
-            f"the contact carries is the small difference of spring and fluid: an error of either counts {counts} "
-            "in it, in the peak pressure and in the leak rate"
+            f"the applied {load.applied_force:.6g} N, or {number(margin.pressure / 1e5, 2)} bar{others}. The contact "
+            "force is the small difference of applied force and fluid force: a relative error of either counts "
+            f"{counts} in it, in the peak pressure and in the leak rate"
         )
         yield Caution("near opening", Level.DOUBTFUL, f"{100 * share:.2g} % from opening the seal", text)
 
@@ -270,9 +270,9 @@ def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]
             f"{name}: von Mises stress {zone.excess:.3g} times its yield stress",
             f"{name}: von Mises stress {zone.von_mises / 1e6:.4g} MPa at {load_name(load, loads)} is "
             f"{zone.excess:.3g} times the yield stress {zone.yield_stress / 1e6:.4g} MPa, at r = {r * 1e3:.4g} mm, "
-            f"z = {z * 1e3:.4g} mm, {zone.depth * 1e6:.3g} um from the contact line; it is passed down to "
-            f"{zone.deepest * 1e6:.3g} um (from {first} on). The body is solved as elastic, the true "
-            "contact is wider and its peak pressure lower; a stress_strain curve in its material"
+            f"z = {z * 1e3:.4g} mm, {zone.depth * 1e6:.3g} um from the contact line; it is exceeded to a depth of "
+            f"{zone.deepest * 1e6:.3g} um (from {first} on). The body is solved as elastic: the true "
+            "contact is wider and its peak pressure lower. A stress_strain curve in its material"
             + (
                 ' together with [load] closing = "sealed-area"'
                 if problem.loads.closing == "penetration"
@@ -296,8 +296,8 @@ def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadR
                 Level.OUTSIDE,
                 f"{name}: plastic strain {100 * zone.strain:.3g} % beyond the end of its stress_strain curve",
                 f"{name}: plastic strain {100 * zone.strain:.3g} % at {load_name(load, loads)} is beyond "
-                f"the end of its stress_strain curve, {100 * curve.last_strain:.3g} %; the stress stays at its last "
-                f"value, {curve.stress[-1] / 1e6:.4g} MPa, from there on",
+                f"the end of its stress_strain curve, {100 * curve.last_strain:.3g} %; from there on the stress keeps "
+                f"its last value, {curve.stress[-1] / 1e6:.4g} MPa",
             )
         if zone.strain > _LARGE_STRAIN:
             yield Caution(
@@ -335,7 +335,7 @@ def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) ->
             "wide contact",
             Level.DOUBTFUL,
             f"wide contact: two standard deviations are {share:.2g} of its radius",
-            f"the contact is wide: two standard deviations are {share:.2g} of its radius at "
+            f"the contact is wide: two standard deviations of its pressure are {share:.2g} of its radius at "
             f"{load_name(load, loads)}; line loads and closed-form profiles assume a narrow line",
         )
 
@@ -353,11 +353,11 @@ def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[Solv
         yield Caution(
             "thick layer",
             Level.OUTSIDE if share > _NO_LAYER else Level.DOUBTFUL,
-            f"surfaces stand apart by {share:.2g} of the radius to which their faces bend",
-            f"at {load_name(load, loads)} the surfaces stand {1e6 * apart:.3g} um apart, {share:.2g} of the radius to "
-            "which their faces bend where they carry the load; the interface law is that of parallel planes, and peak "
+            f"separation of the surfaces is {share:.2g} of the radius of curvature of their faces",
+            f"at {load_name(load, loads)} the surfaces are {1e6 * apart:.3g} um apart, {share:.2g} of the radius of "
+            "curvature of their faces where they carry the load. The interface law is that of parallel planes: peak "
             "and width are uncertain by about the decay length over that radius. A larger edge radius or smoother "
-            "surfaces cure it",
+            "surfaces remove the problem",
         )
 
 
@@ -371,9 +371,9 @@ def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) 
             "thick layer",
             Level.DOUBTFUL,
             f"separation of the surfaces on a steep seat: {share:.2g} of the radius of first touch",
-            f"at {load_name(load, loads)} the surfaces stand {1e6 * max(apart):.3g} um apart, which on a seat as "
-            f"steep as this moves closest approach by up to {share:.2g} of its radius; peak and leak rate are "
-            "calculated for first touch and uncertain by as much",
+            f"at {load_name(load, loads)} the surfaces are {1e6 * max(apart):.3g} um apart. On a seat as steep as "
+            f"this one, that moves the place of closest approach by up to {share:.2g} of its radius. Peak and leak "
+            "rate are calculated for the radius of first touch and are uncertain by as much",
         )
 
 
@@ -388,7 +388,7 @@ def _above_hardness(
     why = (
         "no body carries a mean pressure above its hardness"
         if share > 1
-        else "the theory of yielding asperities holds far below it"
+        else "the theory of yielding asperities is valid only far below the hardness"
     )
     yield Caution(
         "hardness",
@@ -410,8 +410,8 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> 
             f"sealed by the percolation threshold, A/A0 = {surface.percolation_threshold:.2g}",
             f"sealed: at {load_name(load, loads)} the peak pressure {peak / 1e6:.4g} MPa is above "
             f"{surface.sealing_pressure / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
-            f"touches and no path is open (from {first} on, of the loads calculated); a leak rate of "
-            "zero is no better known than this percolation threshold",
+            f"touches and no leak path is open (from {first} on, of the loads calculated). A leak rate of "
+            "zero is only as certain as this percolation threshold",
         )
 
 
@@ -429,28 +429,28 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[Loade
             "lay",
             Level.DOUBTFUL,
             f"roughness with a lay: leak rate up to a factor {lay:.2g} too large",
-            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}; the roughness "
-            f"has a lay (peklenik = {surface.peklenik:.3g}), and with it the theory's flow conductivity is above "
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. The roughness "
+            f"has a lay (peklenik = {surface.peklenik:.3g}), for which the theory's flow conductivity is above "
             f"direct numerical results by up to a factor {lay:.2g}, on the safe side{beyond}",
         )
     elif area > _DIRECT_END:
         yield Caution(
             "few channels",
             Level.DOUBTFUL,
-            f"A/A0 = {area:.2g} at the peak: next to the percolation threshold, leak rate unknown by orders of "
+            f"A/A0 = {area:.2g} at the peak: close to the percolation threshold, leak rate uncertain by orders of "
             "magnitude",
-            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}, next to "
-            f"{surface.percolation_threshold:.2g}, where no path is left open; there the leak rate falls by orders of "
-            f"magnitude, direct numerical results end at {_DIRECT_END:g}, and no bound of its error is known",
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}, close to "
+            f"{surface.percolation_threshold:.2g}, where no leak path is open. The leak rate falls there by orders of "
+            f"magnitude. Direct numerical results end at {_DIRECT_END:g}: no bound on the error is known",
         )
     elif area > _FEW_CHANNELS:
         yield Caution(
             "few channels",
             Level.DOUBTFUL,
             f"A/A0 = {area:.2g} at the peak: few channels, leak rate up to a factor {factor:g} off",
-            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}; "
-            f"above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
-            f"numerical results by up to a factor {factor:g} up or down",
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. "
+            f"Above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
+            f"numerical results by up to a factor {factor:g} either way",
         )
 
 
@@ -468,11 +468,11 @@ def _range(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> I
         yield Caution(
             "roughness range",
             Level.DOUBTFUL,
-            "roughness known too short for the width of the contact",
-            f"the roughness is known too short: its longest wave, 2 pi/q_low = {2 * np.pi / q_low * 1e6:.4g} um, is "
-            f"shorter than 2 pi times the standard deviation of the contact, {std * 1e6:.4g} um at "
-            f"{load_name(load, loads)}; longer waves fit into the contact, and if the surface has them it "
-            "leaks more. Let the spectrum begin below "
+            "spectrum starts at too short a wave for the width of the contact",
+            f"the spectrum starts at too short a wave: 2 pi/q_low = {2 * np.pi / q_low * 1e6:.4g} um is "
+            f"less than 2 pi times the standard deviation of the contact, {std * 1e6:.4g} um at "
+            f"{load_name(load, loads)}. Longer waves fit into the contact, and if the surface has them it "
+            "leaks more. Start the spectrum below "
             f"q = {1 / std:.3g} 1/m",
         )
 
@@ -487,7 +487,7 @@ def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[Loaded])
             Level.DOUBTFUL,
             f"{100 * (1 - above):.2g} % of the height variance in waves longer than the contact is wide",
             f"{100 * (1 - above):.2g} % of the height variance is in waves longer than 2 pi times the standard "
-            f"deviation of the contact, {std * 1e6:.4g} um at {load_name(load, loads)}; they are waviness "
+            f"deviation of the contact, {std * 1e6:.4g} um at {load_name(load, loads)}. They are waviness "
             "along the contact rather than roughness inside it, and the contact pressure follows them",
         )
 
@@ -506,8 +506,8 @@ def _molecules(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) 
             Level.DOUBTFUL,
             "critical separation below the size of a molecule of the fluid",
             f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
-            f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm; "
-            "the theory takes the fluid as continuous, in truth the seal is tight there",
+            f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm. "
+            "The theory treats the fluid as a continuum; in reality the seal is tight there",
         )
 
 
@@ -528,9 +528,9 @@ def _fluid_opens(
         yield Caution(
             "fluid opens",
             Level.OUTSIDE if share > _FLUID_LIFTS else Level.DOUBTFUL,
-            f"fluid pressure {share:.2g} of the peak contact pressure, opens the gap unaccounted for",
-            f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure; "
-            'how it moves the surfaces is not taken into account. [load] closing = "penetration" calculates it; the '
+            f"fluid pressure is {share:.2g} of the peak contact pressure; its opening of the gap is not calculated",
+            f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure. "
+            'How far it opens the gap is not calculated here. [load] closing = "penetration" calculates it; the '
             f'upper bound, [leak] fluid_in_gap = "local", is {most}',
         )
 
@@ -544,8 +544,8 @@ def _blown_open(loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
             Level.OUTSIDE,
             "lifted open: fluid pressure not below the peak contact pressure",
             f"at {load_name(load, loads)} the fluid pressure is not below the peak contact pressure, "
-            f"{load.contact.profile.peak_pressure / 1e6:.4g} MPa: the fluid lifts the seal open, no finite leak rate "
-            "exists",
+            f"{load.contact.profile.peak_pressure / 1e6:.4g} MPa: the fluid lifts the seal open and there is no "
+            "finite leak rate",
         )
 
 
@@ -559,8 +559,8 @@ def _dense_gas(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) 
         yield Caution(
             "dense gas",
             Level.DOUBTFUL,
-            f"{gas.name} at {highest / 1e5:.4g} bar is no dilute ideal gas",
-            f"{gas.name} at {highest / 1e5:.4g} bar is no dilute ideal gas: above "
+            f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas",
+            f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas: above "
             f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
             "which the leak rate does not take into account",
         )
@@ -570,7 +570,7 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
     estimates = (error.peak_pressure, error.std, error.leak_rate or 0.0)
     if not all(math.isfinite(one) for one in estimates):
         reason = "discretisation error not estimated"
-        yield Caution("mesh", Level.DOUBTFUL, reason, f"the {reason}: how much the mesh changes is not known")
+        yield Caution("mesh", Level.DOUBTFUL, reason, f"{reason}: the effect of the mesh is not known")
         return
     worst = max(estimates)
     if yielding_bodies(model):
@@ -579,8 +579,8 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
                 "mesh",
                 Level.DOUBTFUL,
                 f"estimated error of elements and load steps {100 * worst:.2g} %",
-                f"the estimated error of elements and load steps is {100 * worst:.2g} %; loads between zero and the "
-                "highest one, and a smaller [mesh] contact_size reduce it",
+                f"the estimated error of elements and load steps is {100 * worst:.2g} %; further loads between zero "
+                "and the highest one, and a smaller [mesh] contact_size, reduce it",
             )
     elif worst > _LARGEST_ERROR:
         size = float(np.diff(model.line.vertices).min())
@@ -588,6 +588,6 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
             "mesh",
             Level.DOUBTFUL,
             f"estimated discretisation error {100 * worst:.2g} %",
-            f"the estimated discretisation error, that of the mesh alone, is {100 * worst:.2g} %; a [mesh] "
+            f"the estimated discretisation error (of the mesh alone) is {100 * worst:.2g} %; a [mesh] "
             f"contact_size below the present {1e6 * size:.3g} um reduces it",
         )
