@@ -44,7 +44,7 @@ app.add_typer(study_app, name="study")
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON, in SI units.")]
-Debug = Annotated[bool, typer.Option("--debug", help="Show where in the program an error comes from.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
 def _folder_option(default: str) -> Any:
@@ -53,7 +53,7 @@ def _folder_option(default: str) -> Any:
 
 @app.callback(invoke_without_command=True)
 def _version(
-    version: Annotated[bool, typer.Option("--version", help="Print the version and leave.")] = False,
+    version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
 ) -> None:
     if version:
         typer.echo(f"fem-seal {__version__}")
@@ -65,13 +65,13 @@ def run(
     case_file: CaseFile,
     output: Annotated[Path | None, _folder_option("[output] folder of the case, CASE.out")] = None,
     variants: Annotated[
-        bool, typer.Option("--variants", help="Also the leak rate with every reading of the theory.")
+        bool, typer.Option("--variants", help="Also calculate the leak rate with each reading of the theory.")
     ] = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
 ) -> None:
-    """Solve all loads of a case: tables, VTK files, mesh and report into the output folder."""
+    """Solve all loads of a case and write tables, VTK files, mesh and report to the output folder."""
     from fem_seal.case.case import load_case
 
     case = load_case(case_file)
@@ -113,7 +113,7 @@ def _load_meanwhile(*modules: str) -> None:
 
 @app.command()
 def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: Debug = False) -> None:
-    """Check a case file and print what follows from it in closed form, without solving."""
+    """Check a case file and print the closed-form results, without solving."""
     from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
     from fem_seal.case.case import load_case
     from fem_seal.output import summary
@@ -140,7 +140,7 @@ def mesh(
     json: Json = False,
     debug: Debug = False,
 ) -> None:
-    """Mesh a case, write mesh.msh and print how good the elements are."""
+    """Mesh a case, write mesh.msh and print the quality of the elements."""
     from dataclasses import asdict
 
     from fem_seal.case.case import load_case
@@ -163,15 +163,17 @@ def mesh(
         typer.echo(
             f"shape (1 is equilateral): smallest {quality['smallest']:.3f}, mean {quality['mean']:.3f}"
         )
-        typer.echo(f"area of the sections within {quality['area_error']:.1e} of the exact one")
-        typer.echo(f"mesh in {path}")
+        typer.echo(f"relative error of the section area {quality['area_error']:.1e}")
+        typer.echo(f"Mesh in {path}")
 
 
 @app.command()
 def leak(
     profile_file: Annotated[
         Path,
-        typer.Argument(metavar="PROFILE.csv", show_default=False, help="Contact pressure over arc length."),
+        typer.Argument(
+            metavar="PROFILE.csv", show_default=False, help="Contact pressure against arc length."
+        ),
     ],
     case_file: CaseFile,
     output: Annotated[Path | None, _folder_option("PROFILE.leak")] = None,
@@ -212,31 +214,42 @@ def surface(
     output: Annotated[Path | None, _folder_option("FILE.surface")] = None,
     unit: Annotated[
         str | None,
-        typer.Option(metavar="UNIT", help='Where the file states none: "um", or "mm,um" for x and height.'),
+        typer.Option(metavar="UNIT", help='If the file states none: "um", or "mm,um" for x and height.'),
     ] = None,
     detrend: Annotated[
-        str, typer.Option(metavar="FORM", help='What is taken off: "tilt", "mean" or "curvature".')
+        str, typer.Option(metavar="FORM", help='Form to remove: "tilt", "mean" or "curvature".')
     ] = "tilt",
-    window: Annotated[str, typer.Option(metavar="WINDOW", help='"hann" or "none".')] = "hann",
+    window: Annotated[
+        str, typer.Option(metavar="WINDOW", help='Window of the Fourier transform: "hann" or "none".')
+    ] = "hann",
     tip_radius: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help='Radius of the stylus tip, "2 um".')
+        str | None, typer.Option(metavar="LENGTH", help='Radius of the stylus tip, such as "2 um".')
     ] = None,
     shortest_wavelength: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help='What the instrument resolves, "2.5 um".')
+        str | None, typer.Option(metavar="LENGTH", help='Resolution of the instrument, such as "2.5 um".')
     ] = None,
     outliers: Annotated[
-        str, typer.Option(metavar="WHAT", help='Points that stand alone: "keep" or "remove".')
+        str, typer.Option(metavar="WHAT", help='Isolated points: "keep" or "remove".')
     ] = "keep",
     hurst: Annotated[
-        float | None, typer.Option(metavar="H", help="Continue the spectrum to --q-low and --q-high.")
+        float | None,
+        typer.Option(
+            metavar="H", help="Hurst exponent to continue the spectrum with, to --q-low and --q-high."
+        ),
     ] = None,
-    q_low: Annotated[str | None, typer.Option(metavar="WAVENUMBER", help='"1e2 1/m".')] = None,
-    q_high: Annotated[str | None, typer.Option(metavar="WAVENUMBER", help='"1e8 1/m".')] = None,
+    q_low: Annotated[
+        str | None,
+        typer.Option(metavar="WAVENUMBER", help='Lower end of the continued spectrum, such as "1e2 1/m".'),
+    ] = None,
+    q_high: Annotated[
+        str | None,
+        typer.Option(metavar="WAVENUMBER", help='Upper end of the continued spectrum, such as "1e8 1/m".'),
+    ] = None,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
 ) -> None:
-    """What measured scans say about a surface: key figures, power spectrum, picture."""
+    """Evaluate measured scans of a surface: key figures, power spectrum, picture."""
     from fem_seal.case.roughness import scan_case
     from fem_seal.folders import alone, replaced_together
     from fem_seal.output.surface import surface_lines, surface_numbers, write_surface
@@ -268,7 +281,7 @@ def surface(
 
 @app.command()
 def schema() -> None:
-    """Print the JSON Schema of the case file, for editors that complete and check while one types."""
+    """Print the JSON Schema of the case file, for completion and checks in an editor."""
     from fem_seal.case.case import case_schema
 
     typer.echo(as_json(case_schema()))
@@ -285,7 +298,7 @@ def _made(folder: Path) -> Path:
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or "not a folder name").lower()
         problem = Problem(
-            "--output", f"cannot be made ({reason}); give a folder that can be written", str(folder)
+            "--output", f"cannot be created ({reason}); give a folder that can be written to", str(folder)
         )
         raise InputError(problem) from None
     return folder
@@ -392,7 +405,7 @@ def _explained(error: Exception) -> tuple[int, str]:
     name = type(error).__name__
     return (
         OTHER_FAILURE,
-        f"unexpected {name}: {error}. This is a defect of fem-seal; --debug shows where it comes from",
+        f"unexpected {name}: {error}. This is a defect of fem-seal; --debug shows the traceback",
     )
 
 
@@ -431,7 +444,7 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
     for level in Level:
         if level.mark and level in levels:
             what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
-            print(f"  {level.mark} {level}: {what}; why, says validity_reasons in leak.csv")  # noqa: T201
+            print(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")  # noqa: T201
 
 
 def _digits(row: Mapping[str, Any], name: str) -> int:
@@ -579,9 +592,7 @@ def show_derived(numbers: Mapping[str, Any]) -> None:
     columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
     closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
     show_table(
-        "Closed-form pressure profiles"
-        if closed
-        else "Loads (no closed-form profiles: the faces fit each other)",
+        "Closed-form pressure profiles" if closed else "Loads (no closed-form profiles: the faces conform)",
         [f"{column.heading}\n{column.unit.name}" for column in columns],
         [[_cell(row[column.name], column.unit) for column in columns] for row in rows],
     )

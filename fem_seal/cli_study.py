@@ -32,13 +32,13 @@ app = typer.Typer(
     cls=_RunUnlessNamed,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="Many designs of one case: fem-seal study STUDY.toml, fem-seal study report DIR.",
+    help="Calculate many designs of one case: fem-seal study STUDY.toml, fem-seal study report DIR.",
 )
 
 StudyFolder = Annotated[Path, typer.Argument(metavar="DIR", show_default=False, help="Folder of a study.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
-Debug = Annotated[bool, typer.Option("--debug", help="Show where in the program an error comes from.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
 @app.command()
@@ -53,24 +53,31 @@ def run(
     workers: Annotated[
         int | None,
         typer.Option(
-            "--workers", min=0, show_default="one per core", help="Processes; 0 calculates in this one."
+            "--workers",
+            min=0,
+            show_default="one per core",
+            help="Worker processes; 0 calculates in this process.",
         ),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option("--scheduler", metavar="ADDRESS", help="Running dask scheduler, tcp://host:8786."),
+        typer.Option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Address of a running dask scheduler, such as tcp://host:8786.",
+        ),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the designs that are missing.")
+        bool, typer.Option("--resume", help="Continue with the designs that are missing.")
     ] = False,
     retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="With --resume: calculate designs that failed again.")
+        bool, typer.Option("--retry-failed", help="With --resume: recalculate the designs that failed.")
     ] = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
 ) -> None:
-    """Calculate the designs of a study into study.sqlite of its folder, and write its page."""
+    """Calculate the designs of a study, store them in study.sqlite and write report.html."""
     from fem_seal.studies.progress import shown_progress
     from fem_seal.studies.session import run_study
     from fem_seal.studies.study import load_study
@@ -101,12 +108,12 @@ def report(
     folder: StudyFolder,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", show_default="DIR/report.html", help="The page."),
+        typer.Option("--output", "-o", metavar="FILE", show_default="DIR/report.html", help="File to write."),
     ] = None,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:
-    """Write report.html anew, also while the study is running."""
+    """Rewrite report.html; the study may still be running."""
     from fem_seal.studies.results import StudyResult
 
     path = StudyResult(folder).report(output)
@@ -119,7 +126,9 @@ def export(
     folder: StudyFolder,
     path: Annotated[
         Path,
-        typer.Argument(metavar="FILE", show_default=False, help="Ends in .csv, .parquet or .nc (netCDF)."),
+        typer.Argument(
+            metavar="FILE", show_default=False, help="File to write: .csv, .parquet or .nc (netCDF)."
+        ),
     ],
     quiet: Quiet = False,
     debug: Debug = False,

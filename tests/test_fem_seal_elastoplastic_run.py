@@ -335,7 +335,7 @@ def test_the_report_says_what_it_compares(proof: SealResult) -> None:
     hertz, profile = derived.loads[1].hertz, proof.loads[1].contact.profile
     assert hertz is not None
     # Hertz' bodies touch over 2 a; half of the peak is reached over sqrt(3) a
-    assert f"{np.sqrt(3) * hertz.half_width * 1e3:.3f} mm wide at half of that" in said
+    assert f"full width at half maximum of {np.sqrt(3) * hertz.half_width * 1e3:.3f} mm" in said
     assert f"{profile.fwhm * 1e3:.3f} mm wide" in said and "touch" not in said
 
 
@@ -392,7 +392,7 @@ def test_elastic_results_name_where_and_how_far_the_yield_stress_is_passed() -> 
         (
             {"load": {"closing": "penetration", "axial_force": "1 kN"}},
             "load.closing",
-            r"seat: material\.stress_strain\) remembers its loads; use \"sealed-area\"",
+            r"seat: material\.stress_strain\) depends on its load history; use \"sealed-area\"",
         ),
         (
             {"load": {"target_leak_rate": "1e-9 m^3/s"}},

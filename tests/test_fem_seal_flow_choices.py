@@ -98,7 +98,7 @@ def test_directions_that_are_no_stretch_are_remarked_on():
                 "roughness": {"spectrum": SPECTRUM, "peklenik": 2},
                 "leak": {"conductivity": "critical-junction"},
             },
-            "knows no direction",
+            "has no direction",
         ),
         ({"leak": {"fluid_in_gap": "lokal"}}, '"uncoupled" or "local"'),
         ({"leak": {"fluid_in_gap": "local"}, "fluid": {"name": "helium"}}, "only for liquids"),

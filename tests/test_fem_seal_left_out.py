@@ -56,7 +56,7 @@ def test_open_and_overstrained_loads_are_left_out_and_the_others_are_as_if_they_
     np.testing.assert_allclose(table.leak_rate_m3_per_s, alone.leak_rate_m3_per_s, rtol=1e-9)
     opened, strained = (text for text in result.warnings if "left out" in text)
     assert "the seal is open at a fluid pressure of 20 bar" in opened and "above 1256.64 N" in opened
-    assert strained.startswith("at 10 bar with 1e+07 N: a closing force of") and "small strains" in strained
+    assert strained.startswith("at 10 bar with 1e+07 N: a contact force of") and "small strains" in strained
     assert [load.hertz is None for load in derive(mixed).loads] == [False, True, False, True]
 
 
@@ -131,7 +131,7 @@ def test_a_path_ends_before_a_load_whose_traces_are_not_known():
     }
     told = [caution.text for caution in left_out(Loads.of(path), refused_loads(path))]
     assert len(told) == 3
-    assert told[2].startswith("at 10 bar with 0 N: a body that yields remembers its loads")
+    assert told[2].startswith("at 10 bar with 0 N: a body that yields depends on its load history")
 
 
 def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_first():

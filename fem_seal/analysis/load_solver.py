@@ -71,7 +71,7 @@ class LoadSolver:
             )
         except OpenSealError as error:
             least = least_closing_force(self.seal, fluid_pressure)
-            allowed = "" if least is None else f"; allowed is an axial_force above {least:.5g} N"
+            allowed = "" if least is None else f"; give an axial_force above {least:.5g} N"
             problem = Problem(
                 "load.axial_force",
                 f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",

@@ -46,7 +46,7 @@ def _flow(case: CaseTables) -> Iterator[Problem]:
     if directed and case.leak.conductivity == "critical-junction":
         yield Problem(
             "leak.conductivity",
-            "one junction knows no direction, but the roughness has one (peklenik, or along and across); use "
+            "a single junction has no direction, but the roughness has one (peklenik, or along and across); use "
             '"bruggeman"',
             '"critical-junction"',
         )
@@ -213,7 +213,7 @@ def _mm(length: float) -> str:
 def _remembering(case: CaseTables) -> str:
     """Which bodies remember their loads, in words."""
     bodies = [name for name in ("closure", "seat") if getattr(case, name).material.hardening is not None]
-    return f"a body that yields ({' and '.join(bodies)}: material.stress_strain) remembers its loads"
+    return f"a body that yields ({' and '.join(bodies)}: material.stress_strain) depends on its load history"
 
 
 def _yielding(case: CaseTables) -> Iterator[Problem]:
@@ -224,15 +224,15 @@ def _yielding(case: CaseTables) -> Iterator[Problem]:
     if case.load.closing == "penetration":
         yield Problem(
             "load.closing",
-            f"the fluid's way between the surfaces is solved together with elastic bodies, but {because}; use "
+            f"the fluid pressure between the surfaces is solved together with elastic bodies only, but {because}; use "
             f'"sealed-area", {remedy}',
             '"penetration"',
         )
     if case.load.target_leak_rate is not None:
         yield Problem(
             "load.target_leak_rate",
-            f"the force for it is looked for by trying forces, but {because}, each of the tries, too; list the forces "
-            f"in load.axial_force instead, {remedy}",
+            f"the force for it is found by trial, and {because}, trials included; list the forces in load.axial_force "
+            f"instead, {remedy}",
             f"{case.load.target_leak_rate:.4g} m^3/s",
         )
 

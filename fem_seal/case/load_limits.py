@@ -10,8 +10,8 @@ from fem_seal.errors import LoadProblem
 from fem_seal.loads import closing_force, expected_force, line_load, plastic_half_width
 
 _AFTER = (
-    "a body that yields remembers its loads, and one before this on their path, {}, cannot be calculated: what it "
-    "leaves behind is not known"
+    "a body that yields depends on its load history, and an earlier load, {}, cannot be calculated: the state that it "
+    "leaves is not known"
 )
 
 
@@ -65,8 +65,8 @@ def _open(case: CaseTables, fluid_pressure: float, spring: float) -> LoadProblem
             return None
         return LoadProblem(
             "load.axial_force",
-            f"the fluid lifts the closure at {fluid_pressure / 1e5:.6g} bar and no spring holds it; allowed is an "
-            f"axial_force above some {needed:.4g} N, with which it lifts the circle of first touch of radius {_mm(r0)}",
+            f"the fluid lifts the closure at {fluid_pressure / 1e5:.6g} bar and no applied force holds it; give an "
+            f"axial_force above about {needed:.4g} N, the fluid force on the circle of first touch, radius {_mm(r0)}",
             f"{spring:.6g} N",
         )
     if _force(case, fluid_pressure, spring) > 0:
@@ -75,7 +75,7 @@ def _open(case: CaseTables, fluid_pressure: float, spring: float) -> LoadProblem
     return LoadProblem(
         "load.axial_force",
         f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: the fluid {how} {abs(needed):.4g} N "
-        f"on the sealed area of radius {_mm(r0)}; allowed is an axial_force above {needed:.6g} N",
+        f"on the sealed area of radius {_mm(r0)}; give an axial_force above {needed:.6g} N",
         f"{spring:.6g} N",
     )
 
@@ -95,7 +95,7 @@ def _too_large(case: CaseTables, fluid_pressure: float, spring: float) -> Iterat
     allowed = force * (allowed_width / half_width) ** 2
     yield LoadProblem(
         "load",
-        f"a closing force of {force:.4g} N presses smooth bodies flat over {_mm(half_width)} to each side of first "
+        f"a contact force of {force:.4g} N presses smooth bodies flat over {_mm(half_width)} to each side of first "
         f"touch (Hertz), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius "
         "and the radius of relative curvature; the theory is for small strains and allows "
         f"{allowed:.4g} N. Lower fluid_pressure or axial_force, or take stiffer materials",
@@ -108,7 +108,7 @@ def _small_plastic_strains(force: float, half_width: float, allowed_width: float
     if half_width > allowed_width:
         yield LoadProblem(
             "load",
-            f"a closing force of {force:.4g} N coins the body that yields over {_mm(half_width)} to each side of first "
+            f"a contact force of {force:.4g} N coins the body that yields over {_mm(half_width)} to each side of first "
             f"touch (full plasticity), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius and "
             "the radius of relative curvature; the theory is for small strains and allows "
             f"{force * allowed_width / half_width:.4g} N. Lower fluid_pressure or axial_force, or take a harder body",

@@ -258,7 +258,7 @@ def contact_near_blow_off(seal: Seal, closing_force: float, fluid_pressure: floa
     way = _way_to_blow_off(seal, closing_force)
     if fluid_pressure >= way[-1].pressure:
         raise OpenSealError(
-            f"the fluid lifts the closure off: a closing force of {closing_force:.6g} N holds "
+            f"the fluid lifts the closure off: an applied force of {closing_force:.6g} N holds "
             f"{way[-1].pressure / 1e5:.6g} bar, not {fluid_pressure / 1e5:.6g} bar",
             way[-1].pressure,
         )
@@ -266,7 +266,7 @@ def contact_near_blow_off(seal: Seal, closing_force: float, fluid_pressure: floa
     if way[after].contact is None:
         raise ConvergenceError(
             f"at {fluid_pressure / 1e5:.6g} bar the smooth contact carries less than {way[after - 1].share:g} of the "
-            f"closing force and is narrower than its elements; it opens at {way[-1].pressure / 1e5:.6g} bar"
+            f"applied force and is narrower than its elements; it opens at {way[-1].pressure / 1e5:.6g} bar"
         )
     before, steps = way[after - 1], [way[after]]
 

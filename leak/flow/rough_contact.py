@@ -296,7 +296,7 @@ class RoughContact:
         pressure : array_like
             Nominal pressure [Pa].
         method : {"bruggeman", "critical-junction"}
-            Effective medium over all channels, or the critical junction alone (u_eff = u_c), which knows no direction
+            Effective medium over all channels, or the critical junction alone (u_eff = u_c), which has no direction
             and is refused unless peklenik = 1.
         refinement : int
             Every grid of the effective medium has so many times more points, which shows its error.
@@ -418,8 +418,8 @@ class RoughContact:
             raise ConductivityError(f"method = {method!r}: must be one of {flow.METHODS}")
         if method == "critical-junction" and self.peklenik != 1.0:
             raise ConductivityError(
-                f"method = 'critical-junction' with peklenik = {self.peklenik}: one junction knows no direction; use "
-                "'bruggeman'"
+                f"method = 'critical-junction' with peklenik = {self.peklenik}: a single junction has no direction; "
+                "use 'bruggeman'"
             )
 
     def _effective_separation(self, p: FloatArray, refinement: int) -> FloatArray:
