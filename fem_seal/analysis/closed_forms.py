@@ -216,7 +216,7 @@ def _derive_load(
     side = problem.loads.pressure_side
     force = expected_force(r0, fluid_pressure, axial_force, side, problem.loads.closing)
     if force > closing_force(r0, fluid_pressure, axial_force, side):
-        # what a run begins with where the fluid carries the spring or nearly so, and no estimate of the force
+        # what a run begins with where the fluid balances the applied force or nearly so, and no estimate of the force
         force, profiles = math.nan, False
     f = line_load(force, r0, problem.contact.angle)
     return DerivedLoad(

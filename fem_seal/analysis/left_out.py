@@ -32,15 +32,15 @@ def _alike(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[str]:
     """The same for loads with the same kind of problem; told is the reason of the one that is nearest to a result."""
     points = {number: loads.points[number] for number in problems}
     kind = next(iter(problems.values())).kind
-    # whose pressure is lowest; of an open seal whose spring is strongest; of those without a solution the first
+    # whose pressure is lowest; of an open seal whose applied force is largest; of those without a solution the first
     direction = {"open": -1, "strain": 1}.get(kind, 0)
     if len(set(loads.fluid_pressure)) == 1:
         nearest = min(points, key=lambda number: direction * points[number][1])
         others = {force for _, force in points.values()} - {points[nearest][1]}
         yield _sentence(loads, nearest, problems[nearest], _others("with", others, "N"))
         return
-    for spring in dict.fromkeys(force for _, force in points.values()):
-        numbers = [number for number, (_, force) in points.items() if force == spring]
+    for applied_force in dict.fromkeys(force for _, force in points.values()):
+        numbers = [number for number, (_, force) in points.items() if force == applied_force]
         nearest = min(numbers, key=lambda number: abs(direction) * loads.fluid_pressure[number])
         pressures = {loads.fluid_pressure[number] / 1e5 for number in numbers}
         others = pressures - {loads.fluid_pressure[nearest] / 1e5}
@@ -49,7 +49,7 @@ def _alike(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[str]:
 
 def _sentence(loads: Loads, number: int, problem: LoadProblem, others: str) -> str:
     pressure, force = loads.points[number]
-    several = len({spring for _, spring in loads.points}) > 1
+    several = len({applied_force for _, applied_force in loads.points}) > 1
     at = f"at {pressure / 1e5:.6g} bar" + (f" with {force:.6g} N" if several else "")
     # a seal that opens says itself at which pressure and under which force
     name = "" if problem.kind == "open" else f"{at}: "

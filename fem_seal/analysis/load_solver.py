@@ -82,7 +82,7 @@ class LoadSolver:
     def at_contact_force(
         self, fluid_pressure: float, contact_force: float, start: ContactSolution | None = None
     ) -> tuple[ContactSolution, float]:
-        """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the spring force that this takes [N]."""
+        """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N]."""
         if self.problem.loads.closing == "sealed-area":
             return self._sealed_area(contact_force, start), contact_force - self._closes(fluid_pressure)
         contact = solve_at_contact_force(

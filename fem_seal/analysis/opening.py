@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def with_margins(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[LoadResult, ...]:
-    """Loads with their distance from opening; without one where neither fluid nor spring opens the seal.
+    """Loads with their distance from opening; without one where neither fluid nor applied force opens the seal.
 
     Parameters
     ----------
@@ -25,9 +25,9 @@ def with_margins(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[LoadR
     """
     side, found = solver.problem.loads.pressure_side, []
     for load in loads:
-        pressure, spring = load.fluid_pressure, load.applied_force
-        held = solver.opening_force(pressure) if side == "outer" and spring < 0 else None
-        margin = opening_margin(pressure, spring, side, opens=load.blow_off_pressure, held=held)
+        pressure, applied_force = load.fluid_pressure, load.applied_force
+        held = solver.opening_force(pressure) if side == "outer" and applied_force < 0 else None
+        margin = opening_margin(pressure, applied_force, side, opens=load.blow_off_pressure, held=held)
         found.append(replace(load, opening=margin))
     return tuple(found)
 
@@ -40,7 +40,7 @@ def opening_margin(
     opens: float | None = None,
     held: float | None = None,
 ) -> OpeningMargin | None:
-    """Distance from opening the seal; None where neither fluid nor spring opens it.
+    """Distance from opening the seal; None where neither fluid nor applied force opens it.
 
     Parameters
     ----------

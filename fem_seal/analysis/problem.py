@@ -392,8 +392,8 @@ def expected_forces(problem: SealProblem) -> list[float]:
     """
     loads = problem.loads
     return [
-        expected_force(problem.touch_radius, pressure, spring, loads.pressure_side, loads.closing)
-        for number, (pressure, spring) in enumerate(loads.points)
+        expected_force(problem.touch_radius, pressure, applied_force, loads.pressure_side, loads.closing)
+        for number, (pressure, applied_force) in enumerate(loads.points)
         if number not in loads.refused
     ]
 

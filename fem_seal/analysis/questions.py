@@ -101,15 +101,15 @@ def blow_off_pressures(problem: SealProblem) -> FloatArray:
     ------
     ConvergenceError
     """
-    springs = [spring for _, spring in problem.loads.points]
-    forces = [share * abs(spring) for spring in springs for share in (1.0, 0.1) if spring]
+    applied = [force for _, force in problem.loads.points]
+    forces = [share * abs(force) for force in applied for share in (1.0, 0.1) if force]
     if problem.loads.closing == "sealed-area" or not forces:
         radius, side = problem.touch_radius, problem.loads.pressure_side
-        return np.array([blow_off_of_sealed_area(radius, spring, side) for spring in springs])
+        return np.array([blow_off_of_sealed_area(radius, force, side) for force in applied])
     mesh = build_contact(problem.contact, sizing(problem, forces=forces))
     solver = LoadSolver(problem, condensed(problem, mesh))
-    known = {spring: solver.blow_off_pressure(spring) for spring in dict.fromkeys(springs)}
-    return np.array([known[spring] for spring in springs])
+    known = {force: solver.blow_off_pressure(force) for force in dict.fromkeys(applied)}
+    return np.array([known[force] for force in applied])
 
 
 def with_answers(
@@ -133,14 +133,14 @@ def with_answers(
         lambda: _forces_for_target(solver, len(loads)),
         _no_forces(len(loads)),
     )
-    springs = dict.fromkeys(load.applied_force for load in loads) if asked else ()
+    applied = dict.fromkeys(load.applied_force for load in loads) if asked else ()
     opens = {
-        spring: after.get(
-            f"pressure that opens the seal under {spring:.6g} N",
-            partial(solver.blow_off_pressure, spring),
+        force: after.get(
+            f"pressure that opens the seal under {force:.6g} N",
+            partial(solver.blow_off_pressure, force),
             None,
         )
-        for spring in springs
+        for force in applied
     }
     return tuple(
         replace(
@@ -186,8 +186,8 @@ def _on_model(
 
     def excess(log_force: float) -> float:
         start = next(reversed(known.values()))[0] if known else None
-        contact, spring = solver.at_contact_force(fluid_pressure, math.exp(log_force), start)
-        known[log_force] = contact, spring
+        contact, applied_force = solver.at_contact_force(fluid_pressure, math.exp(log_force), start)
+        known[log_force] = contact, applied_force
         return log_excess(flow.leak(contact.profile, fluid_pressure).leak_rate, target)
 
     root = _root_near(excess, math.log(expected))
@@ -200,9 +200,9 @@ def _on_model(
         )
     if root not in known:
         excess(root)
-    contact, spring = known[root]
+    contact, applied_force = known[root]
     separation = float(flow.surface.critical_separation(contact.profile.peak_pressure))
-    return TargetContact(fluid_pressure, spring, contact, separation)
+    return TargetContact(fluid_pressure, applied_force, contact, separation)
 
 
 def _root_near(excess: Callable[[float], float], expected: float) -> float | None:

@@ -43,7 +43,7 @@ class Piece(Table):
     name: Literal["face", "inner", "outer", "top", "axis", "cavity", "wall", "bottom"] | None = Field(
         None,
         description="boundary that the piece belongs to; found by its place unless given: the top, which is pushed, "
-        "is the highest piece that looks upwards with all that continue it without a corner of more than 40 deg",
+        "is the highest piece that faces upwards with all that continue it without a corner of more than 40 deg",
         examples=["face"],
     )
 
@@ -82,7 +82,7 @@ class ProfileSource(Table):
         examples=["SEAT"],
     )
     tolerance: Annotated[float, Quantity("length", "0.1 nm", "1 mm")] | None = dimension(
-        "largest distance between splines or ellipses of a drawing and the arcs that stand for them; 10 nm unless "
+        "largest distance between splines or ellipses of a drawing and the arcs that replace them; 10 nm unless "
         "given",
         "10 nm",
     )

@@ -25,8 +25,10 @@ def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
     """
     refused: dict[int, LoadProblem] = {}
     overstrained = None
-    for number, (pressure, spring) in enumerate(case.load.points):
-        problem = _open(case, pressure, spring) or next(_too_large(case, pressure, spring), None)
+    for number, (pressure, applied_force) in enumerate(case.load.points):
+        problem = _open(case, pressure, applied_force) or next(
+            _too_large(case, pressure, applied_force), None
+        )
         if problem is None and overstrained is not None:
             problem = LoadProblem("load", _AFTER.format(overstrained), kind="path")
         if problem is not None:
@@ -49,40 +51,40 @@ def problems_of_all_loads(case: CaseTables) -> list[LoadProblem]:
     return list(found.values())
 
 
-def _force(case: CaseTables, fluid_pressure: float, spring: float) -> float:
+def _force(case: CaseTables, fluid_pressure: float, applied_force: float) -> float:
     load = case.load
-    return expected_force(case.touch_radius, fluid_pressure, spring, load.pressure_side, load.closing)
+    return expected_force(case.touch_radius, fluid_pressure, applied_force, load.pressure_side, load.closing)
 
 
-def _open(case: CaseTables, fluid_pressure: float, spring: float) -> LoadProblem | None:
+def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> LoadProblem | None:
     """Why a load leaves the seal open, as far as this is known before where the fluid gets to; None if it does not."""
     load, r0 = case.load, case.touch_radius
     lifts = load.pressure_side == "inner"
     needed = -closing_force(r0, fluid_pressure, 0.0, load.pressure_side)
     if load.closing == "penetration":
         # Where the fluid gets to is a result: only what no contact can hold is known before.
-        if spring > 0 or not lifts:
+        if applied_force > 0 or not lifts:
             return None
         return LoadProblem(
             "load.axial_force",
             f"the fluid lifts the closure at {fluid_pressure / 1e5:.6g} bar and no applied force holds it; give an "
             f"axial_force above about {needed:.4g} N, the fluid force on the circle of first touch, radius {_mm(r0)}",
-            f"{spring:.6g} N",
+            f"{applied_force:.6g} N",
         )
-    if _force(case, fluid_pressure, spring) > 0:
+    if _force(case, fluid_pressure, applied_force) > 0:
         return None
     how = "lifts the closure with" if lifts else "closes with"
     return LoadProblem(
         "load.axial_force",
         f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: the fluid {how} {abs(needed):.4g} N "
         f"on the sealed area of radius {_mm(r0)}; give an axial_force above {needed:.6g} N",
-        f"{spring:.6g} N",
+        f"{applied_force:.6g} N",
     )
 
 
-def _too_large(case: CaseTables, fluid_pressure: float, spring: float) -> Iterator[LoadProblem]:
+def _too_large(case: CaseTables, fluid_pressure: float, applied_force: float) -> Iterator[LoadProblem]:
     """Smooth bodies must not be pressed flat over more than a tenth of the contact radius."""
-    contact, E, force = case.contact, case.effective_modulus, _force(case, fluid_pressure, spring)
+    contact, E, force = case.contact, case.effective_modulus, _force(case, fluid_pressure, applied_force)
     r0, R = contact.touch_radius, contact.relative_radius
     f = line_load(force, r0, contact.angle)
     half_width = math.sqrt(4 * f * R / (math.pi * E))

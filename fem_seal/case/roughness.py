@@ -150,12 +150,12 @@ class Measured(Table):
     )
     unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = Field(
         None,
-        description="unit of length of x and height, or of each, where the file states none; it is never guessed",
+        description="unit of length of x and height, or of each, if the file states none; it is never guessed",
         examples=["um"],
     )
     detrend: Literal["tilt", "mean", "curvature"] = Field(
         "tilt",
-        description="what is taken off each scan: its mean line or plane; only its mean; its mean parabola, for "
+        description="form removed from each scan: its mean line or plane; only its mean; its mean parabola, for "
         "scans over a curved part",
     )
     window: Literal["hann", "none"] = Field(
@@ -169,7 +169,7 @@ class Measured(Table):
     )
     shortest_wavelength: Annotated[float, Quantity("length", "0.1 nm", "10 mm")] | None = Field(
         None,
-        description="what the instrument resolves, limits the range; two points of the scan unless given",
+        description="resolution of the instrument, limits the range; two points of the scan unless given",
         examples=["2.5 um"],
     )
     extrapolation: Literal["cut", "self-affine"] = Field(
@@ -195,7 +195,7 @@ class Measured(Table):
 
     outliers: Literal["keep", "remove"] = Field(
         "keep",
-        description='points that stand alone: "keep": they are roughness; "remove": spikes and dust, replaced by what '
+        description='isolated points: "keep": they are roughness; "remove": spikes and dust, replaced by what '
         "surrounds them",
     )
 

@@ -68,16 +68,16 @@ class Load(Table):
     )
     axial_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = Field(
         0.0,
-        description="force of spring or actuator on the closure, positive when it closes the seal: one, or a list "
-        "with one for each fluid pressure; with a single fluid pressure a list of any length, one result each",
+        description="applied force of spring or actuator on the closure, positive when it closes the seal: one, or a "
+        "list with one for each fluid pressure; with a single fluid pressure a list of any length, one result each",
         examples=["250 N"],
         json_schema_extra={"default": "0 N"},
     )
     closing: Literal["sealed-area", "penetration"] = Field(
         "sealed-area",
         description='"sealed-area": the fluid pressure acts on the circle of first touch; "penetration": it acts on '
-        "the wetted surfaces and, as far as it gets, between the surfaces, solved together with contact and flow; see "
-        "docs/theory_penetration.md",
+        "the wetted surfaces and, as far as it penetrates, between the surfaces, solved together with contact and "
+        "flow; see docs/theory_penetration.md",
     )
     pressure_side: Literal["outer", "inner"] = Field(
         "outer",
@@ -113,7 +113,7 @@ class Load(Table):
 
 
 class Leak(Table):
-    """[leak]: how the leak rate follows from the contact."""
+    """[leak]: how the leak rate is calculated from the contact."""
 
     plasticity: bool = Field(
         True,
@@ -127,8 +127,8 @@ class Leak(Table):
     )
     fluid_in_gap: Literal["uncoupled", "local"] = Field(
         "uncoupled",
-        description='"uncoupled": the fluid pressure is small against the contact pressure; "local": it is taken off '
-        "the load of the asperities, place by place, and may lift the surfaces off each other (liquids); "
+        description='"uncoupled": the fluid pressure is small compared with the contact pressure; "local": it is '
+        "subtracted from the pressure on the asperities, point by point, and may lift the surfaces apart (liquids); "
         "see docs/theory_fluid_in_gap.md",
     )
     nominal_size: Annotated[float, NominalSizeEntry("length", "1 mm", "5 m")] | None = Field(
@@ -153,7 +153,7 @@ class Mesh(Table):
 
 
 class Output(Table):
-    """[output]: where the results go."""
+    """[output]: where the results are written."""
 
     folder: str | None = Field(
         None,
@@ -187,7 +187,7 @@ Seat = Annotated[
 class CaseTables(Table):
     """All tables of a case, read but not checked against each other; `Case` is."""
 
-    title: str = Field("", description="what tables and reports are headed with; the file name unless given")
+    title: str = Field("", description="heading of tables and reports; the file name unless given")
     closure: Closure
     seat: Seat
     roughness: Roughness | None = None

@@ -27,7 +27,7 @@ class Scans(Table):
     """How the spectrum spreads: by the differences between the scans that it was measured from."""
 
     distribution: Literal["scans"] = Field(
-        description='"scans": the mean over the scans is drawn anew with random weights (Bayesian bootstrap)',
+        description='"scans": the mean over the scans is redrawn with random weights (Bayesian bootstrap)',
         examples=["scans"],
     )
 
@@ -38,7 +38,7 @@ _SPREAD = [{"distribution": "lognormal", "relative": 0.1}]
 class Uncertainty(Table):
     """[uncertainty]: leak rate with an interval, from inputs that are not known exactly; see docs/uncertainty.md.
 
-    What the length of measured scans leaves open is always among them.
+    The length of measured scans is always among them.
     """
 
     samples: Annotated[int, Whole(16, 100000)] = Field(

@@ -441,7 +441,7 @@ COLUMNS = {
         Column(
             "opening_margin_N",
             "force",
-            "how far the applied force may fall before the seal opens; nan where neither fluid nor spring opens it",
+            "how far the applied force may fall before the seal opens; nan where nothing opens it",
             lambda row: None if row.load.opening is None else row.load.opening.force,
             heading="force to opening",
             short="to opening",

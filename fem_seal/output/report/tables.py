@@ -360,7 +360,7 @@ def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, s
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
         force = quantity("force", load.force_for_target, _DIGITS)
-        yield TARGET_FORCE, force, f"of spring or actuator, for {given('flow', target)}"
+        yield TARGET_FORCE, force, f"applied force for {given('flow', target)}"
 
 
 def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -395,7 +395,7 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
 
 
 def valve_table(result: SealSolution) -> ReadableTable:
-    """What fluid and spring do at each load; no rows if nobody asked."""
+    """What fluid and applied force do at each load; no rows if nobody asked."""
     asked = {name: _filled(name, result) for name in _ASKED}
     # what lifts the closure off, also where leak.csv has what the surfaces hold by themselves; infinite: nothing does
     opens = [_finite(load.blow_off_pressure) for load in result.loads]
