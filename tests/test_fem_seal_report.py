@@ -169,7 +169,7 @@ def test_links_lead_somewhere(page):
 def test_a_smooth_contact_has_no_leak_section():
     page = Page(report(smooth_result()))
     assert set(page.pictures) == {"sketch", "mesh", "profiles", "sizes", "gap", "stress"}
-    assert "No leak rate: the case has no roughness" in page.text
+    assert "There is no leak rate because the case has no roughness" in page.text
     assert b"Gaussian" not in page.pictures["profiles"]
 
 

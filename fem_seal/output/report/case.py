@@ -134,7 +134,7 @@ def _roughness(result: SealSolution) -> list[tuple[str, str]]:
         ("shortest wavelength", quantity("length", 2 * math.pi / spectrum.q_high)),
     ]
     if result.surface.peklenik != 1.0:
-        rows.append(("stretched along the flow (Tripp number)", number(result.surface.peklenik, 3)))
+        rows.append(("Peklenik number, along the flow over across it", number(result.surface.peklenik, 3)))
     given_as = result.case.roughness.spectrum if result.case.roughness else None
     hurst = getattr(given_as, "hurst", None)
     if hurst is not None:

@@ -189,13 +189,13 @@ def _what_leaks(result: SealSolution) -> str:
     rates = [load.leak.leak_rate for load in shown if load.leak is not None]
     if not rates:
         missing = "roughness" if result.surface is None else "fluid"
-        then = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
-        return f"At {span} the contact is {_contact(highest)}{then}. No leak rate: the case has no {missing}."
+        after = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
+        contact = _contact(highest) + after
+        return said("notes.headline", "contact", load=span, contact=contact, missing=missing)
     if all(load.validity.outside for load in shown):
-        # nothing may be claimed of them
-        return f"At {span} no leak rate can be claimed."
+        return said("notes.headline", "not_claimed", load=span)
     if all(load.leak and load.leak.leak_rate == 0 and not load.validity.outside for load in loads):
-        return f"Sealed at every load up to {span}: so much of the nominal area touches that no leak path is open."
+        return said("notes.headline", "sealed", load=span)
     told = [
         ("at an unknown rate" if load.validity.outside else _flow_beside(rate, rates, min(load.digits, 3)))
         + f" at {load_values(load, loads)}"
