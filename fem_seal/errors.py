@@ -18,7 +18,7 @@ class SealError(Exception):
 
 
 class QuantityError(SealError, ValueError):
-    """A text is not a quantity of the wanted dimension, or its value is outside the allowed range."""
+    """A text is not a quantity of the required dimension, or its value is outside the allowed range."""
 
 
 @dataclass(frozen=True)
@@ -161,8 +161,8 @@ class OutputError(SealError, OSError):
 
 
 class ClusterError(SealError, RuntimeError):
-    """The processes that calculate a study are gone or cannot calculate; designs that are done are kept."""
+    """The worker processes of a study are gone or cannot calculate; finished designs are kept."""
 
 
 class TextTableError(SealError, ValueError):
-    """A file is not a table of numbers, or not the one that is wanted."""
+    """A file is not a table of numbers, or not the expected one."""
