@@ -106,9 +106,12 @@ class InputError(SealError, ValueError):
         return self.problems[0].value
 
     @property
-    def allowed(self) -> str:
-        """What the first problem's message says is wrong and allowed."""
+    def message(self) -> str:
+        """What the first problem says is wrong and allowed."""
         return self.problems[0].message
+
+    # the name that it had before
+    allowed = message
 
     def in_file(self, file: str | Path | None) -> InputError:
         """The same problems, found in `file`."""

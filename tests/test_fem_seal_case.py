@@ -278,8 +278,9 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
     assert error.file == case_file
     assert error.key == "seat.angle"
     assert error.value == '"95 deg"'
-    assert "above 0 deg and below 90 deg" in error.allowed
-    assert str(error) == f'{case_file}: seat.angle = "95 deg": {error.allowed}'
+    assert "above 0 deg and below 90 deg" in error.message
+    assert error.allowed == error.message
+    assert str(error) == f'{case_file}: seat.angle = "95 deg": {error.message}'
 
 
 # --- messages ---------------------------------------------------------------------------------------------

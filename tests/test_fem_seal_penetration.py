@@ -15,7 +15,7 @@ from fem_seal import HardContact, solve
 from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.bodies.elasticity import node_dofs, pressure_load, quadratic_nodes, stiffness_matrix
 from fem_seal.bodies.held_body import Supports
-from fem_seal.contact.coupled import Seal
+from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
 from fem_seal.contact.fluid_path import FlowThrough, HeldFluid
 from fem_seal.contact.model import condense
@@ -218,7 +218,7 @@ def test_bodies_move_as_in_one_solve_under_all_loads():
 def test_without_pressure_the_spring_alone_remains(path):
     spring = 1500.0
     alone = solve(model(), LAW, axial_force=spring)
-    wet = solve_penetration(Seal(model(), LAW, path), closing_force=spring, fluid_pressure=1.0)
+    wet = solve_penetration(FluidAndContact(model(), LAW, path), closing_force=spring, fluid_pressure=1.0)
     # 1 Pa on 6e-4 m^2 is 4e-7 of the spring's force
     assert wet.pressure == pytest.approx(alone.pressure, rel=1e-6)
 
@@ -227,7 +227,7 @@ def test_without_pressure_the_spring_alone_remains(path):
 @pytest.mark.parametrize("fluid_pressure", [2e5, 20e5])
 def test_spring_fluid_and_contact_are_in_balance(side, fluid_pressure):
     spring = 2000.0
-    seal = Seal(model(), LAW, power_law(side))
+    seal = FluidAndContact(model(), LAW, power_law(side))
     solution = solve_penetration(seal, closing_force=spring, fluid_pressure=fluid_pressure)
     line = model().line
     # By hand: contact and fluid on the ring of the contact line, fluid on the closure inside and outside of it.
@@ -248,7 +248,7 @@ def test_a_liquid_acts_up_to_the_middle_of_the_contact_and_a_gas_against_vacuum_
         return fluid_pressure * np.sqrt(liquid)  # p_f^2 falls along the resistance
 
     liquid, thin = (
-        solve_penetration(Seal(model(), LAW, path), closing_force=0.0, fluid_pressure=PRESSURE)
+        solve_penetration(FluidAndContact(model(), LAW, path), closing_force=0.0, fluid_pressure=PRESSURE)
         for path in (power_law("outer"), FlowThrough(gas, math.inf, "outer"))
     )
     profile = liquid.profile
@@ -284,7 +284,7 @@ def test_fluid_beside_the_contact_raises_the_peak_pressure():
 
 def test_a_held_fluid_gets_to_where_the_contact_presses_as_hard():
     for law, bodies, pressure in ((LAW, model(), PRESSURE), (HardContact(), hard_model(), 200e5)):
-        seal = Seal(bodies, law, HeldFluid("outer"))
+        seal = FluidAndContact(bodies, law, HeldFluid("outer"))
         solution = solve_penetration(seal, closing_force=0.0, fluid_pressure=pressure)
         dry = solution.loads.gap_pressure == 0
         wet = solution.loads.gap_pressure == pressure
@@ -311,7 +311,7 @@ def test_where_the_contact_is_sealed_the_pressure_falls_in_the_sealed_part():
 
 
 def test_force_and_pressure_are_two_ways_to_the_same_contact():
-    seal = Seal(model(), LAW, power_law("inner"))
+    seal = FluidAndContact(model(), LAW, power_law("inner"))
     given = solve_penetration(seal, closing_force=2000.0, fluid_pressure=PRESSURE)
     back = solve_at_contact_force(seal, contact_force=given.axial_force, fluid_pressure=PRESSURE)
     assert back.closing_force == pytest.approx(2000.0, rel=1e-9)
@@ -323,7 +323,7 @@ def test_force_and_pressure_are_two_ways_to_the_same_contact():
 @pytest.mark.parametrize("path", [power_law("inner"), HeldFluid("inner")])
 def test_blow_off_is_where_the_fluid_carries_the_spring(path):
     spring = 1500.0
-    seal = Seal(model(), LAW, path)
+    seal = FluidAndContact(model(), LAW, path)
     opens = blow_off_pressure(seal, closing_force=spring)
     just_before = solve_penetration(seal, closing_force=spring, fluid_pressure=0.999 * opens)
     radius = effective_radius(just_before, 0.999 * opens)
@@ -340,13 +340,13 @@ def test_blow_off_is_where_the_fluid_carries_the_spring(path):
 
 def test_flow_lets_the_contact_go_at_the_sealed_area():
     spring = 1500.0
-    opens = blow_off_pressure(Seal(model(), LAW, power_law("inner")), closing_force=spring)
+    opens = blow_off_pressure(FluidAndContact(model(), LAW, power_law("inner")), closing_force=spring)
     # the last contact is symmetric about first touch, to a share of its width of 0.3 mm in 14 mm
     assert opens == pytest.approx(spring / (math.pi * model().touch_radius ** 2), rel=1e-3)
 
 
 def test_pressure_from_outside_never_lifts():
-    seal = Seal(model(), LAW, power_law("outer"))
+    seal = FluidAndContact(model(), LAW, power_law("outer"))
     assert blow_off_pressure(seal, closing_force=100.0) == math.inf
     with pytest.raises(OpenSealError, match="nothing is left"):
         solve_penetration(seal, closing_force=-3000.0, fluid_pressure=PRESSURE)

@@ -11,7 +11,7 @@ from functools import cached_property
 from fem_seal.analysis.afterwards import told
 from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.analysis.seal_flow import SealFlow
-from fem_seal.contact.coupled import Seal
+from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
 from fem_seal.contact.load_path import LoadPath, PathLoad, Unloaded, load_path, yielding_bodies
 from fem_seal.contact.model import ContactModel
@@ -114,9 +114,9 @@ class LoadSolver:
         return SealFlow.of(self.problem)
 
     @cached_property
-    def seal(self) -> Seal:
+    def seal(self) -> FluidAndContact:
         """What stays the same at every load."""
-        return Seal(self.model, self.problem.law, self._path, self.problem.interference)
+        return FluidAndContact(self.model, self.problem.law, self._path, self.problem.interference)
 
     @cached_property
     def _path(self) -> FluidPath:

@@ -141,7 +141,7 @@ class MaterialEntry:
             try:
                 return material(value)
             except InputError as error:
-                raise ValueError(error.allowed) from None
+                raise ValueError(error.message) from None
         if not isinstance(value, dict):
             raise ValueError(
                 'is no material; write a name such as "steel", or '

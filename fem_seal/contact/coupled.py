@@ -26,7 +26,7 @@ _FRONT = 1e-5
 
 
 @dataclass(frozen=True)
-class Seal:
+class FluidAndContact:
     """What stays the same when the loads of a seal change.
 
     Parameters
@@ -61,12 +61,15 @@ class Seal:
         return FurtherLoads.of_fluid(inner, outer, fluid_pressure * share, self.interference)
 
 
+# Its public name.
+Seal = FluidAndContact
+
 # Takes the lift per unit of fluid pressure [N/Pa] to fluid pressure [Pa] and contact force [N].
 Balance = Callable[[float], tuple[float, float]]
 
 
 def coupled_contact(
-    seal: Seal, balance: Balance, unknowns: FloatArray, start: ContactSolution | None
+    seal: FluidAndContact, balance: Balance, unknowns: FloatArray, start: ContactSolution | None
 ) -> ContactSolution:
     """Find the unknowns of the fluid that belong to the contact which they leave.
 
@@ -122,7 +125,7 @@ def coupled_contact(
 
 
 def _smooth_fixed_point(
-    seal: Seal,
+    seal: FluidAndContact,
     image: Callable[[FloatArray], FloatArray],
     unknowns: FloatArray,
     tolerance: float,
@@ -137,7 +140,7 @@ def _smooth_fixed_point(
 
 
 def dry_unknowns(
-    seal: Seal, force: float, fluid_pressure: float, start: ContactSolution | None
+    seal: FluidAndContact, force: float, fluid_pressure: float, start: ContactSolution | None
 ) -> FloatArray:
     """Unknowns of the fluid that belong to a contact which no fluid opens, under a force F_N [N]."""
     loads = FurtherLoads.press_fit(seal.interference)

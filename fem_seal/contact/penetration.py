@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from fem_seal.arrays import FloatArray
-from fem_seal.contact.coupled import Seal, coupled_contact, dry_unknowns
+from fem_seal.contact.coupled import FluidAndContact, coupled_contact, dry_unknowns
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
@@ -19,7 +19,11 @@ _SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)
 
 
 def solve_penetration(
-    seal: Seal, *, closing_force: float, fluid_pressure: float, start: ContactSolution | None = None
+    seal: FluidAndContact,
+    *,
+    closing_force: float,
+    fluid_pressure: float,
+    start: ContactSolution | None = None,
 ) -> ContactSolution:
     """Contact under the force of a spring and a fluid that gets between the surfaces.
 
@@ -77,7 +81,11 @@ def solve_penetration(
 
 
 def solve_at_contact_force(
-    seal: Seal, *, contact_force: float, fluid_pressure: float, start: ContactSolution | None = None
+    seal: FluidAndContact,
+    *,
+    contact_force: float,
+    fluid_pressure: float,
+    start: ContactSolution | None = None,
 ) -> ContactSolution:
     """The same with the force that the solid contact carries given, and the closing force as a result.
 
@@ -93,7 +101,7 @@ def solve_at_contact_force(
     return coupled_contact(seal, lambda lift: (fluid_pressure, contact_force), unknowns, start)
 
 
-def least_closing_force(seal: Seal, fluid_pressure: float) -> float | None:
+def least_closing_force(seal: FluidAndContact, fluid_pressure: float) -> float | None:
     """Force of spring or actuator above which the seal is closed at a fluid pressure [N]; None if none was found.
 
     Negative where the fluid itself closes the seal. A flow lets the contact vanish evenly: what holds it while it
@@ -141,7 +149,7 @@ _NARROWEST_HARD = 1e-2
 _CLOSE = 1e-6
 
 
-def blow_off_pressure(seal: Seal, *, closing_force: float) -> float:
+def blow_off_pressure(seal: FluidAndContact, *, closing_force: float) -> float:
     """Fluid pressure at which the fluid lifts the closure off [Pa]; infinite if it does not lift it.
 
     Parameters
@@ -176,7 +184,7 @@ def blow_off_pressure(seal: Seal, *, closing_force: float) -> float:
     return _way_to_blow_off(seal, closing_force)[-1].pressure
 
 
-def fluid_lifts(seal: Seal, closing_force: float) -> bool:
+def fluid_lifts(seal: FluidAndContact, closing_force: float) -> bool:
     """Whether there is a fluid pressure that lifts the closure off."""
     return seal.path.side == "inner" and closing_force > 0
 
@@ -191,7 +199,7 @@ class _Step:
     unknowns: FloatArray | None = None
 
 
-def _step(seal: Seal, closing_force: float, share: float, before: _Step) -> _Step:
+def _step(seal: FluidAndContact, closing_force: float, share: float, before: _Step) -> _Step:
     force = share * closing_force
 
     def balance(lift: float) -> tuple[float, float]:
@@ -206,7 +214,7 @@ def _step(seal: Seal, closing_force: float, share: float, before: _Step) -> _Ste
     return _Step(share, pressure, contact, seal.path.found(contact.profile, pressure))
 
 
-def _way_to_blow_off(seal: Seal, closing_force: float) -> list[_Step]:
+def _way_to_blow_off(seal: FluidAndContact, closing_force: float) -> list[_Step]:
     """Steps of rising fluid pressure, the last at blow-off."""
     way = [_Step(1.0, 0.0)]
     hard = isinstance(seal.law, HardContact)
@@ -224,7 +232,9 @@ def _way_to_blow_off(seal: Seal, closing_force: float) -> list[_Step]:
     return way
 
 
-def _last_closed(seal: Seal, closing_force: float, closed: _Step, open_share: float) -> list[_Step]:
+def _last_closed(
+    seal: FluidAndContact, closing_force: float, closed: _Step, open_share: float
+) -> list[_Step]:
     """The contact just before the fluid gets through, which it does at `open_share`."""
     found: list[_Step] = []
     while closed.share > (1 + _CLOSE) * open_share:
@@ -237,7 +247,7 @@ def _last_closed(seal: Seal, closing_force: float, closed: _Step, open_share: fl
     return found
 
 
-def _turning_point(seal: Seal, closing_force: float, around: list[_Step]) -> _Step:
+def _turning_point(seal: FluidAndContact, closing_force: float, around: list[_Step]) -> _Step:
     """Where the fluid pressure is largest among three steps, and beyond which less of it lifts more."""
     from scipy.optimize import minimize_scalar
 
@@ -251,7 +261,9 @@ def _turning_point(seal: Seal, closing_force: float, around: list[_Step]) -> _St
     return _step(seal, closing_force, math.exp(place.x), first)
 
 
-def contact_near_blow_off(seal: Seal, closing_force: float, fluid_pressure: float) -> ContactSolution:
+def contact_near_blow_off(
+    seal: FluidAndContact, closing_force: float, fluid_pressure: float
+) -> ContactSolution:
     """Contact under a fluid pressure, found by the force that it carries."""
     from scipy.optimize import brentq
 
