@@ -27,6 +27,7 @@ from fem_seal.version import __version__
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from fem_seal.analysis.results import LoadResult
     from fem_seal.case.case import Case
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
@@ -95,7 +96,7 @@ def run(
         typer.echo(as_json({"folder": str(folder), "loads": rows, "warnings": warnings}))
     elif not quiet:
         show_leak_table(rows, case.title)
-        show_leakage(case, rows, highest_load(result.loads))
+        show_leakage(case, result.loads)
         _list_files(folder)
 
 
@@ -201,7 +202,7 @@ def leak(
         typer.echo(as_json({"folder": str(folder), "loads": rows}))
     elif not quiet:
         show_leak_table(rows, f"{profile_file.name}: {case.title}")
-        show_leakage(case, rows, highest_load(loads))
+        show_leakage(case, loads)
         _list_files(folder)
 
 
@@ -455,30 +456,17 @@ def _digits(row: Mapping[str, Any], name: str) -> int:
     return DIGITS if math.isnan(share) else COLUMNS[name].digits(digits_near_opening(share))
 
 
-def show_leakage(case: Case, rows: Sequence[Mapping[str, Any]], highest: int) -> None:
+def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
     """Print the leak rate of the highest load in the units of leak testing, and its classes.
 
     Parameters
     ----------
     case : Case
-    rows : sequence of mapping
-        Of leak.csv.
-    highest : int
-        Number of the load, see `fem_seal.analysis.results.highest_load`.
+    loads : sequence of LoadResult
     """
     from fem_seal.output.report.words import leakage_lines
 
-    row = rows[highest]
-    if not _filled(row.get("leak_rate_m3_per_s")):
-        return
-    pressure = row["fluid_pressure_Pa"]
-    forces = {one.get("applied_force_N") for one in rows if one["fluid_pressure_Pa"] == pressure}
-    force = row.get("applied_force_N") if len(forces) > 1 else None
-    share = row.get("opening_margin", math.nan)
-    digits = 3 if math.isnan(share) else min(digits_near_opening(share), 3)
-    level, reason = row["validity"], next(iter(row["validity_reasons"]), "")
-    rate = row["leak_rate_m3_per_s"]
-    for line in leakage_lines(case, pressure, rate, force, digits=digits, level=level, reason=reason):
+    for line in leakage_lines(case, loads[highest_load(loads)], loads):
         print(line)  # noqa: T201
 
 

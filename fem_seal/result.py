@@ -38,7 +38,7 @@ class SealResult(SealSolution):
     loads : tuple of LoadResult
         In the order of the case.
     discretisation_error : DiscretisationError
-    interface_variants : tuple of InterfaceVariant
+    interface_variants : tuple of Comparison
         Elastic and plastic p(u), for `law = "persson"` with a hardness; else empty.
     warnings : tuple of str
         Everything to know before believing the result, the worst first; each load's `validity` says what it means.
@@ -48,7 +48,7 @@ class SealResult(SealSolution):
         Leak rates with an interval, if the case has a table [uncertainty].
     theory_variants : tuple of TheoryVariant
         Leak rates with every reading of the theory, if asked for.
-    far_field : tuple of FarFieldChange
+    far_field : tuple of Comparison
         What another housing and another support of its wall do to the strongest load.
     unloaded : Unloaded or None
         Residual stress and imprint after the last load; None if both bodies are elastic.

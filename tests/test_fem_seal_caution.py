@@ -16,7 +16,7 @@ from fem_seal.analysis import warnings
 from fem_seal.analysis.caution import NOT_JUDGED, VALID, Caution, Level, Validity, worst_first
 from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
 from fem_seal.analysis.problem import SealProblem
-from fem_seal.analysis.results import GivenContact, GivenLoad, TargetContact
+from fem_seal.analysis.results import GivenContact, GivenLoad, LoadResult
 from fem_seal.analysis.warnings import load_validity, profile_validity
 from fem_seal.case.case import Case
 from fem_seal.contact.yielding import PlasticZone, YieldedZone
@@ -229,7 +229,7 @@ def test_a_force_for_the_target_that_is_outside_the_theory_is_said_at_its_load()
     assert found.target_validity.outside
     assert found.validity.level is Level.DOUBTFUL
     assert any("force for the target leak rate outside the theory" in one for one in found.validity.reasons)
-    contact = TargetContact(found.fluid_pressure, 0.0, found.contact, found.critical_separation)
+    contact = LoadResult(found.fluid_pressure, 0.0, found.contact, found.rough)
     assert not warnings.target_validity(result.problem, result.surface, contact).outside
 
 
@@ -382,7 +382,7 @@ def test_next_to_the_percolation_threshold_no_factor_is_claimed():
     )
     assert 0.39 < float(result.surface.contact_area(peak)) < 0.42
     (load,) = result.loads
-    given = GivenLoad(2e6, GivenContact(profile), load.leak, load.leak_elastic, 1e-9, 1e-9)
+    given = GivenLoad(2e6, 0.0, GivenContact(profile), load.rough)
     (reason, *_) = (
         one.reason
         for one in profile_validity(result.problem, result.surface, given).cautions

@@ -11,14 +11,18 @@ from sample_results import case
 from fem_seal import cli
 from fem_seal.analysis import caution
 from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.results import LoadResult
 from fem_seal.output import columns as output_columns
+from leak import LeakResult
+
+
+def judged(level):
+    reason = "seat: 7.4 times its yield stress"
+    return Validity(() if level is Level.VALID else (Caution("kind", level, reason, "..."),))
 
 
 def row(pressure=20e5, level=Level.VALID, **entries):
     """A row of leak.csv in which every column is filled, mostly by numbers that take room."""
-    cautions = (
-        () if level is Level.VALID else (Caution("kind", level, "seat: 7.4 times its yield stress", "..."),)
-    )
     numbers = {
         name: 1.2345e-13 * (n + 1) if "leak_rate" in name else 12345.6 * (n + 1)
         for n, name in enumerate(output_columns.LEAK_COLUMNS)
@@ -26,7 +30,7 @@ def row(pressure=20e5, level=Level.VALID, **entries):
     return {
         **numbers,
         "fluid_pressure_Pa": pressure,
-        **caution.validity_entries(Validity(cautions)),
+        **caution.validity_entries(judged(level)),
         **entries,
     }
 
@@ -135,10 +139,14 @@ def test_marks_have_a_legend_and_valid_rows_none(capsys, monkeypatch):
 
 def test_no_class_is_claimed_outside_the_theory(capsys):
     of = case(load={"fluid_pressure": ["5 bar", "20 bar", "1800 bar"]})
-    cli.show_leakage(of, ROWS[:2], 1)
+    loads = [
+        LoadResult(pressure, 0.0, None, validity=judged(level)).knowing(leak=LeakResult(1e-13, 1e18, None))
+        for pressure, level in ((5e5, Level.VALID), (20e5, Level.DOUBTFUL), (1800e5, Level.OUTSIDE))
+    ]
+    cli.show_leakage(of, loads[:2])
     doubtful = capsys.readouterr().out
     assert "ISO 5208 A" in doubtful and "(doubtful: seat: 7.4 times its yield stress)" in doubtful
-    cli.show_leakage(of, ROWS, 2)
+    cli.show_leakage(of, loads)
     outside = capsys.readouterr().out
     assert "ISO" not in outside and "FCI" not in outside
     assert "not claimed, because the leak rate is outside the theory" in outside

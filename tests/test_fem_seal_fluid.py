@@ -12,7 +12,7 @@ from sample_results import STEEL, case, rough_result
 
 import fem_seal
 import leak
-from fem_seal.analysis.leakage import leakage, nominal_size
+from fem_seal.analysis.leakage import leakage_classes, nominal_size
 from fem_seal.errors import InputError
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import leakage_lines, leakage_text
@@ -117,21 +117,20 @@ def test_dense_gas_is_warned_of():
 def test_readable_leak_and_class():
     result = rough_result()
     load = result.loads[-1]
-    found = leakage(result.case, load.fluid_pressure, load.leak.leak_rate)
-    assert "ml/min" in leakage_text(found) and "drops/min" in leakage_text(found)
-    assert [one.standard for one in found.classes] == ["ISO 5208", "API 598", "FCI 70-2"]
+    assert "ml/min" in leakage_text(load.leak) and "drops/min" in leakage_text(load.leak)
+    assert [one.standard for one in leakage_classes(result.case, load)] == ["ISO 5208", "API 598", "FCI 70-2"]
     size = nominal_size(result.case)
     assert size.estimated and size.size == 0.025
     # no bore is given: what the size is taken from is the circle of contact, and is called so
     assert (
         "estimated from the circle of first touch, 28.3 mm in diameter"
-        in leakage_lines(result.case, load.fluid_pressure, load.leak.leak_rate)[1]
+        in leakage_lines(result.case, load, result.loads)[1]
     )
     bored = case(seat={"shape": "cone", "angle": "45 deg", "bore_radius": "12 mm", "material": STEEL})
     assert str(nominal_size(bored)) == "DN 25, estimated from the bore of the seat, 24.0 mm in diameter"
     gas = helium_result()
     assert str(nominal_size(gas.case)) == "DN 25"
-    line = leakage_lines(gas.case, 1e5, gas.loads[0].leak.leak_rate)[0]
+    line = leakage_lines(gas.case, gas.loads[0], gas.loads)[0]
     assert all(unit in line for unit in ("mbar l/s", "Pa m³/s", "standard ml/min", "kg/s"))
 
 

@@ -5,26 +5,30 @@ from __future__ import annotations
 import json
 import math
 import re
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
-from sample_results import STEEL, case
+from sample_results import STEEL, case, rough_result
 
 import fem_seal
 from fem_seal import cli
 from fem_seal.analysis import chain
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.closed_forms import derive
-from fem_seal.analysis.flow import Flow
+from fem_seal.analysis.flow import Flow, RoughFlow
 from fem_seal.analysis.left_out import left_out
 from fem_seal.analysis.load_solver import LoadSolver, SolvedLoads
 from fem_seal.analysis.opening import opening_margin
 from fem_seal.analysis.problem import Loads
-from fem_seal.analysis.results import digits_near_opening
+from fem_seal.analysis.results import LoadResult, digits_near_opening
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, OutputError
 from fem_seal.output import files
+from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.output.tables import leak_table
 
 # 20 bar lift a closure that touches at 14.142 mm with 1256.64 N.
 OPENS = math.pi * case().touch_radius ** 2 * 20e5
@@ -147,7 +151,6 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
 @pytest.mark.parametrize(
     ("broken", "named"),
     [
-        ("_largest_stress", "stress at 2 bar"),
         ("on_coarser_mesh", "discretisation error"),
         ("discretisation_error", "discretisation error"),
         ("far_field", "influence of the far field"),
@@ -174,6 +177,47 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
     assert (tmp_path / "leak.csv").is_file() and (tmp_path / "profile.csv").is_file()
     assert failures == (), failures
     assert said in json.loads((tmp_path / "summary.json").read_text())["warnings"]
+
+
+@pytest.mark.parametrize(
+    ("broken", "named", "lost"),
+    [
+        ((LoadResult, "largest_stress"), "stress at 2 bar", ["max_von_mises_Pa"]),
+        ((LoadResult, "critical_separation"), "critical separation at 2 bar", ["critical_separation_m"]),
+        (
+            (LoadResult, "critical_separation_elastic"),
+            "critical separation of elastic asperities at 2 bar",
+            ["critical_separation_elastic_m"],
+        ),
+        (
+            (LoadResult, "leak_elastic"),
+            "leak rate of elastic asperities at 2 bar",
+            ["leak_rate_elastic_m3_per_s"],
+        ),
+        (
+            (RoughFlow, "table"),
+            "flow conductivity",
+            ["leak_rate_m3_per_s", "leak_rate_kg_per_s", "leak_rate_elastic_m3_per_s"],
+        ),
+    ],
+)
+def test_a_number_of_a_load_that_fails_costs_no_other(broken, named, lost, monkeypatch, tmp_path):
+    def failing(self):
+        raise ZeroDivisionError("float division by zero")
+
+    whole, value = leak_table(rough_result()), cached_property(failing)
+    value.__set_name__(*broken)
+    monkeypatch.setattr(*broken, value)
+    result = fem_seal.run(case())
+    what = named.removesuffix(" at 2 bar")
+    said = [text for text in result.warnings if text.startswith((f"{what}:", f"{what} at"))]
+    assert said[0].startswith(f"{named}: could not be calculated (unexpected ZeroDivisionError")
+    # each load is named once, a table for all of them
+    assert len(said) == (1 if what == named else 3)
+    assert result.table[lost].isna().all().all()
+    kept = [name for name in LEAK_COLUMNS if name not in lost]
+    pd.testing.assert_frame_equal(result.table[kept], whole[kept])
+    assert files.write(result, tmp_path) == ()
 
 
 def test_a_leak_rate_that_fails_costs_no_contact(monkeypatch):

@@ -18,6 +18,7 @@ from fem_seal.analysis.closed_forms import derive
 from fem_seal.analysis.load_names import different, load_axis, load_name
 from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.profile_file import read_profiles
+from fem_seal.analysis.results import LoadResult
 from fem_seal.analysis.target import target_remarks
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
 from fem_seal.bodies.held_body import Supports
@@ -29,6 +30,7 @@ from fem_seal.output.report.page import report
 from fem_seal.output.report.words import far_field_sentence, headline, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import write_profile_csv
+from leak import LeakResult
 
 VALVE = {
     "fluid_pressure": ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"],
@@ -347,7 +349,10 @@ def test_a_single_pressure_under_several_forces_is_told_once():
     )
     # that any force meets it is one remark and not three
     assert len(target_remarks(SealProblem.of(several))) == 1
-    (lines, _) = leakage_lines(several, 5e5, 1e-9, 200.0)
+    loads = [
+        LoadResult(5e5, force, None).knowing(leak=LeakResult(1e-9, 1e15, None)) for force in (0.0, 200.0)
+    ]
+    (lines, _) = leakage_lines(several, loads[1], loads)
     assert lines.startswith("Leak rate at 5 bar with 200 N:")
 
 

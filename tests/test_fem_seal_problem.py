@@ -79,10 +79,14 @@ def test_the_seat_of_a_case_and_its_larger_housing():
 
 
 def test_a_liquid_without_density_has_no_mass_flow_and_only_a_gas_a_throughput():
-    own = Flow("my oil", 0.05)
-    assert (own.mass_flow(1e-9), own.throughput(1e-9), own.standard_leak_rate(1e-9)) == (None, None, None)
+    own, rough = Flow("my oil", 0.05), rough_result().loads[0].rough
+    profile = rough_result().loads[0].contact.profile
+    drops = own.leak_of(rough.table, profile, 1e5)
+    assert (drops.mass_flow, drops.throughput, drops.standard_leak_rate) == (None, None, None)
     helium = SealProblem.of(case(fluid={"name": "helium", "temperature": "20 degC"})).flow
-    assert helium.throughput(1e-9) == pytest.approx(1.01325e-4, rel=1e-12)
-    assert helium.standard_leak_rate(1e-9) == pytest.approx(1e-9 * 273.15 / 293.15, rel=1e-12)
+    found = helium.leak_of(helium.table(rough.surface, 1e1, 1e9), profile, 1e5)
+    rate = found.leak_rate
+    assert found.throughput == pytest.approx(101325 * rate, rel=1e-12)
+    assert found.standard_leak_rate == pytest.approx(rate * 273.15 / 293.15, rel=1e-12)
     # 4.0026 g/mol at 101325 Pa and 20 degC
-    assert helium.mass_flow(1.0) == pytest.approx(101325 * 4.0026e-3 / (8.314462618 * 293.15), rel=1e-4)
+    assert found.mass_flow == pytest.approx(rate * 101325 * 4.0026e-3 / (8.314462618 * 293.15), rel=1e-4)

@@ -185,8 +185,7 @@ def sealed(result: SealResult, above: float) -> SealResult:
     return replace(
         result,
         loads=tuple(
-            replace(
-                load,
+            load.knowing(
                 leak=replace(load.leak, leak_rate=0.0, resistance=float("inf")),
                 critical_separation=0.0,
             )
@@ -265,7 +264,7 @@ def judged(result, *levels):
     return replace(
         result,
         loads=tuple(
-            replace(load, validity=Validity(() if level is Level.VALID else (said(level),)))
+            load.knowing(validity=Validity(() if level is Level.VALID else (said(level),)))
             for load, level in zip(result.loads, levels, strict=True)
         ),
     )
@@ -280,7 +279,7 @@ def leakless(result):
     return replace(
         result,
         loads=tuple(
-            replace(load, leak=replace(load.leak, leak_rate=0.0), critical_separation=0.0)
+            load.knowing(leak=replace(load.leak, leak_rate=0.0), critical_separation=0.0)
             for load in result.loads
         ),
     )

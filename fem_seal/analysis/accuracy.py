@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from fem_seal.analysis.load_solver import LoadSolver, solve_load
 from fem_seal.analysis.problem import SealProblem, condensed
-from fem_seal.analysis.results import DiscretisationError, FarFieldChange
+from fem_seal.analysis.results import Comparison, DiscretisationError
 from fem_seal.bodies.held_body import Supports
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
@@ -42,14 +42,15 @@ class CoarserLoad:
     number: int
     contact: ContactSolution
 
-    @property
-    def fluid_pressure(self) -> float:
-        """Fluid pressure of the load [Pa]."""
-        return self.solver.problem.loads.fluid_pressure[self.number]
-
     def solve(self, solver: LoadSolver) -> ContactSolution:
         """The same load and load steps with another solver."""
         return solve_load(solver, self.number, steps=_STEPS // COARSER, start=self.contact)
+
+    def compared(self, name: str, contact: ContactSolution) -> Comparison:
+        """What is compared of this load on some contact."""
+        flow, profile = self.solver.flow, contact.profile
+        pressure = self.solver.problem.loads.fluid_pressure[self.number]
+        return Comparison.of(name, profile, None if flow is None else flow.leak(profile, pressure))
 
 
 def on_coarser_mesh(problem: SealProblem, sizing: Sizing, number: int) -> CoarserLoad:
@@ -97,36 +98,33 @@ def _compared(
     """Error of the fine or of the coarse one of two contacts."""
     # Load steps of implicit Euler are of first order; elements of second at least.
     order = 1 if load.solver.yields else 2
+    change = load.compared("coarser", coarse).relative_to(load.compared("finer", fine))
 
-    def estimated(fine: float, coarse: float) -> float:
+    def estimated(change: float) -> float:
         """Relative error by Richardson's rule."""
-        return abs(coarse / fine - 1) / (COARSER**order - 1) * (COARSER**order if of_coarse else 1.0)
+        return abs(change) / (COARSER**order - 1) * (COARSER**order if of_coarse else 1.0)
 
-    a, b, flow, leak_rate = fine.profile, coarse.profile, load.solver.flow, None
-    if flow is not None:
-        leaks = flow.leak(a, load.fluid_pressure).leak_rate
-        if 0 < leaks < float("inf"):
-            leak_rate = estimated(leaks, flow.leak(b, load.fluid_pressure).leak_rate)
     return DiscretisationError(
-        estimated(a.peak_pressure, b.peak_pressure),
-        estimated(a.fwhm, b.fwhm),
-        estimated(a.std, b.std),
-        leak_rate,
+        estimated(change.peak_pressure),
+        estimated(change.fwhm),
+        estimated(change.std),
+        None if change.leak_rate is None else estimated(change.leak_rate),
     )
 
 
-def far_field(load: CoarserLoad) -> tuple[FarFieldChange, ...]:
+def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
     """Solve one load with a housing twice as large, and with its wall held if it is free and free if it is held.
 
     Parameters
     ----------
     load : CoarserLoad
     """
-    changes = []
+    base, changes = load.compared("as it is", load.contact), []
     for name, model in _variations(load.solver.problem, load.mesh):
         # Close to blow-off the seal may open with another support: that is told by the blow-off pressure.
         with suppress(InputError, ConvergenceError):
-            changes.append(_change(name, load, load.solve(replace(load.solver, model=model))))
+            changed = load.solve(replace(load.solver, model=model))
+            changes.append(load.compared(name, changed).relative_to(base))
     return tuple(changes)
 
 
@@ -142,15 +140,3 @@ def _variations(problem: SealProblem, mesh: SealMesh) -> Iterator[tuple[str, Con
     free = problem.supports.wall == "free"
     other = replace(problem, supports=Supports(wall="fixed" if free else "free"))
     yield "holding its wall" if free else "leaving its wall free", condensed(other, mesh)
-
-
-def _change(name: str, base: CoarserLoad, changed: ContactSolution) -> FarFieldChange:
-    before, after, flow = base.contact.profile, changed.profile, base.solver.flow
-    leak_rate = None
-    if flow is not None:
-        leaks = flow.leak(before, base.fluid_pressure).leak_rate
-        if 0 < leaks < float("inf"):
-            leak_rate = flow.leak(after, base.fluid_pressure).leak_rate / leaks - 1
-    return FarFieldChange(
-        name, after.peak_pressure / before.peak_pressure - 1, after.fwhm / before.fwhm - 1, leak_rate
-    )

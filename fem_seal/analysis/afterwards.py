@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
+from fem_seal.analysis.lazy import Lazy
 from fem_seal.errors import OutputError
 
+Asked = TypeVar("Asked", bound=Lazy)
 Value = TypeVar("Value")
 Other = TypeVar("Other")
 
@@ -42,6 +45,20 @@ class Afterwards:
         with self.going_on(what):
             return calculate()
         return otherwise
+
+    def settled(self, one: Asked, steps: Mapping[str, str], otherwise: object = None) -> Asked:
+        """A lazy object with some of its values worked out; those that fail are known to be `otherwise`.
+
+        Parameters
+        ----------
+        one : Lazy
+        steps : mapping
+            Name of each value, with what it is for `get`.
+        otherwise : object
+        """
+        for name, what in steps.items():
+            one = one.knowing(**{name: self.get(what, partial(getattr, one, name), otherwise)})
+        return one
 
     @contextmanager
     def going_on(self, what: str, *, but: type[Exception] = OutputError) -> Iterator[None]:

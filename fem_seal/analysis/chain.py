@@ -3,38 +3,41 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from fem_seal.analysis.accuracy import NOT_ESTIMATED, discretisation_error, far_field, on_coarser_mesh
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.caution import NOT_JUDGED, worst_first
+from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.left_out import left_out
 from fem_seal.analysis.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.analysis.opening import with_margins
 from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.questions import with_answers
 from fem_seal.analysis.results import (
+    Comparison,
     DiscretisationError,
-    FarFieldChange,
     LoadResult,
     SealSolution,
     strongest_load,
 )
 from fem_seal.analysis.variants import interface_variants, theory_variants
 from fem_seal.analysis.warnings import contact_cautions, load_validity
-from fem_seal.contact.solution import ContactSolution
 from fem_seal.units import given
-from leak import LeakResult, RoughContact
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
-# Where the stress could not be calculated.
+# What is worked out of each load, and what stands there where the stress could not be calculated.
+_LEAK = {"leak": "leak rate", "leak_elastic": "leak rate of elastic asperities"}
+_SEPARATION = {
+    "critical_separation": "critical separation",
+    "critical_separation_elastic": "critical separation of elastic asperities",
+}
+_STRESS = {"largest_stress": "stress"}
 _NO_STRESS = math.nan, ("closure", math.nan, math.nan)
 
 
@@ -62,19 +65,21 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     if solved.not_unloaded is not None:
         after.name("residual stress and imprint", solved.not_unloaded)
     with clock.step("leak", "flow conductivity and leak rates"):
-        flows = _leak_rates(problem, contacts, after)
-    with clock.step("stress", "stress in both bodies"):
-        separations = _critical_separations(problem.surface, contacts, after)
+        rough = _with_tables(after, RoughFlow.of(problem.surface, problem.flow, contacts))
         loads = tuple(
-            _load_result(after, *item)
-            for item in zip(problem.loads.points, contacts, *flows, *separations, strict=True)
+            _settled(after, LoadResult(*point, contact, rough), _LEAK)
+            for point, contact in zip(problem.loads.points, contacts, strict=True)
+        )
+    with clock.step("stress", "stress in both bodies"):
+        loads = tuple(
+            _settled(after, _settled(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
     solver, coarser, error = LoadSolver(problem, model), None, NOT_ESTIMATED
     with clock.step("error", "estimating the discretisation error"), after.going_on("discretisation error"):
         strongest = strongest_load(loads)
         coarser = on_coarser_mesh(problem, seal_mesh.sizing, strongest)
         error = discretisation_error(contacts[strongest], coarser, seal_mesh.sizing)
-    far: tuple[FarFieldChange, ...] = ()
+    far: tuple[Comparison, ...] = ()
     if coarser is not None:
         with clock.step("far field", "comparing sizes and supports far from the contact"):
             far = after.get("influence of the far field", partial(far_field, coarser), ())
@@ -110,13 +115,12 @@ def _judged(
 ) -> tuple[LoadResult, ...]:
     """Loads with their validity."""
     return tuple(
-        replace(
-            load,
+        load.knowing(
             validity=after.get(
                 f"validity at {given('fluid pressure', load.fluid_pressure)}",
                 partial(load_validity, problem, load, problem.surface, error),
                 NOT_JUDGED,
-            ),
+            )
         )
         for load in loads
     )
@@ -147,82 +151,18 @@ def _without(problem: SealProblem, numbers: Collection[int]) -> SealProblem:
     return replace(problem, loads=problem.loads.without(numbers)) if numbers else problem
 
 
-def _leak_rates(
-    problem: SealProblem, contacts: Sequence[ContactSolution], after: Afterwards
-) -> tuple[list[LeakResult | None], list[LeakResult | None]]:
-    """Leak of each contact with the problem's surface and with the same surface kept elastic."""
-    nothing: list[LeakResult | None] = [None] * len(contacts)
-    surface, flow = problem.surface, problem.flow
-    if surface is None or flow is None:
-        return nothing, nothing
-
-    def of(surface: RoughContact, name: str) -> list[LeakResult | None]:
-        table = after.get(f"flow conductivity{name}", partial(flow.table_of, surface, contacts), None)
-        if table is None:
-            return nothing
-        return [
-            after.get(
-                f"leak rate{name} at {given('fluid pressure', pressure)}",
-                partial(flow.leak_of, table, contact.profile, pressure),
-                None,
-            )
-            for contact, pressure in zip(contacts, problem.loads.fluid_pressure, strict=True)
-        ]
-
-    found = of(surface, "")
-    return found, found if surface.hardness is None else of(surface.elastic, " of elastic asperities")
+def _with_tables(after: Afterwards, rough: RoughFlow | None) -> RoughFlow | None:
+    if rough is None:
+        return None
+    rough = after.settled(rough, {"table": "flow conductivity"})
+    if rough.surface.hardness is None:
+        return rough
+    elastic = {"table": "flow conductivity of elastic asperities"}
+    return rough.knowing(elastic=after.settled(rough.elastic, elastic))
 
 
-def _critical_separations(
-    surface: RoughContact | None, contacts: Sequence[ContactSolution], after: Afterwards
-) -> tuple[list[float | None], list[float | None]]:
-    """u_c at the peak of every contact with the case's surface and with the same surface kept elastic [m]."""
-    nothing: list[float | None] = [None] * len(contacts)
-    if surface is None:
-        return nothing, nothing
-
-    def of(surface: RoughContact) -> list[float | None]:
-        peaks = np.array([contact.profile.peak_pressure for contact in contacts])
-        return np.asarray(surface.critical_separation(peaks)).tolist()
-
-    found = after.get("critical separation", partial(of, surface), nothing)
-    if surface.hardness is None:
-        return found, found
-    return found, after.get(
-        "critical separation of elastic asperities", partial(of, surface.elastic), nothing
-    )
-
-
-def _load_result(
-    after: Afterwards,
-    point: tuple[float, float],
-    contact: ContactSolution,
-    leak: LeakResult | None,
-    leak_elastic: LeakResult | None,
-    critical_separation: float | None,
-    critical_separation_elastic: float | None,
+def _settled(
+    after: Afterwards, load: LoadResult, steps: Mapping[str, str], otherwise: object = None
 ) -> LoadResult:
-    fluid_pressure, applied_force = point
-    stress, place = after.get(
-        f"stress at {given('fluid pressure', fluid_pressure)}", partial(_largest_stress, contact), _NO_STRESS
-    )
-    return LoadResult(
-        fluid_pressure,
-        contact.axial_force,
-        contact.line_load,
-        contact,
-        leak,
-        leak_elastic,
-        critical_separation,
-        critical_separation_elastic,
-        stress,
-        place,
-        applied_force,
-    )
-
-
-def _largest_stress(contact: ContactSolution) -> tuple[float, tuple[str, float, float]]:
-    worst = max(contact.fields.values(), key=lambda field: float(field.von_mises.max()))
-    node = int(np.argmax(worst.von_mises))
-    r, z = worst.points[node].tolist()
-    return float(worst.von_mises[node]), (worst.name, r, z)
+    at = given("fluid pressure", load.fluid_pressure)
+    return after.settled(load, {name: f"{what} at {at}" for name, what in steps.items()}, otherwise)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from fem_seal.analysis.lazy import Lazy
 from fem_seal.loads import PressureSide
 from fem_seal.profile import PressureProfile
 from leak import (
@@ -26,8 +29,11 @@ from leak import (
 if TYPE_CHECKING:
     from fem_seal.contact.solution import ContactSolution
 
-_ATMOSPHERE = 101325.0
-_NORMAL_TEMPERATURE = 273.15
+
+# Decades between the highest pressure and the end of a table.
+MARGIN = 0.3
+
+Conductivity: TypeAlias = ConductivityTable | GasConductivityTable
 
 
 @dataclass(frozen=True)
@@ -63,9 +69,7 @@ class Flow:
     fluid_in_gap: Literal["uncoupled", "local"] = "uncoupled"
     pressure_side: PressureSide = "outer"
 
-    def table(
-        self, surface: RoughContact, p_min: float, p_max: float, num: int = 64
-    ) -> ConductivityTable | GasConductivityTable:
+    def table(self, surface: RoughContact, p_min: float, p_max: float, num: int = 64) -> Conductivity:
         """Flow conductivity of a surface over a range of contact pressures.
 
         Parameters
@@ -80,10 +84,8 @@ class Flow:
             return gas_conductivity_table(surface, p_min, p_max, num, self.conductivity)
         return surface.conductivity_table(p_min, p_max, num, method=self.conductivity)
 
-    def table_of(
-        self, surface: RoughContact, contacts: Sequence[ContactSolution], num: int = 80
-    ) -> ConductivityTable | GasConductivityTable:
-        """Flow conductivity of a surface over all pressures that occur in some contacts.
+    def table_around(self, surface: RoughContact, log_peaks: Sequence[float], num: int = 80) -> Conductivity:
+        """Flow conductivity of a surface over all pressures that occur in contacts with some peak pressures.
 
         The range reaches six decades below the smallest peak, where the table goes on by the low-pressure law. It is
         rounded out to whole decades, so that neighbouring contacts share one table.
@@ -91,17 +93,27 @@ class Flow:
         Parameters
         ----------
         surface : RoughContact
-        contacts : sequence of ContactSolution
+        log_peaks : sequence of float
+            Decimal logarithms of the peak pressures [Pa].
         num : int
             Number of pressures.
         """
-        peaks = [math.log10(contact.pressure.max()) for contact in contacts]
-        low, high = math.floor(min(peaks) - 6), math.ceil(max(peaks) + 0.3)
+        low, high = math.floor(min(log_peaks) - 6), math.ceil(max(log_peaks) + MARGIN)
         return self.table(surface, 10.0**low, 10.0**high, num)
+
+    def table_of(self, surface: RoughContact, contacts: Sequence[ContactSolution]) -> Conductivity:
+        """`table_around` the peak pressures of some contacts.
+
+        Parameters
+        ----------
+        surface : RoughContact
+        contacts : sequence of ContactSolution
+        """
+        return self.table_around(surface, log_peaks(contacts))
 
     def leak(
         self,
-        table: ConductivityTable | GasConductivityTable,
+        table: Conductivity,
         x: ArrayLike,
         pressure: ArrayLike,
         fluid_pressure: float,
@@ -143,7 +155,7 @@ class Flow:
 
     def leak_of(
         self,
-        table: ConductivityTable | GasConductivityTable,
+        table: Conductivity,
         profile: PressureProfile,
         fluid_pressure: float,
     ) -> LeakResult:
@@ -159,14 +171,84 @@ class Flow:
         """
         return self.leak(table, profile.x, profile.pressure, fluid_pressure, profile.radius, profile.ends)
 
-    def mass_flow(self, leak_rate: float) -> float | None:
-        """Mass flow [kg/s] of a leak rate [m^3/s]; None if the density is unknown."""
-        return None if self.density is None else leak_rate * self.density
 
-    def throughput(self, leak_rate: float) -> float | None:
-        """Flow pV of a gas [Pa m^3/s]; None for a liquid."""
-        return None if self.gas is None else leak_rate * _ATMOSPHERE
+def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
+    """Decimal logarithms of the peak pressures of some contacts [Pa]."""
+    return [math.log10(contact.pressure.max()) for contact in contacts]
 
-    def standard_leak_rate(self, leak_rate: float) -> float | None:
-        """Volume flow of a gas at 0 degC and 101325 Pa [m^3/s]; None for a liquid."""
-        return None if self.gas is None else leak_rate * _NORMAL_TEMPERATURE / self.gas.temperature
+
+@dataclass(frozen=True, eq=False)
+class RoughFlow(Lazy):
+    """Rough surfaces and the fluid between them, with what contacts share of it, made when it is asked for.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    flow : Flow or None
+        None without a fluid.
+    make : callable
+        Conductivity of a flow between surfaces.
+    peaks : tuple of float
+        Peak pressures of the contacts [Pa]: u_c of all takes little longer than of one.
+    """
+
+    surface: RoughContact
+    flow: Flow | None
+    make: Callable[[Flow, RoughContact], Conductivity]
+    peaks: tuple[float, ...] = ()
+
+    @classmethod
+    def of(
+        cls, surface: RoughContact | None, flow: Flow | None, contacts: Sequence[ContactSolution]
+    ) -> RoughFlow | None:
+        """With a table over all pressures of some contacts; None without roughness.
+
+        Parameters
+        ----------
+        surface : RoughContact or None
+        flow : Flow or None
+        contacts : sequence of ContactSolution
+        """
+        if surface is None:
+            return None
+        make = partial(Flow.table_around, log_peaks=log_peaks(contacts))
+        return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
+
+    @cached_property
+    def elastic(self) -> RoughFlow:
+        """The same with asperities that never yield."""
+        return replace(self, surface=self.surface.elastic)
+
+    @cached_property
+    def table(self) -> Conductivity | None:
+        """Flow conductivity of the surface; None without a fluid."""
+        return None if self.flow is None else self.make(self.flow, self.surface)
+
+    def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult | None:
+        """Leak of one of the contacts; None without a fluid.
+
+        Parameters
+        ----------
+        profile : PressureProfile
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        if self.flow is None or self.table is None:
+            return None
+        return self.flow.leak_of(self.table, profile, fluid_pressure)
+
+    def critical_separation(self, peak: float) -> float:
+        """u_c at a peak pressure [m].
+
+        Parameters
+        ----------
+        peak : float
+            Best one of `peaks` [Pa].
+        """
+        known = self._separations.get(peak)
+        return float(self.surface.critical_separation(peak)) if known is None else known
+
+    @cached_property
+    def _separations(self) -> dict[float, float]:
+        found = self.surface.critical_separation(np.array(self.peaks)) if self.peaks else ()
+        return dict(zip(self.peaks, np.asarray(found).tolist(), strict=True))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,29 +13,27 @@ from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.units import Unit, given, unit_for
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import GivenLoad, LoadResult, TargetContact
-
-    Loaded: TypeAlias = LoadResult | TargetContact | GivenLoad
+    from fem_seal.analysis.results import LoadResult
 
 
-def load_name(load: Loaded, loads: Sequence[Loaded]) -> str:
+def load_name(load: LoadResult, loads: Sequence[LoadResult]) -> str:
     """What tells a load from the others: "20 bar", "20 bar with 400 N", or "20 bar (load 3)" where a path comes back.
 
     Parameters
     ----------
-    load : LoadResult, TargetContact or GivenLoad
+    load : LoadResult
     loads : sequence
         All of them, in their order.
     """
     return load_values(load, loads) + _number(load, loads)
 
 
-def load_values(load: Loaded, loads: Sequence[Loaded]) -> str:
+def load_values(load: LoadResult, loads: Sequence[LoadResult]) -> str:
     """Pressure of a load and, if more forces act at this pressure, its force: "20 bar", "20 bar with 400 N".
 
     Parameters
     ----------
-    load : LoadResult, TargetContact or GivenLoad
+    load : LoadResult
     loads : sequence
         All of them.
     """
@@ -56,12 +54,12 @@ def different(loads: Sequence[LoadResult]) -> list[int]:
     return list({(*loads[n].point, _number(loads[n], loads)): n for n in order}.values())
 
 
-def _number(load: Loaded, loads: Sequence[Loaded]) -> str:
+def _number(load: LoadResult, loads: Sequence[LoadResult]) -> str:
     again = _remembers(load) and [other.point for other in loads].count(load.point) > 1
     return f" (load {loads.index(load) + 1})" if again else ""
 
 
-def _remembers(load: Loaded) -> bool:
+def _remembers(load: LoadResult) -> bool:
     return isinstance(load.contact, ElastoplasticContact)
 
 

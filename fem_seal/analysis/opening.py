@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.results import LoadResult, OpeningMargin
@@ -28,7 +27,7 @@ def with_margins(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[LoadR
         pressure, applied_force = load.fluid_pressure, load.applied_force
         held = solver.opening_force(pressure) if side == "outer" and applied_force < 0 else None
         margin = opening_margin(pressure, applied_force, side, opens=load.blow_off_pressure, held=held)
-        found.append(replace(load, opening=margin))
+        found.append(load.knowing(opening=margin))
     return tuple(found)
 
 

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.flow import Flow
+from fem_seal.analysis.flow import Conductivity, Flow, RoughFlow
 from fem_seal.analysis.results import GivenContact, GivenLoad
 from fem_seal.analysis.warnings import profile_validity
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
 from fem_seal.profile import PressureProfile
-from leak import ConductivityTable, GasConductivityTable, LeakResult, RoughContact
+from leak import RoughContact
 from meshes import ContactGeometry
 
 if TYPE_CHECKING:
@@ -55,9 +55,9 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
             file=problem.file,
         )
     peaks = [float(profile.pressure.max()) for profile in profiles]
-    plastic, elastic = (_conductivity(flow, one, peaks) for one in (surface, surface.elastic))
+    rough = RoughFlow(surface, flow, partial(_conductivity, peaks))
     return [
-        _given_load(problem, flow, surface, profile, (plastic, elastic), fluid_pressure)
+        _given_load(problem, rough, profile, fluid_pressure)
         for profile in profiles
         for fluid_pressure in (
             [profile.fluid_pressure]
@@ -68,50 +68,29 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
 
 
 def _given_load(
-    problem: SealProblem,
-    flow: Flow,
-    surface: RoughContact,
-    profile: ImportedProfile,
-    tables: Sequence[ConductivityTable | GasConductivityTable],
-    fluid_pressure: float,
+    problem: SealProblem, rough: RoughFlow, profile: ImportedProfile, fluid_pressure: float
 ) -> GivenLoad:
-    peak, contact = float(profile.pressure.max()), problem.contact
-    leak, elastic = (_leak(flow, contact, profile, table, fluid_pressure) for table in tables)
-    separation, without = (float(one.critical_separation(peak)) for one in (surface, surface.elastic))
-    given = GivenContact(_profile(contact, profile))
-    load = GivenLoad(fluid_pressure, given, leak, elastic, separation, without)
-    return replace(load, validity=profile_validity(problem, surface, load))
+    contact = GivenContact(_profile(problem.contact, profile))
+    # the force is not known, and the same for all
+    load = GivenLoad(fluid_pressure, 0.0, contact, rough)
+    return load.knowing(validity=profile_validity(problem, rough.surface, load))
 
 
-def _conductivity(
-    flow: Flow, surface: RoughContact, peaks: Sequence[float]
-) -> ConductivityTable | GasConductivityTable:
+def _conductivity(peaks: Sequence[float], flow: Flow, surface: RoughContact) -> Conductivity:
     """Flow conductivity over all pressures of the profiles."""
     # nine decades below the peak the resistance is less than one part in a million of the whole
     return flow.table(surface, 1e-9 * min(peaks), 1.01 * max(peaks))
 
 
-def _leak(
-    flow: Flow,
-    contact: ContactGeometry,
-    profile: ImportedProfile,
-    table: ConductivityTable | GasConductivityTable,
-    fluid_pressure: float,
-) -> LeakResult:
-    ends = _ends(contact, profile)
-    radius = _radius(contact, profile)
-    return flow.leak(table, profile.x, profile.pressure, fluid_pressure, radius, ends)
-
-
-def _ends(contact: ContactGeometry, profile: ImportedProfile) -> tuple[float, float] | None:
+def _ends(contact: ContactGeometry, profile: ImportedProfile) -> tuple[float | None, float | None]:
     """Where the faces end, if the profile is one on its seat: with the x of this program, or its radii."""
     ends, x = contact.reach, profile.x
     if not ends[0] <= x[0] < x[-1] <= ends[1]:
-        return None
+        return None, None
     if profile.radius is None:
         return ends
     same = np.allclose(profile.radius, contact.radius(x), rtol=_SAME_RADIUS, atol=0.0)
-    return ends if same else None
+    return ends if same else (None, None)
 
 
 def _radius(contact: ContactGeometry, profile: ImportedProfile) -> FloatArray:
@@ -120,11 +99,12 @@ def _radius(contact: ContactGeometry, profile: ImportedProfile) -> FloatArray:
 
 def _profile(contact: ContactGeometry, profile: ImportedProfile) -> PressureProfile:
     """The profile with weights of the trapezoidal rule; nothing is known of its gap."""
-    x, ends = profile.x, np.diff(profile.x, prepend=profile.x[0], append=profile.x[-1])
+    x, steps = profile.x, np.diff(profile.x, prepend=profile.x[0], append=profile.x[-1])
     return PressureProfile(
         x,
         _radius(contact, profile),
         profile.pressure,
         np.full(len(x), math.nan),
-        0.5 * (ends[1:] + ends[:-1]),
+        0.5 * (steps[1:] + steps[:-1]),
+        _ends(contact, profile),
     )

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.load_solver import LoadSolver
 from fem_seal.analysis.problem import SealProblem, condensed, largest_force, sizing
-from fem_seal.analysis.results import LoadResult, TargetContact
+from fem_seal.analysis.results import LoadResult
 from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.analysis.target import expected_contact_force, log_excess, target_problem
 from fem_seal.analysis.warnings import target_cautions, target_validity
@@ -31,8 +31,8 @@ _ACCURACY = 1e-6
 _MARGIN = (0.7, 1.4)
 
 
-def contacts_at_target(problem: SealProblem, target_leak_rate: float | None = None) -> list[TargetContact]:
-    """Contact and smallest force of spring or actuator with which a seal leaks as a target, at each fluid pressure.
+def contacts_at_target(problem: SealProblem, target_leak_rate: float | None = None) -> list[LoadResult]:
+    """Loads with the smallest force of spring or actuator at which a seal leaks as a target, at each fluid pressure.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def contacts_at_target(problem: SealProblem, target_leak_rate: float | None = No
 
     Returns
     -------
-    list of TargetContact
+    list of LoadResult
         One per load.
 
     Raises
@@ -73,7 +73,7 @@ def contacts_at_target(problem: SealProblem, target_leak_rate: float | None = No
     # up and down again, or under several forces, a pressure may come more than once
     pressures = dict.fromkeys(problem.loads.fluid_pressure)
     expected = {pressure: expected_contact_force(flow, pressure, target) for pressure in pressures}
-    found: dict[float, TargetContact] = {}
+    found: dict[float, LoadResult] = {}
 
     def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
         solver = LoadSolver(problem, condensed(problem, build_contact(problem.contact, sizing)))
@@ -143,8 +143,7 @@ def with_answers(
         for force in applied
     }
     return tuple(
-        replace(
-            load,
+        load.knowing(
             effective_radius=effective_radius(load.contact, load.fluid_pressure) if penetrates else None,
             blow_off_pressure=opens.get(load.applied_force),
             force_for_target=force,
@@ -180,7 +179,7 @@ def _forces_for_target(solver: LoadSolver, count: int) -> Forces:
 
 def _on_model(
     solver: LoadSolver, flow: SealFlow, fluid_pressure: float, expected: float, target: float
-) -> TargetContact:
+) -> LoadResult:
     """Contact that leaks as much as the target."""
     known: dict[float, tuple[ContactSolution, float]] = {}
 
@@ -201,8 +200,7 @@ def _on_model(
     if root not in known:
         excess(root)
     contact, applied_force = known[root]
-    separation = float(flow.surface.critical_separation(contact.profile.peak_pressure))
-    return TargetContact(fluid_pressure, applied_force, contact, separation)
+    return LoadResult(fluid_pressure, applied_force, contact, RoughFlow.of(flow.surface, flow.flow, [contact]))
 
 
 def _root_near(excess: Callable[[float], float], expected: float) -> float | None:

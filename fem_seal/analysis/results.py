@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.caution import VALID, Validity
+from fem_seal.analysis.lazy import Lazy
 from fem_seal.arrays import FloatArray
 from fem_seal.units import given, leak_rate_text, quantity, quantity_worth
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from fem_seal.analysis.flow import RoughFlow
     from fem_seal.analysis.problem import SealProblem
     from fem_seal.case.case import Case
     from fem_seal.contact.load_path import Unloaded
@@ -29,28 +31,18 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class LoadResult:
-    """One load of a case.
+class LoadResult(Lazy):
+    """One load of a case, which works out what it is asked for.
 
     Parameters
     ----------
     fluid_pressure : float
         Pressure difference across the seal [Pa].
-    axial_force : float
-        Force F_N that the solid contact carries [N].
-    line_load : float
-        f_N [N/m].
-    contact : ContactSolution
-    leak, leak_elastic : LeakResult or None
-        With and without asperity plasticity on the same contact; None without roughness or fluid.
-    critical_separation, critical_separation_elastic : float or None
-        u_c at the peak pressure [m].
-    max_von_mises : float
-        Largest von Mises stress in both bodies [Pa].
-    max_von_mises_at : tuple
-        Name of the body and place (r, z) [m] of `max_von_mises`.
     applied_force : float
         Force of spring or actuator on the closure [N], positive where it closes.
+    contact : ContactSolution
+    rough : RoughFlow or None
+        Surfaces and fluid; None without roughness.
     effective_radius : float or None
         Radius of the circle whose area times the fluid pressure is the fluid's force on the closure [m]; None unless
         the fluid gets between the surfaces.
@@ -67,16 +59,9 @@ class LoadResult:
     """
 
     fluid_pressure: float
-    axial_force: float
-    line_load: float
+    applied_force: float
     contact: ContactSolution
-    leak: LeakResult | None
-    leak_elastic: LeakResult | None
-    critical_separation: float | None
-    critical_separation_elastic: float | None
-    max_von_mises: float
-    max_von_mises_at: tuple[str, float, float]
-    applied_force: float = 0.0
+    rough: RoughFlow | None = None
     effective_radius: float | None = None
     blow_off_pressure: float | None = None
     force_for_target: float | None = None
@@ -96,22 +81,76 @@ class LoadResult:
             f"peak {quantity_worth('contact pressure', profile.peak_pressure, self.digits)}",
             f"FWHM {quantity('length', profile.fwhm)}",
         ]
-        if self.leak is not None:
+        # a line is not worth working the leak rate out
+        leak: LeakResult | None = vars(self).get("leak")
+        if leak is not None:
             claimed = not self.validity.outside
-            parts.append(
-                f"leak rate {leak_rate_text(self.leak.leak_rate, min(self.digits, 3), claimed=claimed)}"
-            )
+            parts.append(f"leak rate {leak_rate_text(leak.leak_rate, min(self.digits, 3), claimed=claimed)}")
         return ", ".join([*parts, str(self.validity.level)])
 
     @property
     def digits(self) -> int:
         """Significant digits that numbers which follow from the contact force are worth, four at most."""
-        return 4 if self.opening is None else self.opening.digits
+        return DIGITS if self.opening is None else self.opening.digits
 
     @property
     def point(self) -> tuple[float, float]:
         """Fluid pressure [Pa] and force of spring or actuator [N]."""
         return self.fluid_pressure, self.applied_force
+
+    @property
+    def axial_force(self) -> float:
+        """Force F_N that the solid contact carries [N]."""
+        return self.contact.axial_force
+
+    @property
+    def line_load(self) -> float:
+        """f_N [N/m]."""
+        return self.contact.line_load
+
+    @cached_property
+    def leak(self) -> LeakResult | None:
+        """Flow through the contact; None without roughness or fluid."""
+        return None if self.rough is None else self.rough.leak(self.contact.profile, self.fluid_pressure)
+
+    @cached_property
+    def leak_elastic(self) -> LeakResult | None:
+        """The same with asperities that never yield, on the same contact."""
+        if self.rough is None or self.rough.surface.hardness is None:
+            return self.leak
+        return self.rough.elastic.leak(self.contact.profile, self.fluid_pressure)
+
+    @cached_property
+    def critical_separation(self) -> float | None:
+        """u_c at the peak pressure [m]; None without roughness."""
+        return (
+            None if self.rough is None else self.rough.critical_separation(self.contact.profile.peak_pressure)
+        )
+
+    @cached_property
+    def critical_separation_elastic(self) -> float | None:
+        """u_c with asperities that never yield [m]."""
+        if self.rough is None or self.rough.surface.hardness is None:
+            return self.critical_separation
+        return self.rough.elastic.critical_separation(self.contact.profile.peak_pressure)
+
+    @cached_property
+    def largest_stress(self) -> tuple[float, tuple[str, float, float]]:
+        """`max_von_mises` and `max_von_mises_at`."""
+        worst = max(self.contact.fields.values(), key=lambda field: float(field.von_mises.max()))
+        node = int(np.argmax(worst.von_mises))
+        r, z = worst.points[node].tolist()
+        return float(worst.von_mises[node]), (worst.name, r, z)
+
+    @property
+    def max_von_mises(self) -> float:
+        """Largest von Mises stress in both bodies [Pa]."""
+        return self.largest_stress[0]
+
+    @property
+    def max_von_mises_at(self) -> tuple[str, float, float]:
+        """Name of the body and place (r, z) [m] of `max_von_mises`."""
+        return self.largest_stress[1]
 
     @property
     def gap_pressure(self) -> NDArray[np.float64] | None:
@@ -124,35 +163,9 @@ def strongest_load(loads: Sequence[LoadResult]) -> int:
     return max(range(len(loads)), key=lambda n: loads[n].axial_force)
 
 
-def highest_load(loads: Sequence[LoadResult] | Sequence[GivenLoad]) -> int:
+def highest_load(loads: Sequence[LoadResult]) -> int:
     """Number of the load with the highest fluid pressure; of several, the one that spring or actuator closes most."""
     return max(range(len(loads)), key=lambda n: loads[n].point)
-
-
-@dataclass(frozen=True, eq=False)
-class TargetContact:
-    """The contact that leaks as much as the target, at one of the fluid pressures of a case.
-
-    Parameters
-    ----------
-    fluid_pressure : float
-        [Pa]
-    applied_force : float
-        Force of spring or actuator that it takes [N].
-    contact : ContactSolution
-    critical_separation : float
-        u_c at the peak pressure [m].
-    """
-
-    fluid_pressure: float
-    applied_force: float
-    contact: ContactSolution
-    critical_separation: float
-
-    @property
-    def point(self) -> tuple[float, float]:
-        """Fluid pressure [Pa] and force of spring or actuator [N]."""
-        return self.fluid_pressure, self.applied_force
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,51 +180,25 @@ class GivenContact:
     profile: PressureProfile
 
 
-@dataclass(frozen=True, eq=False)
-class GivenLoad:
-    """The leak of a given pressure profile.
+@dataclass(frozen=True, eq=False, repr=False)
+class GivenLoad(LoadResult):
+    """The leak of a given pressure profile: of its bodies and their forces nothing is known."""
 
-    Parameters
-    ----------
-    fluid_pressure : float
-        [Pa]
-    contact : GivenContact
-    leak, leak_elastic : LeakResult
-        With and without asperity plasticity.
-    critical_separation, critical_separation_elastic : float
-        u_c at the peak pressure [m].
-    applied_force : float
-        Not known, and the same for all [N].
-    validity : Validity
-        As far as a profile without its bodies tells it.
-    """
-
-    fluid_pressure: float
-    contact: GivenContact
-    leak: LeakResult
-    leak_elastic: LeakResult
-    critical_separation: float
-    critical_separation_elastic: float
-    applied_force: float = 0.0
-    validity: Validity = VALID
-
-    @property
-    def point(self) -> tuple[float, float]:
-        """Fluid pressure [Pa] and force of spring or actuator [N]."""
-        return self.fluid_pressure, self.applied_force
+    contact: GivenContact  # type: ignore[assignment]
 
 
 @dataclass(frozen=True)
-class InterfaceVariant:
-    """What another choice of the interface law does to the load with the largest closing force.
+class Comparison:
+    """The load with the largest closing force once more, with something changed.
 
     Parameters
     ----------
     name : str
+        What was changed.
     peak_pressure, fwhm, std : float
-        [Pa], [m], [m].
+        [Pa], [m], [m]; relative where it says so.
     leak_rate : float or None
-        [m^3/s].
+        [m^3/s]; None without one, and relative to one that is zero or infinite.
     """
 
     name: str
@@ -219,6 +206,30 @@ class InterfaceVariant:
     fwhm: float
     std: float
     leak_rate: float | None
+
+    @classmethod
+    def of(cls, name: str, profile: PressureProfile, leak: LeakResult | None) -> Comparison:
+        """The numbers of a contact that are compared."""
+        rate = None if leak is None else leak.leak_rate
+        return cls(name, profile.peak_pressure, profile.fwhm, profile.std, rate)
+
+    def relative_to(self, base: Comparison) -> Comparison:
+        """Change of each number relative to that of another contact."""
+        rate = None
+        if self.leak_rate is not None and base.leak_rate is not None and 0 < base.leak_rate < math.inf:
+            rate = self.leak_rate / base.leak_rate - 1
+        return Comparison(
+            self.name,
+            self.peak_pressure / base.peak_pressure - 1,
+            self.fwhm / base.fwhm - 1,
+            self.std / base.std - 1,
+            rate,
+        )
+
+    @property
+    def largest(self) -> float:
+        """Largest of the changes that a user asks for."""
+        return max(abs(self.peak_pressure), abs(self.fwhm), abs(self.leak_rate or 0.0))
 
 
 @dataclass(frozen=True)
@@ -257,12 +268,12 @@ class SealSolution:
     surface: RoughContact | None
     loads: tuple[LoadResult, ...]
     discretisation_error: DiscretisationError
-    interface_variants: tuple[InterfaceVariant, ...] = ()
+    interface_variants: tuple[Comparison, ...] = ()
     warnings: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
     uncertainty: LeakInterval | None = None
     theory_variants: tuple[TheoryVariant, ...] = ()
-    far_field: tuple[FarFieldChange, ...] = ()
+    far_field: tuple[Comparison, ...] = ()
     unloaded: Unloaded | None = None
 
     @property
@@ -284,30 +295,6 @@ class SealSolution:
     def contact(self) -> tuple[ContactSolution, ...]:
         """Contact solution of each load."""
         return tuple(load.contact for load in self.loads)
-
-
-@dataclass(frozen=True)
-class FarFieldChange:
-    """What a change far from the contact does to the load with the largest closing force, relative.
-
-    Parameters
-    ----------
-    name : str
-        What was changed.
-    peak_pressure, fwhm : float
-    leak_rate : float or None
-        None without a leak rate, or where it is zero.
-    """
-
-    name: str
-    peak_pressure: float
-    fwhm: float
-    leak_rate: float | None
-
-    @property
-    def largest(self) -> float:
-        """Largest of the changes."""
-        return max(abs(self.peak_pressure), abs(self.fwhm), abs(self.leak_rate or 0.0))
 
 
 @dataclass(frozen=True)

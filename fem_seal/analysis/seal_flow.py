@@ -9,21 +9,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.analysis.flow import MARGIN, Flow
 from fem_seal.analysis.problem import expected_forces
 from fem_seal.contact.sizing import Opening, contact_width
 from fem_seal.loads import line_load
 from fem_seal.profile import PressureProfile
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.flow import Flow
     from fem_seal.analysis.problem import SealProblem
     from leak import LeakResult, RoughContact
 
 # Points of a Gaussian profile, and how far it reaches in standard deviations.
 _POINTS, _REACH = 121, 5.0
-_TABLE_POINTS = 80
-# Decades between the highest pressure and the end of the table.
-_MARGIN = 0.3
 
 
 @dataclass(frozen=True)
@@ -57,11 +54,10 @@ class SealFlow:
     def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
         """Flow through a contact at a pressure difference [Pa]."""
         low, high = self._expected_peaks
-        # Whole decades, so that neighbouring contacts share one table; below it the low-pressure law goes on, above it
-        # two more decades at a time.
-        top, peak = math.ceil(high + _MARGIN), math.log10(profile.pressure.max()) + _MARGIN
-        p_min, p_max = 10.0 ** math.floor(low - 6), 10.0 ** (top + 2 * max(0, math.ceil((peak - top) / 2)))
-        table = self.flow.table(self.surface, p_min, p_max, _TABLE_POINTS)
+        # below the range the low-pressure law goes on, above it two more decades at a time
+        top, peak = math.ceil(high + MARGIN), math.log10(profile.pressure.max()) + MARGIN
+        above = 2 * max(0, math.ceil((peak - top) / 2))
+        table = self.flow.table_around(self.surface, (low, high + above))
         return self.flow.leak_of(table, profile, fluid_pressure)
 
     def expected_profile(self, contact_force: float) -> PressureProfile:

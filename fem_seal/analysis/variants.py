@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Literal
 
-from fem_seal.analysis.flow import Flow
+from fem_seal.analysis.flow import Flow, RoughFlow
 from fem_seal.analysis.load_solver import LoadSolver, solve_load, solve_loads
 from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import (
-    InterfaceVariant,
+    Comparison,
     LoadResult,
     SealSolution,
     TheoryVariant,
@@ -132,10 +132,10 @@ def ratio_to_case(leak_rate: float, of_case: float) -> float:
     return leak_rate / of_case if of_case > 0 else float("nan")
 
 
-def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[InterfaceVariant, ...]:
+def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[Comparison, ...]:
     """The load with the largest closing force with p(u) of the elastic and of the plastically smoothed surface."""
     problem = solver.problem
-    surface, flow = problem.surface, problem.flow
+    surface = problem.surface
     if surface is None or surface.hardness is None or problem.interface.law != "persson":
         return ()
     strongest = strongest_load(loads)
@@ -149,10 +149,6 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
             else:
                 # what the fluid does between the surfaces stays as it is
                 contact = solve(solver.model, changed.law, axial_force=load.axial_force, loads=contact.loads)
-        leak = None
-        if flow is not None:
-            table = flow.table_of(surface, [contact])
-            leak = flow.leak_of(table, contact.profile, load.fluid_pressure).leak_rate
-        profile = contact.profile
-        variants.append(InterfaceVariant(name, profile.peak_pressure, profile.fwhm, profile.std, leak))
+        changed_load = LoadResult(*load.point, contact, RoughFlow.of(surface, problem.flow, [contact]))
+        variants.append(Comparison.of(name, contact.profile, changed_load.leak))
     return tuple(variants)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -19,11 +19,9 @@ from fem_seal.units import number
 
 if TYPE_CHECKING:
     from fem_seal.analysis.problem import SealProblem
-    from fem_seal.analysis.results import DiscretisationError, GivenLoad, LoadResult, TargetContact
+    from fem_seal.analysis.results import DiscretisationError, GivenLoad, LoadResult
     from leak import PowerSpectrum
 
-    Solved: TypeAlias = LoadResult | TargetContact
-    Loaded: TypeAlias = Solved | GivenLoad
 
 # von Mises stress over the yield stress of a body that is solved as elastic from which on the contact is another one.
 _LARGEST_EXCESS = 1.5
@@ -130,7 +128,7 @@ def load_cautions(
 
 
 def _interface_cautions(
-    problem: SealProblem, surface: Surface, loads: Sequence[LoadResult | GivenLoad]
+    problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]
 ) -> Iterator[Caution]:
     interface = (_sealed, _nearly_sealed, _range, _long_waves)
     flow = () if problem.flow is None else (_molecules, _fluid_opens, _dense_gas)
@@ -180,7 +178,7 @@ def profile_validity(problem: SealProblem, surface: Surface, load: GivenLoad) ->
 
 
 def target_cautions(
-    problem: SealProblem, surface: Surface, answers: Sequence[TargetContact]
+    problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]
 ) -> Iterator[Caution]:
     """What a user should know before believing the force for a target leak rate.
 
@@ -189,7 +187,7 @@ def target_cautions(
     problem : SealProblem
     surface : RoughContact
         The problem's rough contact.
-    answers : sequence of TargetContact
+    answers : sequence of LoadResult
         At least one.
     """
     ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
@@ -199,7 +197,7 @@ def target_cautions(
         yield replace(caution, text=text)
 
 
-def target_validity(problem: SealProblem, surface: Surface, answer: TargetContact) -> Validity:
+def target_validity(problem: SealProblem, surface: Surface, answer: LoadResult) -> Validity:
     """How far the force for a target leak rate can be trusted at one fluid pressure.
 
     Parameters
@@ -207,12 +205,12 @@ def target_validity(problem: SealProblem, surface: Surface, answer: TargetContac
     problem : SealProblem
     surface : RoughContact
         The problem's rough contact.
-    answer : TargetContact
+    answer : LoadResult
     """
     return Validity.of(_at_target(problem, surface, [answer]))
 
 
-def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[TargetContact]) -> Iterator[Caution]:
+def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]) -> Iterator[Caution]:
     model = answers[0].contact.model
     bodies, interface = (_yielding, _cut_off, _wide, _above_hardness), (_nearly_sealed, _molecules)
     yield from (caution for check in bodies for caution in check(problem, model, answers))
@@ -250,11 +248,11 @@ def _near_opening(
         yield Caution("near opening", Level.DOUBTFUL, f"{100 * share:.2g} % from opening the seal", text)
 
 
-def _yielding_of(problem: SealProblem, load: Solved) -> Mapping[str, YieldedZone | PlasticZone]:
+def _yielding_of(problem: SealProblem, load: LoadResult) -> Mapping[str, YieldedZone | PlasticZone]:
     return yielding_of(load.contact, problem.materials)
 
 
-def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     zones = [(load, zone) for load in loads for zone in _yielding_of(problem, load).values()]
     elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
     # the body that is further above its yield stress comes first
@@ -309,7 +307,7 @@ def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadR
             )
 
 
-def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for end, side in ((0, "bore"), (-1, "outer")):
         shares = [float(load.contact.pressure[end]) / load.contact.profile.peak_pressure for load in loads]
         if max(shares) > _CUT_OFF:
@@ -327,7 +325,7 @@ def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[Solved])
             )
 
 
-def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.std)
     share = 2 * load.contact.profile.std / model.touch_radius
     if share > _NARROW:
@@ -340,7 +338,7 @@ def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) ->
         )
 
 
-def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     line = model.line
     shares = []
     for load in loads:
@@ -361,7 +359,7 @@ def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[Solv
         )
 
 
-def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) -> Iterator[Caution]:
+def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     slope = math.sqrt(1 - model.touch_normal_z**2) / model.touch_normal_z / model.touch_radius
     apart = [float(load.contact.gap[int(np.argmax(load.contact.pressure))]) for load in loads]
     share = slope * max(apart)
@@ -378,7 +376,7 @@ def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[Solved]) 
 
 
 def _above_hardness(
-    problem: SealProblem, model: ContactModel | None, loads: Sequence[Loaded]
+    problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]
 ) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.peak_pressure)
     peak, hardness = load.contact.profile.peak_pressure, problem.hardness
@@ -398,7 +396,7 @@ def _above_hardness(
     )
 
 
-def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     tight = [load for load in loads if load.contact.profile.peak_pressure >= surface.sealing_pressure]
     if tight:
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
@@ -415,7 +413,7 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> 
         )
 
 
-def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     leaky = [load for load in loads if load.contact.profile.peak_pressure < surface.sealing_pressure]
     if not leaky:
         return
@@ -461,7 +459,7 @@ def _lay_factor(area: float, peklenik: float) -> float:
     return float(peklenik ** -next(exponent for limit, exponent in _LAY_ACROSS if area <= limit))
 
 
-def _range(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.std)
     std, q_low = load.contact.profile.std, surface.spectrum.q_low
     if q_low * std > 1:
@@ -477,7 +475,7 @@ def _range(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> I
         )
 
 
-def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     load = min(loads, key=lambda load: load.contact.profile.std)
     std, spectrum = load.contact.profile.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
@@ -492,7 +490,7 @@ def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[Loaded])
         )
 
 
-def _molecules(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _molecules(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     from leak.fluids.names import molecular_size
 
     if problem.flow is None:
@@ -511,9 +509,7 @@ def _molecules(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) 
         )
 
 
-def _fluid_opens(
-    problem: SealProblem, surface: Surface, loads: Sequence[LoadResult | GivenLoad]
-) -> Iterator[Caution]:
+def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     local = problem.flow is not None and problem.flow.fluid_in_gap == "local"
     if local:
         yield from _blown_open(loads)
@@ -535,7 +531,7 @@ def _fluid_opens(
         )
 
 
-def _blown_open(loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
+def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
     blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
     if blown:
         load = min(blown, key=lambda load: load.point)
@@ -549,7 +545,7 @@ def _blown_open(loads: Sequence[LoadResult | GivenLoad]) -> Iterator[Caution]:
         )
 
 
-def _dense_gas(problem: SealProblem, surface: Surface, loads: Sequence[Loaded]) -> Iterator[Caution]:
+def _dense_gas(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     flow = problem.flow
     if flow is None or flow.gas is None:
         return

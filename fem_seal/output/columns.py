@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,44 +20,7 @@ from fem_seal.units import Unit, fixed_unit, split_unit
 from leak import CoupledLeakResult, LeakResult
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import OpeningMargin
-    from fem_seal.contact.solution import ContactSolution
-
-
-class Load(Protocol):
-    """What columns ask of a load; see `fem_seal.analysis.results.LoadResult` for the meanings.
-
-    A study has a load of its own, which calculates what it is asked for and nothing else.
-    """
-
-    @property
-    def fluid_pressure(self) -> float: ...  # noqa: D102
-    @property
-    def axial_force(self) -> float: ...  # noqa: D102
-    @property
-    def line_load(self) -> float: ...  # noqa: D102
-    @property
-    def contact(self) -> ContactSolution: ...  # noqa: D102
-    @property
-    def leak(self) -> LeakResult | None: ...  # noqa: D102
-    @property
-    def leak_elastic(self) -> LeakResult | None: ...  # noqa: D102
-    @property
-    def critical_separation(self) -> float | None: ...  # noqa: D102
-    @property
-    def critical_separation_elastic(self) -> float | None: ...  # noqa: D102
-    @property
-    def max_von_mises(self) -> float: ...  # noqa: D102
-    @property
-    def applied_force(self) -> float: ...  # noqa: D102
-    @property
-    def effective_radius(self) -> float | None: ...  # noqa: D102
-    @property
-    def blow_off_pressure(self) -> float | None: ...  # noqa: D102
-    @property
-    def force_for_target(self) -> float | None: ...  # noqa: D102
-    @property
-    def opening(self) -> OpeningMargin | None: ...  # noqa: D102
+    from fem_seal.analysis.results import LoadResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +29,12 @@ class Row:
 
     Parameters
     ----------
-    load : Load
+    load : LoadResult
     interval : tuple of float, optional
         Lower and upper end of the leak rate's interval [m^3/s].
     """
 
-    load: Load
+    load: LoadResult
     interval: tuple[float, float] | None = None
 
 

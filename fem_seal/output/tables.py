@@ -6,15 +6,14 @@ import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.analysis.caution import VALIDITY_COLUMNS, validity_entries
-from fem_seal.analysis.leakage import leakage_of, nominal_size
+from fem_seal.analysis.leakage import leakage_classes, nominal_size
 from fem_seal.analysis.results import GivenLoad, SealSolution
 from fem_seal.analysis.variants import ratio_to_case
 from fem_seal.files import write_bytes, write_text
@@ -25,7 +24,6 @@ from fem_seal.output.columns import (
     PROFILE_COLUMNS,
     PROFILE_LEAK_COLUMNS,
     VARIANT_COLUMNS,
-    Load,
     Row,
 )
 from leak.standards import STANDARDS, Standard
@@ -36,6 +34,8 @@ if TYPE_CHECKING:
 
 # Ten digits: more than any of the numbers is good for, and the files stay readable.
 _NUMBER = ".10g"
+# What summary.json says of a leak rate in the units of leak testing.
+_LEAKAGE = ("leak_rate", "mass_flow", "throughput", "standard_leak_rate")
 
 
 def rows_of(result: SealSolution) -> list[Row]:
@@ -75,7 +75,7 @@ def profile_leak_rows(loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
     """
     return [
         # these columns ask nothing that a profile without its bodies does not know
-        _cells(PROFILE_LEAK_COLUMNS, Row(cast(Load, load))) | validity_entries(load.validity)
+        _cells(PROFILE_LEAK_COLUMNS, Row(load)) | validity_entries(load.validity)
         for load in loads
     ]
 
@@ -168,29 +168,24 @@ def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
 
     A load outside the theory has no classes.
     """
-    case = result.case
+    size = nominal_size(result.case).size if any(load.leak for load in result.loads) else None
     return [
         {
-            **asdict(found),
-            "nominal_size": nominal_size(case).size,
-            "classes": {one.standard: one.name for one in found.classes},
+            "fluid_pressure": load.fluid_pressure,
+            **{name: getattr(load.leak, name) for name in _LEAKAGE},
+            "classes": {one.standard: one.name for one in leakage_classes(result.case, load)},
+            "nominal_size": size,
             "validity": str(load.validity.level),
         }
         for load in result.loads
-        for found in (leakage_of(case, load),)
-        if found is not None
+        if load.leak is not None
     ]
 
 
 def standards_used(result: SealSolution) -> list[Standard]:
     """The standards that the leak rates are classed by."""
-    names = dict.fromkeys(
-        one.standard
-        for load in result.loads
-        for found in (leakage_of(result.case, load),)
-        for one in (() if found is None else found.classes)
-    )
-    return [STANDARDS[name] for name in names]
+    classes = (one for load in result.loads for one in leakage_classes(result.case, load))
+    return [STANDARDS[name] for name in dict.fromkeys(one.standard for one in classes)]
 
 
 def variant_rows(result: SealSolution) -> list[dict[str, object]]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.analysis.caution import Level, Validity
 from fem_seal.analysis.closed_forms import Derived
-from fem_seal.analysis.leakage import Leakage, NominalSize, leakage, leakage_of, nominal_size
+from fem_seal.analysis.leakage import NominalSize, leakage_classes, nominal_size
 from fem_seal.analysis.load_names import load_name, load_values
 from fem_seal.analysis.results import LoadResult, SealSolution, highest_load
 from fem_seal.analysis.warnings import FLUID_OPENS
@@ -25,11 +25,18 @@ from fem_seal.output.report.tables import (
     what_opens,
     what_yielded,
 )
-from fem_seal.units import given, leak_rate_text, number, percent, quantity, quantity_worth, unit_for, worth
-from leak import CoupledLeakResult, drops_per_minute, millibar_litres_per_second, millilitres_per_minute
+from fem_seal.units import leak_rate_text, number, percent, quantity, quantity_worth, unit_for, worth
+from leak import (
+    CoupledLeakResult,
+    LeakResult,
+    drops_per_minute,
+    millibar_litres_per_second,
+    millilitres_per_minute,
+)
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
+    from leak import LeakageClass
 
 # Share of the pressure drop whose place is called the seal proper: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
@@ -94,29 +101,27 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
         rate = load.leak.leak_rate
         told = leak_rate_text(rate, load.digits, claimed=not load.validity.outside)
         found.insert(0, Fact("Leak rate", told, per_day(rate, load.digits)))
-        read = leakage_of(result.case, load)
-        assert read is not None  # a leak rate has its units
         if load.leak.leak_rate > 0:
             # the first of these units may be the one that stands there already
             others = [
                 part
-                for part in leakage_text(read, min(load.digits, 3)).split(" = ")
+                for part in leakage_text(load.leak, min(load.digits, 3)).split(" = ")
                 if part != found[0].value
             ]
             found.insert(1, Fact("In other units", others[0], " = ".join(others[1:])))
-        found.append(_class_fact(nominal_size(result.case), read))
+        found.append(_class_fact(nominal_size(result.case), leakage_classes(result.case, load)))
     if result.uncertainty is not None:
         found.insert(1, _interval_fact(result, load))
     return found
 
 
-def _class_fact(size: NominalSize, read: Leakage) -> Fact:
+def _class_fact(size: NominalSize, classes: Sequence[LeakageClass]) -> Fact:
     """The best class, or that none can be claimed."""
     name = f"Leakage class, DN {1e3 * size.size:.4g}"
-    if not read.classes:
+    if not classes:
         return Fact(name, "not claimed", "leak rate outside the theory")
-    best = next((one for one in read.classes if one.name), read.classes[0])
-    return Fact(name, str(best), f"{classes_in_words(read)}; {size}")
+    best = next((one for one in classes if one.name), classes[0])
+    return Fact(name, str(best), f"{classes_in_words(classes)}; {size}")
 
 
 def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
@@ -299,7 +304,7 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     yield said("reasons.asperities", "yielded", effect, **values)
 
 
-def leakage_text(found: Leakage, digits: int = 3) -> str:
+def leakage_text(found: LeakResult, digits: int = 3) -> str:
     """The leak rate in the units of its kind: "1.2 ml/min = 19 drops/min = 20 mg/s"."""
     if found.throughput is not None and found.standard_leak_rate is not None:
         parts = [
@@ -317,47 +322,33 @@ def leakage_text(found: Leakage, digits: int = 3) -> str:
     return " = ".join(parts)
 
 
-def classes_in_words(found: Leakage) -> str:
+def classes_in_words(classes: Sequence[LeakageClass]) -> str:
     """The classes: "ISO 5208 B, FCI 70-2 V; API 598: no class met"; "not claimed" outside the theory."""
-    if not found.classes:
+    if not classes:
         return "not claimed"
-    met = [str(one) for one in found.classes if one.name]
-    missed = [str(one) for one in found.classes if not one.name]
+    met = [str(one) for one in classes if one.name]
+    missed = [str(one) for one in classes if not one.name]
     return "; ".join([*([", ".join(met)] if met else []), *missed])
 
 
-def leakage_lines(
-    case: Case,
-    fluid_pressure: float,
-    leak_rate: float,
-    applied_force: float | None = None,
-    *,
-    digits: int = 3,
-    level: str = Level.VALID,
-    reason: str = "",
-) -> list[str]:
-    """Two lines for the command line about one load.
+def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> list[str]:
+    """Two lines for the command line about one load; none without a leak rate.
 
     Parameters
     ----------
     case : Case
-    fluid_pressure, leak_rate : float
-        [Pa], [m^3/s].
-    applied_force : float, optional
-        [N], where the force tells the load from others.
-    level, reason : str
-        How far the leak rate can be trusted, and why no further.
+    load : LoadResult
+    loads : sequence
+        All of them.
     """
-    outside = level == Level.OUTSIDE
-    found = leakage(case, fluid_pressure, leak_rate, claimed=not outside)
-    at = given("fluid pressure", fluid_pressure)
-    if applied_force is not None:
-        at = f"{at} with {given('force', applied_force)}"
-    doubt = f" ({level}: {reason})" if reason else ""
-    why = ", because the leak rate is outside the theory" if outside else ""
+    if load.leak is None:
+        return []
+    found = load.validity
+    doubt = f" ({found.level}: {found.reasons[0]})" if found.reasons else ""
+    why = ", because the leak rate is outside the theory" if found.outside else ""
     return [
-        f"Leak rate at {at}: {leakage_text(found, digits)}{doubt}",
-        f"Leakage class for {nominal_size(case)}: {classes_in_words(found)}{why}",
+        f"Leak rate at {load_values(load, loads)}: {leakage_text(load.leak, min(load.digits, 3))}{doubt}",
+        f"Leakage class for {nominal_size(case)}: {classes_in_words(leakage_classes(case, load))}{why}",
     ]
 
 
