@@ -71,6 +71,10 @@ class CondensedBody:
     loads: Mapping[str, BoundaryLoad]
     solve: Callable[[FloatArray], FloatArray] | None
 
+    def __getstate__(self) -> dict[str, object]:
+        """For pickle, which knows no factorisation: what is known goes with it, the way to more does not."""
+        return {**vars(self), "solve": None}
+
     @property
     def basis(self) -> Basis:
         """Displacement basis of the body."""

@@ -24,7 +24,7 @@ from fem_seal.contact.newton import solve
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, Row
-from fem_seal.output.tables import leak_rows
+from fem_seal.output.tables import rows_of
 from fem_seal.studies.shared import TabulatedSurface, family_law, family_table, shared_model
 from leak import ConductivityTable, RoughContact
 from meshes import Sizing
@@ -81,7 +81,7 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     load = _load(problem, stress=can_yield or "max_von_mises_Pa" in columns, interpolate=interpolate)
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off")) for column in columns)
-    return Evaluation(_read(load, columns), _validity(problem, load, tabulated=leaks and interpolate))
+    return Evaluation(_read(Row(load), columns), _validity(problem, load, tabulated=leaks and interpolate))
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -108,18 +108,18 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     if takes_complete_run(case, columns):
         return _complete_run(case, columns).values
     stress = "max_von_mises_Pa" in columns
-    return _read(_load(SealProblem.of(case), stress=stress, interpolate=interpolate), columns)
+    return _read(Row(_load(SealProblem.of(case), stress=stress, interpolate=interpolate)), columns)
 
 
-def _read(load: LoadResult, columns: Sequence[str]) -> dict[str, float]:
-    row = Row(load)
+def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
     return {column: COLUMNS[column].number(row) for column in columns}
 
 
 def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
     """Whether columns of a case take seconds or minutes, see `responses`."""
-    return not set(columns) <= set(FAST) or (
-        case.load.closing != "sealed-area"
+    return (
+        not set(columns) <= set(FAST)
+        or case.load.closing != "sealed-area"
         or case.load.target_leak_rate is not None
         or case.leak.fluid_in_gap != "uncoupled"
         or getattr(case.seat, "wall", "free") != "free"
@@ -130,12 +130,13 @@ def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
 
 def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
     result = seal_result.run(case)
-    row, (load, *_) = leak_rows(result)[0], result.loads
+    row, *_ = rows_of(result)
+    load = row.load
     cautions = load.validity.without("mesh").cautions
     if "force_for_target_leak_N" in columns and load.target_validity is not None:
         # here the force is what the design is judged by
         cautions += load.target_validity.cautions
-    return Evaluation({column: row[column] for column in columns}, Validity.of(cautions))
+    return Evaluation(_read(row, columns), Validity.of(cautions))
 
 
 def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> LoadResult:
