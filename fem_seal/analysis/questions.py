@@ -200,7 +200,9 @@ def _on_model(
     if root not in known:
         excess(root)
     contact, applied_force = known[root]
-    return LoadResult(fluid_pressure, applied_force, contact, RoughFlow.of(flow.surface, flow.flow, [contact]))
+    return LoadResult(
+        fluid_pressure, applied_force, contact, RoughFlow.of(flow.surface, flow.flow, [contact])
+    )
 
 
 def _root_near(excess: Callable[[float], float], expected: float) -> float | None:
