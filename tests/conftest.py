@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import hypothesis
+import numpy as np
 import pytest
 
 import meshes
@@ -14,8 +16,13 @@ from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.sizing import element_sizes
 from fem_seal.loads import closing_force, line_load
 from fem_seal.materials import Material
+from leak import TabulatedLaw
 
 STEEL = Material("steel", 210e9, 0.3)
+
+# pytest.approx(..., rel=...) lets 1e-12 pass besides: as much as all of a leak rate in m^3/s or of a compliance in m/N.
+type(pytest.approx(1.0)).DEFAULT_ABSOLUTE_TOLERANCE = 0.0
+assert pytest.approx(1e-13) != 2e-13
 
 # The same code gets the same verdict every time; HYPOTHESIS_PROFILE=default looks for new examples.
 hypothesis.settings.register_profile("repeatable", derandomize=True)
@@ -26,6 +33,21 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatabl
 def reference_folder() -> Path:
     """Folder with the independent reference numbers; tests/reference unless FEM_SEAL_REFERENCE says where."""
     return Path(os.environ.get("FEM_SEAL_REFERENCE", Path(__file__).parent / "reference"))
+
+
+@pytest.fixture(scope="session")
+def reference(reference_folder: Path) -> Callable[[str], np.ndarray]:
+    """Reads a table of reference numbers by the name of its file; its columns go by their headings."""
+    return lambda name: np.genfromtxt(
+        reference_folder / name, delimiter=",", names=True, dtype=None, encoding="utf8"
+    )
+
+
+@pytest.fixture
+def greenwood_williamson(reference: Callable[[str], np.ndarray]) -> TabulatedLaw:
+    """The tabulated law of the reference."""
+    table = reference("law_greenwood_williamson.csv")
+    return TabulatedLaw(table["gap_m"], table["pressure_Pa"])
 
 
 @pytest.fixture(scope="session")

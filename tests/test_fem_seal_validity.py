@@ -93,7 +93,7 @@ def test_factors_are_those_of_the_direct_numerical_results(reference_folder):
             low = limit
 
 
-def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference_folder):
+def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference):
     """Across the lay the isotropic factors would be far too small: 9 instead of 1.7 at a Peklenik number of 0.2."""
     import math
     import sys
@@ -101,7 +101,7 @@ def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference_
     sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
     from direct_numerical import periodic_spectrum
 
-    table = np.genfromtxt(reference_folder / "anisotropic_direct.csv", delimiter=",", names=True)
+    table = reference("anisotropic_direct.csv")
     worst = {}
     for ratio in (2.0, 5.0):
         for rolloff, cutoff in ((8, 32), (16, 32), (16, 64)):

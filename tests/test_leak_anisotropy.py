@@ -6,20 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper_surface import HARDNESS, spectrum, surface
 
 import leak
 
-E, HARDNESS = 115e9, 3.5e9
 NONE = np.zeros(1)
-
-
-def spectrum(**change: float) -> leak.PowerSpectrum:
-    values = {"rms_height": 1.9e-6, "hurst": 0.6, "q_low": 1e3, "q_rolloff": 37268.0, "q_high": 3141592.6}
-    return leak.PowerSpectrum.self_affine(**(values | change))
-
-
-def surface(**kwargs) -> leak.RoughContact:
-    return leak.RoughContact(spectrum(), effective_modulus=E, **kwargs)
 
 
 def lognormal(spread: float = 1.3) -> tuple[np.ndarray, np.ndarray]:

@@ -8,29 +8,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper_surface import HARDNESS, E, spectrum, surface
 
 import leak
 from leak.flow.effective_gap import folded_above
 from leak.theory.separation import density, mean_lost_separation
 
-E, HARDNESS = 115e9, 3.5e9
-
-
-def spectrum(**change: float) -> leak.PowerSpectrum:
-    values = {"rms_height": 1.9e-6, "hurst": 0.6, "q_low": 1e3, "q_rolloff": 37268.0, "q_high": 3141592.6}
-    return leak.PowerSpectrum.self_affine(**(values | change))
-
-
-def surface(**kwargs) -> leak.RoughContact:
-    return leak.RoughContact(spectrum(), effective_modulus=E, **kwargs)
-
-
 # ------------------------------------------------------------------ reference numbers
 
 
 @pytest.fixture(scope="module")
-def rough_contact(reference_folder):
-    return np.genfromtxt(reference_folder / "rough_contact_paper.csv", delimiter=",", names=True)
+def rough_contact(reference):
+    return reference("rough_contact_paper.csv")
 
 
 def test_elastic_columns(rough_contact):
@@ -80,10 +69,8 @@ def test_conductivity_is_the_gap_of_the_reference_cubed_over_12_eta(rough_contac
         np.testing.assert_allclose(found, sigma, rtol=1e-4)
 
 
-def test_separation_distribution_at_50_MPa(reference_folder):
-    table = np.genfromtxt(
-        reference_folder / "separation_distribution_at_50MPa_paper.csv", delimiter=",", names=True
-    )
+def test_separation_distribution_at_50_MPa(reference):
+    table = reference("separation_distribution_at_50MPa_paper.csv")
     u = table["separation_m"]
     _, P = surface().separation_distribution(50e6, u)
     core = (u > 1.5e-8) & (u < 1.2e-5)
@@ -373,11 +360,9 @@ def test_wrong_pressure(p):
         surface().mean_separation(p)
 
 
-def test_against_direct_numerical_solutions(reference_folder):
+def test_against_direct_numerical_solutions(reference):
     """Not this theory: boundary elements and Reynolds flow on random surfaces. How good the theory is, not the code."""
-    rows = np.genfromtxt(
-        reference_folder / "direct_numerical.csv", delimiter=",", names=True, dtype=None, encoding="utf8"
-    )
+    rows = reference("direct_numerical.csv")
     for name in ("A", "B"):
         part = rows[rows["surface_set"] == name]
         q = (

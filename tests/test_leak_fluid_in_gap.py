@@ -6,21 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper_surface import E, surface
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import erfc
 
 import leak
 
-E, R = 115e9, 0.0141421
+R = 0.0141421
 LY = 2 * np.pi * R
-
-
-def surface(**kwargs) -> leak.RoughContact:
-    C = leak.PowerSpectrum.self_affine(
-        rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=37268.0, q_high=3141592.6
-    )
-    return leak.RoughContact(C, effective_modulus=E, **kwargs)
 
 
 def conductivity(**kwargs) -> leak.Conductivity:

@@ -4,22 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from paper_surface import HARDNESS, surface
 
 import leak
-
-E, HARDNESS = 115e9, 3.5e9
-
-
-def surface(hardness: float | None = HARDNESS) -> leak.RoughContact:
-    spectrum = leak.PowerSpectrum.self_affine(
-        rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.1415926e6
-    )
-    return leak.RoughContact(spectrum, effective_modulus=E, hardness=hardness)
-
-
-def greenwood_williamson(folder) -> leak.TabulatedLaw:
-    table = np.genfromtxt(folder / "law_greenwood_williamson.csv", delimiter=",", names=True)
-    return leak.TabulatedLaw(table["gap_m"], table["pressure_Pa"])
 
 
 def laws() -> dict[str, object]:
@@ -27,8 +14,8 @@ def laws() -> dict[str, object]:
     return {
         "exponential": leak.ExponentialLaw(p_c=5e9, u0=1.1e-6),
         "tabulated": leak.TabulatedLaw(u, 1e9 * np.exp(-u / 6e-7 - 0.1 * (u / 1e-6) ** 2)),
-        "elastic": surface().interface_law(),
-        "plastic": surface().interface_law(plastic=True),
+        "elastic": surface(hardness=HARDNESS).interface_law(),
+        "plastic": surface(hardness=HARDNESS).interface_law(plastic=True),
     }
 
 
@@ -54,7 +41,7 @@ def test_slope_inverse_and_range(name):
 
 
 def test_elastic_law_follows_the_theory():
-    contact = surface(None)
+    contact = surface()
     law = contact.interface_law()
     log_p = np.linspace(np.log(1e-4), np.log(2e10), 173)
     np.testing.assert_allclose(law.gap(log_p), contact.mean_separation(np.exp(log_p)), rtol=1e-7)
@@ -65,21 +52,21 @@ def test_elastic_law_follows_the_theory():
 
 
 def test_plastic_law_follows_the_theory():
-    contact = surface()
+    contact = surface(hardness=HARDNESS)
     law = contact.interface_law(plastic=True)
     p = np.concatenate([np.geomspace(1e-4, 3e9, 101), HARDNESS * np.array([0.88, 0.9, 0.93])])
     np.testing.assert_allclose(law.gap(np.log(p)), contact.mean_separation(p), rtol=2e-5)
     assert law.u0 < contact.interface_law().u0  # plastic flow takes the short waves away: softer no more
 
 
-def test_law_ratios_of_the_paper(reference_folder):
+def test_law_ratios_of_the_paper():
     """u0/h_rms 0.60 elastic and 0.38 plastic for the paper's surface."""
-    assert surface().interface_law().u0 / 1.9e-6 == pytest.approx(0.596, abs=2e-3)
-    assert surface().interface_law(plastic=True).u0 / 1.9e-6 == pytest.approx(0.38, abs=5e-3)
+    assert surface(hardness=HARDNESS).interface_law().u0 / 1.9e-6 == pytest.approx(0.596, abs=2e-3)
+    assert surface(hardness=HARDNESS).interface_law(plastic=True).u0 / 1.9e-6 == pytest.approx(0.38, abs=5e-3)
 
 
 def test_law_goes_on_toward_full_contact():
-    law = surface(None).interface_law()
+    law = surface().interface_law()
     log_p = np.log(np.array([1e11, 1e12, 1e14, 1e20]))
     u = law.gap(log_p)
     assert np.all(u >= 0)
@@ -90,20 +77,20 @@ def test_law_goes_on_toward_full_contact():
 
 
 def test_pressure_is_the_inverse_of_mean_separation():
-    for contact in (surface(), surface(None)):
+    for contact in (surface(hardness=HARDNESS), surface()):
         p = np.array([1e2, 1e6, 5e8])
         np.testing.assert_allclose(contact.pressure(contact.mean_separation(p)), p, rtol=1e-4)
         assert isinstance(contact.pressure(1e-6), float)
 
 
 def test_law_is_made_once():
-    assert surface().interface_law() is surface(None).interface_law()
+    assert surface(hardness=HARDNESS).interface_law() is surface().interface_law()
     with pytest.raises(leak.SurfaceError, match="hardness"):
-        surface(None).interface_law(plastic=True)
+        surface().interface_law(plastic=True)
 
 
-def test_tabulated_law_of_the_reference(reference_folder):
-    law = greenwood_williamson(reference_folder)
+def test_tabulated_law_of_the_reference(greenwood_williamson):
+    law = greenwood_williamson
     u, p = law.table_gap, law.table_pressure
     np.testing.assert_allclose(law.pressure(u), p, rtol=1e-12)
     np.testing.assert_allclose(law.gap(np.log(p)), u, atol=1e-15)

@@ -8,19 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper_surface import HARDNESS, E, surface
 from scipy.special import beta
 
 import leak
 
-E, HARDNESS = 115e9, 3.5e9
 LENGTH = 2 * np.pi * 0.0141421
-
-
-def surface() -> leak.RoughContact:
-    spectrum = leak.PowerSpectrum.self_affine(
-        rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=37268.0, q_high=3141592.6
-    )
-    return leak.RoughContact(spectrum, effective_modulus=E, hardness=HARDNESS)
 
 
 def gauss(n: int, reach: float = 3.5, p0: float = 50e6, s: float = 0.139e-3):
@@ -74,7 +67,7 @@ def brute_force(table: leak.Conductivity, log_pressure, s: float, drop: float) -
 @pytest.mark.parametrize(("points", "tolerance"), [(50, 1e-4), (200, 1e-5)])
 @pytest.mark.parametrize("reach", [2.0, 3.5, 6.0])
 def test_few_points_over_a_gaussian(points, reach, tolerance):
-    conductivity = surface().conductivity_table(1e3, 1e8).at(1e-3)
+    conductivity = surface(hardness=HARDNESS).conductivity_table(1e3, 1e8).at(1e-3)
     x, p = gauss(points, reach)
     exact = brute_force(conductivity, lambda x: np.log(50e6) - 0.5 * (x / 0.139e-3) ** 2, 0.139e-3, 2e6)
     assert leak.leak_rate(x, p, conductivity, 2e6, 0.0141421) == pytest.approx(exact, rel=tolerance)
@@ -84,7 +77,7 @@ def test_few_points_over_a_gaussian(points, reach, tolerance):
 @pytest.mark.parametrize("c", [0.05, 1.0])
 def test_few_points_over_a_crossover_on_an_uneven_grid(points, c, tolerance):
     """Between Gauss and Hertz, points crowded on one side: what a finite-element profile looks like."""
-    conductivity = surface().conductivity_table(1e3, 1e9).at(1e-3)
+    conductivity = surface(hardness=HARDNESS).conductivity_table(1e3, 1e9).at(1e-3)
     u0 = 1.1e-6
     line = leak.crossover_line(c * np.pi * E * u0, 0.02, E, u0)
     t = np.linspace(-1, 1, points)
@@ -95,13 +88,11 @@ def test_few_points_over_a_crossover_on_an_uneven_grid(points, c, tolerance):
     assert pytest.approx(exact, rel=tolerance) == Q
 
 
-def test_reference_leak_rates(reference_folder):
+def test_reference_leak_rates(reference):
     """Gauss and Hertz profiles, elastic and plastic; the file's Gaussian tails end at about 12 s: 4e-4 of Q."""
-    rows = np.genfromtxt(
-        reference_folder / "leak_paper.csv", delimiter=",", names=True, dtype=None, encoding="utf8"
-    )
-    plastic = surface().conductivity_table(1e3, 3e8)
-    elastic = surface().elastic.conductivity_table(1e3, 3e8)
+    rows = reference("leak_paper.csv")
+    plastic = surface(hardness=HARDNESS).conductivity_table(1e3, 3e8)
+    elastic = surface(hardness=HARDNESS).elastic.conductivity_table(1e3, 3e8)
     for row in rows:
         width, peak = float(row["width_m"]), float(row["peak_pressure_Pa"])
         if row["profile"] == "gauss":
@@ -119,7 +110,7 @@ def test_reference_leak_rates(reference_folder):
 
 def test_hertz_needs_not_end_on_a_point():
     """Points at arbitrary places, zeros outside the contact: the edge is found from p^2."""
-    conductivity = surface().conductivity_table(1e3, 3e8).at(1e-3)
+    conductivity = surface(hardness=HARDNESS).conductivity_table(1e3, 3e8).at(1e-3)
     hertz = leak.hertz_line(20e3, 0.02, E)
     fine = np.linspace(-1, 1, 2001) * hertz.half_width
     exact = leak.leak_rate(fine, hertz.pressure(fine), conductivity, 2e6, 0.0141421)
@@ -130,7 +121,7 @@ def test_hertz_needs_not_end_on_a_point():
 
 
 def test_fluid_pressure_falls_from_the_high_side():
-    conductivity = surface().conductivity_table(1e3, 1e8).at(1e-3)
+    conductivity = surface(hardness=HARDNESS).conductivity_table(1e3, 1e8).at(1e-3)
     x, p = gauss(101)
     outer = leak.leak_flow(x, p, conductivity, 2e6, 0.0141421)
     inner = leak.leak_flow(x, p, conductivity, 2e6, 0.0141421, pressure_side="inner")
@@ -142,7 +133,7 @@ def test_fluid_pressure_falls_from_the_high_side():
 
 
 def test_sealed_contact_leaks_nothing():
-    contact = surface()
+    contact = surface(hardness=HARDNESS)
     conductivity = contact.conductivity_table(1e3, 3e9).at(1e-3)
     x, p = gauss(81, p0=2e9)
     result = leak.leak_flow(x, p, conductivity, 2e6, 0.0141421)
@@ -169,7 +160,7 @@ def test_next_to_nothing_gets_through_without_a_word():
     factor=st.floats(0.01, 100.0),
 )
 def test_scaling_and_mirror(p0, skew, points, factor):
-    table = surface().conductivity_table(1e3, 3e9)
+    table = surface(hardness=HARDNESS).conductivity_table(1e3, 3e9)
     x, p = gauss(points, p0=p0)
     p = p * (1 + skew * np.tanh(x / 2e-4))
     r = 0.014 + 0.7 * x
@@ -183,7 +174,7 @@ def test_scaling_and_mirror(p0, skew, points, factor):
 
 
 def test_shift_and_extra_zeros_change_nothing():
-    conductivity = surface().conductivity_table(1e3, 3e8).at(1e-3)
+    conductivity = surface(hardness=HARDNESS).conductivity_table(1e3, 3e8).at(1e-3)
     hertz = leak.hertz_line(20e3, 0.02, E)
     x = np.linspace(-1, 1, 101) * hertz.half_width
     Q = leak.leak_rate(x, hertz.pressure(x), conductivity, 2e6, 0.0141421)
@@ -234,7 +225,7 @@ def test_wrong_conductivity_and_side():
 
 def test_the_paper_case():
     """Plastic below elastic leak rate by 5.7 (1 bar) to 8.1 (20 bar), u_c ratio 1.8 to 2.0, all plastic at zeta 100."""
-    contact = surface()
+    contact = surface(hardness=HARDNESS)
     ratios = []
     for fluid_pressure in (1e5, 20e5):
         line = leak.gaussian_line(0.5 * 0.02 * fluid_pressure, 0.02, 0.139e-3**2 / 0.02)
@@ -286,7 +277,7 @@ def test_one_bad_point_changes_little_and_invents_no_pressure(node: int, value: 
 
 def test_conductivity_may_be_given_at_the_points() -> None:
     x, p = gauss(61, reach=5.0)
-    table = surface().conductivity_table(1.0, 2e8).at(1e-3)
+    table = surface(hardness=HARDNESS).conductivity_table(1.0, 2e8).at(1e-3)
     as_function = leak.leak_rate(x, p, table, 2e6, 0.014)
     assert leak.leak_rate(x, p, table(p), 2e6, 0.014) == pytest.approx(as_function, rel=1e-3)
 

@@ -17,10 +17,8 @@ def with_share(c: float, u0: float = 0.5e-6) -> leak.CrossoverLine:
     return leak.crossover_line(c * np.pi * E * u0, R, E, u0)
 
 
-def test_reference_numbers(reference_folder):
-    rows = np.genfromtxt(
-        reference_folder / "line_contact.csv", delimiter=",", names=True, dtype=None, encoding="utf8"
-    )
+def test_reference_numbers(reference):
+    rows = reference("line_contact.csv")
     for row in rows:
         load, radius, modulus = (
             float(row[k]) for k in ("line_load_N_per_m", "ball_radius_m", "effective_modulus_Pa")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper_surface import E, spectrum, surface
 from scipy.integrate import quad
 from scipy.special import erf, exp1
 
@@ -15,18 +16,7 @@ import leak
 from leak.theory.kernel import kernel
 from leak.theory.persson import ElasticRoughness, low_pressure_law, separations
 
-E = 115e9
 GAMMA = 0.45
-
-
-def spectrum(hurst: float = 0.6, rolloff: float = 3.7268e4) -> leak.PowerSpectrum:
-    return leak.PowerSpectrum.self_affine(
-        rms_height=1.9e-6, hurst=hurst, q_low=1e3, q_rolloff=rolloff, q_high=3.1415926e6
-    )
-
-
-def surface(**kwargs: float) -> leak.RoughContact:
-    return leak.RoughContact(spectrum(**kwargs), effective_modulus=E)
 
 
 def F_by_quadrature(x: float) -> float:
@@ -102,7 +92,7 @@ def F_fast(x: float) -> float:
 
 @pytest.mark.parametrize("p", [1e4, 50e6, 2e9])
 def test_mean_separation_against_quadrature(p):
-    contact = surface(hurst=0.8, rolloff=2e4)
+    contact = leak.RoughContact(spectrum(hurst=0.8, q_rolloff=2e4), effective_modulus=E)
     assert contact.mean_separation(p) == pytest.approx(mean_separation_by_quadrature(contact, p), rel=1e-7)
 
 
@@ -157,11 +147,9 @@ def test_separation_vanishes_at_large_pressure():
     assert contact.mean_separation(0.0) == np.inf
 
 
-def test_low_pressure_law(reference_folder):
-    contact = surface(rolloff=37268.0)
-    row = np.genfromtxt(
-        reference_folder / "spectra.csv", delimiter=",", names=True, dtype=None, encoding="utf8"
-    )
+def test_low_pressure_law(reference):
+    contact = surface()
+    row = reference("spectra.csv")
     assert contact.u0 == pytest.approx(float(row["u0_m"]), rel=2e-7)
     assert contact.p_c == pytest.approx(float(row["p_c_Pa"]), rel=2e-6)
     p = contact.p_c * np.exp(-np.array([25.0, 40.0]))
@@ -188,7 +176,7 @@ def test_area_limits():
 @settings(max_examples=15, deadline=None)
 @given(scale=st.floats(0.01, 100.0), ratio=st.floats(1e-6, 0.1))
 def test_only_pressure_over_modulus_counts(scale, ratio):
-    one = leak.RoughContact(spectrum(), effective_modulus=E)
+    one = surface()
     other = leak.RoughContact(spectrum(), effective_modulus=E * scale)
     assert other.mean_separation(ratio * E * scale) == pytest.approx(one.mean_separation(ratio * E), rel=1e-9)
     assert other.effective_separation(ratio * E * scale) == pytest.approx(

@@ -8,20 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper_surface import HARDNESS, E, spectrum, surface
 
 import leak
 from leak.theory.plasticity import PlasticRoughness
-
-E, HARDNESS = 115e9, 3.5e9
-
-
-def spectrum(**change: float) -> leak.PowerSpectrum:
-    values = {"rms_height": 1.9e-6, "hurst": 0.6, "q_low": 1e3, "q_rolloff": 3.7268e4, "q_high": 3.1415926e6}
-    return leak.PowerSpectrum.self_affine(**(values | change))
-
-
-def surface() -> leak.RoughContact:
-    return leak.RoughContact(spectrum(), effective_modulus=E, hardness=HARDNESS)
 
 
 def stress_distribution(sigma: np.ndarray, s: float, t: float) -> np.ndarray:
@@ -78,11 +68,9 @@ def test_no_roughness_seen_and_full_yield():
     assert leak.area_fractions(1.2, 0.1) == (0.0, 1.0, 0.0)
 
 
-def test_areas_and_spectrum_at_50_MPa(reference_folder):
-    table = np.genfromtxt(reference_folder / "areas_at_50MPa_paper.csv", delimiter=",", names=True)
-    contact = leak.RoughContact(
-        spectrum(q_rolloff=37268.0, q_high=3141592.6), effective_modulus=E, hardness=HARDNESS
-    )
+def test_areas_and_spectrum_at_50_MPa(reference):
+    table = reference("areas_at_50MPa_paper.csv")
+    contact = surface(hardness=HARDNESS)
     q, p = table["wavenumber_per_m"], 50e6
     # Six digits of the file; where a fraction is below 1e-30 its exponent amplifies the digits of q.
     np.testing.assert_allclose(contact.elastic.contact_area(p, q), table["area_elastic_only"], rtol=1e-6)
@@ -111,7 +99,7 @@ def test_remaining_fraction_keeps_its_digits():
 
 
 def test_plastic_spectrum_samples_the_smoothing():
-    contact = surface()
+    contact = surface(hardness=HARDNESS)
     C_pl = contact.plastic_spectrum(50e6)
     q = np.geomspace(1e3, C_pl.q_high, 777)
     np.testing.assert_allclose(C_pl(q), contact.spectrum(q) * contact.smoothing(50e6, q), rtol=5e-4)
@@ -120,7 +108,7 @@ def test_plastic_spectrum_samples_the_smoothing():
 
 def test_elastic_theory_on_the_smoothed_spectrum_gives_nearly_the_same_area():
     """The idea behind C_pl: within 15 % of A_el + A_pl at any magnification (Persson 2016)."""
-    contact = surface()
+    contact = surface(hardness=HARDNESS)
     q = np.geomspace(2e3, 3e6, 60)
     direct = np.asarray(contact.contact_area(50e6, q))
     on_C_pl = leak.RoughContact(contact.plastic_spectrum(50e6), effective_modulus=E).contact_area(50e6, q)
@@ -158,7 +146,7 @@ def test_moment_of_the_remaining_roughness_by_quadrature():
 
 
 def test_hardness_close_to_the_pressure():
-    contact = surface()
+    contact = surface(hardness=HARDNESS)
     ratio = np.array([0.9, 0.99, 0.999999, 1.0, 1.5])
     ubar = np.asarray(contact.mean_separation(ratio * HARDNESS))
     assert np.all(np.diff(ubar) <= 0.0)
@@ -170,6 +158,6 @@ def test_hardness_close_to_the_pressure():
 
 
 def test_hardness_far_above_changes_nothing():
-    hard = leak.RoughContact(spectrum(), effective_modulus=E, hardness=1e15)
+    hard = surface(hardness=1e15)
     p = np.array([1e5, 1e8])
     np.testing.assert_allclose(hard.effective_separation(p), hard.elastic.effective_separation(p), rtol=1e-5)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper_surface import HARDNESS, surface
 
 import leak
 from leak.theory.line_contact import crossover_line, gaussian_line
@@ -260,14 +261,7 @@ def test_moments_of_two_ranges_add(spectrum, share):
 
 # -------------------------------------------------------------------- leak rate
 
-SURFACE = leak.RoughContact(
-    leak.PowerSpectrum.self_affine(
-        rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.14159e6
-    ),
-    effective_modulus=115e9,
-    hardness=3.5e9,
-)
-TABLE = SURFACE.conductivity_table(1e2, 1e9)
+TABLE = surface(hardness=HARDNESS).conductivity_table(1e2, 1e9)
 
 
 @st.composite

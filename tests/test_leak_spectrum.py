@@ -6,21 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from paper_surface import spectrum as paper
 from scipy.integrate import quad
 
 import leak
 
 
-def paper() -> leak.PowerSpectrum:
-    return leak.PowerSpectrum.self_affine(
-        rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.1415926e6
-    )
-
-
-def test_self_affine_agrees_with_the_reference_numbers(reference_folder):
-    row = np.genfromtxt(
-        reference_folder / "spectra.csv", delimiter=",", names=True, dtype=None, encoding="utf8"
-    )
+def test_self_affine_agrees_with_the_reference_numbers(reference):
+    row = reference("spectra.csv")
     spectrum = leak.PowerSpectrum.self_affine(
         rms_height=float(row["rms_height_m"]),
         hurst=float(row["hurst"]),

@@ -7,9 +7,8 @@ discretisation error of 1e-4.
 
 from __future__ import annotations
 
-import csv
 import math
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -181,11 +180,10 @@ def test_stiff_law_tends_to_hertz_and_soft_law_to_the_gaussian() -> None:
     assert profile.std == pytest.approx(math.sqrt(0.02 * soft.u0), rel=5e-4)
 
 
-def test_tabulated_law_against_independent_boundary_elements(reference_folder: Path) -> None:
-    table = np.genfromtxt(reference_folder / "law_greenwood_williamson.csv", delimiter=",", names=True)
-    law = TabulatedLaw(table["gap_m"], table["pressure_Pa"])
-    with (reference_folder / "line_contact_tabulated_law.csv").open() as file:
-        rows = [{k: float(v) for k, v in row.items() if k != "law"} for row in csv.DictReader(file)]
+def test_tabulated_law_against_independent_boundary_elements(
+    reference: Callable[[str], np.ndarray], greenwood_williamson: TabulatedLaw
+) -> None:
+    law, rows = greenwood_williamson, reference("line_contact_tabulated_law.csv")
     pressures = [2 * row["line_load_N_per_m"] / 0.02 for row in rows]
     model, forces = ball_on_cone(law, pressures)
     for row, force in zip(rows, forces, strict=True):
@@ -198,10 +196,9 @@ def test_tabulated_law_against_independent_boundary_elements(reference_folder: P
         assert gap_at_centre == pytest.approx(row["gap_at_centre_m"], abs=5e-9)
 
 
-def test_virial_identity_for_a_tabulated_law(reference_folder: Path) -> None:
+def test_virial_identity_for_a_tabulated_law(greenwood_williamson: TabulatedLaw) -> None:
     """f_N var(x)/R = f_N^2/(pi E*) + int Phi(u) dx, Phi(u) = int_u^inf p du': no closed solution is used."""
-    table = np.genfromtxt(reference_folder / "law_greenwood_williamson.csv", delimiter=",", names=True)
-    law = TabulatedLaw(table["gap_m"], table["pressure_Pa"])
+    law = greenwood_williamson
     model, (force,) = ball_on_cone(law, [2e6])
     solution = solve(model, law, axial_force=force)
     profile, f_N = solution.profile, solution.line_load
