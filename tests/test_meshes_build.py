@@ -48,7 +48,9 @@ def test_boundary_nodes_lie_on_the_exact_curves(seal_mesh: SealMesh) -> None:
     arcs = [n for n in CLOSURE_NAMES if n != "closure_axis"]
     for name in arcs:
         r, z = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries[name]])]
-        assert np.hypot(r, z - 0.02 * math.cos(contact.angle)) == pytest.approx(0.02, rel=1e-12)
+        # gmsh gets its points with eleven decimals; those of the contact line are given as they are
+        digits = 1e-15 if name == "closure_contact" else 1e-11
+        assert np.hypot(r, z - 0.02 * math.cos(contact.angle)) == pytest.approx(0.02, rel=digits)
     r, z = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["seat_contact"]])]
     assert z == pytest.approx((r - contact.touch_radius) * math.tan(contact.angle), abs=1e-15)
 

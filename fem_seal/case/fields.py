@@ -19,8 +19,36 @@ from fem_seal.units import DIMENSIONS, NUMBER, parse_quantity
 MOST_PRESSURES = 1000
 
 
+class Entry:
+    """Base of the markers: how pydantic reads an entry and describes it."""
+
+    def read(self, value: Any) -> Any:
+        """Value in SI; ValueError if it is none of those that are allowed."""
+        raise NotImplementedError
+
+    def read_part(self, value: object, name: str) -> Any:
+        """Value of one entry of a list or table; ValueError names it."""
+        try:
+            return self.read(value)
+        except ValueError as error:
+            raise ValueError(f"{name}, {shown(value)}, {error}") from None
+
+    @property
+    def _schema(self) -> dict[str, Any]:
+        """What stands about it in the JSON Schema of the case file."""
+        raise NotImplementedError
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return self._schema
+
+
 @dataclass(frozen=True)
-class Quantity:
+class Quantity(Entry):
     """A quantity with unit; `low` and `high` bound it, written as the user would, both allowed.
 
     Parameters
@@ -52,12 +80,8 @@ class Quantity:
             raise ValueError(f"out of range; allowed is {self.range}")
         return value
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    @property
+    def _schema(self) -> dict[str, Any]:
         dimension = DIMENSIONS[self.dimension]
         return {"type": "string", "pattern": rf"^\s*{NUMBER}\s*\S.*$", "examples": [*dimension.examples]}
 
@@ -80,10 +104,9 @@ class OneOrMany(Quantity):
         except ValueError as error:
             raise ValueError(f"entry {number}, {shown(entry)}, {error}") from None
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        one = super().__get_pydantic_json_schema__(schema, handler)
+    @property
+    def _schema(self) -> dict[str, Any]:
+        one = super()._schema
         return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}]}
 
 
@@ -103,9 +126,8 @@ class NominalSizeEntry(Quantity):
         size = read_nominal_size(text) if isinstance(text, str) else None
         return super().read(text) if size is None else size
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    @property
+    def _schema(self) -> dict[str, Any]:
         return {
             "type": "string",
             "pattern": rf"^\s*({NUMBER}\s*\S.*|[dD][nN]\s*\d+|[nN][pP][sS]\s*\d.*)\s*$",
@@ -114,7 +136,7 @@ class NominalSizeEntry(Quantity):
 
 
 @dataclass(frozen=True)
-class Number:
+class Number(Entry):
     """A number without unit between `low` and `high`, both allowed unless `exclusive_low`."""
 
     low: float
@@ -139,12 +161,8 @@ class Number:
             )
         return float(value)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    @property
+    def _schema(self) -> dict[str, Any]:
         return {
             "type": "number",
             "exclusiveMinimum" if self.exclusive_low else "minimum": self.low,
@@ -153,7 +171,7 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Numbers:
+class Numbers(Entry):
     """A list of numbers, each within the range of `number`; a tuple after reading."""
 
     number: Number
@@ -162,26 +180,16 @@ class Numbers:
         """The numbers; ValueError names the entry that is wrong."""
         if not isinstance(value, (list, tuple)) or not 0 < len(value) <= MOST_PRESSURES:
             raise ValueError(f"must be a list of 1 to {MOST_PRESSURES} numbers, such as [0, 0.1]")
-        return tuple(self._read_entry(entry, n) for n, entry in _count(value))
+        return tuple(self.number.read_part(entry, f"entry {n}") for n, entry in _count(value))
 
-    def _read_entry(self, entry: object, number: int) -> float:
-        try:
-            return self.number.read(entry)
-        except ValueError as error:
-            raise ValueError(f"entry {number}, {shown(entry)}, {error}") from None
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        one = self.number.__get_pydantic_json_schema__(schema, handler)
+    @property
+    def _schema(self) -> dict[str, Any]:
+        one = self.number._schema
         return {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}
 
 
 @dataclass(frozen=True)
-class Place:
+class Place(Entry):
     """A point [r, z] of a section, two lengths; a tuple [m]."""
 
     length: Quantity
@@ -195,27 +203,17 @@ class Place:
         """The point; ValueError names the coordinate that is wrong."""
         if not isinstance(value, (list, tuple)) or len(value) != 2:
             raise ValueError('must be [r, z], such as ["12 mm", "0 mm"]')
-        r, z = (self._read_entry(entry, name) for entry, name in zip(value, ("r", "z"), strict=True))
+        r, z = (self.length.read_part(entry, name) for entry, name in zip(value, ("r", "z"), strict=True))
         return r, z
 
-    def _read_entry(self, entry: object, name: str) -> float:
-        try:
-            return self.length.read(entry)
-        except ValueError as error:
-            raise ValueError(f"{name}, {shown(entry)}, {error}") from None
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        one = self.length.__get_pydantic_json_schema__(schema, handler)
+    @property
+    def _schema(self) -> dict[str, Any]:
+        one = self.length._schema
         return {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
 
 
 @dataclass(frozen=True)
-class Pressures:
+class Pressures(Entry):
     """One pressure, a list of pressures, or a range ``{ start, stop, num, spacing }``; a tuple [Pa]."""
 
     pressure: Quantity
@@ -227,15 +225,9 @@ class Pressures:
         entries = value if isinstance(value, (list, tuple)) else [value]
         if not 0 < len(entries) <= MOST_PRESSURES:
             raise ValueError(f"has {len(entries)} entries; allowed are 1 to {MOST_PRESSURES}")
-        return tuple(
-            self._read_entry(entry, f"entry {n}" if len(entries) > 1 else "") for n, entry in _count(entries)
-        )
-
-    def _read_entry(self, entry: object, name: str) -> float:
-        try:
-            return self.pressure.read(entry)
-        except ValueError as error:
-            raise ValueError(f"{name}, {shown(entry)}, {error}" if name else str(error)) from None
+        if len(entries) == 1:
+            return (self.pressure.read(entries[0]),)
+        return tuple(self.pressure.read_part(entry, f"entry {n}") for n, entry in _count(entries))
 
     def _read_range(self, table: dict[Any, Any]) -> tuple[float, ...]:
         known = ("start", "stop", "num", "spacing")
@@ -244,7 +236,7 @@ class Pressures:
         if unknown or missing:
             wrong = f"unknown key {unknown[0]}" if unknown else f"{missing[0]} is missing"
             raise ValueError(f'{wrong}; write a range as {{ start = "1 bar", stop = "20 bar", num = 20 }}')
-        start, stop = (self._read_entry(table[key], key) for key in ("start", "stop"))
+        start, stop = (self.pressure.read_part(table[key], key) for key in ("start", "stop"))
         num, spacing = table["num"], table.get("spacing", "linear")
         if not isinstance(num, int) or isinstance(num, bool) or not 2 <= num <= MOST_PRESSURES:
             raise ValueError(f"num, {shown(num)}, must be a whole number from 2 to {MOST_PRESSURES}")
@@ -258,13 +250,9 @@ class Pressures:
             return (*(start + (stop - start) * n / (num - 1) for n in range(num - 1)), stop)
         return (start, *(start * (stop / start) ** (n / (num - 1)) for n in range(1, num - 1)), stop)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        one = self.pressure.__get_pydantic_json_schema__(schema, handler)
+    @property
+    def _schema(self) -> dict[str, Any]:
+        one = self.pressure._schema
         spaced = {
             "type": "object",
             "properties": {
@@ -326,7 +314,6 @@ class Whole(Number):
         super().read(value)
         return value
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    @property
+    def _schema(self) -> dict[str, Any]:
         return {"type": "integer", "minimum": int(self.low), "maximum": int(self.high)}

@@ -13,17 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
-    ValidationError,
-    field_validator,
-    model_validator,
-)
-from pydantic_core import CoreSchema, core_schema
+from pydantic import Field, ValidationError, field_validator, model_validator
 
-from fem_seal.case.fields import Number, Quantity, Table
+from fem_seal.case.fields import Entry, Number, Quantity, Table
 from fem_seal.case.input_files import read_spectrum
 from fem_seal.case.messages import problems
 from fem_seal.errors import InputError
@@ -40,7 +32,7 @@ _MOST_FILES = 200
 _LARGEST_MISFIT = 0.5
 
 
-class Texts:
+class Texts(Entry):
     """A list of texts, a tuple after reading."""
 
     def __init__(self, *, most: int, what: str) -> None:
@@ -54,12 +46,8 @@ class Texts:
             raise ValueError(f"has {len(value)} entries; allowed are 1 to {self.most}")
         return tuple(value)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    @property
+    def _schema(self) -> dict[str, Any]:
         return {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": self.most}
 
 
@@ -74,10 +62,9 @@ class LengthUnits(Texts):
         two_units(units)
         return units
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        several = super().__get_pydantic_json_schema__(schema, handler)
+    @property
+    def _schema(self) -> dict[str, Any]:
+        several = super()._schema
         return {"anyOf": [{"type": "string"}, {**several, "minItems": 2}]}
 
 

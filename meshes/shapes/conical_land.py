@@ -111,8 +111,7 @@ class ConicalLand:
         """
         check_angle("seat", "angle", angle)
         partner = Partner.of(closure)
-        size = 2 * partner.size
-        touch = partner.touch_on(chain([(0.0, 0.0), (size, size * math.tan(angle))], "seat_face"))
+        touch = partner.touch_on_cone(angle)
         radius = touch if land_radius is None else land_radius
         width = 0.1 * radius if land_width is None else land_width
         end = radius + 0.5 * width * math.cos(angle)

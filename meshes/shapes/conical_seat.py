@@ -85,9 +85,8 @@ class ConicalSeat:
         """
         check_angle("seat", "angle", angle)
         partner = Partner.of(closure)
-        size = partner.size
-        touch = partner.touch_on(chain([(0.0, 0.0), (2 * size, 2 * size * math.tan(angle))], "seat_face"))
-        face = face_radius or touch + 0.6 * size * math.cos(angle)
+        touch = partner.touch_on_cone(angle)
+        face = face_radius or touch + 0.6 * partner.size * math.cos(angle)
         if outer_radius is not None and face_radius is None:
             face = min(face, outer_radius)
         return cls(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from meshes.errors import GeometryError
-from meshes.geometry.rounding import chain
 from meshes.shapes.shape import Partner, Shape
 from meshes.shapes.sharp_edge import SharpEdge
 
@@ -49,7 +48,7 @@ class FlatSeat(SharpEdge):
             If `bore_radius` is not given and the closure touches a plane on the axis.
         """
         partner = Partner.of(closure)
-        touch = partner.touch_on(chain([(0.0, 0.0), (2 * partner.size, 0.0)], "seat_face"))
+        touch = partner.touch_on_cone(0.0)
         if bore_radius is None and not touch > 0:
             raise GeometryError(
                 "seat bore_radius is missing: this closure touches a plane on the axis, so that the bore decides where "

@@ -10,6 +10,7 @@ from typing import Protocol
 from meshes.errors import GeometryError
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
+from meshes.geometry.rounding import chain
 from meshes.geometry.segment import Point, Segment
 from meshes.geometry.touch import first_touch, with_faces
 
@@ -181,6 +182,11 @@ class Partner:
     def touch_on(self, face: Curve) -> float:
         """Radius of first touch on a seat's face [m]."""
         return self._touch(face)[1]
+
+    def touch_on_cone(self, angle: float) -> float:
+        """Radius of first touch [m] on a cone without ends, inclined by `angle` [rad] to the horizontal plane."""
+        end = 2 * self.size
+        return self.touch_on(chain([(0.0, 0.0), (end, end * math.tan(angle))], "seat_face"))
 
     def curvature_on(self, face: Curve) -> float:
         """Curvature of the closure where it first touches a seat's face [1/m], positive where it bulges."""

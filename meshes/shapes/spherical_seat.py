@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
-from meshes.geometry.rounding import chain, rounded
+from meshes.geometry.rounding import rounded
 from meshes.geometry.segment import Segment
 from meshes.shapes.shape import Partner, Shape, check_angle, check_positive, housing
 
@@ -123,9 +123,7 @@ class SphericalSeat:
         if contact_angle is not None:
             check_angle("seat", "contact_angle", contact_angle)
             # The closure's point of this inclination does not depend on what it stands on.
-            slope = math.tan(contact_angle)
-            cone = chain([(0.0, 0.0), (2 * partner.size, 2 * partner.size * slope)], "seat_face")
-            touch = partner.touch_on(cone)
+            touch = partner.touch_on_cone(contact_angle)
             offset = touch - radius * math.sin(contact_angle)
             bore, face = 0.5 * touch, 1.35 * touch
         steepest = offset + radius * math.sin(math.radians(75))
