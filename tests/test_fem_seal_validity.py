@@ -175,7 +175,7 @@ def test_sizes_of_molecules():
         "kerosene": 0.43,
     }
     for name, size in printed.items():
-        assert molecular_size(name) == pytest.approx(1e-9 * size, rel=1e-12, abs=0)
+        assert molecular_size(name) == pytest.approx(1e-9 * size, rel=1e-12)
 
 
 @pytest.mark.parametrize(("fluid", "size"), [("water", 0.265e-9), ("hydraulic oil ISO VG 32", 0.43e-9)])

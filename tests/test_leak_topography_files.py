@@ -55,7 +55,7 @@ def file(tmp_path):
 )
 def test_units_of_length(names, size):
     for name in names.split():
-        assert LENGTH_UNITS[name] == pytest.approx(size, rel=1e-15, abs=0)
+        assert LENGTH_UNITS[name] == pytest.approx(size, rel=1e-15)
     known = {
         "m", "meter", "cm", "mm", "millimeter", "um", "µm", "μm", "micron", "microns", "micrometer", "micrometre",
         "nm", "nanometer", "å", "angstrom", "pm", "in", "inch", "uin", "µin",
