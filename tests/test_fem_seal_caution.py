@@ -4,67 +4,26 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from judged_loads import SURFACE, field, judged, load
 from sample_results import STEEL, case, rough_result
 
 import fem_seal
-import leak
 from fem_seal.analysis import warnings
 from fem_seal.analysis.caution import NOT_JUDGED, VALID, Caution, Level, Validity, worst_first
 from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
-from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import GivenContact, GivenLoad, LoadResult
 from fem_seal.analysis.warnings import load_validity, profile_validity
 from fem_seal.case.case import Case
-from fem_seal.contact.yielding import PlasticZone, YieldedZone
 from fem_seal.output.report.tables import comparison_note
 from fem_seal.profile import PressureProfile
 from fem_seal.result import run
 
-SURFACE = leak.RoughContact(
-    leak.PowerSpectrum.self_affine(
-        rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.14159e6
-    ),
-    effective_modulus=115e9,
-)
-
 
 def caution(level, reason):
     return Caution("kind", level, reason, f"A sentence about {reason}.")
-
-
-def load(peak=50e6, fluid_pressure=20e5, end_share=0.0, leak_rate=1e-7, **entries):
-    """What the checks look at in a load."""
-    pressure = np.array([end_share * peak, peak, 0.0])
-    return SimpleNamespace(
-        fluid_pressure=fluid_pressure,
-        applied_force=0.0,
-        point=(fluid_pressure, 0.0),
-        critical_separation=3e-6,
-        leak=SimpleNamespace(leak_rate=leak_rate),
-        contact=SimpleNamespace(
-            profile=SimpleNamespace(peak_pressure=peak, std=0.15e-3),
-            pressure=pressure,
-            model=SimpleNamespace(touch_radius=0.014),
-        ),
-        target_validity=None,
-        **entries,
-    )
-
-
-def model(relative_radius=0.02):
-    return SimpleNamespace(
-        touch_radius=0.014,
-        relative_radius=relative_radius,
-        line=SimpleNamespace(x=np.array([-1e-3, 0, 1e-3])),
-    )
-
-
-def problem():
-    return SealProblem.of(case())
 
 
 def level_of(found):
@@ -90,38 +49,28 @@ def test_the_worst_reason_comes_first_and_gives_the_level():
 @pytest.mark.parametrize(
     ("excess", "level"), [(1.01, Level.DOUBTFUL), (1.49, Level.DOUBTFUL), (1.51, Level.OUTSIDE)]
 )
-def test_an_elastic_body_is_outside_the_theory_from_one_and_a_half_times_its_yield_stress(
-    excess, level, monkeypatch
-):
-    zone = YieldedZone("seat", 300e6, excess * 300e6, (0.014, 0.0), 1e-5, 2e-5)
-    monkeypatch.setattr(warnings, "yielding_of", lambda contact, materials: {"seat": zone})
-    (found,) = warnings._yielding(problem(), model(), [load()])
+def test_an_elastic_body_is_outside_the_theory_from_one_and_a_half_times_its_yield_stress(excess, level):
+    (found,) = judged("yield stress", load(bodies=(field("seat", excess * 1e9),)))
     assert found.level is level
     assert found.reason == f"seat: von Mises stress {excess:.3g} times its yield stress"
 
 
-def test_the_body_that_is_further_above_its_yield_stress_comes_first(monkeypatch):
-    zones = {
-        name: YieldedZone(name, 300e6, excess * 300e6, (0.014, 0.0), 1e-5, 2e-5)
-        for name, excess in (("closure", 2.0), ("seat", 5.0))
-    }
-    monkeypatch.setattr(warnings, "yielding_of", lambda contact, materials: zones)
-    assert [one.reason[:7] for one in warnings._yielding(problem(), model(), [load()])] == [
-        "seat: v",
-        "closure",
-    ]
+def test_the_body_that_is_further_above_its_yield_stress_comes_first():
+    of = case(closure={"shape": "ball", "radius": "20 mm", "material": STEEL})
+    both = load(bodies=(field("closure", 2e9), field("seat", 5e9)))
+    assert [one.reason[:7] for one in judged("yield stress", both, of=of)] == ["seat: v", "closure"]
 
 
 @pytest.mark.parametrize(
     ("strain", "levels"), [(0.02, []), (0.06, [Level.OUTSIDE]), (0.12, [Level.OUTSIDE] * 2)]
 )
-def test_plastic_strain_has_to_stay_on_its_curve_and_small(strain, levels, monkeypatch):
+def test_plastic_strain_has_to_stay_on_its_curve_and_small(strain, levels):
     curve = {"plastic_strain": [0, 0.05], "stress": ["300 MPa", "400 MPa"]}
     material = {key: value for key, value in STEEL.items() if key != "yield_stress"}
     of = case(seat={"shape": "cone", "angle": "45 deg", "material": {**material, "stress_strain": curve}})
-    zone = PlasticZone("seat", 300e6, strain, (0.014, 0.0), 1e-5, 2e-5)
-    monkeypatch.setattr(warnings, "yielding_of", lambda contact, materials: {"seat": zone})
-    assert [one.level for one in warnings._table_left(SealProblem.of(of), model(), [load()])] == levels
+    yielded = load(bodies=(field("seat", 400e6, strain),))
+    found = judged("stress-strain curve", yielded, of=of) + judged("large strain", yielded, of=of)
+    assert [one.level for one in found] == levels
 
 
 @pytest.mark.parametrize(
@@ -134,7 +83,7 @@ def test_plastic_strain_has_to_stay_on_its_curve_and_small(strain, levels, monke
     ],
 )
 def test_contact_cut_off(share, radius, level):
-    assert level_of(warnings._cut_off(problem(), model(radius), [load(end_share=share)])) is level
+    assert level_of(judged("cut off", load(end_share=share), relative_radius=radius)) is level
 
 
 @pytest.mark.parametrize(
@@ -142,14 +91,13 @@ def test_contact_cut_off(share, radius, level):
     [(0.29, Level.VALID), (0.31, Level.DOUBTFUL), (0.99, Level.DOUBTFUL), (1.01, Level.OUTSIDE)],
 )
 def test_no_body_carries_more_than_its_hardness(share, level):
-    assert level_of(warnings._above_hardness(problem(), None, [load(peak=share * 3.5e9)])) is level
+    pressed = load(peak=share * 3.5e9)
+    found = judged("hardness", pressed)
+    assert level_of(found) is level
+    assert all(f"{share:.2g} of the hardness" in caution.text for caution in found)
     # also where asperities are kept elastic
     elastic = case(leak={"plasticity": False})
-    expected = Level.OUTSIDE if share > 1 else Level.VALID
-    assert (
-        level_of(warnings._above_hardness(SealProblem.of(elastic), None, [load(peak=share * 3.5e9)]))
-        is expected
-    )
+    assert level_of(judged("hardness", pressed, of=elastic)) is (Level.OUTSIDE if share > 1 else Level.VALID)
 
 
 @pytest.mark.parametrize(
@@ -157,17 +105,18 @@ def test_no_body_carries_more_than_its_hardness(share, level):
     [(0.09, Level.VALID), (0.11, Level.DOUBTFUL), (0.49, Level.DOUBTFUL), (0.51, Level.OUTSIDE)],
 )
 def test_fluid_pressure_that_is_not_coupled(share, level):
-    pressed = [load(fluid_pressure=share * 50e6)]
-    assert level_of(warnings._fluid_opens(problem(), SURFACE, pressed)) is level
+    pressed = load(fluid_pressure=share * 50e6)
+    assert level_of(judged("fluid opens", pressed)) is level
     coupled = case(load={"fluid_pressure": "20 bar", "closing": "penetration"})
-    assert level_of(warnings._fluid_opens(SealProblem.of(coupled), SURFACE, pressed)) is Level.VALID
+    assert level_of(judged("fluid opens", pressed, of=coupled)) is Level.VALID
 
 
 def test_what_is_sealed_or_nearly_so_is_doubtful_and_what_is_blown_open_has_no_result():
     sealing = SURFACE.sealing_pressure
-    assert level_of(warnings._sealed(problem(), SURFACE, [load(peak=1.01 * sealing)])) is Level.DOUBTFUL
-    assert level_of(warnings._nearly_sealed(problem(), SURFACE, [load(peak=0.9 * sealing)])) is Level.DOUBTFUL
-    assert level_of(warnings._blown_open([load(leak_rate=math.inf)])) is Level.OUTSIDE
+    assert level_of(judged("sealed", load(peak=1.01 * sealing))) is Level.DOUBTFUL
+    assert level_of(judged("few channels", load(peak=0.9 * sealing))) is Level.DOUBTFUL
+    local = case(leak={"fluid_in_gap": "local"})
+    assert level_of(judged("lifted open", load(leak_rate=math.inf), of=local)) is Level.OUTSIDE
 
 
 # ---------------------------------------------------------------- loads of a run

@@ -1,0 +1,80 @@
+"""Loads of a ball on a cone as the checks of warnings see them, with nothing to say against them unless asked for."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from paper_surface import surface
+from sample_results import case
+
+from fem_seal.analysis.caution import Caution
+from fem_seal.analysis.problem import SealProblem
+from fem_seal.analysis.warnings import load_cautions
+from fem_seal.bodies.fields import BodyField, ElastoplasticField
+from fem_seal.case.case import Case
+from leak import RoughContact
+
+SURFACE = surface()
+_POINTS = np.array([[0.013, 0.0], [0.014, -1e-5], [0.015, 0.0]])
+
+
+def field(name: str, von_mises: float = 0.0, plastic_strain: float | None = None) -> BodyField:
+    """A body that is stressed, and that has yielded where a plastic strain is given, in the middle of three points."""
+    stress = np.zeros((3, 4))
+    stress[1, 1] = von_mises
+    none = np.zeros((0, 6), dtype=int)
+    values = name, _POINTS, none, 0 * _POINTS, stress, np.array([0, 2]), np.zeros(2), np.zeros(3)
+    if plastic_strain is None:
+        return BodyField(*values)
+    return ElastoplasticField(*values, stress[:, 1], 0 * stress, np.array([0.0, plastic_strain, 0.0]))
+
+
+def load(
+    peak: float = 50e6,
+    std: float = 0.15e-3,
+    fluid_pressure: float = 20e5,
+    critical_separation: float = 3e-6,
+    leak_rate: float = 1e-7,
+    applied_force: float = 0.0,
+    end_share: float = 0.0,
+    bodies: tuple[BodyField, ...] = (),
+) -> Any:
+    """What the checks look at in a load."""
+    pressure = np.array([end_share * peak, peak, 0.0])
+    contact = SimpleNamespace(
+        profile=SimpleNamespace(peak_pressure=peak, std=std),
+        pressure=pressure,
+        point_forces=pressure,
+        gap=np.zeros(3),
+        fields={name: field(name) for name in ("closure", "seat")} | {body.name: body for body in bodies},
+        model=SimpleNamespace(closure=None, seat=None),
+    )
+    return SimpleNamespace(
+        fluid_pressure=fluid_pressure,
+        applied_force=applied_force,
+        point=(fluid_pressure, applied_force),
+        opening=None,
+        critical_separation=critical_separation,
+        leak=SimpleNamespace(leak_rate=leak_rate),
+        contact=contact,
+    )
+
+
+def judged(
+    kind: str,
+    *loads: Any,
+    of: Case | None = None,
+    surface: RoughContact = SURFACE,
+    relative_radius: float = 0.02,
+) -> list[Caution]:
+    """The cautions of one kind about these loads of a case, a ball on a cone unless given."""
+    model: Any = SimpleNamespace(
+        touch_radius=0.014,
+        touch_normal_z=0.7,
+        relative_radius=relative_radius,
+        line=SimpleNamespace(x=np.array([-1e-3, 0, 1e-3]), bend=np.zeros(3)),
+    )
+    found = load_cautions(SealProblem.of(of or case()), model, loads, surface)
+    return [caution for caution in found if caution.kind == kind]
