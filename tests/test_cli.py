@@ -233,8 +233,8 @@ def test_leak_of_a_profile_from_another_code(call, tmp_path):
     assert len(rows) == 20
     plastic, elastic = (np.array([float(row[key]) for row in rows]) for key in list(rows[0])[2:4])
     pressures = np.array([float(row["fluid_pressure_Pa"]) for row in rows])
-    # one profile: the leak rate is proportional to the pressure difference
-    assert plastic / pressures == pytest.approx(plastic[0] / pressures[0], rel=1e-12)
+    # one profile: the leak rate is proportional to the pressure difference, to the ten digits of the file
+    assert plastic / pressures == pytest.approx(plastic[0] / pressures[0], rel=1e-9)
     # about 8 in the paper, 8.1 by an independent calculation
     assert elastic / plastic == pytest.approx(8.1, abs=0.1)
 
