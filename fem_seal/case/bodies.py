@@ -15,12 +15,13 @@ from fem_seal.errors import InputError, Problem
 from fem_seal.materials import LIBRARY, HardeningCurve, Material, material
 from meshes import Shape
 
-LENGTH = Quantity("length", "10 um", "10 m")
+Length = Annotated[float, Quantity("length", "10 um", "10 m")]
 # Of roundings and steps; zero is sharp or flush.
-SMALL_LENGTH = Quantity("length", "0 um", "10 m")
-INCLINATION = Quantity("angle", "0 deg", "90 deg", exclusive=True)
-MODULUS = Quantity("pressure", "1 MPa", "2 TPa")
-STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
+SmallLength = Annotated[float, Quantity("length", "0 um", "10 m")]
+Inclination = Annotated[float, Quantity("angle", "0 deg", "90 deg", exclusive=True)]
+Modulus = Annotated[float, Quantity("pressure", "1 MPa", "2 TPa")]
+_STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
+Strength = Annotated[float, _STRENGTH]
 # Up to whatever was meant as per cent: the hardening curve then says what is wrong.
 _STRAIN = Number(0, 100)
 
@@ -65,7 +66,7 @@ class StressStrain(Table):
         "plastic_strain",
         examples=[[0.00119, 0.02, 0.1]],
     )
-    stress: Annotated[tuple[float, ...], Pressures(STRENGTH)] | None = Field(
+    stress: Annotated[tuple[float, ...], Pressures(_STRENGTH)] | None = Field(
         None, description="true stress", examples=[["250 MPa", "310 MPa", "350 MPa"]]
     )
 
@@ -99,15 +100,15 @@ class MaterialTable(Table):
     """A material given by its numbers."""
 
     name: str = Field("user-defined", description="how tables and reports call it", max_length=80)
-    youngs_modulus: Annotated[float, MODULUS] = Field(description="E", examples=["210 GPa"])
+    youngs_modulus: Modulus = Field(description="E", examples=["210 GPa"])
     poissons_ratio: Annotated[float, Number(0, 0.499)] = Field(description="nu", examples=[0.3])
-    hardness: Annotated[float, STRENGTH] | None = Field(
+    hardness: Strength | None = Field(
         None,
         description="penetration hardness, the pressure at which asperities yield; about three times the "
         "yield stress at 15 % strain",
         examples=["3.5 GPa"],
     )
-    yield_stress: Annotated[float, STRENGTH] | None = Field(
+    yield_stress: Strength | None = Field(
         None,
         description="onset of plastic flow in tension; a von Mises stress above it is warned about",
         examples=["1 GPa"],
@@ -182,6 +183,11 @@ MaterialField = Annotated[Material, MaterialEntry()]
 def material_field() -> Any:
     """Entry for the material of a body."""
     return Field(description="name from the library, or a table", examples=["steel"])
+
+
+def required(description: str, example: str) -> Any:
+    """Entry for a dimension that has to be given."""
+    return Field(description=description, examples=[example])
 
 
 def dimension(description: str, example: str) -> Any:

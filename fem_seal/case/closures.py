@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field
 
 import meshes
 from fem_seal.case.bodies import (
-    INCLINATION,
-    LENGTH,
-    SMALL_LENGTH,
     Body,
+    Inclination,
+    Length,
     MaterialField,
+    SmallLength,
     dimension,
     material_field,
+    required,
 )
 from fem_seal.errors import Problem
 from meshes import Shape
@@ -35,8 +36,8 @@ class Ball(Closure):
     makes = meshes.Ball
 
     shape: Literal["ball"] = Field(description="shape of the closure", examples=["ball"])
-    radius: Annotated[float, LENGTH] = Field(description="radius R of the ball", examples=["20 mm"])
-    cavity_radius: Annotated[float, LENGTH] | None = dimension(
+    radius: Length = required("radius R of the ball", "20 mm")
+    cavity_radius: Length | None = dimension(
         "radius of the cavity of a hollow ball; solid unless given", "15 mm"
     )
     material: MaterialField = material_field()
@@ -48,26 +49,26 @@ class RoundedCone(Closure):
     makes = meshes.RoundedCone.of
 
     shape: Literal["cone"] = Field(description="shape of the closure", examples=["cone"])
-    angle: Annotated[float, INCLINATION] = Field(
-        description="inclination of the conical face to the horizontal plane, the angle between the axis and its "
+    angle: Inclination = required(
+        "inclination of the conical face to the horizontal plane, the angle between the axis and its "
         "normal (as seat.angle); the half-angle of the cone is 90 deg minus this",
-        examples=["45 deg"],
+        "45 deg",
     )
-    outer_radius: Annotated[float, LENGTH] | None = dimension(
+    outer_radius: Length | None = dimension(
         "radius of the upper edge of the face before rounding, and of the stem; one or two of outer_radius, "
         "inner_radius and mean_radius are needed; twice the inner radius unless given",
         "20 mm",
     )
-    inner_radius: Annotated[float, LENGTH] | None = dimension(
+    inner_radius: Length | None = dimension(
         "radius of the lower edge of the face before rounding; half the outer radius unless given", "10 mm"
     )
-    mean_radius: Annotated[float, LENGTH] | None = dimension(
+    mean_radius: Length | None = dimension(
         "radius of the middle of the face; the mean of the other two", "15 mm"
     )
-    edge_radius: Annotated[float, SMALL_LENGTH] | None = dimension(
+    edge_radius: SmallLength | None = dimension(
         "rounding of both edges; a tenth of the length of the face unless given", "1 mm"
     )
-    height: Annotated[float, LENGTH] | None = dimension(
+    height: Length | None = dimension(
         "length of the stem above the face; the outer radius unless given", "20 mm"
     )
     material: MaterialField = material_field()
@@ -89,19 +90,16 @@ class ToroidalEdge(Closure):
     makes = meshes.ToroidalEdge.of
 
     shape: Literal["torus"] = Field(description="shape of the closure", examples=["torus"])
-    centre_radius: Annotated[float, LENGTH] = Field(
-        description="distance of the centre of the rim's section from the axis", examples=["15 mm"]
+    centre_radius: Length = required("distance of the centre of the rim's section from the axis", "15 mm")
+    radius: Length = required(
+        "radius of the rim's section; the plunger's own radius is centre_radius + radius", "3 mm"
     )
-    radius: Annotated[float, LENGTH] = Field(
-        description="radius of the rim's section; the plunger's own radius is centre_radius + radius",
-        examples=["3 mm"],
-    )
-    recess: Annotated[float, SMALL_LENGTH] | None = dimension(
+    recess: SmallLength | None = dimension(
         "how far the flat inside the rim lies above the rim's lowest circle; half the radius unless given, less where "
         "the rim would begin within half the centre_radius",
         "1 mm",
     )
-    height: Annotated[float, LENGTH] | None = dimension(
+    height: Length | None = dimension(
         "from the widest circle of the rim to the top; the plunger's radius unless given", "10 mm"
     )
     material: MaterialField = material_field()
@@ -113,16 +111,12 @@ class SphericalTip(Closure):
     makes = meshes.SphericalTip.of
 
     shape: Literal["spherical-tip"] = Field(description="shape of the closure", examples=["spherical-tip"])
-    radius: Annotated[float, LENGTH] = Field(description="radius of the cap", examples=["30 mm"])
-    stem_radius: Annotated[float, LENGTH] = Field(
-        description="radius of the rod, below that of the cap", examples=["20 mm"]
-    )
-    edge_radius: Annotated[float, SMALL_LENGTH] | None = dimension(
+    radius: Length = required("radius of the cap", "30 mm")
+    stem_radius: Length = required("radius of the rod, below that of the cap", "20 mm")
+    edge_radius: SmallLength | None = dimension(
         "rounding between cap and rod; a twentieth of stem_radius unless given", "1 mm"
     )
-    height: Annotated[float, LENGTH] | None = dimension(
-        "length of the rod above the cap; stem_radius unless given", "20 mm"
-    )
+    height: Length | None = dimension("length of the rod above the cap; stem_radius unless given", "20 mm")
     material: MaterialField = material_field()
 
 
@@ -132,12 +126,10 @@ class Disc(Closure):
     makes = meshes.Disc.of
 
     shape: Literal["disc"] = Field(description="shape of the closure", examples=["disc"])
-    radius: Annotated[float, LENGTH] = Field(description="radius of the disc", examples=["20 mm"])
-    edge_radius: Annotated[float, LENGTH] | None = dimension(
+    radius: Length = required("radius of the disc", "20 mm")
+    edge_radius: Length | None = dimension(
         "rounding of the lower rim; a twentieth of the radius, at most a quarter of the height, unless given",
         "1 mm",
     )
-    height: Annotated[float, LENGTH] | None = dimension(
-        "thickness of the disc; half its radius unless given", "10 mm"
-    )
+    height: Length | None = dimension("thickness of the disc; half its radius unless given", "10 mm")
     material: MaterialField = material_field()

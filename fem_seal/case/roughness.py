@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from leak import MeasuredSurface, PowerSpectrum, ScanSettings, StretchedRoughness
     from leak.surfaces.self_affine_fit import TrueHeight
 
-WAVENUMBER = Quantity("wavenumber", "1 1/m", "1e12 1/m")
+Wavenumber = Annotated[float, Quantity("wavenumber", "1 1/m", "1e12 1/m")]
 _MOST_FILES = 200
 # Root mean square of ln C_along/C_across after stretching, above which isolines are no similar ellipses.
 _LARGEST_MISFIT = 0.5
@@ -78,13 +78,13 @@ class SelfAffine(Table):
     hurst: Annotated[float, Number(0, 1, exclusive_low=True)] = Field(
         description="Hurst exponent", examples=[0.6]
     )
-    q_low: Annotated[float, WAVENUMBER] = Field(
+    q_low: Wavenumber = Field(
         description="smallest wavenumber, 2 pi over the longest wavelength", examples=["1e3 1/m"]
     )
-    q_rolloff: Annotated[float, WAVENUMBER] = Field(
+    q_rolloff: Wavenumber = Field(
         description="wavenumber above which the spectrum falls", examples=["3.727e4 1/m"]
     )
-    q_high: Annotated[float, WAVENUMBER] = Field(
+    q_high: Wavenumber = Field(
         description="largest wavenumber, 2 pi over the shortest wavelength", examples=["3.1416e6 1/m"]
     )
 
@@ -169,12 +169,12 @@ class Measured(Table):
         description='Hurst exponent of the continuation, with extrapolation = "self-affine"',
         examples=[0.8],
     )
-    q_low: Annotated[float, WAVENUMBER] | None = Field(
+    q_low: Wavenumber | None = Field(
         None,
         description="where the continued spectrum begins; the end of the range unless given",
         examples=["1e2 1/m"],
     )
-    q_high: Annotated[float, WAVENUMBER] | None = Field(
+    q_high: Wavenumber | None = Field(
         None,
         description="where the continued spectrum ends; the end of the range unless given",
         examples=["1e8 1/m"],

@@ -9,13 +9,14 @@ from pydantic import Field
 
 import meshes
 from fem_seal.case.bodies import (
-    INCLINATION,
-    LENGTH,
-    SMALL_LENGTH,
     Body,
+    Inclination,
+    Length,
     MaterialField,
+    SmallLength,
     dimension,
     material_field,
+    required,
 )
 from fem_seal.case.fields import Quantity
 from fem_seal.errors import Problem
@@ -59,10 +60,10 @@ class Held(Body):
 class Housed(Held):
     """A seat that is the top of a cylindrical housing with a bore."""
 
-    outer_radius: Annotated[float, LENGTH] | None = dimension(
+    outer_radius: Length | None = dimension(
         "radius of the housing; 1.5 times the closure's radius beyond the contact unless given", "40 mm"
     )
-    height: Annotated[float, LENGTH] | None = dimension(
+    height: Length | None = dimension(
         "from the lower edge of the face to the bottom of the housing; 1.5 times the closure's radius unless given",
         "40 mm",
     )
@@ -74,11 +75,11 @@ class ConicalSeat(Housed):
     makes = meshes.ConicalSeat.around
 
     shape: Literal["cone"] = Field(description="shape of the seat", examples=["cone"])
-    angle: Annotated[float, INCLINATION] = Field(description=_NORMAL, examples=["45 deg"])
-    bore_radius: Annotated[float, LENGTH] | None = dimension(
+    angle: Inclination = required(_NORMAL, "45 deg")
+    bore_radius: Length | None = dimension(
         "radius of the bore below the conical face; half the radius of first touch unless given", "10 mm"
     )
-    face_radius: Annotated[float, LENGTH] | None = dimension(
+    face_radius: Length | None = dimension(
         "radius of the upper edge of the conical face; the face ends 0.6 times the closure's radius beyond first "
         "touch unless given",
         "18 mm",
@@ -91,16 +92,16 @@ class ConicalLand(Housed):
     makes = meshes.ConicalLand.around
 
     shape: Literal["conical-land"] = Field(description="shape of the seat", examples=["conical-land"])
-    angle: Annotated[float, INCLINATION] = Field(description=_NORMAL, examples=["45 deg"])
-    land_width: Annotated[float, LENGTH] | None = dimension(
+    angle: Inclination = required(_NORMAL, "45 deg")
+    land_width: Length | None = dimension(
         "width of the land along its slope, between its edges before rounding; a tenth of the radius of first touch "
         "unless given",
         "1 mm",
     )
-    land_radius: Annotated[float, LENGTH] | None = dimension(
+    land_radius: Length | None = dimension(
         "radius of the middle of the land; centred on first touch unless given", "14 mm"
     )
-    edge_radius: Annotated[float, SMALL_LENGTH] | None = dimension(
+    edge_radius: SmallLength | None = dimension(
         "rounding of both edges of the land; a tenth of its width unless given", "0.1 mm"
     )
     relief_angle: Annotated[float, Quantity("angle", "0 deg", "90 deg")] | None = dimension(
@@ -116,25 +117,23 @@ class Sphere(Housed):
     makes = meshes.SphericalSeat.around
 
     shape: Literal["sphere"] = Field(description="shape of the seat", examples=["sphere"])
-    radius: Annotated[float, LENGTH] = Field(
-        description="radius of the hollow section", examples=["20.02 mm"]
-    )
-    contact_angle: Annotated[float, INCLINATION] | None = dimension(
+    radius: Length = required("radius of the hollow section", "20.02 mm")
+    contact_angle: Inclination | None = dimension(
         "between the axis and the contact normal at which the closure touches: the centre of the section then lies "
         "(radius - R) sin(contact_angle) beyond the axis, R being the radius of the ball; the centre lies on the axis "
         "unless given",
         "45 deg",
     )
-    bore_radius: Annotated[float, LENGTH] | None = dimension(
+    bore_radius: Length | None = dimension(
         "radius of the bore; half the radius of first touch unless given, half the ball's with the centre on the axis",
         "7 mm",
     )
-    face_radius: Annotated[float, LENGTH] | None = dimension(
+    face_radius: Length | None = dimension(
         "radius of the upper edge of the face; 1.35 times the radius of first touch unless given, nine tenths of the "
         "ball's with the centre on the axis; never beyond where the face is inclined by 75 deg",
         "18 mm",
     )
-    edge_radius: Annotated[float, SMALL_LENGTH] | None = dimension(
+    edge_radius: SmallLength | None = dimension(
         "rounding of both edges of the face; a twentieth of its width in r unless given", "0.2 mm"
     )
 
@@ -145,16 +144,14 @@ class ToroidalSeat(Housed):
     makes = meshes.ToroidalSeat.around
 
     shape: Literal["torus"] = Field(description="shape of the seat", examples=["torus"])
-    centre_radius: Annotated[float, LENGTH] = Field(
-        description="distance of the centre of the ring's section from the axis", examples=["14 mm"]
-    )
-    radius: Annotated[float, LENGTH] = Field(description="radius of the ring's section", examples=["3 mm"])
-    bore_radius: Annotated[float, LENGTH] | None = dimension(
+    centre_radius: Length = required("distance of the centre of the ring's section from the axis", "14 mm")
+    radius: Length = required("radius of the ring's section", "3 mm")
+    bore_radius: Length | None = dimension(
         "radius of the bore; the ring goes over into it smoothly, at centre_radius - radius, unless given, but not "
         "below half of centre_radius",
         "11 mm",
     )
-    recess: Annotated[float, SMALL_LENGTH] | None = dimension(
+    recess: SmallLength | None = dimension(
         "how far the top outside the ring lies below its crest; half the ring's radius unless given", "1 mm"
     )
 
@@ -165,12 +162,12 @@ class Flat(Housed):
     makes = meshes.FlatSeat.on
 
     shape: Literal["flat"] = Field(description="shape of the seat", examples=["flat"])
-    bore_radius: Annotated[float, LENGTH] | None = dimension(
+    bore_radius: Length | None = dimension(
         "radius of the bore; half the radius of first touch unless given, needed for a closure that is lowest on the "
         "axis",
         "8 mm",
     )
-    edge_radius: Annotated[float, LENGTH] | None = dimension(
+    edge_radius: Length | None = dimension(
         "rounding of the edge of the bore; a hundredth of the bore's radius unless given", "0.1 mm"
     )
 
@@ -181,8 +178,8 @@ class SharpEdge(Housed):
     makes = meshes.SharpEdge.around
 
     shape: Literal["sharp-edge"] = Field(description="shape of the seat", examples=["sharp-edge"])
-    bore_radius: Annotated[float, LENGTH] = Field(description="radius of the bore", examples=["12 mm"])
-    edge_radius: Annotated[float, LENGTH] | None = dimension(
+    bore_radius: Length = required("radius of the bore", "12 mm")
+    edge_radius: Length | None = dimension(
         "radius of the fillet; a hundredth of the bore's radius unless given", "0.1 mm"
     )
     top_angle: Annotated[float, Quantity("angle", "-90 deg", "90 deg", exclusive=True)] | None = dimension(
