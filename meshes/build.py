@@ -49,10 +49,6 @@ def build(closure: Shape, seat: Shape, sizing: Sizing) -> SealMesh:
         `Ball`, `ConicalSeat` and the other shapes of this package, or anything with an `outline`.
     sizing : Sizing
 
-    Returns
-    -------
-    SealMesh
-
     Raises
     ------
     GeometryError
@@ -81,10 +77,6 @@ def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
     contact : ContactGeometry
         Both sections, also drawn ones or ready meshes.
     sizing : Sizing
-
-    Returns
-    -------
-    SealMesh
 
     Raises
     ------

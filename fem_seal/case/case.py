@@ -84,10 +84,6 @@ class Case(CaseTables):
             The same as nested tables: ``seat={"angle": "50 deg"}``. Tables are merged; a table with another
             `shape` or `kind` replaces the old one. None removes an entry.
 
-        Returns
-        -------
-        Case
-
         Raises
         ------
         InputError
@@ -152,10 +148,6 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
     source : path or mapping
         TOML file; files named in it are looked for beside it, and the results folder is placed beside it. Or the same
         tables as a mapping, quantities as texts with units; files named there are looked for from the working folder.
-
-    Returns
-    -------
-    Case
 
     Raises
     ------

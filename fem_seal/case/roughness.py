@@ -501,12 +501,7 @@ def uncertain_heights(roughness: Roughness | None, *, between_scans: bool) -> It
 
 
 def scan_spectra(roughness: Roughness | None) -> dict[str, tuple[PowerSpectrum, ...]]:
-    """Spectra of the single scans, for each spectrum of the table that is the mean of two or more.
-
-    Parameters
-    ----------
-    roughness : Roughness or None
-    """
+    """Spectra of the single scans, for each spectrum of the table that is the mean of two or more."""
     parts = {} if roughness is None else roughness.parts
     return {
         key: one.scan_spectra()

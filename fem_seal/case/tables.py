@@ -239,12 +239,7 @@ class CaseTables(Table):
         return self._file
 
     def without_loads(self, numbers: Collection[int]) -> Self:
-        """The same without some of its loads; at least one must be left.
-
-        Parameters
-        ----------
-        numbers : collection of int
-        """
+        """The same without some of its loads; at least one must be left."""
         return self.model_copy(update={"load": self.load.without(numbers)}) if numbers else self
 
 

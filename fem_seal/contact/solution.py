@@ -134,10 +134,6 @@ class ContactSolution:
 def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     """Fields of both bodies under a solved contact, "closure" and "seat".
 
-    Parameters
-    ----------
-    solution : ContactSolution
-
     Examples
     --------
     >>> import fem_seal, meshes

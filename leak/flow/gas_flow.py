@@ -135,10 +135,6 @@ def gas_leak_flow(
     ends : tuple of float or None, optional
         x at which the faces end, see `leak.leak_flow` [m].
 
-    Returns
-    -------
-    GasLeakResult
-
     Raises
     ------
     ProfileError

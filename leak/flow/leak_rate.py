@@ -159,10 +159,6 @@ def leak_flow(
     ends : tuple of float or None, optional
         x at which the faces end, inner and outer, None where they go on: nothing resists beyond [m].
 
-    Returns
-    -------
-    LeakResult
-
     Examples
     --------
     >>> import numpy as np

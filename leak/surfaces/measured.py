@@ -122,10 +122,6 @@ def measure(
     settings : ScanSettings, optional
         Tilt removed, Hann window, cut, unless given.
 
-    Returns
-    -------
-    MeasuredSurface
-
     Raises
     ------
     ScanError

@@ -52,10 +52,6 @@ def find_outliers(scan: Topography) -> FoundOutliers:
     Each height is compared with both at some distance; it must lie above both, or below both, by more than the steps
     over this distance scatter. Their standard deviation is taken from their median, which outliers hardly move. In a
     map a point must stand out along both sides: a ridge or a groove is none.
-
-    Parameters
-    ----------
-    scan : LineScan or HeightMap
     """
     from scipy.ndimage import label
 

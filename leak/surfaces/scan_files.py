@@ -32,10 +32,6 @@ def read_topography(path: str | PathLike[str], *, unit: Unit | None = None) -> T
         Unit of length of x and height ("um"), or of each (("mm", "um")), where the file states none; a unit that
         contradicts the file is refused.
 
-    Returns
-    -------
-    LineScan or HeightMap
-
     Raises
     ------
     ScanError
@@ -72,10 +68,6 @@ def read_topographies(
         Files of the scans.
     unit : str or two of them, optional
         Where the files state none, the same for all.
-
-    Returns
-    -------
-    tuple of LineScan or HeightMap
 
     Raises
     ------
