@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -179,10 +180,7 @@ def test_missing_case_file_and_unusable_output_folder(call, tmp_path):
 def fail_with(monkeypatch, error):
     from fem_seal import result as seal_result
 
-    def run(case, progress=None):
-        raise error
-
-    monkeypatch.setattr(seal_result, "run", run)
+    monkeypatch.setattr(seal_result, "run", Mock(side_effect=error))
 
 
 def test_no_convergence_leaves_with_3(call, monkeypatch, tmp_path):

@@ -7,6 +7,7 @@ import math
 import re
 from functools import cached_property
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -106,10 +107,7 @@ def test_a_load_that_does_not_converge_is_tried_on_a_finer_mesh_and_then_left_ou
 
 
 def test_if_no_load_converges_it_is_an_error(monkeypatch):
-    def failing(self, *point, start=None):
-        raise ConvergenceError("residual 1e-3")
-
-    monkeypatch.setattr(LoadSolver, "solve", failing)
+    monkeypatch.setattr(LoadSolver, "solve", Mock(side_effect=ConvergenceError("residual 1e-3")))
     with pytest.raises(ConvergenceError, match="residual 1e-3"):
         fem_seal.run(case())
 
@@ -161,10 +159,7 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
     ],
 )
 def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, monkeypatch, tmp_path):
-    def failing(*arguments, **options):
-        raise ZeroDivisionError("float division by zero")
-
-    monkeypatch.setattr(chain, broken, failing)
+    monkeypatch.setattr(chain, broken, Mock(side_effect=ZeroDivisionError("float division by zero")))
     result = fem_seal.run(case())
     (said, *_) = [text for text in result.warnings if "could not be calculated" in text]
     assert said.startswith(
@@ -239,10 +234,7 @@ def test_stress_that_nobody_can_calculate_costs_neither_contact_nor_leak(monkeyp
     """Checks, report and VTK files ask for it as well."""
     from fem_seal.contact import solution
 
-    def failing(solution):
-        raise MemoryError
-
-    monkeypatch.setattr(solution, "body_fields", failing)
+    monkeypatch.setattr(solution, "body_fields", Mock(side_effect=MemoryError))
     result = fem_seal.run(case(load={"fluid_pressure": "20 bar"}))
     assert result.table.max_von_mises_Pa.isna().all() and (result.table.leak_rate_m3_per_s > 0).all()
     assert result.table.validity.tolist() == ["doubtful"]
@@ -252,10 +244,7 @@ def test_stress_that_nobody_can_calculate_costs_neither_contact_nor_leak(monkeyp
 
 @pytest.mark.parametrize("broken", ["write_report", "write_contact", "write_imprint_csv", "write_summary"])
 def test_a_file_that_cannot_be_made_costs_no_other(broken, monkeypatch, tmp_path):
-    def failing(*arguments):
-        raise KeyError("no such picture")
-
-    monkeypatch.setattr(files, broken, failing)
+    monkeypatch.setattr(files, broken, Mock(side_effect=KeyError("no such picture")))
     result = fem_seal.run(case(load={"fluid_pressure": "20 bar"}))
     with pytest.warns(UserWarning, match="could not be calculated"):
         result.write(tmp_path)

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from sample_results import rough_result, single_result
@@ -216,6 +217,7 @@ def test_a_part_of_another_calculation_is_marked(two_runs, tmp_path, capsys):
 HOLDER = """
 import sys, time
 from pathlib import Path
+from unittest.mock import Mock
 from fem_seal.folders import alone
 with alone(Path(sys.argv[1])):
     print("mine", flush=True)
@@ -270,10 +272,8 @@ def test_without_locks_nobody_is_kept_out(tmp_path, monkeypatch, reason):
 
     from fem_seal import folders
 
-    def none(handle):
-        raise OSError(getattr(errno, reason), "no locks here")
-
-    monkeypatch.setattr(folders, "_lock", none)
+    error = OSError(getattr(errno, reason), "no locks here")
+    monkeypatch.setattr(folders, "_lock", Mock(side_effect=error))
     with alone(tmp_path), alone(tmp_path):
         pass
 

@@ -7,6 +7,7 @@ import shutil
 import sqlite3
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -589,11 +590,8 @@ def test_keys_depend_on_the_contents_of_files(tmp_path):
 # ---------------------------------------------------------------- storage
 
 
-def no_scheduler(*options):
-    raise InputError(Problem("--scheduler", "there is no dask scheduler"))
-
-
 def test_nothing_is_changed_or_left_behind_if_nothing_calculates(tmp_path, monkeypatch):
+    no_scheduler = Mock(side_effect=InputError(Problem("--scheduler", "there is no dask scheduler")))
     with monkeypatch.context() as patch:
         patch.setattr("fem_seal.studies.session.pool", no_scheduler)
         with pytest.raises(InputError, match="no dask scheduler"):
