@@ -47,6 +47,11 @@ def shown(capsys, monkeypatch, rows, width=None):
     return re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
 
 
+def four_digits(row, column):
+    """A number with its zeros, so that columns stay aligned."""
+    return f"{column.unit.of(row[column.name]):#.4g}".removesuffix(".")
+
+
 def cells(text):
     return [line.split() for line in text.splitlines() if line.strip()]
 
@@ -59,7 +64,7 @@ def test_a_terminal_folds_columns_and_cuts_no_number(width, capsys, monkeypatch)
     assert max(len(line.rstrip()) for line in table.splitlines()) <= width
     for one in ROWS:
         for column in output_columns.LEAK_ON_TERMINAL:
-            assert cli._cell(one[column.name], column.unit) in text.split()
+            assert four_digits(one, column) in text.split()
     # every part begins with the pressure, and its rows carry their marks
     firsts = [line[0] for line in cells(table) if line[0] in ("5.000", "20.00", "1800")]
     parts = len(firsts) // 3
@@ -79,7 +84,7 @@ def test_a_file_gets_all_columns_side_by_side(columns, capsys, monkeypatch):
     assert line == [
         "1800",
         "!",
-        *(cli._cell(ROWS[2][column.name], column.unit) for column in output_columns.LEAK_ON_TERMINAL[1:]),
+        *(four_digits(ROWS[2], column) for column in output_columns.LEAK_ON_TERMINAL[1:]),
     ]
 
 
