@@ -24,20 +24,42 @@ SPECTRUM = {
     "q_rolloff": "3.7268e4 1/m",
     "q_high": "3.14159e6 1/m",
 }
+# Hard contact: no roughness, no fluid, no leak.
+SMOOTH: dict[str, Any] = {
+    "roughness": None,
+    "fluid": None,
+    "interface": {"law": "smooth"},
+    "leak": {"plasticity": False},
+}
+
+
+def ball(material: object = "steel", radius: str = "20 mm") -> dict[str, Any]:
+    """The table of a ball."""
+    return {"shape": "ball", "radius": radius, "material": material}
+
+
+def cone(material: object = STEEL, angle: str = "45 deg", **more: str) -> dict[str, Any]:
+    """The table of a conical seat."""
+    return {"shape": "cone", "angle": angle, "material": material, **more}
 
 
 def case(**tables: Any) -> Case:
     """A ball of 20 mm on a cone of 45 deg with some tables changed; None leaves one out."""
     standard: dict[str, Any] = {
         "title": 'Ball & cone <script>alert("x")</script>',
-        "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
-        "seat": {"shape": "cone", "angle": "45 deg", "material": STEEL},
+        "closure": ball(),
+        "seat": cone(),
         "roughness": {"spectrum": SPECTRUM},
         "fluid": {"name": "water"},
         "load": {"fluid_pressure": ["2 bar", "5 bar", "20 bar"]},
         **tables,
     }
     return Case(**{name: table for name, table in standard.items() if table is not None})
+
+
+def smooth_case(**tables: Any) -> Case:
+    """Hard contact of the bodies alone."""
+    return case(**SMOOTH, **tables)
 
 
 @cache
@@ -59,13 +81,5 @@ def single_result() -> SealResult:
 
 @cache
 def smooth_result() -> SealResult:
-    """Hard contact: no roughness, no fluid, no leak."""
-    return fem_seal.run(
-        case(
-            roughness=None,
-            fluid=None,
-            interface={"law": "smooth"},
-            leak={"plasticity": False},
-            load={"fluid_pressure": ["20 bar", "50 bar"]},
-        )
-    )
+    """Two loads of hard contact."""
+    return fem_seal.run(smooth_case(load={"fluid_pressure": ["20 bar", "50 bar"]}))

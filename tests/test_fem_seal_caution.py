@@ -9,7 +9,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 from judged_loads import SURFACE, field, judged, load
-from sample_results import STEEL, case, rough_result
+from sample_results import STEEL, ball, case, cone, rough_result
 
 import fem_seal
 from fem_seal.analysis import warnings
@@ -57,7 +57,7 @@ def test_an_elastic_body_is_outside_the_theory_from_one_and_a_half_times_its_yie
 
 
 def test_the_body_that_is_further_above_its_yield_stress_comes_first():
-    of = case(closure={"shape": "ball", "radius": "20 mm", "material": STEEL})
+    of = case(closure=ball(STEEL))
     both = load(bodies=(field("closure", 2e9), field("seat", 5e9)))
     assert [one.reason[:7] for one in judged("yield stress", both, of=of)] == ["seat: v", "closure"]
 
@@ -68,7 +68,7 @@ def test_the_body_that_is_further_above_its_yield_stress_comes_first():
 def test_plastic_strain_has_to_stay_on_its_curve_and_small(strain, levels):
     curve = {"plastic_strain": [0, 0.05], "stress": ["300 MPa", "400 MPa"]}
     material = {key: value for key, value in STEEL.items() if key != "yield_stress"}
-    of = case(seat={"shape": "cone", "angle": "45 deg", "material": {**material, "stress_strain": curve}})
+    of = case(seat=cone({**material, "stress_strain": curve}))
     yielded = load(bodies=(field("seat", 400e6, strain),))
     found = judged("stress-strain curve", yielded, of=of) + judged("large strain", yielded, of=of)
     assert [one.level for one in found] == levels
@@ -124,8 +124,7 @@ def test_what_is_sealed_or_nearly_so_is_doubtful_and_what_is_blown_open_has_no_r
 
 
 def soft_seat(**tables):
-    soft = {**STEEL, "yield_stress": "60 MPa"}
-    return case(seat={"shape": "cone", "angle": "45 deg", "material": soft}, **tables)
+    return case(seat=cone({**STEEL, "yield_stress": "60 MPa"}), **tables)
 
 
 @pytest.fixture(scope="module")
@@ -232,18 +231,17 @@ def test_a_mesh_error_that_is_not_known_is_no_clean_bill():
 # ---------------------------------------------------------------- faces that bend within the thickness of the layer
 
 
+def layered(u0: str, **tables: object) -> Case:
+    """Elastic steel with an exponential law and no roughness."""
+    law = {"law": "exponential", "u0": u0, "p_c": "5 GPa"}
+    return case(**{"roughness": None, "fluid": None, "interface": law, "seat": cone("steel"), **tables})
+
+
 def edge_case(edge_radius: str, u0: str) -> Case:
-    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
-    return Case(
-        closure={
-            "shape": "cone",
-            "angle": "45 deg",
-            "mean_radius": "5 mm",
-            "outer_radius": "7 mm",
-            "material": steel,
-        },
-        seat={"shape": "sharp-edge", "bore_radius": "5 mm", "edge_radius": edge_radius, "material": steel},
-        interface={"law": "exponential", "u0": u0, "p_c": "5 GPa"},
+    return layered(
+        u0,
+        closure=cone("steel", mean_radius="5 mm", outer_radius="7 mm"),
+        seat={"shape": "sharp-edge", "bore_radius": "5 mm", "edge_radius": edge_radius, "material": "steel"},
         load={"fluid_pressure": ["2 bar"]},
     )
 
@@ -264,27 +262,16 @@ def test_a_layer_that_is_not_thin_against_the_edge_says_so(edge_radius, u0, leve
 
 
 def test_check_and_report_say_where_the_closed_forms_do_not_hold():
-    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
-    tables = {
-        "closure": {"shape": "ball", "radius": "20 mm", "material": steel},
-        "interface": {"law": "exponential", "u0": "0.76 um", "p_c": "5 GPa"},
-        "load": {"fluid_pressure": ["2 bar", "20 bar"]},
-    }
-    land = {
-        "shape": "conical-land",
-        "angle": "45 deg",
-        "land_width": "0.2 mm",
-        "edge_radius": "0.1 mm",
-        "material": steel,
-    }
-    narrow = Case(**tables, seat=land)
+    load = {"fluid_pressure": ["2 bar", "20 bar"]}
+    land = {**cone("steel", land_width="0.2 mm", edge_radius="0.1 mm"), "shape": "conical-land"}
+    narrow = layered("0.76 um", seat=land, load=load)
     said = closed_form_limits(narrow, derive(narrow))
     assert said.startswith("from 2 bar on")
     result = run(narrow)
     assert said[1:] in comparison_note(result)
     crossover = derive(narrow).loads[0].crossover
     assert abs(result.loads[0].contact.profile.peak_pressure / crossover.peak_pressure - 1) > 0.05
-    wide = Case(**tables, seat={"shape": "cone", "angle": "45 deg", "material": steel})
+    wide = layered("0.76 um", load=load)
     assert closed_form_limits(wide, derive(wide)) == ""
 
 
@@ -306,15 +293,10 @@ def test_check_says_where_the_law_is_no_exponential_and_where_only_a_run_decides
 
 
 def test_the_warning_of_yielding_can_be_followed():
-    soft = {
-        "youngs_modulus": "210 GPa",
-        "poissons_ratio": 0.3,
-        "yield_stress": "50 MPa",
-        "hardness": "3.5 GPa",
-    }
+    soft = {**STEEL, "yield_stress": "50 MPa"}
     for closing, advice in (("sealed-area", False), ("penetration", True)):
         tables = {"load": {"fluid_pressure": "60 bar", "closing": closing, "axial_force": "5 kN"}}
-        result = run(case(**tables, seat={"shape": "cone", "angle": "45 deg", "material": soft}))
+        result = run(case(**tables, seat=cone(soft)))
         said = next(text for text in result.warnings if "solves it as elastoplastic" in text)
         assert ('together with [load] closing = "sealed-area"' in said) == advice
 
@@ -340,21 +322,12 @@ def test_next_to_the_percolation_threshold_no_factor_is_claimed():
 
 def test_a_thick_layer_on_a_small_steep_seat_says_so():
     """27 um of layer at 70 degrees and r0 = 0.94 mm: up to 8 % of the radius, as theory_geometry.md counts it."""
-    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
-    tables = {
-        "closure": {"shape": "ball", "radius": "1 mm", "material": steel},
-        "interface": {"law": "exponential", "u0": "3 um", "p_c": "5 GPa"},
-        "load": {"fluid_pressure": "0.5 bar"},
-    }
-    (steep,) = run(Case(**tables, seat={"shape": "cone", "angle": "70 deg", "material": steel})).loads
+    load = {"fluid_pressure": "0.5 bar"}
+    small = layered("3 um", closure=ball(radius="1 mm"), seat=cone("steel", "70 deg"), load=load)
+    (steep,) = run(small).loads
     apart = 3e-6 * math.log(5e9 / steep.contact.profile.peak_pressure)
     share = apart * math.tan(math.radians(70)) / (1e-3 * math.sin(math.radians(70)))
     assert str(steep.validity.level) == "doubtful"
     assert any(f"{share:.2g} of the radius of first touch" in reason for reason in steep.validity.reasons)
-    wide = run(
-        Case(
-            **{**tables, "closure": {"shape": "ball", "radius": "20 mm", "material": steel}},
-            seat={"shape": "cone", "angle": "20 deg", "material": steel},
-        )
-    )
+    wide = run(layered("3 um", seat=cone("steel", "20 deg"), load=load))
     assert str(wide.loads[0].validity.level) == "valid"

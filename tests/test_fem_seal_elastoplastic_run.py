@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from sample_results import case as elastic_case
+from sample_results import cone, smooth_case
 
 import fem_seal
 from fem_seal.analysis.closed_forms import derive, profile_sizes
@@ -346,16 +346,7 @@ def test_the_report_says_what_it_compares(proof: SealResult) -> None:
 def low_yield_stress() -> SealResult:
     """A smooth elastic contact far beyond its yield stress."""
     soft = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "yield_stress": "100 MPa"}
-    return fem_seal.run(
-        elastic_case(
-            seat={"shape": "cone", "angle": "45 deg", "material": soft},
-            roughness=None,
-            fluid=None,
-            interface={"law": "smooth"},
-            leak={"plasticity": False},
-            load={"fluid_pressure": "20 bar"},
-        )
-    )
+    return fem_seal.run(smooth_case(seat=cone(soft), load={"fluid_pressure": "20 bar"}))
 
 
 def test_elastic_results_name_where_and_how_far_the_yield_stress_is_passed() -> None:

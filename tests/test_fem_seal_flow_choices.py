@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pandas as pd
 import pytest
-from sample_results import SPECTRUM, STEEL, case, rough_result
+from sample_results import SPECTRUM, STEEL, ball, case, cone, rough_result
 
 import fem_seal
 import leak
@@ -151,16 +151,8 @@ def test_files_of_a_seal_blown_open(tmp_path):
 def cut_off(**tables):
     """A ball in a seat whose face ends within the contact."""
     return case(
-        closure={"shape": "ball", "radius": "10 mm", "material": STEEL},
-        seat={
-            "shape": "cone",
-            "angle": "45 deg",
-            "bore_radius": "7 mm",
-            "face_radius": "7.15 mm",
-            "height": "0.5 mm",
-            "outer_radius": "7.5 mm",
-            "material": STEEL,
-        },
+        closure=ball(STEEL, "10 mm"),
+        seat=cone(bore_radius="7 mm", face_radius="7.15 mm", height="0.5 mm", outer_radius="7.5 mm"),
         roughness={
             "spectrum": {
                 **SPECTRUM,

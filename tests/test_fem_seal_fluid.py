@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from sample_results import STEEL, case, rough_result
+from sample_results import case, cone, rough_result
 
 import fem_seal
 import leak
@@ -126,7 +126,7 @@ def test_readable_leak_and_class():
         "estimated from the circle of first touch, 28.3 mm in diameter"
         in leakage_lines(result.case, load, result.loads)[1]
     )
-    bored = case(seat={"shape": "cone", "angle": "45 deg", "bore_radius": "12 mm", "material": STEEL})
+    bored = case(seat=cone(bore_radius="12 mm"))
     assert str(nominal_size(bored)) == "DN 25, estimated from the bore of the seat, 24.0 mm in diameter"
     gas = helium_result()
     assert str(nominal_size(gas.case)) == "DN 25"

@@ -12,7 +12,7 @@ from unittest.mock import Mock
 import numpy as np
 import pandas as pd
 import pytest
-from sample_results import STEEL, case, rough_result
+from sample_results import STEEL, case, cone, rough_result
 
 import fem_seal
 from fem_seal import cli
@@ -119,7 +119,7 @@ def test_a_path_ends_before_a_load_whose_traces_are_not_known():
         "stress_strain": {"plastic_strain": [0, 0.1], "stress": ["0.3 GPa", "0.4 GPa"]},
     }
     path = case(
-        seat={"shape": "cone", "angle": "45 deg", "material": yielding},
+        seat=cone(yielding),
         load={
             "fluid_pressure": ["5 bar", "100 bar", "20 kbar", "10 bar"],
             "axial_force": ["0 N", "-1 MN", "0 N", "0 N"],

@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 import pytest
 from conftest import STEEL
+from sample_results import SMOOTH, ball, case, cone, smooth_case
 from sample_results import STEEL as STEEL_TABLE
-from sample_results import case
 
 import fem_seal
 import meshes
@@ -112,9 +112,6 @@ def test_too_much_pressure_is_refused_with_the_one_that_opens():
     assert said == pytest.approx(opens / 1e5, rel=1e-4)
 
 
-SMOOTH = {"roughness": None, "fluid": None, "interface": {"law": "smooth"}, "leak": {"plasticity": False}}
-
-
 @pytest.mark.parametrize(
     ("side", "too_little", "tables", "below"),
     [
@@ -196,7 +193,7 @@ def test_a_target_that_only_an_extrapolation_reaches_is_warned_of():
     """The present load is far inside the theory; the force for the target is not, and says so as a run at it does."""
     load = {"fluid_pressure": ["20 bar", "40 bar"], "target_leak_rate": "0.02 mm^3/s"}
     soft = {**STEEL_TABLE, "yield_stress": "250 MPa"}
-    result = fem_seal.run(case(seat={"shape": "cone", "angle": "45 deg", "material": soft}, load=load))
+    result = fem_seal.run(case(seat=cone(soft), load=load))
     forces = [one.force_for_target for one in result.loads]
     prefix = (
         f"at the force for the target leak rate, {forces[0]:.4g} N at 20 bar to {forces[1]:.4g} N at 40 bar: "
@@ -205,7 +202,7 @@ def test_a_target_that_only_an_extrapolation_reaches_is_warned_of():
     told = [text.removeprefix(prefix) for text in result.warnings]
     again = fem_seal.run(
         case(
-            seat={"shape": "cone", "angle": "45 deg", "material": soft},
+            seat=cone(soft),
             load={
                 "fluid_pressure": load["fluid_pressure"],
                 "axial_force": [f"{force} N" for force in forces],
@@ -252,8 +249,8 @@ def soft_and_rough(**load):
     """Rubbery bodies with a coarse surface: no force that keeps strains small makes them tight."""
     rubber = {"youngs_modulus": "10 MPa", "poissons_ratio": 0.3}
     return case(
-        closure={"shape": "ball", "radius": "20 mm", "material": rubber},
-        seat={"shape": "cone", "angle": "45 deg", "material": rubber},
+        closure=ball(rubber),
+        seat=cone(rubber),
         roughness={
             "spectrum": {
                 "kind": "self-affine",
@@ -359,11 +356,6 @@ def test_a_single_pressure_under_several_forces_is_told_once():
 # ---------------------------------------------------------------- press fit and far field
 
 
-def smooth_case(**tables):
-    """Hard contact of the bodies alone."""
-    return case(roughness=None, fluid=None, interface={"law": "smooth"}, leak={"plasticity": False}, **tables)
-
-
 def flat_ring(bore=0.01, outer=0.03, height=0.02):
     """A flat ring with a rounded plunger on it, condensed with its wall held."""
     face = meshes.chain([(bore, 0.0), (0.9 * outer, 0.0)], "seat_face")
@@ -402,7 +394,7 @@ def test_a_ring_pressed_into_a_bore_is_that_of_lame():
 
 
 def test_the_press_fit_stands_in_the_case():
-    seat = {"shape": "cone", "angle": "45 deg", "material": "steel", "wall": "fixed", "outer_radius": "25 mm"}
+    seat = cone("steel", wall="fixed", outer_radius="25 mm")
     fitted = fem_seal.run(
         smooth_case(seat={**seat, "interference": "10 um"}, load={"fluid_pressure": "20 bar"})
     )
@@ -421,15 +413,7 @@ def test_the_press_fit_stands_in_the_case():
 
 
 def test_the_far_field_matters_where_the_housing_is_small():
-    seat = {
-        "shape": "cone",
-        "angle": "45 deg",
-        "material": "steel",
-        "bore_radius": "12.5 mm",
-        "face_radius": "15.5 mm",
-        "outer_radius": "16 mm",
-        "height": "3 mm",
-    }
+    seat = cone("steel", bore_radius="12.5 mm", face_radius="15.5 mm", outer_radius="16 mm", height="3 mm")
     small = fem_seal.run(smooth_case(seat=seat, load={"fluid_pressure": "200 bar"}))
     assert [change.name for change in small.far_field] == [
         "a housing twice as wide and high",

@@ -63,9 +63,7 @@ def test_a_notebook_shows_the_table_and_the_pressure_profiles():
 
 def test_a_study_and_its_result_are_a_few_lines_and_a_notebook_shows_its_designs():
     study = fem_seal.Study(
-        sample_results.case(
-            roughness=None, fluid=None, interface={"law": "smooth"}, load={"fluid_pressure": "20 bar"}
-        ),
+        sample_results.smooth_case(load={"fluid_pressure": "20 bar"}),
         parameters={"seat.angle": ["40 deg", "50 deg"]},
         responses=["peak_pressure_Pa"],
     )

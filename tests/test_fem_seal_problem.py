@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sample_results import STEEL, case, rough_result, single_result
+from sample_results import case, cone, rough_result, single_result
 
 import fem_seal
 from fem_seal.analysis.flow import Flow
@@ -68,9 +68,7 @@ def test_the_law_is_that_of_the_variant():
 
 
 def test_the_seat_of_a_case_and_its_larger_housing():
-    held = case(
-        seat={"shape": "cone", "angle": "45 deg", "material": STEEL, "wall": "fixed", "interference": "2 um"}
-    )
+    held = case(seat=cone(wall="fixed", interference="2 um"))
     problem = SealProblem.of(held)
     assert problem.supports == Supports(wall="fixed") and problem.interference == pytest.approx(2e-6)
     larger = problem.larger_housing()

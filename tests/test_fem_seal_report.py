@@ -11,7 +11,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from sample_results import STEEL, case, rough_result, single_result, smooth_result
+from sample_results import case, cone, rough_result, single_result, smooth_result
 
 import fem_seal
 from fem_seal.analysis.caution import Caution, Level, Validity
@@ -340,14 +340,8 @@ def test_summary_claims_no_class_outside_the_theory():
 @pytest.fixture(scope="module")
 def fitting():
     """Cones of the same angle, with smooth faces: quick, and without any closed form."""
-    cone = {"shape": "cone", "angle": "45 deg", "material": STEEL}
-    return fem_seal.run(
-        case(
-            closure={**cone, "outer_radius": "10 mm", "inner_radius": "8 mm"},
-            seat=cone,
-            load={"fluid_pressure": ["5 bar", "20 bar"]},
-        )
-    )
+    fitting_cone = cone(outer_radius="10 mm", inner_radius="8 mm")
+    return fem_seal.run(case(closure=fitting_cone, load={"fluid_pressure": ["5 bar", "20 bar"]}))
 
 
 def test_where_no_closed_form_exists_none_is_announced(fitting, page):

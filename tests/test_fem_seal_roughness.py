@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sample_results import ball, cone
 
 import leak
 from fem_seal import Case, load_case
@@ -19,12 +20,8 @@ PROFILE = {"kind": "profile", "file": str(SCAN)}
 
 def case(**roughness):
     return Case(
-        closure={"shape": "ball", "radius": "20 mm", "material": "steel 1.4122"},
-        seat={
-            "shape": "cone",
-            "angle": "45 deg",
-            "material": {"youngs_modulus": "70 GPa", "poissons_ratio": 0.3, "hardness": "1 GPa"},
-        },
+        closure=ball("steel 1.4122"),
+        seat=cone({"youngs_modulus": "70 GPa", "poissons_ratio": 0.3, "hardness": "1 GPa"}),
         roughness=roughness,
         load={"fluid_pressure": "20 bar"},
     )

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from sample_results import STEEL, case, rough_result, single_result, smooth_result
+from sample_results import SPECTRUM, STEEL, ball, case, cone, rough_result, single_result, smooth_result
 from scipy.stats import norm
 
 import fem_seal
@@ -61,22 +61,16 @@ CHANGES = {
 def test_a_sample_is_what_a_whole_run_with_its_inputs_gives():
     steel = {**STEEL, "youngs_modulus": "231 GPa", "hardness": f"{3.5 * 0.9} GPa"}
     spectrum = {
-        "kind": "self-affine",
+        **SPECTRUM,
         "rms_height": f"{1.9 * 1.2} um",
         "hurst": 0.6 * 1.1,
-        "q_low": "1e3 1/m",
         "q_rolloff": f"{3.7268e4 * 0.8} 1/m",
         "q_high": f"{3.14159e6 * 0.7} 1/m",
     }
-    closure = {
-        "shape": "ball",
-        "radius": "20 mm",
-        "material": {**steel, "hardness": "9 GPa"},
-    }
     expected = fem_seal.run(
         case(
-            closure=closure,
-            seat={"shape": "cone", "angle": "45 deg", "material": steel},
+            closure=ball({**steel, "hardness": "9 GPa"}),
+            seat=cone(steel),
             roughness={"spectrum": spectrum},
         )
     )
@@ -163,10 +157,7 @@ def scans(folder, heights):
     """Three scans of the same surface, with all heights times a factor, as text files."""
     from leak.surfaces.random import random_line_scan
 
-    spectrum = leak.PowerSpectrum.self_affine(
-        rms_height=1e-6, hurst=0.8, q_low=2e3, q_rolloff=2e4, q_high=6e5
-    )
-    x, heights_of_one = random_line_scan(spectrum, length=4e-3, points=4000, seed=4)
+    x, heights_of_one = random_line_scan(SCANNED, length=4e-3, points=4000, seed=4)
     files = []
     for n, height in enumerate(heights):
         h = height * heights_of_one
