@@ -66,8 +66,8 @@ def rel(*bends: float) -> float:
 
 
 # r0 and R_rel by hand, section by section (mm). The centre of the rounding between a horizontal and a line of slope a,
-# meeting at r, lies at r - e tan(a/2); that between the line and a vertical at r - e.
-NOSE, SHOULDER = 9 - 1 * math.tan(55 * DEG / 2), 18 - 1
+# meeting at r, lies at r - e tan(a/2).
+NOSE = 9 - 1 * math.tan(55 * DEG / 2)
 SIN = math.sin(BETA)
 EXPECTED = {
     ("ball", "cone"): (20 * SIN, rel(1 / 20)),
