@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from sample_results import SPECTRUM, ball, cone
 
 import fem_seal
 from fem_seal import Case, InputError, Study, load_case
@@ -16,27 +17,9 @@ from fem_seal.case.tables import CaseTables
 from fem_seal.materials import LIBRARY, Material, effective_modulus, material
 
 CASE = {
-    "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
-    "seat": {
-        "shape": "cone",
-        "angle": "45 deg",
-        "material": {
-            "youngs_modulus": "210 GPa",
-            "poissons_ratio": 0.3,
-            "hardness": "3.5 GPa",
-            "yield_stress": "1 GPa",
-        },
-    },
-    "roughness": {
-        "spectrum": {
-            "kind": "self-affine",
-            "rms_height": "1.9 um",
-            "hurst": 0.6,
-            "q_low": "1e3 1/m",
-            "q_rolloff": "3.727e4 1/m",
-            "q_high": "3.1416e6 1/m",
-        }
-    },
+    "closure": ball(),
+    "seat": cone(),
+    "roughness": {"spectrum": SPECTRUM},
     "fluid": {"viscosity": "1 mPa s"},
     "load": {"fluid_pressure": ["1 bar", "20 bar"]},
 }
@@ -64,7 +47,7 @@ def test_everything_is_si_after_reading(case):
     assert case.seat.angle == pytest.approx(math.pi / 4, rel=1e-15)
     assert case.seat.material.hardness == 3.5e9
     assert case.roughness.spectrum.rms_height == 1.9e-6
-    assert case.roughness.spectrum.q_high == 3.1416e6
+    assert case.roughness.spectrum.q_high == 3.14159e6
     assert case.fluid.viscosity == 1e-3
     assert case.load.fluid_pressure == (1e5, 20e5)
 
@@ -163,7 +146,7 @@ def test_the_input_is_not_touched():
 
 def test_material_objects_are_accepted_in_code():
     brass = Material("own brass", youngs_modulus=105e9, poissons_ratio=0.35)
-    case = Case(**{**CASE, "closure": {"shape": "ball", "radius": "20 mm", "material": brass}})
+    case = Case(**{**CASE, "closure": ball(brass)})
     assert case.closure.material is brass
 
 
@@ -324,7 +307,7 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
         ("roughness.spectrum.hurst", True, "is not a number"),
         ("roughness.spectrum.hurst", 10**400, "out of range"),
         ("roughness.spectrum.q_low", "4e6 1/m", "must be below q_high"),
-        ("roughness.spectrum.q_low", "3.1416e6 1/m", "must be below q_high"),
+        ("roughness.spectrum.q_low", "3.14159e6 1/m", "must be below q_high"),
         ("roughness.spectrum.q_rolloff", "1 1/m", "must lie between q_low"),
         ("roughness.spectrum.q_rolloff", "1e8 1/m", "must lie between q_low"),
         ("roughness.spectrum.kind", "profile", 'needs file = "seat.csv"'),
