@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from conftest import STEEL
-from sample_results import SMOOTH, ball, case, cone, smooth_case
+from sample_results import SMOOTH, SPECTRUM, ball, case, cone, smooth_case
 from sample_results import STEEL as STEEL_TABLE
 
 import fem_seal
@@ -248,19 +248,11 @@ def test_targets_that_are_no_question(changes, target, said):
 def soft_and_rough(**load):
     """Rubbery bodies with a coarse surface: no force that keeps strains small makes them tight."""
     rubber = {"youngs_modulus": "10 MPa", "poissons_ratio": 0.3}
+    coarse = {"rms_height": "60 um", "q_rolloff": "1e4 1/m", "q_high": "1e6 1/m"}
     return case(
         closure=ball(rubber),
         seat=cone(rubber),
-        roughness={
-            "spectrum": {
-                "kind": "self-affine",
-                "rms_height": "60 um",
-                "hurst": 0.6,
-                "q_low": "1e3 1/m",
-                "q_rolloff": "1e4 1/m",
-                "q_high": "1e6 1/m",
-            }
-        },
+        roughness={"spectrum": {**SPECTRUM, **coarse}},
         leak={"plasticity": False},
         load={"fluid_pressure": "0.01 bar", **load},
     )
