@@ -21,6 +21,7 @@ from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import element_sizes, for_yielding
 from fem_seal.errors import InputError, LoadProblem
+from fem_seal.form import FormError
 from fem_seal.loads import PressureSide, expected_force, line_load
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
@@ -165,6 +166,8 @@ class SealProblem:
         With the hardness if asperities yield; None without roughness.
     flow : Flow or None
         None without a fluid.
+    form : FormError or None
+        None for a seal that is round.
     supports : Supports
         How the seat is held.
     interference : float
@@ -190,6 +193,7 @@ class SealProblem:
     loads: Loads
     surface: RoughContact | None = None
     flow: Flow | None = None
+    form: FormError | None = None
     supports: Supports = _FREE
     interference: float = 0.0
     contact_size: float | None = None
@@ -215,6 +219,7 @@ class SealProblem:
             loads=Loads.of(case),
             surface=rough_contact(case),
             flow=flow_of(case),
+            form=case.form and case.form.error(case.contact.angle, case.touch_radius),
             supports=Supports(wall=getattr(case.seat, "wall", "free")),
             interference=getattr(case.seat, "interference", None) or 0.0,
             contact_size=case.mesh.contact_size,

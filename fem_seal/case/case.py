@@ -13,6 +13,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from fem_seal.case.bodies import place_body_files
 from fem_seal.case.checks import contradictions
+from fem_seal.case.form import place_trace_files
 from fem_seal.case.messages import problems
 from fem_seal.case.roughness import place_files
 from fem_seal.case.si_numbers import with_units
@@ -194,6 +195,7 @@ def _place_files(tables: dict[str, Any], path: Path) -> None:
     place_files(tables.get("roughness"), folder)
     for body in ("closure", "seat"):
         place_body_files(tables.get(body), folder)
+    place_trace_files(tables.get("form"), folder)
     output = tables.setdefault("output", {})
     if isinstance(output, dict) and isinstance(output.get("folder", ""), str):
         output["folder"] = str(folder / output.get("folder", f"{path.stem}.out"))
@@ -206,7 +208,7 @@ def _named_files(entry: Any, name: str = "") -> Iterator[str]:
     elif isinstance(entry, (list, tuple)):
         for value in entry:
             yield from _named_files(value, name)
-    elif name in ("file", "files") and isinstance(entry, str):
+    elif name in ("file", "files", "trace") and isinstance(entry, str):
         yield entry
 
 

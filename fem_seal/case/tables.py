@@ -14,6 +14,7 @@ from fem_seal.case import closures, seats
 from fem_seal.case.drawn import ClosureProfile, SeatProfile
 from fem_seal.case.fields import NominalSizeEntry, Number, OneOrMany, Pressures, Quantity, Table
 from fem_seal.case.fluid import Fluid
+from fem_seal.case.form import Form
 from fem_seal.case.roughness import Roughness
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.materials import HardeningCurve, effective_modulus
@@ -195,6 +196,7 @@ class CaseTables(Table):
     fluid: Fluid | None = None
     load: Load
     leak: Leak = Leak()
+    form: Form | None = None
     uncertainty: Uncertainty | None = None
     mesh: Mesh = Mesh()
     output: Output = Output()

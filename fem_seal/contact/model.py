@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,7 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody
 from fem_seal.bodies.elasticity import node_dofs, stiffness_matrix
+from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
 from fem_seal.bodies.held_body import HeldBody, Supports, held_body
 from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.materials import Material, effective_modulus
@@ -144,6 +146,11 @@ class ContactModel:
     def effective_modulus(self) -> float:
         """E* of the pair [Pa]."""
         return effective_modulus(self.closure.material, self.seat.material)
+
+    @cached_property
+    def harmonics(self) -> tuple[HarmonicBody, HarmonicBody]:
+        """Closure and seat under loads that wave around the axis."""
+        return harmonic_body(self.closure), harmonic_body(self.seat)
 
     def line_load(self, axial_force: float) -> float:
         """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""

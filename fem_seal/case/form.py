@@ -1,0 +1,269 @@
+"""The table [form] of the case file: what closure and seat are beside the round shape that is drawn."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from fem_seal.case.fields import Quantity, Table, Whole, shown
+from fem_seal.case.traces import read_trace
+from fem_seal.errors import TextTableError
+from fem_seal.form import (
+    Direction,
+    FormError,
+    Trace,
+    Wave,
+    WaveTolerance,
+    along_normal,
+    combined,
+    rigid_wave,
+)
+
+MOST_WAVES = 500
+DEVIATION = Quantity("length", "0 m", "1 mm")
+TURN = Quantity("angle", "-360 deg", "360 deg")
+# What a trace is read for unless it says more: the filter that drawings of small seats call for.
+_USUAL_WAVES = 15
+
+
+class Harmonic(Table):
+    """A wave around the axis, deviation = amplitude cos(waves phi - phase)."""
+
+    waves: Annotated[int, Whole(1, MOST_WAVES)] = Field(description="waves per turn", examples=[2])
+    amplitude: Annotated[float, DEVIATION] = Field(
+        description="half of the deviation from valley to crest", examples=["1 um"]
+    )
+    phase: Annotated[float, TURN] = Field(
+        0.0,
+        description="phase; the first crest stands at phase/waves",
+        examples=["0 deg"],
+        json_schema_extra={"default": "0 deg"},
+    )
+
+
+class MeasuredTrace(Table):
+    """A measured roundness, flatness or waviness trace; also just the name of its file."""
+
+    file: str = Field(
+        description="text file with the columns angle and deviation and their units, or deviation alone at uniform "
+        "angles around the whole turn",
+        examples=["roundness.csv"],
+    )
+    unit: str | None = Field(
+        None, description="unit of the deviation, where the file does not say it", examples=["um"]
+    )
+    waves: Annotated[int, Whole(2, MOST_WAVES)] = Field(
+        _USUAL_WAVES, description="most waves per turn that are taken from the trace, like its filter's limit"
+    )
+
+    _trace: Trace | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_alone(cls, entry: Any) -> Any:
+        return {"file": entry} if isinstance(entry, str) else entry
+
+    @model_validator(mode="after")
+    def _read(self) -> MeasuredTrace:
+        try:
+            trace = read_trace(self.file, self.unit)
+        except TextTableError as error:
+            raise ValueError(f"file = {shown(self.file)} {error}") from None
+        if trace.most_waves < 2:
+            raise ValueError(
+                f"file = {shown(self.file)} leaves {math.degrees(trace.widest_gap):.3g} deg without a point; two waves "
+                "per turn need at least one every 90 deg"
+            )
+        object.__setattr__(self, "_trace", trace)
+        return self
+
+    @property
+    def trace(self) -> Trace:
+        """What was measured."""
+        assert self._trace is not None  # read when the table was checked
+        return self._trace
+
+    @property
+    def told(self) -> int:
+        """Most waves per turn that are taken: what is asked for, and what the points can tell."""
+        return min(self.waves, self.trace.most_waves)
+
+    def found(self) -> tuple[Wave, ...]:
+        """Waves of the trace from two on: the least-squares circle, which only says how the part stood, is removed."""
+        return self.trace.waves(self.told)[1:]
+
+    def remarks(self, body: str) -> list[str]:
+        """What is to be said about the trace.
+
+        Parameters
+        ----------
+        body : str
+            "closure" or "seat".
+        """
+        said = []
+        if self.told < self.waves:
+            said.append(
+                f"form.{body}.trace: the widest gap between its points, {math.degrees(self.trace.widest_gap):.3g} deg, "
+                f"tells no more than {self.told} waves per turn; waves = {self.waves} was asked for"
+            )
+        waves = self.trace.waves(self.told)
+        rest, height = self.trace.left_over(waves), math.sqrt(sum(one.amplitude**2 for one in waves[1:]) / 2)
+        if rest > height:
+            said.append(
+                f"form.{body}.trace: waves beyond {self.told} per turn and roughness are larger (rms "
+                f"{1e6 * rest:.2g} um) than the waves that are used (rms {1e6 * height:.2g} um)"
+            )
+        return said
+
+
+class BodyForm(Table):
+    """[form.seat] or [form.closure]: deviations of one body, as waves, as a measured trace, or as a tolerance."""
+
+    direction: Direction = Field(
+        "radial",
+        description='"radial": positive where the radius is larger (roundness); "axial": where the face is higher '
+        '(flatness, waviness); "normal": along the contact normal, which points from the seat to the closure',
+    )
+    harmonics: tuple[Harmonic, ...] = Field(
+        (),
+        description="waves around the axis; a deviation amplitude cos(waves phi - phase) each",
+        examples=[[{"waves": 2, "amplitude": "1 um", "phase": "0 deg"}]],
+        strict=False,
+    )
+    trace: MeasuredTrace | None = Field(
+        None,
+        description="a measured trace instead, the name of its file or a table",
+        examples=["roundness.csv"],
+    )
+    tolerance: Annotated[float, DEVIATION] | None = Field(
+        None,
+        description="a tolerance (ISO 1101) instead: a cosine that fills its zone, with the number of waves that hurts "
+        "most",
+        examples=["2 um"],
+    )
+    tolerance_waves: tuple[Annotated[int, Whole(2, 100)], Annotated[int, Whole(2, 100)]] = Field(
+        (2, _USUAL_WAVES),
+        description="fewest and most waves per turn that are tried within the tolerance",
+        examples=[[2, 15]],
+        strict=False,
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> BodyForm:
+        given = [key for key in ("harmonics", "trace", "tolerance") if getattr(self, key) not in (None, ())]
+        if len(given) > 1:
+            raise ValueError(f"{' and '.join(given)} both say what the deviations are; keep one of them")
+        if self.tolerance_waves[0] > self.tolerance_waves[1]:
+            raise ValueError(
+                f"tolerance_waves = {list(self.tolerance_waves)}: the fewest must come before the most"
+            )
+        return self
+
+    @property
+    def deviations(self) -> tuple[Wave, ...]:
+        """Waves of the body's own deviation."""
+        if self.trace is not None:
+            return self.trace.found()
+        return tuple(Wave(one.waves, one.amplitude, one.phase) for one in self.harmonics)
+
+
+class Form(Table):
+    """[form]: deviations from round of closure and seat, how the closure is guided, and scratches; see docs/form.md."""
+
+    guide: Literal["free", "guided"] = Field(
+        "free",
+        description='"free": the closure shifts and tilts until it carries neither lateral force nor moment, which takes '
+        'the first harmonic out; "guided": an infinitely stiff guide holds it, and it may stand eccentric or tilted',
+    )
+    eccentricity: Annotated[float, DEVIATION] = Field(
+        0.0,
+        description="distance of the guided closure's axis from that of the seat",
+        examples=["5 um"],
+        json_schema_extra={"default": "0 um"},
+    )
+    eccentricity_angle: Annotated[float, TURN] = Field(
+        0.0,
+        description="angle around the axis towards which it stands off",
+        examples=["0 deg"],
+        json_schema_extra={"default": "0 deg"},
+    )
+    tilt: Annotated[float, Quantity("angle", "0 deg", "1 deg")] = Field(
+        0.0,
+        description="angle by which the guided closure leans",
+        examples=["0.02 deg"],
+        json_schema_extra={"default": "0 deg"},
+    )
+    tilt_angle: Annotated[float, TURN] = Field(
+        0.0,
+        description="angle around the axis towards which its top leans",
+        examples=["0 deg"],
+        json_schema_extra={"default": "0 deg"},
+    )
+    tilt_height: Annotated[float, Quantity("length", "-10 m", "10 m")] = Field(
+        0.0,
+        description="height of the point about which it leans, over the circle of first touch",
+        examples=["14 mm"],
+        json_schema_extra={"default": "0 mm"},
+    )
+    seat: BodyForm | None = None
+    closure: BodyForm | None = None
+
+    @property
+    def parts(self) -> dict[str, BodyForm]:
+        """The tables of the bodies that are given, by name."""
+        return {
+            name: part for name, part in (("closure", self.closure), ("seat", self.seat)) if part is not None
+        }
+
+    def error(self, angle: float, touch_radius: float) -> FormError:
+        """What the table does to the gap.
+
+        Parameters
+        ----------
+        angle : float
+            Of the contact normal to the axis [rad].
+        touch_radius : float
+            [m]
+        """
+        normal = (-math.sin(angle), math.cos(angle))
+        waves = list(
+            rigid_wave(
+                normal,
+                touch_radius,
+                self.eccentricity,
+                self.eccentricity_angle,
+                self.tilt,
+                self.tilt_angle,
+                self.tilt_height,
+            )
+        )
+        highest, zone, tried, remarks = 1, 0.0, [MOST_WAVES, 2], list[str]()
+        for name, part in self.parts.items():
+            share = along_normal(part.direction, normal) * (1.0 if name == "closure" else -1.0)
+            waves += [Wave(one.waves, share * one.amplitude, one.phase) for one in part.deviations]
+            highest = max([highest, *(one.waves for one in part.deviations)])
+            if part.tolerance is not None:
+                zone += 0.5 * abs(share) * part.tolerance
+                fewest, most = part.tolerance_waves
+                tried = [min(tried[0], fewest), max(tried[1], most)]
+                highest = max(highest, most)
+            if part.trace is not None:
+                remarks += part.trace.remarks(name)
+        tolerance = WaveTolerance(zone, (tried[0], tried[1])) if zone else None
+        return FormError(combined(waves), self.guide == "guided", tolerance, highest, tuple(remarks))
+
+
+def place_trace_files(form: object, folder: Path) -> None:
+    """Make the files named in the table, as it stands in a case file, relative to that file's folder."""
+    for key in ("seat", "closure"):
+        part = form.get(key) if isinstance(form, dict) else None
+        if not isinstance(part, dict):
+            continue
+        trace = part.get("trace")
+        if isinstance(trace, str):
+            part["trace"] = str(folder / trace)
+        elif isinstance(trace, dict) and isinstance(trace.get("file"), str):
+            trace["file"] = str(folder / trace["file"])

@@ -1,0 +1,240 @@
+"""The axisymmetric contact at any line load, as each place of a seal that is not round feels it.
+
+It is solved at a ladder of line loads, as far up and down as is asked for, and interpolated over ln f between them. Far
+below the mean a rough contact only fades: its pressure keeps its shape and its approach falls by a constant for each
+e-fold. Smooth surfaces part at a definite approach instead.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+from fem_seal.arrays import FloatArray
+from fem_seal.contact.laws import HardContact, Law
+from fem_seal.contact.newton import solve
+from fem_seal.contact.solution import ContactSettings, ContactSolution
+from fem_seal.errors import ConvergenceError
+
+# Step of the ladder in ln f. A cubic spline over it is good to 1e-5 of the decay length
+# (tests/test_fem_seal_around.py compares it with contacts in between).
+_STEP = 0.3
+# Rungs beyond what is asked for, so that a spline has no end there, and the fewest a spline is made of.
+_BEYOND, _FEWEST = 3, 8
+# Highest line load over the mean, and lowest of a smooth interface, where the contact gets narrower than its mesh.
+_HIGHEST, _LOWEST_SMOOTH = math.log(60.0), math.log(1e-2)
+# A contact whose approach over ln f changes its slope by less than this share from rung to rung only fades.
+_FADING = 1e-6
+# Ends of a first ladder where nobody knows the line loads yet, and of what counts as a load at all, in ln f over mean.
+_FIRST_LOWEST, _FIRST_HIGHEST, _NOTHING = math.log(1e-2), math.log(4.0), -600.0
+_POLISH = 4
+_SETTINGS = ContactSettings(gap_tolerance=1e-10)
+
+
+@dataclass(eq=False)
+class LocalContact:
+    """The contact of a seal over the line load.
+
+    Parameters
+    ----------
+    mean : ContactSolution
+        At the mean line load. Fluid and press fit act everywhere as they do there.
+    law : Law
+    """
+
+    mean: ContactSolution
+    law: Law
+    _rungs: dict[int, ContactSolution] = field(default_factory=dict, repr=False)
+    _fades_below: float = field(default=-math.inf, repr=False)
+    _splines: dict[str, CubicSpline] = field(default_factory=dict, repr=False)
+
+    @property
+    def opens(self) -> bool:
+        """Whether the surfaces part at a definite approach; rough ones never quite do."""
+        return isinstance(self.law, HardContact)
+
+    @property
+    def touch_approach(self) -> float:
+        """Approach along the normal at which smooth surfaces touch [m]."""
+        line = self.mean.model.line
+        apart = line.initial_gap + self.mean.loads.opening(self.mean.model)
+        return float(np.min(apart / line.normal[1])) * self.mean.model.touch_normal_z
+
+    def approach(self, line_load: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Approach along the normal [m] and its derivative over ln f [m].
+
+        Parameters
+        ----------
+        line_load : ndarray, shape (m,)
+            f [N/m], positive.
+        """
+        return self._approach(self._over_mean(line_load))
+
+    def _approach(self, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        spline, inside = self._spline("approach", self._along_normal), np.maximum(v, self._low)
+        slope = spline(inside, 1)
+        return spline(inside) + (v - inside) * slope, slope
+
+    def line_load(self, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Line load [N/m] at an approach along the normal [m], and its derivative [N/m^2].
+
+        Parameters
+        ----------
+        approach : ndarray, shape (m,)
+            Where smooth surfaces are apart they carry nothing.
+        """
+        self._climb(self._lowest, _FIRST_HIGHEST)
+        while self._rung_approach(max(self._rungs)) < float(np.max(approach)):
+            self._climb(self._lowest, (max(self._rungs) + 1) * _STEP)
+        if self.opens:
+            return self._parting(approach)
+        rungs = np.array(sorted(self._rungs))
+        curve = PchipInterpolator([self._rung_approach(k) for k in rungs.tolist()], _STEP * rungs)
+        low = self._low
+        at = np.maximum(approach, self._spline("approach", self._along_normal)(low))
+        v = curve(at)
+        for _ in range(_POLISH):
+            found, slope = self._approach(v)
+            v = v + (approach - found) / slope
+        _, slope = self._approach(v)
+        f = self.mean.line_load * np.exp(np.maximum(v, _NOTHING))
+        return f, f / slope
+
+    def _parting(self, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The same of smooth surfaces; over the depth ln f is a straight line but for a logarithm."""
+        rungs, touch = np.array(sorted(self._rungs)), self.touch_approach
+        depth = np.log([self._rung_approach(k) - touch for k in rungs.tolist()])
+        inside = approach > touch
+        g = np.where(inside, approach - touch, 1.0)
+        curve = CubicSpline(depth, _STEP * rungs)
+        at = np.maximum(np.log(g), depth[0])
+        slope = curve(at, 1)
+        f = np.where(inside, self.mean.line_load * np.exp(curve(at) + (np.log(g) - at) * slope), 0.0)
+        return f, f * slope / g
+
+    def peak_pressure(self, line_load: FloatArray) -> FloatArray:
+        """Highest pressure [Pa] at line loads [N/m]; zero where there is none."""
+        return self._fading("peak", line_load, lambda c: math.log(c.profile.peak_pressure))
+
+    def fwhm(self, line_load: FloatArray) -> FloatArray:
+        """Full width at half maximum [m] at line loads [N/m]; zero where there is none."""
+        v = np.maximum(self._over_mean(line_load), self._low)
+        return np.where(line_load > 0, self._spline("fwhm", lambda c: c.profile.fwhm)(v), 0.0)
+
+    def pressure_and_gap(self, line_load: FloatArray, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Pressure [Pa] and gap [m] at the points of the contact line, both (m, points).
+
+        Parameters
+        ----------
+        line_load : ndarray, shape (m,)
+            [N/m]
+        approach : ndarray, shape (m,)
+            Along the normal [m]; it counts where smooth surfaces are apart.
+        """
+        if isinstance(self.law, HardContact):
+            return self._hard_profiles(line_load, approach)
+        log_pressure = self._fading("pressure", line_load, lambda c: np.maximum(c.log_pressure, _NOTHING))
+        with np.errstate(under="ignore"):
+            return np.exp(log_pressure), self.law.gap(log_pressure)
+
+    def _hard_profiles(self, line_load: FloatArray, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The profiles of smooth surfaces end at another place for each line load: nothing to interpolate."""
+        line = self.mean.model.line
+        apart = line.initial_gap + self.mean.loads.opening(self.mean.model)
+        pressure = np.zeros((len(line_load), len(line.x)))
+        gap = apart - approach[:, None] / self.mean.model.touch_normal_z * line.normal[1]
+        loaded = line_load > math.exp(_LOWEST_SMOOTH) * self.mean.line_load
+        known: dict[float, ContactSolution] = {}
+        for n in np.flatnonzero(loaded).tolist():
+            f = float(f"{line_load[n]:.9g}")
+            contact = known.setdefault(f, known[f] if f in known else self.at(f))
+            pressure[n], gap[n] = contact.pressure, contact.gap
+        return pressure, gap
+
+    def at(self, line_load: float) -> ContactSolution:
+        """The contact at a line load [N/m], solved there."""
+        force = self.mean.axial_force * line_load / self.mean.line_load
+        k = min(self._rungs, key=lambda k: abs(_STEP * k - math.log(line_load / self.mean.line_load)))
+        return self._solved(force, self._rungs[k])
+
+    def _fading(
+        self, name: str, line_load: FloatArray, log_of: Callable[[ContactSolution], float | FloatArray]
+    ) -> FloatArray:
+        """What fades in proportion to the line load below the ladder, from its logarithm on the rungs."""
+        v = self._over_mean(line_load)
+        inside = np.maximum(v, self._low)
+        found = self._spline(name, log_of)(inside)
+        faded = (v - inside).reshape(-1, *(1,) * (found.ndim - 1))
+        with np.errstate(under="ignore"):
+            return np.asarray(np.exp(found + faded))
+
+    def _over_mean(self, line_load: FloatArray) -> FloatArray:
+        """ln f over the mean; the ladder reaches there."""
+        with np.errstate(divide="ignore"):
+            v = np.maximum(np.log(np.asarray(line_load) / self.mean.line_load), _NOTHING)
+        self._climb(self._lowest if self.opens else float(v.min()), float(v.max()))
+        return v
+
+    @property
+    def _lowest(self) -> float:
+        return _LOWEST_SMOOTH if self.opens else _FIRST_LOWEST
+
+    @property
+    def _low(self) -> float:
+        """ln f over the mean below which everything is extrapolated."""
+        return max(self._fades_below, _STEP * (min(self._rungs) + (0 if self.opens else 1)))
+
+    @staticmethod
+    def _along_normal(contact: ContactSolution) -> float:
+        return contact.approach * contact.model.touch_normal_z
+
+    def _climb(self, lowest: float, highest: float) -> None:
+        """Solve the rungs from `lowest` to `highest` ln f over the mean, unless they fade before."""
+        if highest > _HIGHEST:
+            raise ConvergenceError(
+                f"the line load somewhere around the axis is {math.exp(highest):.3g} times the mean, which the seal "
+                "carries on a small part of its circumference only; make the form error smaller"
+            )
+        known = len(self._rungs)
+        for k in range(math.ceil(highest / _STEP) + _BEYOND + 1):
+            self._solve(k)
+        k, last = 0, -math.inf if self.opens else self._fades_below
+        down = math.floor(lowest / _STEP) - (0 if self.opens else _BEYOND)
+        while k > min(down, -_FEWEST) and _STEP * k > last:
+            k -= 1
+            self._solve(k)
+            if not self.opens and self._fades(k):
+                self._fades_below = _STEP * (k + 1)
+                break
+        if len(self._rungs) > known:
+            self._splines.clear()
+
+    def _solve(self, k: int) -> None:
+        if k in self._rungs:
+            return
+        near = self._rungs.get(k - 1 if k > 0 else k + 1, self.mean)
+        self._rungs[k] = self._solved(self.mean.axial_force * math.exp(_STEP * k), near)
+
+    def _solved(self, axial_force: float, near: ContactSolution) -> ContactSolution:
+        return solve(
+            near.model, self.law, axial_force=axial_force, loads=near.loads, settings=_SETTINGS, start=near
+        )
+
+    def _fades(self, k: int) -> bool:
+        first, second, third = (self._rung_approach(k + n) for n in range(3))
+        return abs((second - first) - (third - second)) < _FADING * abs(third - second)
+
+    def _rung_approach(self, k: int) -> float:
+        return self._along_normal(self._rungs[k])
+
+    def _spline(self, name: str, of: Callable[[ContactSolution], float | FloatArray]) -> CubicSpline:
+        if name not in self._splines:
+            rungs = sorted(self._rungs)
+            self._splines[name] = CubicSpline(
+                _STEP * np.array(rungs), np.array([of(self._rungs[k]) for k in rungs])
+            )
+        return self._splines[name]

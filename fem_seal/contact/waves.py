@@ -1,0 +1,67 @@
+"""What both bodies answer to a line load that waves around the axis."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from scipy.special import k0e
+
+from fem_seal.arrays import FloatArray
+from fem_seal.contact.model import ContactModel
+
+
+@dataclass(frozen=True)
+class Stiffening:
+    """c_n - c_0: by how much less a contact opens under a line load that waves n times than under an even one.
+
+    c_n is the opening under the line load w(x) cos(n phi), weighted with w(x), the share of the line load that each
+    place of the width carries. The axisymmetric compliance is on the same mesh, and the logarithm that makes both
+    depend on w cancels.
+
+    Parameters
+    ----------
+    model : ContactModel
+    pressure : ndarray, shape (m,)
+        At the points of the contact line; only its shape counts.
+    highest : int
+        Harmonic beyond which the bodies are taken to answer as half-spaces do, from what they answer to this one.
+    """
+
+    model: ContactModel
+    pressure: FloatArray = field(repr=False)
+    highest: int
+
+    def __call__(self, n: int) -> float:
+        """c_n - c_0 [m per N/m]; of n = 1 that of a guided closure.
+
+        Parameters
+        ----------
+        n : int
+        """
+        if n > self.highest:
+            return self(self.highest) + self._half_spaces(n) - self._half_spaces(self.highest)
+        model, forces = self.model, self._forces
+        waving = 0.0
+        for body, harmonic in zip((model.closure, model.seat), model.harmonics, strict=True):
+            at_nodes = body.trace.T @ forces
+            waving += at_nodes @ harmonic.compliance(n) @ at_nodes
+        return float(waving - forces @ model.compliance @ forces) / forces.sum()
+
+    @cached_property
+    def _forces(self) -> FloatArray:
+        """Forces at the points of the contact line that make a line load of one [N per N/m]."""
+        forces = self.model.line.area_weight * self.pressure
+        return forces * (2 * math.pi * self.model.touch_radius / forces.sum())
+
+    @cached_property
+    def std(self) -> float:
+        """Standard deviation of the pressure over x [m]."""
+        share, x = self._forces / self._forces.sum(), self.model.line.x
+        return math.sqrt(share @ x**2 - (share @ x) ** 2)
+
+    def _half_spaces(self, n: int) -> float:
+        """(2/(pi E*)) <K0(n |x - x'|/r0)> of a normal distribution."""
+        t = 0.5 * (n * self.std / self.model.touch_radius) ** 2
+        return float(k0e(t)) / (math.pi * self.model.effective_modulus)
