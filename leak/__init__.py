@@ -31,9 +31,19 @@ from leak.errors import (
 from leak.flow.conductivity import Conductivity, ConductivityTable, GasConductivity, GasConductivityTable
 from leak.flow.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
 from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
+from leak.flow.groove_section import EllipticGroove, GrooveSection, SinusoidalGroove
 from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
 from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
+from leak.flow.scratch import (
+    Groove,
+    LeakBounds,
+    Scratch,
+    SpiralLay,
+    deepest_scratch,
+    gas_scratch_flow,
+    scratch_flow,
+)
 from leak.fluids.find import gas, is_gas, is_liquid, liquid
 from leak.fluids.library import FLUIDS, GASES
 from leak.fluids.properties import Gas, Liquid
@@ -79,6 +89,7 @@ __all__ = [
     "CoupledLeakResult",
     "CrossoverLine",
     "DirectionalGap",
+    "EllipticGroove",
     "ExponentialLaw",
     "FluidError",
     "Gas",
@@ -86,9 +97,12 @@ __all__ = [
     "GasConductivityTable",
     "GasLeakResult",
     "GaussianLine",
+    "Groove",
+    "GrooveSection",
     "HeightMap",
     "HertzLine",
     "LawError",
+    "LeakBounds",
     "LeakError",
     "LeakResult",
     "LeakageClass",
@@ -103,8 +117,11 @@ __all__ = [
     "RoughSurfaceLaw",
     "ScanError",
     "ScanSettings",
+    "Scratch",
     "SelfAffineContinuation",
+    "SinusoidalGroove",
     "SpectrumError",
+    "SpiralLay",
     "StretchedRoughness",
     "SurfaceError",
     "TabulatedLaw",
@@ -113,12 +130,14 @@ __all__ = [
     "bubbles_per_minute",
     "coupled_leak_flow",
     "crossover_line",
+    "deepest_scratch",
     "dimension_number",
     "drops_per_minute",
     "effective_medium",
     "gas",
     "gas_conductivity_table",
     "gas_leak_flow",
+    "gas_scratch_flow",
     "gaussian_line",
     "height_map",
     "hertz_line",
@@ -141,6 +160,7 @@ __all__ = [
     "read_topography",
     "relative_contact_area",
     "remaining_fraction",
+    "scratch_flow",
     "stretched_roughness",
     "stretched_spectrum",
 ]

@@ -162,9 +162,9 @@ def gas_leak_flow(
     """
     xs, ps, rs = checked_profile(x, p, radius)
     p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
-    p_out = _outlet(p_in, outlet_pressure)
+    p_out = checked_outlet(p_in, outlet_pressure)
     checked_side(pressure_side)
-    table = _table(surface, ps, method) if isinstance(surface, RoughContact) else surface
+    table = gas_table(surface, ps, method) if isinstance(surface, RoughContact) else surface
     profile = ContactProfile.through(xs, ps, rs, checked_ends(ends)).refined(_CELLS)
     path = _Path.along(profile, table, gas)
     if not np.isfinite(path.total):
@@ -182,7 +182,8 @@ def gas_leak_flow(
     return GasLeakResult(gas, p_in, p_out, flow, at_points, knudsen)
 
 
-def _outlet(inlet_pressure: float, outlet_pressure: float) -> float:
+def checked_outlet(inlet_pressure: float, outlet_pressure: float) -> float:
+    """Outlet pressure below that of the inlet, or a `ProfileError`."""
     try:
         p_out = float(outlet_pressure)
     except (TypeError, ValueError):
@@ -195,8 +196,8 @@ def _outlet(inlet_pressure: float, outlet_pressure: float) -> float:
     return p_out
 
 
-def _table(surface: RoughContact, p: FloatArray, method: str) -> GasConductivity:
-    """Whole decades, so that neighbouring profiles share one table."""
+def gas_table(surface: RoughContact, p: FloatArray, method: str) -> GasConductivity:
+    """Conductivity for a profile, over whole decades, so that neighbouring profiles share one table."""
     decade = np.log10(p.max())
     low, high = np.floor(decade - _TABLE_DECADES), np.ceil(decade + 1e-3)
     return gas_conductivity_table(surface, 10.0**low, 10.0**high, method=method)

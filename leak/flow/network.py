@@ -1,0 +1,202 @@
+"""Flow along lines that meet in nodes, with a mobility that depends on the fluid pressure itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leak.arrays import FloatArray
+from leak.errors import ProfileError
+from leak.numerics.gauss import gauss
+
+# Exact for the third power of a depth that is linear in the fluid pressure.
+_NODES = 3
+_MOST_STEPS = 40
+_CONVERGED, _MOVED = 1e-11, 1e-7
+# Of the best conductance: less than this is none, but the equations stay solvable.
+_LEAST, _NOTHING = 1e-60, 1e-50
+# From one stage to the next, where a little flow everywhere helps to find the way.
+_LESS = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """Slices one behind the other, from node to node."""
+
+    nodes: NDArray[np.intp]
+    """Numbers of the nodes at the ends of the slices, shape (n + 1,)."""
+    length: FloatArray
+    """Of each slice, shape (n,) [m]."""
+    mobility: Callable[[FloatArray], FloatArray]
+    """m >= 0 at pressures (k, n), one column per slice, shape (k, n): flow = m dp_f/dx."""
+
+
+@dataclass(frozen=True, eq=False)
+class NetworkFlow:
+    """Flow through a network."""
+
+    flow: float
+    """Between the ends of the first line, not negative; zero where no way is open."""
+    pressure: FloatArray
+    """In the nodes, shape (nodes,) [Pa]."""
+
+
+def network_flow(lines: Sequence[Line], first: float, last: float) -> NetworkFlow:
+    """Flow from end to end of the first line, whose pressures are given.
+
+    Parameters
+    ----------
+    lines : sequence of Line
+        The first one begins and ends at the ends of the network.
+    first, last : float
+        Pressure at its first and its last node, not equal [Pa].
+
+    Returns
+    -------
+    NetworkFlow
+
+    Raises
+    ------
+    ProfileError
+        No solution was found.
+
+    Notes
+    -----
+    In each slice the place is one, and the equation integrates exactly: flow times length = int m dp_f between the
+    pressures at its ends. What flows into a node flows out of it. Newton's method, from the state in which every slice
+    is as open as the higher of both pressures makes it.
+
+    The flow is the dissipation over the pressure drop, the sum of all slices' flow times drop: errors of the
+    pressures enter squared, and wide open slices, where the drop is all round-off, weigh nothing.
+    """
+    network = _Network(tuple(lines))
+    low, high = min(first, last), max(first, last)
+    open_state = np.full((1, network.length.size), high)
+    most = network.conductance(open_state)[0]
+    held = np.full(network.count, high)
+    held[[lines[0].nodes[0], lines[0].nodes[-1]]] = first, last
+    best = max(float(most.max()), 1e-200)
+    p = network.linear(most + _LEAST * best, held)
+    if not network.connected(most > _NOTHING * best):
+        return NetworkFlow(0.0, np.clip(p, low, high))
+    start = network.linear(network.secant(p) + _LEAST * best, held)
+    found, p = network.newton(np.clip(start, low, high), _LEAST * best)
+    # Just before the fluid opens a closed place Newton's method loses its way: begin with a little flow everywhere.
+    share = 1.0
+    while not found and share > _LEAST:
+        share *= _LESS
+        close, p = network.newton(p, share * best)
+        flow = network.flow(network.secant(p), p)
+        if close and share * best * (high - low) < _LESS * flow:
+            found, p = network.newton(p, _LEAST * best)
+    if not found:
+        raise ProfileError("the flow along the groove was not found: the groove all but closes")
+    return NetworkFlow(network.flow(network.secant(p), p), p)
+
+
+@dataclass(frozen=True, eq=False)
+class _Network:
+    lines: tuple[Line, ...]
+
+    @cached_property
+    def tail(self) -> NDArray[np.intp]:
+        return np.concatenate([line.nodes[:-1] for line in self.lines])
+
+    @cached_property
+    def head(self) -> NDArray[np.intp]:
+        return np.concatenate([line.nodes[1:] for line in self.lines])
+
+    @cached_property
+    def length(self) -> FloatArray:
+        return np.concatenate([line.length for line in self.lines])
+
+    @cached_property
+    def count(self) -> int:
+        return int(max(line.nodes.max() for line in self.lines)) + 1
+
+    @cached_property
+    def inner(self) -> NDArray[np.bool_]:
+        inner = np.ones(self.count, dtype=bool)
+        inner[self.lines[0].nodes[[0, -1]]] = False
+        return inner
+
+    def conductance(self, pressure: FloatArray) -> FloatArray:
+        """m over the length of all slices at pressures (k, slices)."""
+        splits = np.cumsum([line.length.size for line in self.lines])[:-1]
+        parts = np.split(pressure, splits, axis=1)
+        values = [line.mobility(part) for line, part in zip(self.lines, parts, strict=True)]
+        return np.concatenate(values, axis=1) / self.length
+
+    def secant(self, p: FloatArray) -> FloatArray:
+        """Flow over drop of each slice, shape (slices,)."""
+        nodes, weights = gauss(_NODES)
+        share = 0.5 * (1.0 + nodes)[:, None]
+        return 0.5 * weights @ self.conductance(p[self.tail] + share * self.drops(p))
+
+    def drops(self, p: FloatArray) -> FloatArray:
+        """From tail to head of each slice."""
+        return p[self.head] - p[self.tail]
+
+    def divergence(self, flows: FloatArray) -> FloatArray:
+        """What flows out of each node, flows counted from head to tail."""
+        return np.bincount(self.head, flows, self.count) - np.bincount(self.tail, flows, self.count)
+
+    def connected(self, open_slices: NDArray[np.bool_]) -> bool:
+        """Whether some way through open slices leads from end to end."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        tail, head = self.tail[open_slices], self.head[open_slices]
+        graph = coo_array((np.ones(tail.size), (tail, head)), shape=(self.count, self.count))
+        part = connected_components(graph, directed=False)[1]
+        first, last = self.lines[0].nodes[[0, -1]]
+        return bool(part[first] == part[last])
+
+    def flow(self, c: FloatArray, p: FloatArray) -> float:
+        """Dissipation over the pressure drop between the ends."""
+        ends = p[self.lines[0].nodes[[0, -1]]]
+        return float(np.sum(c * self.drops(p) ** 2) / abs(ends[1] - ends[0]))
+
+    def linear(self, c: FloatArray, held: FloatArray) -> FloatArray:
+        """Pressures for given conductances; those of the ends are in `held`."""
+        p = np.where(self.inner, 0.0, held)
+        return p + self.solved(c, c, -self.divergence(c * self.drops(p)))
+
+    def newton(self, p: FloatArray, least: float) -> tuple[bool, FloatArray]:
+        """Whether it converges from p, and the pressures, with a smallest conductance of all slices."""
+        ends = p[self.lines[0].nodes[[0, -1]]]
+        low, high = float(ends.min()), float(ends.max())
+        c = self.secant(p) + least
+        flow = self.flow(c, p)
+        for _ in range(_MOST_STEPS):
+            tail, head = self.conductance(np.stack([p[self.tail], p[self.head]])) + least
+            step = self.solved(tail, head, -self.divergence(c * self.drops(p)))
+            new = np.clip(p + step, low, high)
+            moved, before, p = float(np.abs(new - p).max()), flow, new
+            c = self.secant(p) + least
+            flow = self.flow(c, p)
+            if moved <= _MOVED * (high - low) and abs(flow - before) <= _CONVERGED * flow:
+                return True, p
+        return False, p
+
+    def solved(self, tail: FloatArray, head: FloatArray, right: FloatArray) -> FloatArray:
+        """Change of the inner pressures whose flows head dp_head - tail dp_tail bring `right` out of each node."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.linalg import spsolve
+
+        number = np.cumsum(self.inner) - 1
+        i = np.concatenate([self.head, self.head, self.tail, self.tail])
+        j = np.concatenate([self.head, self.tail, self.head, self.tail])
+        value = np.concatenate([head, -tail, -head, tail])
+        kept = self.inner[i] & self.inner[j]
+        size = int(self.inner.sum())
+        found = np.zeros(self.count)
+        if size:
+            shape = (size, size)
+            matrix = coo_array((value[kept], (number[i[kept]], number[j[kept]])), shape=shape).tocsc()
+            found[self.inner] = spsolve(matrix, right[self.inner])
+        return found

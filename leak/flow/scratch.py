@@ -1,0 +1,636 @@
+"""Scratches across a seat and the spiral lay of a turned one: what flows along them beside the rough contact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from leak.arrays import FloatArray
+from leak.errors import ProfileError, positive
+from leak.flow.conductivity import GasConductivity
+from leak.flow.contact_profile import (
+    SMALLEST_LOG_PRESSURE,
+    ContactProfile,
+    Panels,
+    checked_ends,
+    checked_profile,
+    checked_side,
+)
+from leak.flow.gas_flow import GasLeakResult, checked_outlet, gas_table
+from leak.flow.groove_section import EllipticGroove, GrooveSection
+from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure
+from leak.flow.network import Line, NetworkFlow, network_flow
+from leak.flow.rarefied import flow_factor
+from leak.flow.rough_contact import RoughContact
+from leak.fluids.properties import Gas
+from leak.numerics.gauss import gauss
+
+# The fluid pressure bends even where the contact pressure does not.
+_CELLS = 100
+# Of a perfect vacuum: density times conductance of free molecules does not depend on the pressure any more [Pa].
+_VACUUM = 1e-9
+# Depths between which a scratch is looked for [m].
+_SHALLOWEST, _DEEPEST = 1e-9, 1.0
+
+
+@runtime_checkable
+class Groove(Protocol):
+    """A way through the contact that is open where the faces touch.
+
+    Examples
+    --------
+    >>> import leak
+    >>> isinstance(leak.Scratch(1e-6, 20e-6), leak.Groove)
+    True
+    """
+
+    @property
+    def section(self) -> GrooveSection:
+        """Across it."""
+
+    def path(self, radius: FloatArray) -> FloatArray:
+        """Length along the groove over the length straight across the face [-]."""
+
+
+@dataclass(frozen=True)
+class Scratch:
+    """A scratch across the face, of elliptic section; see `EllipticGroove` for how it closes.
+
+    Parameters
+    ----------
+    depth : float
+        d0, without load [m].
+    width : float
+        Full width 2a [m].
+    angle : float
+        Between the scratch and the shortest way across the face, below a quarter turn [rad].
+
+    Raises
+    ------
+    ProfileError
+        A number has no meaning.
+
+    Examples
+    --------
+    >>> scratch = Scratch(depth=5e-6, width=30e-6)
+    >>> f"{scratch.section.closing_pressure(115e9) / 1e9:.1f} GPa"
+    '19.2 GPa'
+    """
+
+    depth: float
+    width: float
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        _ = self.section
+        if not (isinstance(self.angle, int | float) and abs(self.angle) < 0.5 * np.pi):
+            raise ProfileError(
+                f"angle = {self.angle!r}: must be between -pi/2 and pi/2, 0 straight across the face [rad]"
+            )
+
+    @property
+    def section(self) -> EllipticGroove:
+        """The ellipse."""
+        return EllipticGroove(self.depth, self.width)
+
+    def path(self, radius: FloatArray) -> FloatArray:
+        """1/cos(angle) at every radius."""
+        return np.full(np.shape(radius), 1.0 / np.cos(self.angle))
+
+
+@dataclass(frozen=True)
+class SpiralLay:
+    """The one groove of a turned seat, which winds through the contact like the thread of a screw.
+
+    Parameters
+    ----------
+    pitch : float
+        Feed per turn P, the way across the face that a turn takes [m].
+    section : GrooveSection
+        `EllipticGroove` or `SinusoidalGroove`; not wider than the pitch.
+
+    Raises
+    ------
+    ProfileError
+        A number has no meaning.
+
+    Notes
+    -----
+    A turn is sqrt(P^2 + (2 pi r)^2) long. Beside the radial flow over the ridges it carries
+    Q = Delta p P/(2 pi r0 int dx/K(p(x))). The roughness of the faces for the radial flow must not hold the lay again.
+
+    References
+    ----------
+    K. Matsuzaki, K. Nitta et al. (2006): turned flanges on copper gaskets leak along the groove alone above some 50 MPa.
+
+    Examples
+    --------
+    >>> import leak
+    >>> lay = SpiralLay(pitch=100e-6, section=leak.SinusoidalGroove(height=2e-6, wavelength=100e-6))
+    >>> f"{float(lay.path(0.0141421)):.1f}"
+    '888.6'
+    """
+
+    pitch: float
+    section: GrooveSection
+
+    def __post_init__(self) -> None:
+        pitch = positive(ProfileError, "pitch", self.pitch, "m")
+        if not isinstance(self.section, GrooveSection):
+            raise ProfileError(f"section = {self.section!r}: must be an EllipticGroove or a SinusoidalGroove")
+        if self.section.width > pitch * (1.0 + 1e-9):
+            raise ProfileError(
+                f"width = {self.section.width}: a groove must not be wider than its pitch = {pitch} [m]"
+            )
+
+    def path(self, radius: FloatArray) -> FloatArray:
+        """Length of a turn over the pitch."""
+        return np.hypot(1.0, 2.0 * np.pi * np.asarray(radius) / self.pitch)
+
+
+_Flow = TypeVar("_Flow", LeakResult, GasLeakResult)
+
+
+@dataclass(frozen=True, eq=False)
+class LeakBounds(Generic[_Flow]):
+    """Flow through a contact with scratches, between two bounds.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import leak
+    >>> x = np.linspace(-0.45e-3, 0.45e-3, 201)
+    >>> p = 53e6 * np.exp(-0.5 * (x / 0.15e-3) ** 2)
+    >>> found = leak.scratch_flow(
+    ...     x, p, leak.Scratch(5e-6, 30e-6), None, 2e6, 0.0141421, viscosity=1e-3, effective_modulus=115e9
+    ... )
+    >>> f"{found.lower.leak_rate * 6e7:.4f} ml/min"
+    '0.0238 ml/min'
+    """
+
+    without: _Flow
+    """The rough contact alone."""
+    lower: _Flow
+    """No fluid passes between scratch and roughness, as far as the scratch is deeper than the rough gap is wide."""
+    upper: _Flow
+    """Fluid passes freely: at each x one fluid pressure all around."""
+
+    @property
+    def extra(self) -> tuple[float, float]:
+        """Least and largest leak rate that the scratches add [m^3/s]."""
+        alone = self.without.leak_rate
+        return self.lower.leak_rate - alone, self.upper.leak_rate - alone
+
+
+def scratch_flow(
+    x: ArrayLike,
+    p: ArrayLike,
+    scratches: Groove | Sequence[Groove],
+    conductivity: SigmaOfPressure | LogConductivity | None,
+    pressure_drop: float,
+    radius: ArrayLike,
+    *,
+    viscosity: float,
+    effective_modulus: float,
+    pressure_side: str = "outer",
+    ends: tuple[float | None, float | None] | None = None,
+) -> LeakBounds[LeakResult]:
+    """Flow of a liquid through a contact with scratches or a spiral lay.
+
+    Parameters
+    ----------
+    x, p, pressure_drop, radius, pressure_side, ends
+        See `leak.leak_flow`; p is the pressure far from the scratch.
+    scratches : Groove or sequence of Groove
+        `Scratch`, `SpiralLay`, or several; what they add adds up.
+    conductivity : callable or None
+        sigma_eff(p) of the roughness, see `leak.leak_flow`. None: nothing flows but along the scratches, from the
+        first to the last point of the profile, where p > 0.
+    viscosity : float
+        [Pa s]
+    effective_modulus : float
+        E* of both bodies [Pa].
+
+    Returns
+    -------
+    LeakBounds
+        Of `LeakResult`. Fluid pressures are those in the roughness.
+
+    Raises
+    ------
+    ProfileError
+        The profile or another input cannot be used; the message says which value.
+
+    Notes
+    -----
+    The fluid pressure p_f in the scratch, above that of the low side, holds it open: K is taken at p - p_f, and
+
+        Q = [2 pi r sigma_eff(p) + sum of K(p - p_f) dx/ds] dp_f/dx
+
+    is solved for p_f (upper bound; s runs along the scratch). For the lower bound every scratch has a p_f of its own where
+    it is deeper than the rough gap, u_eff = (12 eta sigma_eff)^(1/3); elsewhere the gap is so wide that the scratch is
+    lost in it. A network whose links are cut carries less, so that the lower bound never exceeds the upper one.
+
+    Examples
+    --------
+    Without load and roughness a scratch is an elliptic duct:
+
+    >>> flat, p = [0.0, 5e-4, 1e-3], [1.0, 1.0, 1.0]
+    >>> scratch = Scratch(depth=20e-6, width=100e-6)
+    >>> found = scratch_flow(flat, p, scratch, None, 2e6, 0.014, viscosity=1e-3, effective_modulus=115e9)
+    >>> duct = np.pi * (50e-6 * 10e-6) ** 3 / (4 * 1e-3 * (50e-6**2 + 10e-6**2)) * 2e6 / 1e-3
+    >>> round(found.upper.leak_rate / duct, 6)
+    1.0
+    """
+    xs, ps, rs = checked_profile(x, p, radius)
+    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
+    eta = positive(ProfileError, "viscosity", viscosity, "Pa s")
+    modulus = positive(ProfileError, "effective_modulus", effective_modulus, "Pa")
+    checked_side(pressure_side)
+    if not (conductivity is None or callable(conductivity) or isinstance(conductivity, LogConductivity)):
+        raise ProfileError(
+            f"conductivity = {conductivity!r}: must be a function of p [m^3/(Pa s)], or None where only the "
+            "scratches leak"
+        )
+    grooves = _checked_grooves(scratches)
+    contact, deeper = _Contact.through(xs, ps, rs, ends, _liquid_gap(conductivity, eta)).cut(grooves, modulus)
+    rough = 2.0 * np.pi * contact.radius * contact.gap**3 / (12.0 * eta)
+    nominal = contact.pressure
+
+    def along(groove: Groove) -> Mobility:
+        path = groove.path(contact.radius)
+
+        def mobility(pressure: FloatArray, at: slice) -> FloatArray:
+            K = groove.section.liquid_conductance(nominal[at] - pressure, modulus, eta)
+            return np.asarray(K / path[at])
+
+        return mobility
+
+    def result(flow: NetworkFlow) -> LeakResult:
+        rate = flow.flow
+        resistance = drop / rate if rate > 0.0 else float("inf")
+        return LeakResult(rate, resistance, np.interp(xs, contact.x, flow.pressure[contact.nodes]))
+
+    bounds = _Bounds(
+        contact,
+        lambda pressure, at: np.broadcast_to(rough[at], pressure.shape),
+        tuple(along(groove) for groove in grooves),
+        deeper,
+    )
+    low, high = (0.0, drop) if pressure_side == "outer" else (drop, 0.0)
+    return LeakBounds(*(result(flow) for flow in bounds.flows(low, high)))
+
+
+def gas_scratch_flow(
+    x: ArrayLike,
+    p: ArrayLike,
+    scratches: Groove | Sequence[Groove],
+    surface: RoughContact | GasConductivity | None,
+    gas: Gas,
+    inlet_pressure: float,
+    outlet_pressure: float,
+    radius: ArrayLike,
+    *,
+    effective_modulus: float,
+    pressure_side: str = "outer",
+    method: str = "bruggeman",
+    ends: tuple[float | None, float | None] | None = None,
+) -> LeakBounds[GasLeakResult]:
+    """Mass flow of a gas through a contact with scratches or a spiral lay.
+
+    Parameters
+    ----------
+    x, p, gas, inlet_pressure, outlet_pressure, radius, pressure_side, method, ends
+        See `leak.gas_leak_flow`.
+    scratches, effective_modulus
+        See `scratch_flow`.
+    surface : RoughContact, GasConductivity or None
+        The rough interface, or its table; None: nothing flows but along the scratches.
+
+    Returns
+    -------
+    LeakBounds
+        Of `GasLeakResult`. Without a surface the Knudsen number is that of the deepest scratch.
+
+    Raises
+    ------
+    ProfileError
+        The profile or another input cannot be used; the message says which value.
+
+    Notes
+    -----
+    As `scratch_flow`, for the mass flow: every conductance carries the density p_f/(R_s T) and the factor of the rarefied
+    gas, in a scratch that of a slit as wide as each place of the section is deep. p_f less the outlet pressure holds
+    the scratch open.
+
+    Examples
+    --------
+    >>> import leak
+    >>> x, p = np.linspace(-1e-3, 1e-3, 41), np.full(41, 30e6)
+    >>> scratch = Scratch(depth=1e-6, width=20e-6)
+    >>> found = gas_scratch_flow(
+    ...     x, p, scratch, None, leak.gas("helium"), 2e5, 1e5, 0.0141421, effective_modulus=115e9
+    ... )
+    >>> f"{found.upper.leak_rate * 6e7:.1e} ml/min"
+    '2.4e-04 ml/min'
+    """
+    xs, ps, rs = checked_profile(x, p, radius)
+    p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
+    p_out = checked_outlet(p_in, outlet_pressure)
+    modulus = positive(ProfileError, "effective_modulus", effective_modulus, "Pa")
+    checked_side(pressure_side)
+    grooves = _checked_grooves(scratches)
+    table = gas_table(surface, ps, method) if isinstance(surface, RoughContact) else surface
+    gap_at = None if table is None else table.at_log_pressure
+    contact, deeper = _Contact.through(xs, ps, rs, ends, gap_at).cut(grooves, modulus)
+    gap, nominal = contact.gap, contact.pressure
+    flight = gas.viscosity * gas.molecular_speed
+    per_density = gas.specific_gas_constant * gas.temperature
+
+    def rough(pressure: FloatArray, at: slice) -> FloatArray:
+        if table is None:
+            return np.zeros(pressure.shape)
+        p_f = np.maximum(pressure, _VACUUM)
+        D = np.maximum(p_f * gap[at] / flight, 1e-100)
+        R = table.rarefaction(np.broadcast_to(contact.log_pressure[at], D.shape), np.log(D))
+        sigma = gap[at] ** 3 * flow_factor(D) * R / (12.0 * gas.viscosity)
+        return np.asarray(2.0 * np.pi * contact.radius[at] * sigma * p_f / per_density)
+
+    def along(groove: Groove) -> Mobility:
+        path = groove.path(contact.radius)
+
+        def mobility(pressure: FloatArray, at: slice) -> FloatArray:
+            p_f = np.maximum(pressure, _VACUUM)
+            K = groove.section.gas_conductance(nominal[at] - (pressure - p_out), modulus, gas, p_f)
+            return np.asarray(K * p_f / (per_density * path[at]))
+
+        return mobility
+
+    peak = int(np.argmax(ps))
+    if table is not None:
+        narrowest = float(table.at_log_pressure(np.log(ps[peak])))
+    else:
+        narrowest = max(float(groove.section.open_depth(ps[peak], modulus)) for groove in grooves)
+
+    def result(flow: NetworkFlow) -> GasLeakResult:
+        pressure = np.interp(xs, contact.x, flow.pressure[contact.nodes])
+        free_path = gas.mean_free_path(max(float(pressure[peak]), 1e-300))
+        knudsen = free_path / narrowest if narrowest > 0.0 else float("inf")
+        return GasLeakResult(gas, p_in, p_out, flow.flow, pressure, knudsen)
+
+    bounds = _Bounds(
+        contact,
+        rough,
+        tuple(along(groove) for groove in grooves),
+        deeper,
+    )
+    low, high = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
+    return LeakBounds(*(result(flow) for flow in bounds.flows(low, high)))
+
+
+def deepest_scratch(
+    leak_rate_of: Callable[[Scratch], float],
+    allowed: float,
+    *,
+    width: float | None = None,
+    width_over_depth: float | None = None,
+    angle: float = 0.0,
+) -> Scratch | None:
+    """The deepest scratch with which a seal does not leak more than allowed.
+
+    Parameters
+    ----------
+    leak_rate_of : callable
+        Leak rate of the seal with one scratch, rising with its depth; `upper` is on the safe side: for example
+        ``lambda scratch: leak.scratch_flow(x, p, scratch, ...).upper.leak_rate``.
+    allowed : float
+        In the unit of `leak_rate_of`, such as a `LeakageLimit`'s rate [m^3/s].
+    width : float, optional
+        Full width of the scratch [m]; the depth is looked for up to this width.
+    width_over_depth : float, optional
+        Ratio of both instead; exactly one of the two must be given [-].
+    angle : float
+        See `Scratch` [rad].
+
+    Returns
+    -------
+    Scratch or None
+        Its depth to 1e-6. None if the seal leaks more than allowed even with a scratch of 1 nm. A scratch as deep as
+        `width` if even that leaks no more than allowed: deeper ones are none.
+
+    Raises
+    ------
+    ProfileError
+        An argument has no meaning.
+
+    Examples
+    --------
+    The scratch of 100 um width that lets 0.1 ml/min of water at 20 bar through a smooth seat:
+
+    >>> x = np.linspace(-0.45e-3, 0.45e-3, 101)
+    >>> p = 53e6 * np.exp(-0.5 * (x / 0.15e-3) ** 2)
+    >>> def rate(scratch):
+    ...     found = scratch_flow(x, p, scratch, None, 2e6, 0.014, viscosity=1e-3, effective_modulus=115e9)
+    ...     return found.upper.leak_rate
+    >>> f"{deepest_scratch(rate, 0.1e-6 / 60, width=100e-6).depth * 1e6:.2f} um"
+    '5.37 um'
+    """
+    allowed = positive(ProfileError, "allowed", allowed, "m^3/s")
+    if (width is None) == (width_over_depth is None):
+        raise ProfileError("give either width [m] or width_over_depth [-], not both and not neither")
+    if width is not None:
+        full = positive(ProfileError, "width", width, "m")
+        deepest = full
+    else:
+        ratio = positive(ProfileError, "width_over_depth", width_over_depth or 0.0, "-")
+        deepest = _DEEPEST
+
+    def of(log_depth: float) -> Scratch:
+        depth = float(np.exp(log_depth))
+        return Scratch(depth, full if width is not None else ratio * depth, angle)
+
+    def excess(log_depth: float) -> float:
+        rate = float(leak_rate_of(of(log_depth)))
+        return float(np.log(max(rate, 1e-300) / allowed))
+
+    low, high = float(np.log(min(_SHALLOWEST, 0.1 * deepest))), float(np.log(deepest))
+    if excess(low) > 0.0:
+        return None
+    if excess(high) <= 0.0:
+        return of(high)
+    # A decade at a time: far from the answer a closed scratch leaks nothing and says nothing.
+    for step in np.arange(low + np.log(10.0), high, np.log(10.0)):
+        if excess(float(step)) > 0.0:
+            high = float(step)
+            break
+        low = float(step)
+    from scipy.optimize import bisect
+
+    return of(float(bisect(excess, low, high, xtol=1e-6)))
+
+
+# -------------------------------------------------------------------- the contact in slices
+
+Mobility = Callable[[FloatArray, slice], FloatArray]
+GapOfLogPressure = Callable[[FloatArray], FloatArray]
+
+
+def _liquid_gap(
+    conductivity: SigmaOfPressure | LogConductivity | None, viscosity: float
+) -> GapOfLogPressure | None:
+    if conductivity is None:
+        return None
+    sigma = by_log_pressure(conductivity)
+    return lambda log_pressure: np.cbrt(12.0 * viscosity * np.asarray(sigma(log_pressure), dtype=float))
+
+
+@dataclass(frozen=True, eq=False)
+class _Contact:
+    """The quadrature points of a profile in the order of x: slices, each with one contact pressure."""
+
+    log_pressure: FloatArray
+    """ln(p/Pa), shape (n,)."""
+    radius: FloatArray
+    length: FloatArray
+    """That a slice stands for, shape (n,) [m]."""
+    gap: FloatArray
+    """u_eff of the roughness, zero where it lets nothing through, shape (n,) [m]."""
+    x: FloatArray
+    """Places where the fluid pressure is known, shape (m,) [m]."""
+    nodes: NDArray[np.intp]
+    """Number of slices before them, shape (m,)."""
+
+    @classmethod
+    def through(
+        cls,
+        x: FloatArray,
+        p: FloatArray,
+        r: FloatArray,
+        ends: tuple[float | None, float | None] | None,
+        gap_at: GapOfLogPressure | None,
+    ) -> _Contact:
+        """Slices of a profile; without roughness only between its points, where a groove would have no end."""
+        profile = ContactProfile.through(x, p, r, checked_ends(ends)).refined(_CELLS)
+        inner, cells, outer = profile.panels()
+        parts = [cells] if gap_at is None else [part for part in (inner, cells, outer) if part is not None]
+        before = 0 if gap_at is None or inner is None else inner.log_pressure.size
+        count, per_cell = cells.log_pressure.shape
+        log_p = np.concatenate([part.log_pressure.ravel() for part in parts])
+        contact = cls(
+            log_p,
+            np.concatenate([part.radius.ravel() for part in parts]),
+            np.concatenate([_lengths(part).ravel() for part in parts]),
+            np.zeros(log_p.shape) if gap_at is None else np.asarray(gap_at(log_p)),
+            profile.x,
+            before + per_cell * np.arange(count + 1),
+        )
+        # the gap is open where there is no contact
+        return contact.within(np.isfinite(contact.gap) & ((contact.gap > 0.0) | (log_p > SMALLEST_LOG_PRESSURE)))
+
+    @property
+    def pressure(self) -> FloatArray:
+        """p at the slices [Pa]."""
+        return np.exp(self.log_pressure)
+
+    def within(self, kept: NDArray[np.bool_]) -> _Contact:
+        """Without the slices that resist nothing."""
+        before = np.concatenate([[0], np.cumsum(kept)])
+        return self._of(np.flatnonzero(kept), self.length[kept], before[self.nodes])
+
+    def cut(self, grooves: tuple[Groove, ...], modulus: float) -> tuple[_Contact, tuple[NDArray[np.bool_], ...]]:
+        """Slices, and for each groove where it is deeper than the rough gap is wide, shape (n,).
+
+        Slices are cut in two where that begins or ends: no bound jumps as a groove becomes deeper.
+        """
+        edges = np.concatenate([[0.0], np.cumsum(self.length)])
+        middle = 0.5 * (edges[:-1] + edges[1:])
+        deeper, places = [], []
+        for groove in grooves:
+            depth = groove.section.open_depth(self.pressure, modulus)
+            both = depth + self.gap
+            more = np.where(both > 0.0, (depth - self.gap) / np.where(both > 0.0, both, 1.0), -1.0)
+            deep = more > 0.0
+            k = np.flatnonzero(deep[:-1] != deep[1:])
+            share = more[k] / (more[k] - more[k + 1])
+            deeper.append(bool(deep[0]) if deep.size else False)
+            places.append(middle[k] + share * (middle[k + 1] - middle[k]))
+        new = np.unique(np.concatenate([edges, *places]))
+        at = 0.5 * (new[:-1] + new[1:])
+        old = np.searchsorted(edges, at) - 1
+        whole = np.bincount(old, minlength=self.length.size)[old] == 1
+        length = np.where(whole, self.length[old], np.diff(new))
+        # a groove changes sides at each of its places
+        masks = tuple(
+            (np.searchsorted(place, at) % 2 == 1) != first
+            for first, place in zip(deeper, places, strict=True)
+        )
+        return self._of(old, length, np.searchsorted(new, edges)[self.nodes]), masks
+
+    def _of(self, old: NDArray[np.intp], length: FloatArray, nodes: NDArray[np.intp]) -> _Contact:
+        return _Contact(self.log_pressure[old], self.radius[old], length, self.gap[old], self.x, nodes)
+
+
+def _lengths(part: Panels) -> FloatArray:
+    weights = 0.5 * gauss(part.log_pressure.shape[1])[1]
+    return np.broadcast_to(part.stretch, part.log_pressure.shape) * weights
+
+
+@dataclass(frozen=True, eq=False)
+class _Bounds:
+    """The three networks of slices: roughness alone, with scratches cut off from it, and joined to it."""
+
+    contact: _Contact
+    rough: Mobility
+    grooves: tuple[Mobility, ...]
+    deeper: tuple[NDArray[np.bool_], ...]
+    """Where each groove is deeper than the rough gap is wide, shape (n,)."""
+
+    def flows(self, first: float, last: float) -> tuple[NetworkFlow, NetworkFlow, NetworkFlow]:
+        """Without grooves, lower and upper bound, for the pressures at small and large x."""
+        none = tuple(np.ones_like(deep) for deep in self.deeper)
+        alone = network_flow([self._main(none)], first, last)
+        apart = network_flow([self._main(self.deeper), *self._own()], first, last)
+        joined = network_flow([self._main(tuple(~one for one in none))], first, last)
+        return alone, apart, joined
+
+    def _main(self, apart: tuple[NDArray[np.bool_], ...]) -> Line:
+        """The roughness, and in it the grooves where they are not apart."""
+
+        def mobility(pressure: FloatArray) -> FloatArray:
+            everywhere = slice(None)
+            total = np.array(self.rough(pressure, everywhere))
+            for groove, own in zip(self.grooves, apart, strict=True):
+                if not own.all():
+                    total += np.where(own, 0.0, groove(pressure, everywhere))
+            return total
+
+        count = self.contact.length.size
+        return Line(np.arange(count + 1), self.contact.length, mobility)
+
+    def _own(self) -> list[Line]:
+        """The stretches of the grooves that are apart, with nodes of their own between the ends."""
+        lines, following = [], self.contact.length.size + 1
+        for groove, own in zip(self.grooves, self.deeper, strict=True):
+            turns = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(int)))
+            for begin, end in zip(turns[::2], turns[1::2], strict=True):
+                nodes = np.concatenate([[begin], following + np.arange(end - begin - 1), [end]])
+                following += end - begin - 1
+                at = slice(int(begin), int(end))
+                lines.append(Line(nodes, self.contact.length[at], _within(groove, at)))
+        return lines
+
+
+def _within(groove: Mobility, at: slice) -> Callable[[FloatArray], FloatArray]:
+    return lambda pressure: groove(pressure, at)
+
+
+def _checked_grooves(scratches: Groove | Sequence[Groove]) -> tuple[Groove, ...]:
+    grooves = (scratches,) if isinstance(scratches, Groove) else tuple(scratches)
+    for groove in grooves:
+        if not isinstance(groove, Groove):
+            raise ProfileError(f"scratches holds {groove!r}: must be a Scratch or a SpiralLay")
+    return grooves
