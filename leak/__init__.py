@@ -28,6 +28,7 @@ from leak.errors import (
     SpectrumError,
     SurfaceError,
 )
+from leak.flow.around import AroundFlow, AroundGasFlow, around_flow, gas_around_flow
 from leak.flow.conductivity import Conductivity, ConductivityTable, GasConductivity, GasConductivityTable
 from leak.flow.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
 from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
@@ -83,6 +84,8 @@ __all__ = [
     "FLUIDS",
     "GASES",
     "AreaFractions",
+    "AroundFlow",
+    "AroundGasFlow",
     "Conductivity",
     "ConductivityError",
     "ConductivityTable",
@@ -127,6 +130,7 @@ __all__ = [
     "TabulatedLaw",
     "anisotropic_medium",
     "area_fractions",
+    "around_flow",
     "bubbles_per_minute",
     "coupled_leak_flow",
     "crossover_line",
@@ -135,6 +139,7 @@ __all__ = [
     "drops_per_minute",
     "effective_medium",
     "gas",
+    "gas_around_flow",
     "gas_conductivity_table",
     "gas_leak_flow",
     "gas_scratch_flow",

@@ -1,0 +1,422 @@
+"""Flow through a ring-shaped contact that is not the same all around: across it, and round its tight places."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from leak.arrays import FloatArray
+from leak.errors import ConductivityError, ProfileError, positive
+from leak.flow.contact_profile import checked_profile, checked_side
+from leak.flow.gas_flow import checked_outlet
+from leak.fluids.properties import Gas
+
+# Of the conductance with free flow around: more is no resistance.
+_MOST = 1e9
+# Of the flow, all links together: less is no way. Kept, it would leave places whose pressure is nothing but round-off.
+_LEAST = 1e-9
+# The same where every single angle is sealed, of the conductance with free flow around.
+_FAINTEST = 1e-24
+_REFINEMENTS = 2
+_MOST_ITERATIONS = 200
+_CONVERGED = 1e-11
+# The gas pressure at which a vacuum is taken [Pa].
+_VACUUM = 1e-3
+
+GasConductivityField = Callable[[FloatArray], ArrayLike]
+
+
+@dataclass(frozen=True, eq=False)
+class AroundFlow:
+    """Flow of a liquid through the ring; angles are those of the conductivity's columns.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import leak
+    >>> x, phi = np.linspace(0.0, 1e-3, 21), 2 * np.pi * np.arange(16) / 16
+    >>> sigma = 1e-15 * np.exp(3.0 * np.cos(phi) * np.cos(1e3 * np.pi * x)[:, None])
+    >>> found = leak.around_flow(x, 0.001, sigma, 2e6)
+    >>> found.leak_rate > found.radial_leak_rate
+    True
+    """
+
+    leak_rate: float
+    """Q [m^3/s]; zero where the contact is sealed all around."""
+    inlet_flow: FloatArray
+    """Across the edge on the high-pressure side, per angle, shape (k,) [m^3/(s rad)]."""
+    outlet_flow: FloatArray
+    """Across the edge on the low-pressure side, per angle, shape (k,) [m^3/(s rad)]."""
+    radial_flow: FloatArray
+    """Of fluid that keeps to its angle, Delta P/int dx/(r sigma), per angle, shape (k,) [m^3/(s rad)]."""
+    fluid_pressure: FloatArray
+    """Above the low side, shape (m, k) [Pa]; nan where no fluid comes from either side."""
+
+    @property
+    def radial_leak_rate(self) -> float:
+        """Leak rate of fluid that keeps to its angle, a lower bound of Q [m^3/s]."""
+        return float(self.radial_flow.mean() * 2.0 * np.pi)
+
+    @property
+    def detour(self) -> float:
+        """What leaks because fluid goes round tight places, Q less its lower bound [m^3/s]."""
+        return self.leak_rate - self.radial_leak_rate
+
+
+@dataclass(frozen=True, eq=False)
+class AroundGasFlow:
+    """Flow of a gas through the ring; all pressures are absolute.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import leak
+    >>> x, sigma = np.linspace(0.0, 1e-3, 21), np.full((21, 8), 1e-12)
+    >>> found = leak.gas_around_flow(x, 0.014, sigma, leak.gas("nitrogen"), 2e5, 1e5)
+    >>> round(found.mass_flow / found.radial_mass_flow, 9)
+    1.0
+    """
+
+    mass_flow: float
+    """[kg/s]; zero where the contact is sealed all around."""
+    inlet_flow: FloatArray
+    """Across the edge on the inlet side, per angle, shape (k,) [kg/(s rad)]."""
+    outlet_flow: FloatArray
+    """Across the edge on the outlet side, per angle, shape (k,) [kg/(s rad)]."""
+    radial_flow: FloatArray
+    """Of gas that keeps to its angle, per angle, shape (k,) [kg/(s rad)]."""
+    fluid_pressure: FloatArray
+    """Shape (m, k) [Pa]; nan where no gas comes from either side."""
+
+    @property
+    def radial_mass_flow(self) -> float:
+        """Mass flow of gas that keeps to its angle [kg/s]."""
+        return float(self.radial_flow.mean() * 2.0 * np.pi)
+
+
+def around_flow(
+    x: ArrayLike,
+    radius: ArrayLike,
+    conductivity: ArrayLike,
+    pressure_drop: float,
+    *,
+    pressure_side: str = "outer",
+) -> AroundFlow:
+    """Solve the Reynolds equation div(sigma grad p_f) = 0 on the ring for a liquid.
+
+    Parameters
+    ----------
+    x : array_like
+        Arc length across the contact, strictly increasing, shape (m,), m >= 3 [m]. The fluid pressure is that of the
+        sides at the first and the last x: they must lie where the gap is open against its narrowest place.
+    radius : float or array_like
+        Distance from the axis r, one number or one per x [m].
+    conductivity : array_like
+        sigma_eff at the places x and at k equal steps of the angle, shape (m, k) [m^3/(Pa s)]; zero where sealed,
+        infinite where open. From a `ConductivityTable`: ``table.at(viscosity)(pressure)``.
+    pressure_drop : float
+        Delta P [Pa].
+    pressure_side : {"outer", "inner"}
+        Side of the high fluid pressure: larger or smaller x.
+
+    Returns
+    -------
+    AroundFlow
+
+    Raises
+    ------
+    ProfileError, ConductivityError
+        An input cannot be used; the message says which value.
+
+    Notes
+    -----
+    Finite volumes around the points: (1/r) d/dx(r sigma dp/dx) + (1/r^2) d/dphi(sigma dp/dphi) = 0, harmonic means of r
+    sigma between neighbours across and of sigma around, periodic in phi. Second order in both steps, on uneven steps of x,
+    too. What flows into a volume flows out of it. Without the links around the contact the same volumes give
+    `radial_flow`; links only add conductance, so that Q is never below it.
+
+    Conductances above 1e9 times that of the whole contact are set to it: that costs no more than 1e-9 of Q per step
+    of x.
+
+    Examples
+    --------
+    The same all around, it is the leak integral of `leak.leak_flow`:
+
+    >>> x = np.linspace(0.0, 1e-3, 11)
+    >>> found = around_flow(x, 0.014, np.full((11, 8), 1e-15), 2e6)
+    >>> print(f"{found.leak_rate:.4e}")
+    1.7593e-07
+    """
+    xs, rs = _checked_ring(x, radius)
+    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
+    checked_side(pressure_side)
+    ring = _Ring(xs, rs, _checked_conductivity(conductivity, xs.size))
+    first, last = (0.0, drop) if pressure_side == "outer" else (drop, 0.0)
+    found = ring.solved(first, last)
+    edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
+    return AroundFlow(found.flow, *edges, ring.radial * drop, found.potential)
+
+
+def gas_around_flow(
+    x: ArrayLike,
+    radius: ArrayLike,
+    conductivity: ArrayLike | GasConductivityField,
+    gas: Gas,
+    inlet_pressure: float,
+    outlet_pressure: float,
+    *,
+    pressure_side: str = "outer",
+) -> AroundGasFlow:
+    """Mass flow of a gas, div(rho sigma grad p_f) = 0 with rho = p_f/(R_s T), isothermal.
+
+    Parameters
+    ----------
+    x, radius, pressure_side
+        See `around_flow`.
+    conductivity : callable or array_like
+        sigma_eff of the rarefied gas at its absolute pressures p_f, arrays of shape (m, k), falling with p_f no faster
+        than 1/p_f. An array is a gas without slip.
+    gas : Gas
+    inlet_pressure, outlet_pressure : float
+        Absolute; the outlet may be a vacuum [Pa].
+
+    Returns
+    -------
+    AroundGasFlow
+
+    Raises
+    ------
+    ProfileError, ConductivityError
+        An input cannot be used, or no solution was found; the message says which value.
+
+    Notes
+    -----
+    rho sigma grad p_f = sigma grad(p_f^2)/(2 R_s T): without slip linear in p_f^2, and as exact as `around_flow`. With slip
+    sigma is taken at the last p_f, over and over, half of the change at a time; `radial_flow` likewise, with a gas
+    pressure of its own. In a vacuum, where sigma is infinite, its value at 1 mPa is used.
+
+    Examples
+    --------
+    >>> x, slip = np.linspace(0.0, 1e-3, 101), 5e4
+    >>> gas = Gas("nitrogen", 28.0134e-3, 17.8e-6, 293.15, "example")
+    >>> found = gas_around_flow(x, 0.014, lambda p: 1e-12 * (1 + slip / p) * np.ones((101, 8)), gas, 2e5, 0.0)
+    >>> exact = 2 * np.pi * 0.014 * 1e-12 / 1e-3 * (2e5**2 / 2 + slip * 2e5) * 28.0134e-3 / (8.314462618 * 293.15)
+    >>> round(found.mass_flow / exact, 2)
+    1.0
+    """
+    xs, rs = _checked_ring(x, radius)
+    p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
+    p_out = checked_outlet(p_in, outlet_pressure)
+    checked_side(pressure_side)
+    low, high = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
+    per_density = gas.specific_gas_constant * gas.temperature
+    across = _gas_state(xs, rs, conductivity, low, high, around=False)
+    found = _gas_state(xs, rs, conductivity, low, high, around=True)
+    edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
+    return AroundGasFlow(
+        found.flow / per_density,
+        *(edge / per_density for edge in edges),
+        0.5 * (across.first + across.last) / per_density,
+        np.sqrt(np.maximum(2.0 * found.potential, 0.0)),
+    )
+
+
+def _gas_state(
+    x: FloatArray,
+    radius: FloatArray,
+    conductivity: ArrayLike | GasConductivityField,
+    first: float,
+    last: float,
+    *,
+    around: bool,
+) -> _Solved:
+    """Solution in the potential p_f^2/2, with or without links around the contact."""
+    if not callable(conductivity):
+        ring = _Ring(x, radius, _checked_conductivity(conductivity, x.size), around)
+        return ring.solved(0.5 * first**2, 0.5 * last**2)
+    known = np.linspace(0.0, 1.0, x.size)[:, None]
+    columns = np.asarray(conductivity(np.full((x.size, 1), max(first, last)))).shape[-1]
+    pressure = np.sqrt(first**2 + (last**2 - first**2) * known) * np.ones(columns)
+    before = np.inf
+    for _ in range(_MOST_ITERATIONS):
+        at = np.maximum(pressure, _VACUUM)
+        ring = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), around)
+        found = ring.solved(0.5 * first**2, 0.5 * last**2)
+        new = np.sqrt(np.maximum(2.0 * found.potential, 0.0))
+        if abs(found.flow - before) <= _CONVERGED * found.flow:
+            return found
+        before = found.flow
+        pressure = np.where(np.isnan(new), pressure, 0.5 * (pressure + new))
+    raise ConductivityError("conductivity of the gas: no flow was found; it must fall no faster than 1/p_f")
+
+
+# -------------------------------------------------------------------- the volumes
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    flow: float
+    first: FloatArray
+    """Across the edges at the first and the last x, from the high to the low potential, per angle, shape (k,)."""
+    last: FloatArray
+    potential: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Ring:
+    """Volumes around the points (x, phi)."""
+
+    x: FloatArray
+    radius: FloatArray
+    conductivity: FloatArray
+    around: bool = True
+
+    @cached_property
+    def across_links(self) -> FloatArray:
+        """Conductance between neighbours in x per angle, shape (m - 1, k) [m^3/(Pa s rad)]."""
+        return _harmonic_mean(self.radius[:, None] * self.conductivity) / np.diff(self.x)[:, None]
+
+    @cached_property
+    def around_links(self) -> FloatArray:
+        """Conductance to the neighbour at the next angle, over that of one angle step, shape (m, k)."""
+        if not self.around:
+            return np.zeros(self.conductivity.shape)
+        step = 2.0 * np.pi / self.conductivity.shape[1]
+        edges = np.concatenate([self.x[:1], 0.5 * (self.x[1:] + self.x[:-1]), self.x[-1:]])
+        both = np.stack([self.conductivity, np.roll(self.conductivity, -1, axis=1)])
+        return _harmonic_mean(both)[0] * (np.diff(edges) / self.radius)[:, None] / step**2
+
+    @cached_property
+    def radial(self) -> FloatArray:
+        """Conductance of every angle alone, shape (k,) [m^3/(Pa s rad)]."""
+        with np.errstate(divide="ignore", over="ignore"):
+            return 1.0 / np.sum(1.0 / self.across_links, axis=0)
+
+    @cached_property
+    def whole(self) -> float:
+        """Conductance if fluid went round without resistance: an upper bound [m^3/(Pa s rad)]."""
+        with np.errstate(divide="ignore", over="ignore"):
+            return float(1.0 / np.sum(1.0 / self.across_links.sum(axis=1)))
+
+    def solved(self, first: float, last: float) -> _Solved:
+        """Flow for the potentials at the first and the last x."""
+        m, k = self.conductivity.shape
+        if not np.isfinite(self.whole):
+            raise ConductivityError("conductivity is infinite all the way across: there is no contact")
+        count = self.across_links.size + self.around_links.size
+        most = _MOST * self.whole if self.whole > 0.0 else np.inf
+        least = max(_LEAST * float(self.radial.sum()) / count, _FAINTEST * self.whole)
+        across, around = (
+            np.where(links > least, np.minimum(links, most), 0.0)
+            for links in (self.across_links, self.around_links)
+        )
+        place = np.arange(m * k).reshape(m, k)
+        tail = np.concatenate([place[:-1].ravel(), place.ravel()])
+        head = np.concatenate([place[1:].ravel(), np.roll(place, -1, axis=1).ravel()])
+        links = np.concatenate([across.ravel(), around.ravel()])
+        from_first, from_last = _reached(tail, head, links, place)
+        # Share of the drop counted from either side: each is exact next to its own.
+        share, rest = _shares(tail, head, links, place, from_first, from_last)
+        near = share < 0.5
+        drops = np.where(near[head] & near[tail], share[head] - share[tail], rest[tail] - rest[head])
+        drop, step = abs(last - first), 2.0 * np.pi / k
+        flow = float(np.sum(links * drops**2)) * step * drop if np.any(from_first & from_last) else 0.0
+        shares = np.where(from_first | from_last, np.where(near, share, 1.0 - rest), np.nan).reshape(m, k)
+        return _Solved(
+            flow,
+            across[0] * share.reshape(m, k)[1] * drop,
+            across[-1] * rest.reshape(m, k)[-2] * drop,
+            first + (last - first) * shares,
+        )
+
+
+def _reached(
+    tail: NDArray[np.intp], head: NDArray[np.intp], links: FloatArray, place: NDArray[np.intp]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which places some way leads to from the first and from the last x, shape (m k,) each."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = place.size
+    known = links > 0.0
+    # the sides are one place each, which must not join the other
+    sides = [np.unique(row) for row in (place[0], place[-1])]
+    i = np.concatenate([tail[known], *(row for row in sides)])
+    j = np.concatenate([head[known], *(np.full(row.size, row[0]) for row in sides)])
+    part = connected_components(coo_array((np.ones(i.size), (i, j)), shape=(count, count)), directed=False)[1]
+    return part == part[place[0, 0]], part == part[place[-1, 0]]
+
+
+def _shares(
+    tail: NDArray[np.intp],
+    head: NDArray[np.intp],
+    links: FloatArray,
+    place: NDArray[np.intp],
+    from_first: NDArray[np.bool_],
+    from_last: NDArray[np.bool_],
+) -> tuple[FloatArray, FloatArray]:
+    """Share of the drop between the first x and every place, and between it and the last x, shape (m k,) each."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import splu
+
+    share, rest = np.where(from_last & ~from_first, 1.0, 0.0), np.where(from_first & ~from_last, 1.0, 0.0)
+    share[place[-1]], rest[place[0]] = 1.0, 1.0
+    unknown = from_first & from_last
+    unknown[place[[0, -1]].ravel()] = False
+    if not unknown.any():
+        return share, rest
+    number = np.cumsum(unknown) - 1
+    i, j = np.concatenate([tail, head]), np.concatenate([head, tail])
+    both = np.concatenate([links, links])
+    diagonal = np.bincount(i, both, place.size)[unknown]
+    scale = 1.0 / np.sqrt(diagonal)
+    inside = unknown[i] & unknown[j]
+    rows, columns = number[i[inside]], number[j[inside]]
+    size = diagonal.size
+    matrix = coo_array(
+        (
+            np.concatenate([np.ones(size), -both[inside] * scale[rows] * scale[columns]]),
+            (np.concatenate([np.arange(size), rows]), np.concatenate([np.arange(size), columns])),
+        ),
+        shape=(size, size),
+    ).tocsc()
+    factors = splu(
+        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    for known in (share, rest):
+        for _ in range(1 + _REFINEMENTS):
+            flows = links * (known[head] - known[tail])
+            into = np.bincount(tail, flows, place.size) - np.bincount(head, flows, place.size)
+            known[unknown] += scale * factors.solve(scale * into[unknown])
+        np.clip(known, 0.0, 1.0, out=known)
+    return share, rest
+
+
+def _harmonic_mean(values: FloatArray) -> FloatArray:
+    """Of neighbours along the first axis; zero where one of them is zero."""
+    with np.errstate(divide="ignore", over="ignore"):
+        return np.asarray(2.0 / (1.0 / values[1:] + 1.0 / values[:-1]))
+
+
+def _checked_ring(x: ArrayLike, radius: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    xs, _, rs = checked_profile(x, np.ones(np.shape(x)), radius)
+    return xs, rs
+
+
+def _checked_conductivity(conductivity: ArrayLike, rows: int) -> FloatArray:
+    try:
+        values = np.asarray(conductivity, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ConductivityError(f"conductivity must be an array of numbers: {error}") from None
+    if values.ndim != 2 or values.shape[0] != rows or values.shape[1] < 1:
+        raise ConductivityError(
+            f"conductivity has shape {values.shape}: must be ({rows}, k), a row for each x and a column for each angle"
+        )
+    wrong = ~(values >= 0.0)
+    if np.any(wrong):
+        raise ConductivityError(f"conductivity = {values[wrong][0]}: must not be negative [m^3/(Pa s)]")
+    return values
