@@ -33,6 +33,8 @@ class Line:
     """Of each slice, shape (n,) [m]."""
     mobility: Callable[[FloatArray], FloatArray]
     """m >= 0 at pressures (k, n), one column per slice, shape (k, n): flow = m dp_f/dx."""
+    opens: FloatArray
+    """Pressure from which on the fluid holds a slice open, where m has a kink, shape (n,) [Pa]; -inf for none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,11 +133,23 @@ class _Network:
         values = [line.mobility(part) for line, part in zip(self.lines, parts, strict=True)]
         return np.concatenate(values, axis=1) / self.length
 
+    @cached_property
+    def opens(self) -> FloatArray:
+        return np.concatenate([line.opens for line in self.lines])
+
     def secant(self, p: FloatArray) -> FloatArray:
         """Flow over drop of each slice, shape (slices,)."""
+        start, drop = p[self.tail], self.drops(p)
+        kink = np.clip(self.opens, np.minimum(start, p[self.head]), np.maximum(start, p[self.head]))
+        first = np.abs(kink - start) / np.where(drop == 0.0, 1.0, np.abs(drop))
+        if not np.any((first > 0.0) & (first < 1.0)):
+            return self._mean(start, drop)
+        return first * self._mean(start, kink - start) + (1.0 - first) * self._mean(kink, p[self.head] - kink)
+
+    def _mean(self, start: FloatArray, step: FloatArray) -> FloatArray:
+        """Mean conductance over a step of the pressure."""
         nodes, weights = gauss(_NODES)
-        share = 0.5 * (1.0 + nodes)[:, None]
-        return 0.5 * weights @ self.conductance(p[self.tail] + share * self.drops(p))
+        return 0.5 * weights @ self.conductance(start + 0.5 * (1.0 + nodes)[:, None] * step)
 
     def drops(self, p: FloatArray) -> FloatArray:
         """From tail to head of each slice."""

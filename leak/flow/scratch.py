@@ -280,6 +280,7 @@ def scratch_flow(
         lambda pressure, at: np.broadcast_to(rough[at], pressure.shape),
         tuple(along(groove) for groove in grooves),
         deeper,
+        tuple(nominal - groove.section.closing_pressure(modulus) for groove in grooves),
     )
     low, high = (0.0, drop) if pressure_side == "outer" else (drop, 0.0)
     return LeakBounds(*(result(flow) for flow in bounds.flows(low, high)))
@@ -387,6 +388,7 @@ def gas_scratch_flow(
         rough,
         tuple(along(groove) for groove in grooves),
         deeper,
+        tuple(p_out + nominal - groove.section.closing_pressure(modulus) for groove in grooves),
     )
     low, high = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
     return LeakBounds(*(result(flow) for flow in bounds.flows(low, high)))
@@ -588,6 +590,8 @@ class _Bounds:
     grooves: tuple[Mobility, ...]
     deeper: tuple[NDArray[np.bool_], ...]
     """Where each groove is deeper than the rough gap is wide, shape (n,)."""
+    opens: tuple[FloatArray, ...]
+    """Fluid pressure from which on each groove is open, shape (n,) [Pa]."""
 
     def flows(self, first: float, last: float) -> tuple[NetworkFlow, NetworkFlow, NetworkFlow]:
         """Without grooves, lower and upper bound, for the pressures at small and large x."""
@@ -609,18 +613,22 @@ class _Bounds:
             return total
 
         count = self.contact.length.size
-        return Line(np.arange(count + 1), self.contact.length, mobility)
+        opens = [np.where(own, np.inf, at) for at, own in zip(self.opens, apart, strict=True)]
+        first = np.minimum.reduce(opens)
+        return Line(
+            np.arange(count + 1), self.contact.length, mobility, np.where(np.isinf(first), -np.inf, first)
+        )
 
     def _own(self) -> list[Line]:
         """The stretches of the grooves that are apart, with nodes of their own between the ends."""
         lines, following = [], self.contact.length.size + 1
-        for groove, own in zip(self.grooves, self.deeper, strict=True):
+        for groove, own, opens in zip(self.grooves, self.deeper, self.opens, strict=True):
             turns = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(int)))
             for begin, end in zip(turns[::2], turns[1::2], strict=True):
                 nodes = np.concatenate([[begin], following + np.arange(end - begin - 1), [end]])
                 following += end - begin - 1
                 at = slice(int(begin), int(end))
-                lines.append(Line(nodes, self.contact.length[at], _within(groove, at)))
+                lines.append(Line(nodes, self.contact.length[at], _within(groove, at), opens[at]))
         return lines
 
 
@@ -630,6 +638,8 @@ def _within(groove: Mobility, at: slice) -> Callable[[FloatArray], FloatArray]:
 
 def _checked_grooves(scratches: Groove | Sequence[Groove]) -> tuple[Groove, ...]:
     grooves = (scratches,) if isinstance(scratches, Groove) else tuple(scratches)
+    if not grooves:
+        raise ProfileError("scratches is empty: give at least one Scratch or SpiralLay")
     for groove in grooves:
         if not isinstance(groove, Groove):
             raise ProfileError(f"scratches holds {groove!r}: must be a Scratch or a SpiralLay")
