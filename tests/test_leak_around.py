@@ -99,7 +99,9 @@ def test_separable_conductivity_of_x_and_angle_does_not_go_round():
 
 
 @settings(max_examples=60, deadline=None)
-@given(seed=st.integers(0, 10**6), decades=st.floats(0.0, 30.0), zeros=st.floats(0.0, 0.6), k=st.integers(1, 12))
+@given(
+    seed=st.integers(0, 10**6), decades=st.floats(0.0, 30.0), zeros=st.floats(0.0, 0.6), k=st.integers(1, 12)
+)
 def test_fluid_that_may_go_round_leaks_at_least_as_much(seed, decades, zeros, k):
     rng = np.random.default_rng(seed)
     m = 9
@@ -199,8 +201,12 @@ def test_gas_with_the_same_slip_everywhere(outlet):
 
 
 def test_gas_all_around_the_same_is_the_gas_flow_of_a_profile():
-    spectrum = leak.PowerSpectrum.self_affine(rms_height=0.3e-6, hurst=0.8, q_low=1e4, q_rolloff=1e5, q_high=1e7)
-    table = leak.gas_conductivity_table(leak.RoughContact(spectrum, effective_modulus=115e9), 1e2, 1e8, num=24)
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=0.3e-6, hurst=0.8, q_low=1e4, q_rolloff=1e5, q_high=1e7
+    )
+    table = leak.gas_conductivity_table(
+        leak.RoughContact(spectrum, effective_modulus=115e9), 1e2, 1e8, num=24
+    )
     x = np.linspace(-1e-3, 1e-3, 401)
     p = 30e6 * np.exp(-0.5 * (x / 0.4e-3) ** 2)
     u = table.at_log_pressure(np.log(p))[:, None]

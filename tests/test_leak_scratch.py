@@ -80,7 +80,9 @@ def test_ellipse_closes_like_a_crack():
     inside = np.abs(x) < 0.6 * a
     assert found[inside].mean() == pytest.approx(-p, rel=1e-3)
     assert groove.closing_pressure(E) == pytest.approx(E * depth / (2 * a))
-    assert groove.open_depth([1.1 * groove.closing_pressure(E), 1e30, -1e9], E) == pytest.approx([0, 0, depth])
+    assert groove.open_depth([1.1 * groove.closing_pressure(E), 1e30, -1e9], E) == pytest.approx(
+        [0, 0, depth]
+    )
 
 
 @pytest.mark.parametrize("share", [0.05, 0.4, 0.9])
@@ -136,7 +138,11 @@ def test_gas_in_a_section_is_the_slit_at_every_place(groove, p_f):
 
     def local(x):
         u = gap(x)
-        return u**3 * flow_factor(p_f * u / (HELIUM.viscosity * HELIUM.molecular_speed)) / (12 * HELIUM.viscosity)
+        return (
+            u**3
+            * flow_factor(p_f * u / (HELIUM.viscosity * HELIUM.molecular_speed))
+            / (12 * HELIUM.viscosity)
+        )
 
     K = 2 * quad(local, 0, 20e-6 * (1 - 1e-12), epsabs=0, epsrel=1e-9, limit=200)[0] / thin
     assert float(groove.gas_conductance(0.0, E, HELIUM, p_f)) == pytest.approx(K, rel=2e-4)
@@ -176,7 +182,9 @@ def test_uniform_pressure_integrates_over_the_fluid_pressure(over):
     p = over * groove.closing_pressure(E)
     found = flow([0, 5e-4, 1e-3], [p] * 3, leak.Scratch(0.05e-6, 100e-6)).upper.leak_rate
     start = max(p - groove.closing_pressure(E), 0.0)
-    exact = quad(lambda p_f: float(groove.liquid_conductance(p - p_f, E, ETA)), start, DROP, epsabs=0)[0] / 1e-3
+    exact = (
+        quad(lambda p_f: float(groove.liquid_conductance(p - p_f, E, ETA)), start, DROP, epsabs=0)[0] / 1e-3
+    )
     assert found == pytest.approx(exact, rel=1e-3)
 
 
@@ -237,7 +245,9 @@ def test_spiral_lay():
     # without load exactly
     flat = flow([0, 5e-4, 1e-3], [1.0] * 3, leak.SpiralLay(50e-6, leak.EllipticGroove(4e-6, 30e-6)))
     K0 = float(leak.EllipticGroove(4e-6, 30e-6).liquid_conductance(0.0, E, ETA))
-    assert flat.upper.leak_rate == pytest.approx(DROP * K0 / 1e-3 / np.hypot(1, 2 * np.pi * R0 / 50e-6), rel=1e-6)
+    assert flat.upper.leak_rate == pytest.approx(
+        DROP * K0 / 1e-3 / np.hypot(1, 2 * np.pi * R0 / 50e-6), rel=1e-6
+    )
 
 
 # -------------------------------------------------------------------- beside the roughness
@@ -272,7 +282,9 @@ def test_no_exchange_is_both_side_by_side():
 
 def test_bounds_do_not_depend_on_where_the_profile_is_cut():
     """The scratch ends where the gap is as wide as it is deep, beyond the last point, too."""
-    extras = [flow(*gauss(reach, 401), leak.Scratch(20e-6, 100e-6), water()).extra for reach in (3.0, 5.0, 9.0)]
+    extras = [
+        flow(*gauss(reach, 401), leak.Scratch(20e-6, 100e-6), water()).extra for reach in (3.0, 5.0, 9.0)
+    ]
     np.testing.assert_allclose(extras, np.tile(extras[0], (3, 1)), rtol=2e-3)
 
 

@@ -134,10 +134,10 @@ def around_flow(
 
     Notes
     -----
-    Finite volumes around the points: (1/r) d/dx(r sigma dp/dx) + (1/r^2) d/dphi(sigma dp/dphi) = 0, harmonic means of r
-    sigma between neighbours across and of sigma around, periodic in phi. Second order in both steps, on uneven steps of x,
-    too. What flows into a volume flows out of it. Without the links around the contact the same volumes give
-    `radial_flow`; links only add conductance, so that Q is never below it.
+    Finite volumes around the points of (1/r) d/dx(r sigma dp/dx) + (1/r^2) d/dphi(sigma dp/dphi) = 0, periodic in phi,
+    with harmonic means of r sigma between neighbours across and of sigma between neighbours around. Second order in
+    both steps, uneven steps of x included. What flows into a volume flows out of it. Without the links around the contact
+    the same volumes give `radial_flow`; links only add conductance, so that Q is never below it.
 
     Conductances above 1e9 times that of the whole contact are set to it: that costs no more than 1e-9 of Q per step
     of x.
@@ -158,7 +158,7 @@ def around_flow(
     first, last = (0.0, drop) if pressure_side == "outer" else (drop, 0.0)
     found = ring.solved(first, last)
     edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
-    return AroundFlow(found.flow, *edges, ring.radial * drop, found.potential)
+    return AroundFlow(found.flow, edges[0], edges[1], ring.radial * drop, found.potential)
 
 
 def gas_around_flow(
@@ -195,8 +195,8 @@ def gas_around_flow(
 
     Notes
     -----
-    rho sigma grad p_f = sigma grad(p_f^2)/(2 R_s T): without slip linear in p_f^2, and as exact as `around_flow`. With slip
-    sigma is taken at the last p_f, over and over, half of the change at a time; `radial_flow` likewise, with a gas
+    rho sigma grad p_f = sigma grad(p_f^2)/(2 R_s T): without slip linear in p_f^2, and as exact as `around_flow`. With
+    slip sigma is taken at the last p_f, over and over, half of the change at a time; `radial_flow` likewise, with a gas
     pressure of its own. In a vacuum, where sigma is infinite, its value at 1 mPa is used.
 
     Examples
@@ -219,7 +219,8 @@ def gas_around_flow(
     edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
     return AroundGasFlow(
         found.flow / per_density,
-        *(edge / per_density for edge in edges),
+        edges[0] / per_density,
+        edges[1] / per_density,
         0.5 * (across.first + across.last) / per_density,
         np.sqrt(np.maximum(2.0 * found.potential, 0.0)),
     )
@@ -384,9 +385,7 @@ def _shares(
         ),
         shape=(size, size),
     ).tocsc()
-    factors = splu(
-        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     for known in (share, rest):
         for _ in range(1 + _REFINEMENTS):
             flows = links * (known[head] - known[tail])

@@ -29,6 +29,10 @@ class GrooveSection(Protocol):
     True
     """
 
+    @property
+    def width(self) -> float:
+        """Full width [m]."""
+
     def closing_pressure(self, effective_modulus: float) -> float:
         """Nominal contact pressure that closes the groove [Pa]."""
 

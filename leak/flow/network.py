@@ -20,7 +20,7 @@ _CONVERGED, _MOVED = 1e-11, 1e-7
 # Of the best conductance: less than this is none, but the equations stay solvable.
 _LEAST, _NOTHING = 1e-60, 1e-50
 # From one stage to the next, where a little flow everywhere helps to find the way.
-_LESS = 0.1
+_LESS, _MOST_LESS = 0.1, 0.98
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,14 +87,19 @@ def network_flow(lines: Sequence[Line], first: float, last: float) -> NetworkFlo
         return NetworkFlow(0.0, np.clip(p, low, high))
     start = network.linear(network.secant(p) + _LEAST * best, held)
     found, p = network.newton(np.clip(start, low, high), _LEAST * best)
-    # Just before the fluid opens a closed place Newton's method loses its way: begin with a little flow everywhere.
-    share = 1.0
-    while not found and share > _LEAST:
-        share *= _LESS
-        close, p = network.newton(p, share * best)
-        flow = network.flow(network.secant(p), p)
-        if close and share * best * (high - low) < _LESS * flow:
-            found, p = network.newton(p, _LEAST * best)
+    if not found:
+        # Just before the fluid opens a closed place Newton's method loses its way: begin with a little flow everywhere,
+        # and take it away in steps that it can follow.
+        p, share, less = held, 1.0, _LESS
+        while not found and share > _LEAST and less < _MOST_LESS:
+            close, new = network.newton(p, share * less * best)
+            if not close:
+                less = less**0.5
+                continue
+            p, share, less = new, share * less, max(less**1.5, _LESS)
+            if share * best * (high - low) < network.flow(network.secant(p), p):
+                found, new = network.newton(p, _LEAST * best)
+                p = new if found else p
     if not found:
         raise ProfileError("the flow along the groove was not found: the groove all but closes")
     return NetworkFlow(network.flow(network.secant(p), p), p)
@@ -157,7 +162,8 @@ class _Network:
 
     def divergence(self, flows: FloatArray) -> FloatArray:
         """What flows out of each node, flows counted from head to tail."""
-        return np.bincount(self.head, flows, self.count) - np.bincount(self.tail, flows, self.count)
+        into, out = (np.bincount(ends, flows, self.count) for ends in (self.head, self.tail))
+        return np.asarray(into - out, dtype=float)
 
     def connected(self, open_slices: NDArray[np.bool_]) -> bool:
         """Whether some way through open slices leads from end to end."""

@@ -125,7 +125,8 @@ class SpiralLay:
 
     References
     ----------
-    K. Matsuzaki, K. Nitta et al. (2006): turned flanges on copper gaskets leak along the groove alone above some 50 MPa.
+    Y. Matsuzaki, I. Nitta et al., Toraibarojisuto (Tribologist) 51, 308 (2006): turned flanges on copper gaskets leak
+    along the groove alone above some 50 MPa; S. Geoffroy, M. Prat, J. Fluids Eng. 126, 48 (2004).
 
     Examples
     --------
@@ -231,9 +232,9 @@ def scratch_flow(
 
         Q = [2 pi r sigma_eff(p) + sum of K(p - p_f) dx/ds] dp_f/dx
 
-    is solved for p_f (upper bound; s runs along the scratch). For the lower bound every scratch has a p_f of its own where
-    it is deeper than the rough gap, u_eff = (12 eta sigma_eff)^(1/3); elsewhere the gap is so wide that the scratch is
-    lost in it. A network whose links are cut carries less, so that the lower bound never exceeds the upper one.
+    is solved for p_f (upper bound; s runs along the scratch). For the lower bound every scratch has a p_f of its own
+    where it is deeper than the rough gap, u_eff = (12 eta sigma_eff)^(1/3); elsewhere the gap is so wide that the
+    scratch is lost in it. A network whose links are cut carries less: the lower bound never exceeds the upper one.
 
     Examples
     --------
@@ -324,9 +325,9 @@ def gas_scratch_flow(
 
     Notes
     -----
-    As `scratch_flow`, for the mass flow: every conductance carries the density p_f/(R_s T) and the factor of the rarefied
-    gas, in a scratch that of a slit as wide as each place of the section is deep. p_f less the outlet pressure holds
-    the scratch open.
+    As `scratch_flow`, for the mass flow: every conductance carries the density p_f/(R_s T) and the factor of the
+    rarefied gas, in a scratch that of a slit as wide as each place of the section is deep. p_f less the outlet pressure
+    holds the scratch open.
 
     Examples
     --------
@@ -531,7 +532,9 @@ class _Contact:
             before + per_cell * np.arange(count + 1),
         )
         # the gap is open where there is no contact
-        return contact.within(np.isfinite(contact.gap) & ((contact.gap > 0.0) | (log_p > SMALLEST_LOG_PRESSURE)))
+        return contact.within(
+            np.isfinite(contact.gap) & ((contact.gap > 0.0) | (log_p > SMALLEST_LOG_PRESSURE))
+        )
 
     @property
     def pressure(self) -> FloatArray:
@@ -543,7 +546,9 @@ class _Contact:
         before = np.concatenate([[0], np.cumsum(kept)])
         return self._of(np.flatnonzero(kept), self.length[kept], before[self.nodes])
 
-    def cut(self, grooves: tuple[Groove, ...], modulus: float) -> tuple[_Contact, tuple[NDArray[np.bool_], ...]]:
+    def cut(
+        self, grooves: tuple[Groove, ...], modulus: float
+    ) -> tuple[_Contact, tuple[NDArray[np.bool_], ...]]:
         """Slices, and for each groove where it is deeper than the rough gap is wide, shape (n,).
 
         Slices are cut in two where that begins or ends: no bound jumps as a groove becomes deeper.
