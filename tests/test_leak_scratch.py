@@ -188,9 +188,11 @@ def test_uniform_pressure_integrates_over_the_fluid_pressure(over):
     assert found == pytest.approx(exact, rel=1e-3)
 
 
-@pytest.mark.parametrize("over", [0.5, 1.0, 1.02, 1.034])
-@pytest.mark.parametrize("kind", ["ellipse", "wave"])
-def test_scratch_that_all_but_closes_against_an_integrator(over, kind):
+@pytest.mark.parametrize(
+    ("kind", "over"),
+    [("ellipse", 0.5), ("ellipse", 1.0), ("ellipse", 1.034), ("wave", 0.5), ("wave", 1.01)],
+)
+def test_scratch_that_all_but_closes_against_an_integrator(kind, over):
     """LSODA from the low side, Q such that it arrives at the high pressure; the fluid holds the middle open."""
     x, p = gauss(3.0, 401)
     width = 100e-6

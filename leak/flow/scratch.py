@@ -338,7 +338,7 @@ def gas_scratch_flow(
     ...     x, p, scratch, None, leak.gas("helium"), 2e5, 1e5, 0.0141421, effective_modulus=115e9
     ... )
     >>> f"{found.upper.leak_rate * 6e7:.1e} ml/min"
-    '2.4e-04 ml/min'
+    '4.6e-04 ml/min'
     """
     xs, ps, rs = checked_profile(x, p, radius)
     p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
