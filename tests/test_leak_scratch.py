@@ -231,6 +231,22 @@ def test_held_open_by_the_fluid_or_not_at_all():
     assert bounds.lower.leak_rate == 0.0 and np.isinf(bounds.upper.resistance)
 
 
+def test_scratch_is_as_long_as_the_contact():
+    """Outside the Hertzian contact, and between two of them, the faces are apart."""
+    half = 0.2e-3
+    x = np.linspace(-1.5, 1.5, 301) * half
+    p = 50e6 * np.sqrt(np.clip(1 - (x / half) ** 2, 0.0, None))
+    scratch = leak.Scratch(5e-6, 30e-6)
+    one = flow(x, p, scratch).upper.leak_rate
+    K = scratch.section.liquid_conductance(p, E, ETA)
+    assert one == pytest.approx(DROP / np.trapezoid(np.where(p > 0.0, 1 / K, 0.0), x), rel=5e-3)
+    two = flow(np.concatenate([x, x + 4 * half]), np.concatenate([p, p]), scratch)
+    assert two.upper.leak_rate == pytest.approx(one / 2, rel=1e-3)
+    np.testing.assert_allclose(two.upper.fluid_pressure[295:310], DROP / 2, rtol=2e-3)
+    rough = flow(x, p, scratch, water())
+    assert rough.extra[0] == pytest.approx(one, rel=0.05)
+
+
 def test_slanting_scratch_is_longer():
     x, p = gauss()
     straight, slanted = (flow(x, p, leak.Scratch(5e-6, 30e-6, angle)).upper.leak_rate for angle in (0.0, 1.0))

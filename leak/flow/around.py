@@ -136,8 +136,8 @@ def around_flow(
     -----
     Finite volumes around the points of (1/r) d/dx(r sigma dp/dx) + (1/r^2) d/dphi(sigma dp/dphi) = 0, periodic in phi,
     with harmonic means of r sigma between neighbours across and of sigma between neighbours around. Second order in
-    both steps, uneven steps of x included. What flows into a volume flows out of it. Without the links around the contact
-    the same volumes give `radial_flow`; links only add conductance, so that Q is never below it.
+    both steps, uneven steps of x included. What flows into a volume flows out of it. Without the links around the
+    contact the same volumes give `radial_flow`; links only add conductance, so that Q is never below it.
 
     Conductances above 1e9 times that of the whole contact are set to it: that costs no more than 1e-9 of Q per step
     of x.
@@ -178,8 +178,9 @@ def gas_around_flow(
     x, radius, pressure_side
         See `around_flow`.
     conductivity : callable or array_like
-        sigma_eff of the rarefied gas at its absolute pressures p_f, arrays of shape (m, k), falling with p_f no faster
-        than 1/p_f. An array is a gas without slip.
+        sigma_eff of the rarefied gas, shape (m, k), at its absolute pressures p_f; falls with p_f no faster than 1/p_f.
+        It is asked with p_f of shape (m, 1), the same all around, to learn k, and of shape (m, k). An array is a gas
+        without slip.
     gas : Gas
     inlet_pressure, outlet_pressure : float
         Absolute; the outlet may be a vacuum [Pa].

@@ -471,9 +471,9 @@ def deepest_scratch(
             high = float(step)
             break
         low = float(step)
-    from scipy.optimize import bisect
+    from scipy.optimize import brentq
 
-    return of(float(bisect(excess, low, high, xtol=1e-6)))
+    return of(float(brentq(excess, low, high, xtol=1e-6)))
 
 
 # -------------------------------------------------------------------- the contact in slices
