@@ -133,24 +133,52 @@ class HeldBody:
         """
         number = np.full(self.basis.N, -1)
         number[self.free] = np.arange(len(self.free))
-        place = number[self.contact_dofs]
-        loaded, solve_free = restricted_inverse(stiffness, place[place >= 0])
-        inverse = np.zeros((place.size, place.size))
-        movable = np.flatnonzero(place.ravel() >= 0)
-        inverse[np.ix_(movable, movable)] = loaded
+        compliance, solve_free = self.contact_compliance(stiffness, number)
 
         def solve(forces: FloatArray) -> FloatArray:
             displacement = np.zeros_like(forces)
             displacement[self.free] = solve_free(forces[self.free])
             return displacement
 
-        along = self.normal.ravel()[:, None] * inverse * self.normal.ravel()
-        compliance = along.reshape(*self.normal.shape, *self.normal.shape).sum(axis=(0, 2))
         if self.balance.any():
             share, balanced = self.normal[1], solve(self.balance)
             cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
             compliance += self.balance @ balanced * np.outer(share, share) - cross - cross.T
         return compliance, solve
+
+    def contact_compliance(
+        self, stiffness: csc_matrix, number: NDArray[np.int64], order: NDArray[np.intp] | None = None
+    ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """Factorise a stiffness, and see the contact nodes move along the normal; nothing is balanced or counted.
+
+        Parameters
+        ----------
+        stiffness : csc_matrix, shape (k, k)
+            Of what can move [N/m].
+        number : ndarray of int, shape (dofs, ...)
+            Its row of every dof; -1 where that is held.
+        order : ndarray of int, shape (k,), optional
+            See `fem_seal.bodies.restricted_inverse.restricted_inverse`.
+
+        Returns
+        -------
+        compliance : ndarray, shape (n, n)
+            Retreat of the contact nodes per unit normal force at each [m/N].
+        solve : callable
+            Takes forces, shape (k,) or (k, j), to displacements.
+
+        Raises
+        ------
+        RuntimeError
+            If the stiffness is not positive definite.
+        """
+        place = number[self.contact_dofs].ravel()
+        movable = np.flatnonzero(place >= 0)
+        loaded, solve = restricted_inverse(stiffness, place[movable], order)
+        inverse = np.zeros((place.size, place.size))
+        inverse[np.ix_(movable, movable)] = loaded
+        along = self.normal.ravel()[:, None] * inverse * self.normal.ravel()
+        return along.reshape(*self.normal.shape, *self.normal.shape).sum(axis=(0, 2)), solve
 
 
 def held_body(

@@ -6,15 +6,48 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_matrix
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
 
+_SYMMETRIC = {"SymmetricMode": True}
+
+
+def elimination_order(matrix: csc_matrix, places: ArrayLike) -> NDArray[np.intp]:
+    """Order that eliminates a symmetric matrix with little fill, some places last; the pattern alone matters.
+
+    Parameters
+    ----------
+    matrix : csc_matrix, shape (n, n)
+    places : array_like of int, shape (m,)
+        All different.
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
+    """
+    from scipy.sparse.linalg import spilu
+
+    places = np.asarray(places, dtype=np.intp)
+    # SuperLU tells its fill-reducing order only after a factorisation; one that drops nearly everything is cheap.
+    ordered = spilu(
+        matrix,
+        drop_tol=1e9,
+        fill_factor=1.0,
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options=_SYMMETRIC,
+    )
+    order = np.argsort(ordered.perm_c)
+    last = np.zeros(matrix.shape[0], dtype=bool)
+    last[places] = True
+    return np.concatenate([order[~last[order]], places])
+
 
 def restricted_inverse(
-    matrix: csc_matrix, places: ArrayLike
+    matrix: csc_matrix, places: ArrayLike, order: NDArray[np.intp] | None = None
 ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
     """(A^-1) between some places of a symmetric positive definite matrix, and a solver for any right-hand side.
 
@@ -28,6 +61,8 @@ def restricted_inverse(
         A.
     places : array_like of int, shape (m,)
         All different.
+    order : ndarray of int, shape (n,), optional
+        `elimination_order` of these places, where many matrices of one pattern are inverted.
 
     Returns
     -------
@@ -42,25 +77,13 @@ def restricted_inverse(
         If the matrix is singular.
     """
     from scipy.linalg.lapack import dpotri
-    from scipy.sparse.linalg import spilu, splu
+    from scipy.sparse.linalg import splu
 
     places = np.asarray(places, dtype=np.intp)
-    symmetric = {"SymmetricMode": True}
-    # SuperLU tells its fill-reducing order only after a factorisation; one that drops nearly everything is cheap.
-    ordered = spilu(
-        matrix,
-        drop_tol=1e9,
-        fill_factor=1.0,
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options=symmetric,
-    )
-    order = np.argsort(ordered.perm_c)
-    last = np.zeros(matrix.shape[0], dtype=bool)
-    last[places] = True
-    order = np.concatenate([order[~last[order]], places])
+    if order is None:
+        order = elimination_order(matrix, places)
     factor = splu(
-        matrix[order][:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=symmetric
+        matrix[order][:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=_SYMMETRIC
     )
     split = len(order) - len(places)
     last_rows = factor.U[split:, split:].toarray()

@@ -1,0 +1,237 @@
+"""Compliance of a body under a contact load that waves around the axis: Fourier finite elements.
+
+On the triangles of the axisymmetric model the displacement is (u_r cos n phi, u_z cos n phi, u_phi sin n phi) with n
+waves per turn. The integral over phi is done by hand, the stiffness is K0 + n K1 + n^2 K2, and each n is a problem of
+its own in the half-plane. The derivation is in docs/theory_form.md.
+
+Forces and stiffness are per full turn, int 2 pi r dr dz, as if the wave were its own mean: cos^2 and sin^2 give half of
+that on both sides of the equation. So the amplitude of a waving displacement stands to the amplitude of a waving load
+as the displacement of the axisymmetric model stands to its load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix, csr_matrix
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.condensed import CondensedBody
+from fem_seal.bodies.elasticity import (
+    elasticity_matrix,
+    node_dofs,
+    quadratic_nodes,
+    ring_volume,
+    strain_matrix,
+)
+from fem_seal.bodies.held_body import HeldBody
+from fem_seal.bodies.restricted_inverse import elimination_order
+from fem_seal.bodies.single_thread import single_threaded
+from fem_seal.materials import Material
+
+if TYPE_CHECKING:
+    from skfem import Basis
+
+# Compliances of so many bytes are kept: of all harmonics anybody asks for, unless the contact line is very fine.
+_KEPT = 100e6
+# A node is on the axis that is this near to it, as a share of the body's radius.
+_AXIS = 1e-12
+
+
+def harmonic_dofs(basis: Basis) -> NDArray[np.int64]:
+    """Dof of u_r, u_z and u_phi of every quadratic node, shape (3, nodes); u_r and u_z are those of the basis."""
+    in_plane = node_dofs(basis)
+    return np.vstack([in_plane, basis.N + np.arange(in_plane.shape[1])])
+
+
+def harmonic_strains(basis: Basis) -> tuple[FloatArray, FloatArray]:
+    """B0 and B1 of the strains (B0 + n B1) u [1/m]; both of shape (elements, points, 6, shapes).
+
+    The strains are (rr, zz, pp, rz, rp, zp), shear as g = 2 e, the last two times sin n phi, the others times
+    cos n phi: e_pp = (u_r + n u_phi)/r, g_rp = u_phi,r - (u_phi + n u_r)/r, g_zp = u_phi,z - n u_z/r; the others as
+    with axial symmetry. The shapes are those of the basis, then six of u_phi. No integration point lies on the axis.
+    """
+    r, in_plane = np.asarray(basis.global_coordinates())[0], basis.Nbfun
+    constant = np.zeros((*r.shape, 6, in_plane + in_plane // 2))
+    linear = np.zeros_like(constant)
+    constant[..., :4, :in_plane] = strain_matrix(basis)
+    for node in range(in_plane // 2):
+        radial, axial, around = 2 * node, 2 * node + 1, in_plane + node
+        (shape,) = basis.basis[radial]
+        over_r, (along_r, along_z) = np.asarray(shape)[0] / r, shape.grad[0]
+        constant[..., 4, around], constant[..., 5, around] = along_r - over_r, along_z
+        linear[..., 2, around] = over_r
+        linear[..., 4, radial] = linear[..., 5, axial] = -over_r
+    return constant, linear
+
+
+def harmonic_stiffness(basis: Basis, material: Material) -> tuple[csr_matrix, csr_matrix, csr_matrix]:
+    """K0, K1, K2 of the stiffness K0 + n K1 + n^2 K2 [N/m], over `harmonic_dofs`; nothing is held.
+
+    int 2 pi r sigma : epsilon dr dz of the amplitudes.
+    """
+    D = np.zeros((6, 6))
+    D[:4, :4] = elasticity_matrix(material)
+    D[4, 4] = D[5, 5] = D[3, 3]
+    constant, linear = harmonic_strains(basis)
+    flat = (len(constant), -1, constant.shape[-1])
+
+    def element(left: FloatArray, right: FloatArray) -> FloatArray:
+        weighted = ring_volume(basis)[..., None, None] * (D @ right)
+        return left.reshape(flat).transpose(0, 2, 1) @ weighted.reshape(flat)
+
+    dofs = np.hstack([basis.element_dofs.T, basis.N + quadratic_nodes(basis.mesh)[1]])
+    rows, columns = (index.ravel() for index in np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :]))
+    size = harmonic_dofs(basis).size
+    mixed = element(constant, linear)
+    k0, k1, k2 = (
+        csr_matrix((part.ravel(), (rows, columns)), shape=(size, size))
+        for part in (element(constant, constant), mixed + mixed.transpose(0, 2, 1), element(linear, linear))
+    )
+    return k0, k1, k2
+
+
+@dataclass(frozen=True)
+class HarmonicBody:
+    """One elastic body under normal loads on its contact line that wave around the axis.
+
+    Parameters
+    ----------
+    held : HeldBody
+        The body with its contact line and supports.
+
+    Notes
+    -----
+    From two waves on a load has neither a resultant force nor a moment. The seat is then held as in the axisymmetric
+    model, on its bottom along the axis and, if so, radially on its wall, free to slide around the axis on both. The
+    closing load on the closure's top stays even and the closure is free.
+
+    One wave pushes a body aside and tilts it. A closure that is free to move follows until there is no such load; the
+    first harmonic is therefore that of a guided closure, with its top and the bottom of the seat fully held: the
+    guide is infinitely stiff.
+    """
+
+    held: HeldBody
+    _known: dict[int, FloatArray] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @cached_property
+    def stiffness(self) -> tuple[csr_matrix, csr_matrix, csr_matrix]:
+        """K0, K1 and K2 [N/m], see `harmonic_stiffness`."""
+        return harmonic_stiffness(self.held.basis, self.held.material)
+
+    def compliance(self, n: int) -> FloatArray:
+        """Retreat of the contact nodes along the normal under normal forces at them that wave n times [m/N].
+
+        Parameters
+        ----------
+        n : int
+            Waves per turn, 1 or more; 1 means a guided closure.
+
+        Returns
+        -------
+        ndarray, shape (nodes, nodes)
+            Amplitude over amplitude, forces per full turn as `fem_seal.bodies.condensed.CondensedBody.compliance` has
+            them. Kept, and shared: not to be changed.
+
+        Raises
+        ------
+        ValueError
+            If n is not a whole number from 1 on.
+        """
+        if n < 1 or n != int(n):
+            raise ValueError(f"{n} waves around the axis: a whole number from 1 on is needed")
+        if n not in self._known:
+            compliance = self._factorised(int(n))
+            while self._known and (len(self._known) + 1) * compliance.nbytes > _KEPT:
+                self._known.pop(next(iter(self._known)))
+            self._known[n] = compliance
+        return self._known[n]
+
+    def opening(self, n: int, point_forces: FloatArray) -> FloatArray:
+        """How far the surface moves away from the other body at phi = 0 under forces times cos n phi [m], shape (m,).
+
+        Parameters
+        ----------
+        n : int
+            Waves per turn, 1 or more; 1 means a guided closure.
+        point_forces : ndarray, shape (m,)
+            Amplitude of the normal force at the points of the contact line, times the length of their circle [N]:
+            2 pi r facing dx p, as `HeldBody.nodal_forces` takes them.
+
+        Raises
+        ------
+        ValueError
+            If n is not a whole number from 1 on.
+        """
+        trace = self.held.trace
+        return np.asarray(trace @ (self.compliance(n) @ (trace.T @ point_forces)))
+
+    @single_threaded
+    def _factorised(self, n: int) -> FloatArray:
+        system = _HeldHarmonics.of(self, guided=True) if n == 1 else self._unguided
+        return self.held.contact_compliance(system.at(n), system.number, system.order)[0]
+
+    @cached_property
+    def _unguided(self) -> _HeldHarmonics:
+        return _HeldHarmonics.of(self, guided=False)
+
+
+def harmonic_body(condensed: CondensedBody) -> HarmonicBody:
+    """The same body under loads that wave around the axis; nothing is calculated yet.
+
+    Parameters
+    ----------
+    condensed : CondensedBody
+    """
+    return HarmonicBody(condensed.held)
+
+
+@dataclass(frozen=True)
+class _HeldHarmonics:
+    """K0, K1, K2 of what can move, its number for every dof (-1 where held), and the order to eliminate it in."""
+
+    parts: tuple[csr_matrix, csr_matrix, csr_matrix]
+    number: NDArray[np.int64]
+    order: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, body: HarmonicBody, guided: bool) -> _HeldHarmonics:
+        """With the supports of the first harmonic, or of all others."""
+        held, dofs = body.held, harmonic_dofs(body.held.basis)
+        radius = quadratic_nodes(held.basis.mesh)[0][:, 0]
+        radial, axial, around = dofs[:, radius <= _AXIS * radius.max()]
+        fixed = [radial, axial, around]
+        if held.name == "seat":
+            fixed.append(np.setdiff1d(np.arange(held.basis.N), held.free))
+        parts = body.stiffness
+        if guided:
+            # On the axis u_phi = -u_r: a shift along x is u_r = cos phi, u_phi = -sin phi.
+            parts = tuple(_tied(part, radial, around) for part in parts)  # type: ignore[assignment]
+            stand = "closure_top" if held.name == "closure" else "seat_bottom"
+            on_stand = np.isin(dofs[0], held.basis.get_dofs(stand).all(["u^1"]))
+            fixed = [*fixed[1:], dofs[:, on_stand].ravel()]
+        free = np.setdiff1d(np.arange(dofs.size), np.concatenate(fixed))
+        number = np.full(dofs.size, -1)
+        number[free] = np.arange(len(free))
+        k0, k1, k2 = (part[free][:, free] for part in parts)
+        on_line = number[held.contact_dofs].ravel()
+        order = elimination_order((k0 + k1 + k2).tocsc(), on_line[on_line >= 0])
+        return cls((k0, k1, k2), number, order)
+
+    def at(self, n: int) -> csc_matrix:
+        """K0 + n K1 + n^2 K2 [N/m]."""
+        k0, k1, k2 = self.parts
+        return (k0 + n * k1 + n**2 * k2).tocsc()
+
+
+def _tied(stiffness: csr_matrix, leading: NDArray[np.int64], opposite: NDArray[np.int64]) -> csr_matrix:
+    """Stiffness with some dofs set to minus others; they themselves are left over as if they had none."""
+    size = stiffness.shape[0]
+    own = np.setdiff1d(np.arange(size), opposite)
+    sign = np.append(np.ones(len(own)), -np.ones(len(opposite)))
+    tie = csr_matrix((sign, (np.append(own, opposite), np.append(own, leading))), shape=(size, size))
+    return tie.T @ stiffness @ tie
