@@ -167,8 +167,8 @@ def rigid_wave(
 ) -> tuple[Wave, ...]:
     """Change of the gap where the closure stands beside the axis or leans.
 
-    h = n_r e cos(phi - phi_e) + psi [-n_r z_t - n_z r0] cos(phi - phi_t), with z = 0 on the circle of first touch. For a
-    ball that leans about its centre the bracket is zero.
+    h = n_r e cos(phi - phi_e) + psi [-n_r z_t - n_z r0] cos(phi - phi_t), with z = 0 on the circle of first touch. For
+    a ball that leans about its centre the bracket is zero.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import PchipInterpolator
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.around import line_load_around
@@ -16,6 +16,8 @@ from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.waves import Stiffening
 from fem_seal.form import FormError
 from fem_seal.profile import PressureProfile
+
+LeakOf = Callable[[PressureProfile], float]
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64
@@ -43,6 +45,8 @@ class Around:
         f(phi) [N/m].
     approach : ndarray, shape (m,)
         Of closure and seat along the normal [m].
+    leak_rate : ndarray, shape (m,), or None
+        Of the fluid that flows straight across at each angle [m^3/s per radian]; None without roughness or fluid.
     """
 
     form: FormError
@@ -51,6 +55,7 @@ class Around:
     gap_change: FloatArray = field(repr=False)
     line_load: FloatArray = field(repr=False)
     approach: FloatArray = field(repr=False)
+    leak_rate: FloatArray | None = field(default=None, repr=False)
 
     @property
     def least_over_mean(self) -> float:
@@ -76,8 +81,8 @@ class Around:
         """Pressure [Pa] and gap [m], (angles, points), at every `step`-th angle."""
         return self.local.pressure_and_gap(self.line_load[::step], self.approach[::step])
 
-    def leak_rate(self, leak_of: Callable[[PressureProfile], float]) -> FloatArray:
-        """Leak at each angle where the fluid flows straight across [m^3/s per radian].
+    def with_leak(self, leak_of: LeakOf) -> Around:
+        """The same with its leak at each angle.
 
         Parameters
         ----------
@@ -85,28 +90,27 @@ class Around:
             Leak rate of the whole circumference under one profile [m^3/s].
         """
         found, place = np.unique(self.line_load, return_inverse=True)
-        if len(found) > _LINE_LOADS:
-            loads = np.exp(np.linspace(math.log(found[0]), math.log(found[-1]), _LINE_LOADS))
-            rates = self._leak_rates(loads, leak_of)
-            open_ = rates > 0
-            spline = CubicSpline(np.log(loads[open_]), np.log(rates[open_])) if open_.sum() > 3 else None
-            sealed_at = loads[~open_].min(initial=math.inf)
-            with np.errstate(under="ignore"):
-                each = np.zeros_like(found) if spline is None else np.exp(spline(np.log(found)))
-            each = np.where(found < sealed_at, each, 0.0)
-        else:
-            each = self._leak_rates(found, leak_of)
-        return each[place] / (2 * math.pi)
-
-    def _leak_rates(self, line_loads: FloatArray, leak_of: Callable[[PressureProfile], float]) -> FloatArray:
-        mean = self.local.mean.profile
-        approach = self.local.approach(line_loads)[0]
-        return np.array(
-            [
-                leak_of(replace(mean, pressure=pressure, gap=gap))
-                for pressure, gap in zip(*self.local.pressure_and_gap(line_loads, approach), strict=True)
-            ]
+        rates = (
+            self._leak_rates(found, leak_of) if len(found) <= _LINE_LOADS else self._between(found, leak_of)
         )
+        return replace(self, leak_rate=rates[place] / (2 * math.pi))
+
+    def _between(self, line_loads: FloatArray, leak_of: LeakOf) -> FloatArray:
+        """Leak rates at many line loads, increasing, interpolated between fewer; nothing from where they are sealed."""
+        rungs = np.geomspace(line_loads[0], line_loads[-1], _LINE_LOADS)
+        rates = self._leak_rates(rungs, leak_of)
+        leaks = rates > 0
+        if leaks.sum() < 2:
+            return np.zeros_like(line_loads)
+        curve = PchipInterpolator(np.log(rungs[leaks]), np.log(rates[leaks]))
+        with np.errstate(under="ignore"):
+            found = np.exp(curve(np.log(line_loads)))
+        return np.where(line_loads <= rungs[leaks][-1], found, 0.0)
+
+    def _leak_rates(self, line_loads: FloatArray, leak_of: LeakOf) -> FloatArray:
+        mean = self.local.mean.profile
+        fields = self.local.pressure_and_gap(line_loads, self.local.approach(line_loads)[0])
+        return np.array([leak_of(replace(mean, pressure=p, gap=u)) for p, u in zip(*fields, strict=True)])
 
 
 def around(form: FormError, local: LocalContact) -> Around:

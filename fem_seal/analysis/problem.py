@@ -219,7 +219,7 @@ class SealProblem:
             loads=Loads.of(case),
             surface=rough_contact(case),
             flow=flow_of(case),
-            form=case.form and case.form.error(case.contact.angle, case.touch_radius),
+            form=None if case.form is None else case.form.error(case.contact.angle, case.touch_radius),
             supports=Supports(wall=getattr(case.seat, "wall", "free")),
             interference=getattr(case.seat, "interference", None) or 0.0,
             contact_size=case.mesh.contact_size,

@@ -175,8 +175,8 @@ class Form(Table):
 
     guide: Literal["free", "guided"] = Field(
         "free",
-        description='"free": the closure shifts and tilts until it carries neither lateral force nor moment, which takes '
-        'the first harmonic out; "guided": an infinitely stiff guide holds it, and it may stand eccentric or tilted',
+        description='"free": the closure shifts and tilts until it carries neither lateral force nor moment, which '
+        'takes the first harmonic out; "guided": an infinitely stiff guide holds it, eccentric or tilted as it is',
     )
     eccentricity: Annotated[float, DEVIATION] = Field(
         0.0,

@@ -14,6 +14,8 @@ from fem_seal.units import parse_quantity
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from fem_seal.arrays import FloatArray
+
 # Rows of numbers that make a trace; an instrument's list of results has fewer.
 _FEWEST_ROWS = 8
 _ANGLES = ("angle", "phi", "theta", "winkel", "degree", "deg", "position", "azimuth", "c")
@@ -148,7 +150,7 @@ def _unit_in(name: str) -> str | None:
     return next((group for group in found.groups() if group), None) if found else None
 
 
-def _angle_factor(name: str, values: Sequence[float]) -> float:
+def _angle_factor(name: str, values: FloatArray) -> float:
     """From the column's numbers to radian."""
     import numpy as np
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ConvergenceError
 
-ComplexArray = NDArray[np.complex128]
+ComplexArray = NDArray[np.complexfloating]
 
 # What is left of the gap's change, in decay lengths of the approach over ln f, and steps to get there.
 _TOLERANCE, _MAX_STEPS = 1e-9, 80
@@ -170,7 +170,7 @@ class _Ring:
         matrix = T * self.stiffening + np.eye(len(T))
         right = right - matrix[:, self.rigid] @ missing
         matrix[:, self.rigid] = -T[:, self.rigid]
-        change = np.linalg.solve(matrix, right)
+        change: ComplexArray = np.linalg.solve(matrix, right)
         motion = np.zeros_like(change)
         motion[self.rigid] = change[self.rigid]
         change[self.rigid] = missing
@@ -213,7 +213,7 @@ def _in_logarithms(
 def _in_modes(
     local: Local, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Newton's method for the modes of a line load that is next to nothing where the surfaces are apart; None if it fails."""
+    """Newton's method for the modes of a line load that may be nothing at some places; None if it fails."""
     modes, given = ring.modes(start), ring.given(mean)
     modes[ring.rigid] = given
     motion = np.zeros(len(ring.stiffening), dtype=complex)
