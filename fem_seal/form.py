@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from leak import Groove
 
 Direction = Literal["radial", "axial", "normal"]
 
@@ -70,6 +71,21 @@ class WaveTolerance:
 
 
 @dataclass(frozen=True)
+class PlacedGroove:
+    """A scratch at its angle, or the lay that winds all around.
+
+    Parameters
+    ----------
+    groove : Groove
+    angle : float or None
+        Around the axis [rad]; None all around.
+    """
+
+    groove: Groove
+    angle: float | None = None
+
+
+@dataclass(frozen=True)
 class FormError:
     """Deviations of closure and seat from round, as they change the gap along the contact normal.
 
@@ -85,6 +101,8 @@ class FormError:
         Largest number of waves that was named, also with amplitude zero.
     remarks : tuple of str
         What is to be said about a measured trace.
+    grooves : tuple of PlacedGroove
+        Scratches across the face, and the lay of turning.
     """
 
     waves: tuple[Wave, ...] = ()
@@ -92,6 +110,7 @@ class FormError:
     tolerance: WaveTolerance | None = None
     highest: int = 1
     remarks: tuple[str, ...] = ()
+    grooves: tuple[PlacedGroove, ...] = ()
 
     @cached_property
     def felt(self) -> tuple[Wave, ...]:

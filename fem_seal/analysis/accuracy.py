@@ -50,7 +50,7 @@ class CoarserLoad:
         """What is compared of this load on some contact."""
         flow, profile = self.solver.flow, contact.profile
         pressure = self.solver.problem.loads.fluid_pressure[self.number]
-        return Comparison.of(name, profile, None if flow is None else flow.leak(profile, pressure))
+        return Comparison.of(name, profile, None if flow is None else flow.leak_of(contact, pressure))
 
 
 def on_coarser_mesh(problem: SealProblem, sizing: Sizing, number: int) -> CoarserLoad:

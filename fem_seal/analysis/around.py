@@ -3,28 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from fem_seal.analysis.flow import ProfileFlow
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.around import line_load_around
 from fem_seal.contact.local_contact import LocalContact
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.contact.waves import Stiffening
 from fem_seal.form import FormError
 from fem_seal.profile import PressureProfile
-
-LeakOf = Callable[[PressureProfile], float]
+from leak import LeakResult
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64
 # Harmonics of the line load above this share of its mean need the bodies' own answer, and the most of them.
 _FELT, _MOST_HARMONICS = 1e-3, 40
-# Line loads between which the leak rate is interpolated, unless there are fewer.
-_LINE_LOADS = 96
+# Line loads for each e-fold between which the leak rate is interpolated, and the fewest and most of them.
+_PER_FOLD, _LINE_LOADS = 12, (12, 96)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +48,11 @@ class Around:
         Of closure and seat along the normal [m].
     leak_rate : ndarray, shape (m,), or None
         Of the fluid that flows straight across at each angle [m^3/s per radian]; None without roughness or fluid.
+    leak : LeakResult or None
+        Of the whole circumference, scratches by their upper bound; its fluid pressure is that at the place where most
+        leaks.
+    scratches : tuple of float or None
+        Least and largest leak rate that scratches and lay add [m^3/s]; None without any.
     """
 
     form: FormError
@@ -56,6 +62,13 @@ class Around:
     line_load: FloatArray = field(repr=False)
     approach: FloatArray = field(repr=False)
     leak_rate: FloatArray | None = field(default=None, repr=False)
+    leak: LeakResult | None = field(default=None, repr=False)
+    scratches: tuple[float, float] | None = None
+
+    @property
+    def most_loaded(self) -> ContactSolution:
+        """The contact at the largest line load."""
+        return self.local.at(float(self.line_load.max()))
 
     @property
     def least_over_mean(self) -> float:
@@ -81,36 +94,76 @@ class Around:
         """Pressure [Pa] and gap [m], (angles, points), at every `step`-th angle."""
         return self.local.pressure_and_gap(self.line_load[::step], self.approach[::step])
 
-    def with_leak(self, leak_of: LeakOf) -> Around:
-        """The same with its leak at each angle.
+    def with_leak(self, flow: ProfileFlow) -> Around:
+        """The same with its leak.
 
         Parameters
         ----------
-        leak_of : callable
-            Leak rate of the whole circumference under one profile [m^3/s].
+        flow : ProfileFlow
         """
         found, place = np.unique(self.line_load, return_inverse=True)
-        rates = (
-            self._leak_rates(found, leak_of) if len(found) <= _LINE_LOADS else self._between(found, leak_of)
-        )
-        return replace(self, leak_rate=rates[place] / (2 * math.pi))
+        least = max(float(found[0]), 1e-250 * float(found[-1]))
+        count = int(np.clip(_PER_FOLD * math.log(found[-1] / least), *_LINE_LOADS))
+        few = len(found) <= count
+        rungs = found if few else np.geomspace(least, found[-1], count)
+        flows = [flow.leak(profile) for profile in self._profiles(rungs)]
+        rates = np.array([flow.leak_rate for flow in flows])
+        each = (rates if few else _between(rungs, rates, found))[place]
+        scratches = self._scratches(flow) if self.form.grooves else None
+        total = float(each.mean()) + (0.0 if scratches is None else scratches[1])
+        return replace(self, leak_rate=each / (2 * math.pi), leak=_scaled(flows, total), scratches=scratches)
 
-    def _between(self, line_loads: FloatArray, leak_of: LeakOf) -> FloatArray:
-        """Leak rates at many line loads, increasing, interpolated between fewer; nothing from where they are sealed."""
-        rungs = np.geomspace(line_loads[0], line_loads[-1], _LINE_LOADS)
-        rates = self._leak_rates(rungs, leak_of)
-        leaks = rates > 0
-        if leaks.sum() < 2:
-            return np.zeros_like(line_loads)
-        curve = PchipInterpolator(np.log(rungs[leaks]), np.log(rates[leaks]))
-        with np.errstate(under="ignore"):
-            found = np.exp(curve(np.log(line_loads)))
-        return np.where(line_loads <= rungs[leaks][-1], found, 0.0)
+    def _scratches(self, flow: ProfileFlow) -> tuple[float, float]:
+        """Least and largest leak rate that grooves add, each under the pressure where it lies [m^3/s]."""
+        least = largest = 0.0
+        for placed in self.form.grooves:
+            f = self.line_load.mean() if placed.angle is None else self._line_load_at(placed.angle)
+            (profile,) = self._profiles(np.array([f]))
+            low, high = flow.bounds(profile, [placed.groove]).extra
+            least, largest = least + low, largest + high
+        return least, largest
 
-    def _leak_rates(self, line_loads: FloatArray, leak_of: LeakOf) -> FloatArray:
+    def _line_load_at(self, angle: float) -> float:
+        return float(np.interp(angle, self.angle, self.line_load, period=2 * math.pi))
+
+    def _profiles(self, line_loads: FloatArray) -> list[PressureProfile]:
         mean = self.local.mean.profile
         fields = self.local.pressure_and_gap(line_loads, self.local.approach(line_loads)[0])
-        return np.array([leak_of(replace(mean, pressure=p, gap=u)) for p, u in zip(*fields, strict=True)])
+        return [replace(mean, pressure=p, gap=u) for p, u in zip(*fields, strict=True)]
+
+
+def _between(rungs: FloatArray, rates: FloatArray, line_loads: FloatArray) -> FloatArray:
+    """Leak rates at many line loads, interpolated between fewer; nothing from where they are sealed."""
+    leaks = rates > 0
+    if leaks.sum() < 2:
+        return np.zeros_like(line_loads)
+    # next to where it is sealed the leak rate falls too fast for a spline
+    interpolator = CubicSpline if leaks.all() else PchipInterpolator
+    curve = interpolator(np.log(rungs[leaks]), np.log(rates[leaks]))
+    last = rungs[leaks][-1]
+    with np.errstate(under="ignore"):
+        found = np.exp(curve(np.log(np.clip(line_loads, rungs[0], last))))
+    return np.where(line_loads <= last * (1 + 1e-12), found, 0.0)
+
+
+def _scaled(flows: Sequence[LeakResult], leak_rate: float) -> LeakResult:
+    """The flow with a leak rate; mass and pV flow go with it, the fluid pressure is that of the highest line load."""
+    most = max(flows, key=lambda flow: flow.leak_rate)
+    if not 0 < most.leak_rate < math.inf:
+        return most
+    share = leak_rate / most.leak_rate
+
+    def times(value: float | None) -> float | None:
+        return None if value is None else share * value
+
+    return replace(
+        most,
+        leak_rate=leak_rate,
+        resistance=most.resistance / share,
+        mass_flow=times(most.mass_flow),
+        throughput=times(most.throughput),
+        standard_leak_rate=times(most.standard_leak_rate),
+    )
 
 
 def around(form: FormError, local: LocalContact) -> Around:
@@ -119,7 +172,7 @@ def around(form: FormError, local: LocalContact) -> Around:
     Parameters
     ----------
     form : FormError
-        Without a tolerance, or with one that is filled.
+        A tolerance is filled by the number of waves that hurts most.
     local : LocalContact
         At the mean line load, and at any other.
 
@@ -127,6 +180,11 @@ def around(form: FormError, local: LocalContact) -> Around:
     ------
     ConvergenceError
     """
+    if form.tolerance is not None:
+        return min(
+            (around(form.with_waves(number), local) for number in form.tolerance.candidates),
+            key=lambda one: one.least_over_mean,
+        )
     mean, repeats = local.mean, form.symmetry
     size = ANGLES_PER_WAVE * max(form.highest // repeats, 1)
     if not form.felt:
@@ -149,8 +207,8 @@ def around(form: FormError, local: LocalContact) -> Around:
         if felt <= highest or highest >= _MOST_HARMONICS * repeats:
             break
         highest = min(felt, _MOST_HARMONICS * repeats)
-    whole = (np.tile(values, repeats) for values in (gap, f, approach))
-    return Around(form, local, _angles(size * repeats), *whole)
+    gap, f, approach = (np.tile(values, repeats) for values in (gap, f, approach))
+    return Around(form, local, _angles(size * repeats), gap, f, approach)
 
 
 def _angles(number: int) -> FloatArray:

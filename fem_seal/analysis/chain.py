@@ -12,6 +12,7 @@ from fem_seal.analysis.accuracy import NOT_ESTIMATED, discretisation_error, far_
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.caution import NOT_JUDGED, worst_first
 from fem_seal.analysis.flow import RoughFlow
+from fem_seal.analysis.form_answers import form_answers
 from fem_seal.analysis.left_out import left_out
 from fem_seal.analysis.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.analysis.opening import with_margins
@@ -22,6 +23,7 @@ from fem_seal.analysis.results import (
     DiscretisationError,
     LoadResult,
     SealSolution,
+    highest_load,
     strongest_load,
 )
 from fem_seal.analysis.variants import interface_variants, theory_variants
@@ -32,7 +34,12 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
-_LEAK = {"leak": "leak rate", "leak_elastic": "leak rate of elastic asperities"}
+_LEAK = {
+    "leak_round": "leak rate of the round seal",
+    "around": "leak around the axis",
+    "leak": "leak rate",
+    "leak_elastic": "leak rate of elastic asperities",
+}
 _SEPARATION = {
     "critical_separation": "critical separation",
     "critical_separation_elastic": "critical separation of elastic asperities",
@@ -58,6 +65,10 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     problem = _without(whole, refused)
     seal_mesh, model, solved = model_and_contacts(problem, clock)
     problem, contacts, after = _without(problem, solved.failures), solved.contacts, Afterwards()
+    if solved.formed:
+        problem = replace(
+            problem, form=solved.formed[0].form
+        )  # which now knows how many waves its tolerance holds
     kept = [number for number in range(len(whole.loads.points)) if number not in refused]
     unsolved = {kept[number]: one for number, one in solved.problems.items()}
     missing = {**refused, **unsolved}
@@ -65,11 +76,13 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     if solved.not_unloaded is not None:
         after.name("residual stress and imprint", solved.not_unloaded)
     with clock.step("leak", "flow conductivity and leak rates"):
-        rough = _with_tables(after, RoughFlow.of(problem.surface, problem.flow, contacts))
-        loads = tuple(
-            _settled(after, LoadResult(*point, contact, rough), _LEAK)
-            for point, contact in zip(problem.loads.points, contacts, strict=True)
-        )
+        bare = [
+            LoadResult(*point, contact, formed=formed)
+            for point, contact, formed in zip(problem.loads.points, contacts, solved.around, strict=True)
+        ]
+        shown = [contact for load in bare for contact in load.contacts]
+        rough = _with_tables(after, RoughFlow.of(problem.surface, problem.flow, shown))
+        loads = tuple(_settled(after, load.knowing(rough=rough), _LEAK) for load in bare)
     with clock.step("stress", "stress in both bodies"):
         loads = tuple(
             _settled(after, _settled(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
@@ -86,6 +99,11 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     with clock.step("questions", "blow-off and force for the target leak rate"):
         loads, of_answers = with_answers(solver, loads, after)
         loads = after.get("margin to opening", partial(with_margins, solver, loads), loads)
+    answers = None
+    if whole.form is not None:
+        with clock.step("form", "what the form error means"):
+            ask = partial(form_answers, solver, case, loads[highest_load(loads)], whole.form)
+            answers = after.get("answers about the form error", ask, None)
     with clock.step("variants", "comparing elastic and plastic interface law"):
         compare = partial(interface_variants, solver, loads)
         variants = after.get("comparison of elastic and plastic interface law", compare, ())
@@ -104,6 +122,7 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
         clock.timings,
         far_field=far,
         unloaded=solved.unloaded,
+        form=answers,
     )
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,12 +18,16 @@ from leak import (
     ConductivityTable,
     Gas,
     GasConductivityTable,
+    Groove,
+    LeakBounds,
     LeakResult,
     RoughContact,
     coupled_leak_flow,
     gas_conductivity_table,
     gas_leak_flow,
+    gas_scratch_flow,
     leak_flow,
+    scratch_flow,
 )
 
 if TYPE_CHECKING:
@@ -153,6 +157,56 @@ class Flow:
             x, pressure, table, gas, inlet, outlet, radius, pressure_side=side, ends=ends
         ).above_outlet
 
+    def bounds(
+        self,
+        table: Conductivity,
+        surface: RoughContact,
+        profile: PressureProfile,
+        fluid_pressure: float,
+        grooves: Sequence[Groove],
+    ) -> LeakBounds[Any]:
+        """Leak of one contact with grooves across it.
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+        surface : RoughContact
+            Of which the table is.
+        profile : PressureProfile
+        fluid_pressure : float
+            Pressure difference [Pa].
+        grooves : sequence of Groove
+        """
+        x, p, radius = profile.x, profile.pressure, profile.radius
+        side, ends, modulus = self.pressure_side, profile.ends, surface.effective_modulus
+        if isinstance(table, ConductivityTable):
+            return scratch_flow(
+                x,
+                p,
+                grooves,
+                table.at(self.viscosity),
+                fluid_pressure,
+                radius,
+                viscosity=self.viscosity,
+                effective_modulus=modulus,
+                pressure_side=side,
+                ends=ends,
+            )
+        assert self.gas is not None  # the table is one of a gas
+        return gas_scratch_flow(
+            x,
+            p,
+            grooves,
+            table,
+            self.gas,
+            self.outlet_pressure + fluid_pressure,
+            self.outlet_pressure,
+            radius,
+            effective_modulus=modulus,
+            pressure_side=side,
+            ends=ends,
+        )
+
     def leak_of(
         self,
         table: Conductivity,
@@ -170,6 +224,22 @@ class Flow:
             Pressure difference [Pa].
         """
         return self.leak(table, profile.x, profile.pressure, fluid_pressure, profile.radius, profile.ends)
+
+
+@dataclass(frozen=True)
+class ProfileFlow:
+    """How the fluid of a seal gets through any pressure profile, at one pressure difference.
+
+    Parameters
+    ----------
+    leak : callable
+        Flow through a profile.
+    bounds : callable
+        Flow through a profile with grooves in it.
+    """
+
+    leak: Callable[[PressureProfile], LeakResult]
+    bounds: Callable[[PressureProfile, Sequence[Groove]], LeakBounds[Any]]
 
 
 def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
@@ -236,6 +306,16 @@ class RoughFlow(Lazy):
         if self.flow is None or self.table is None:
             return None
         return self.flow.leak_of(self.table, profile, fluid_pressure)
+
+    def at(self, fluid_pressure: float) -> ProfileFlow | None:
+        """Flow at a pressure difference [Pa]; None without a fluid."""
+        flow, table = self.flow, self.table
+        if flow is None or table is None:
+            return None
+        return ProfileFlow(
+            lambda profile: flow.leak_of(table, profile, fluid_pressure),
+            lambda profile, grooves: flow.bounds(table, self.surface, profile, fluid_pressure, grooves),
+        )
 
     def critical_separation(self, peak: float) -> float:
         """u_c at a peak pressure [m].

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from fem_seal.analysis.afterwards import told
+from fem_seal.analysis.around import Around
 from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.contact.coupled import FluidAndContact
@@ -155,12 +156,20 @@ class SolvedLoads:
         Number of each load without a contact, with the error that says why.
     not_unloaded : ConvergenceError or None
         Why it is not known what is left after the last load, though a body yields.
+    formed : sequence of Around
+        Each contact around the axis; empty for a round seal.
     """
 
     contacts: Sequence[ContactSolution]
     unloaded: Unloaded | None = None
     failures: Mapping[int, Exception] = field(default_factory=dict)
     not_unloaded: ConvergenceError | None = None
+    formed: Sequence[Around] = ()
+
+    @property
+    def around(self) -> Sequence[Around | None]:
+        """Each contact around the axis; None for a round seal."""
+        return self.formed or [None] * len(self.contacts)
 
     @property
     def problems(self) -> dict[int, LoadProblem]:
@@ -179,13 +188,27 @@ def solve_loads(solver: LoadSolver) -> SolvedLoads:
     if solver.yields:
         return _solved_path(solver)
     contacts: list[ContactSolution] = []
+    formed: list[Around] = []
     failures: dict[int, Exception] = {}
-    for number, point in enumerate(points):
+    problem = solver.problem
+    # the number of waves that hurts most is one for all loads, that of the highest fluid pressure
+    order = sorted(range(len(points)), key=lambda number: points[number], reverse=True)
+    found: dict[int, tuple[ContactSolution, Around | None]] = {}
+    for number in order:
         try:
-            contacts.append(solver.solve(*point))
+            contact = solver.solve(*points[number])
+            around = problem.around(contact)
         except _NO_SOLUTION as error:
             failures[number] = error
-    return SolvedLoads(contacts, failures=failures)
+            continue
+        if around is not None:
+            problem = replace(problem, form=around.form)
+        found[number] = contact, around
+    for number in sorted(found):
+        contact, around = found[number]
+        contacts.append(contact)
+        formed += [] if around is None else [around]
+    return SolvedLoads(contacts, failures=dict(sorted(failures.items())), formed=formed)
 
 
 def _solved_path(solver: LoadSolver) -> SolvedLoads:
@@ -317,7 +340,7 @@ def model_and_contacts(
         if not found.contacts:
             raise _no_load_left(problem, found)
         solved.append(found)
-        return found.contacts
+        return [*found.contacts, *(around.most_loaded for around in found.formed)]
 
     contacts = solve_fitted(sizing(problem), problem.contact, solve_on, size_given=size_given)
     return meshes[-1], contacts[0].model, solved[-1]

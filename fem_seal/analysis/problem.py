@@ -13,10 +13,12 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from fem_seal.analysis.around import Around, around
 from fem_seal.analysis.flow import Flow
 from fem_seal.bodies.held_body import Supports
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.laws import HardContact, Law
+from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import element_sizes, for_yielding
@@ -28,6 +30,7 @@ from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.case.tables import CaseTables
+    from fem_seal.contact.solution import ContactSolution
     from leak import RoughContact
 
 # Ratio of decay length to rms height of Fischer et al. 2020, below eq. 8.
@@ -249,6 +252,21 @@ class SealProblem:
     def curves(self) -> list[HardeningCurve]:
         """Hardening curves of the bodies that yield; empty if both are elastic."""
         return [material.hardening for material in self.materials.values() if material.hardening is not None]
+
+    def around(self, contact: ContactSolution, law: Law | None = None) -> Around | None:
+        """Line load around the axis where one of the problem's contacts carries the mean; None for a round seal.
+
+        Parameters
+        ----------
+        contact : ContactSolution
+        law : Law, optional
+            With which it was solved; the problem's own unless given.
+
+        Raises
+        ------
+        ConvergenceError
+        """
+        return None if self.form is None else around(self.form, LocalContact(contact, law or self.law))
 
     @property
     def leaks(self) -> bool:

@@ -79,7 +79,7 @@ def contacts_at_target(problem: SealProblem, target_leak_rate: float | None = No
         solver = LoadSolver(problem, condensed(problem, build_contact(problem.contact, sizing)))
         for pressure, force in expected.items():
             found[pressure] = _on_model(solver, flow, pressure, force, target)
-        return [one.contact for one in found.values()]
+        return [contact for one in found.values() for contact in one.contacts]
 
     forces = [share * force for force in expected.values() for share in _MARGIN]
     size_given = problem.contact_size is not None
@@ -187,7 +187,7 @@ def _on_model(
         start = next(reversed(known.values()))[0] if known else None
         contact, applied_force = solver.at_contact_force(fluid_pressure, math.exp(log_force), start)
         known[log_force] = contact, applied_force
-        return log_excess(flow.leak(contact.profile, fluid_pressure).leak_rate, target)
+        return log_excess(flow.leak_of(contact, fluid_pressure).leak_rate, target)
 
     root = _root_near(excess, math.log(expected))
     if root is None:
@@ -200,9 +200,8 @@ def _on_model(
     if root not in known:
         excess(root)
     contact, applied_force = known[root]
-    return LoadResult(
-        fluid_pressure, applied_force, contact, RoughFlow.of(flow.surface, flow.flow, [contact])
-    )
+    load = LoadResult(fluid_pressure, applied_force, contact, formed=solver.problem.around(contact))
+    return load.knowing(rough=RoughFlow.of(flow.surface, flow.flow, load.contacts))
 
 
 def _root_near(excess: Callable[[float], float], expected: float) -> float | None:

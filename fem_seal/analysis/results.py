@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.analysis.caution import VALID, Validity
+from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.lazy import Lazy
 from fem_seal.arrays import FloatArray
 from fem_seal.units import given, leak_rate_text, quantity, quantity_worth
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fem_seal.analysis.flow import RoughFlow
+    from fem_seal.analysis.around import Around
+    from fem_seal.analysis.flow import Flow
     from fem_seal.analysis.problem import SealProblem
     from fem_seal.case.case import Case
     from fem_seal.contact.load_path import Unloaded
@@ -43,6 +45,8 @@ class LoadResult(Lazy):
     contact : ContactSolution
     rough : RoughFlow or None
         Surfaces and fluid; None without roughness.
+    formed : Around or None
+        Line load around the axis, of which `contact` carries the mean; None for a round seal.
     effective_radius : float or None
         Radius of the circle whose area times the fluid pressure is the fluid's force on the closure [m]; None unless
         the fluid gets between the surfaces.
@@ -62,6 +66,7 @@ class LoadResult(Lazy):
     applied_force: float
     contact: ContactSolution
     rough: RoughFlow | None = None
+    formed: Around | None = None
     effective_radius: float | None = None
     blow_off_pressure: float | None = None
     force_for_target: float | None = None
@@ -94,6 +99,11 @@ class LoadResult(Lazy):
         return DIGITS if self.opening is None else self.opening.digits
 
     @property
+    def contacts(self) -> tuple[ContactSolution, ...]:
+        """The contact at the mean line load and, of a seal that is not round, at the largest."""
+        return (self.contact,) if self.formed is None else (self.contact, self.formed.most_loaded)
+
+    @property
     def point(self) -> tuple[float, float]:
         """Fluid pressure [Pa] and force of spring or actuator [N]."""
         return self.fluid_pressure, self.applied_force
@@ -110,15 +120,33 @@ class LoadResult(Lazy):
 
     @cached_property
     def leak(self) -> LeakResult | None:
-        """Flow through the contact; None without roughness or fluid."""
+        """Flow through the contact, with its form error; None without roughness or fluid."""
+        if self.formed is None:
+            return self.leak_round
+        return None if self.around is None else self.around.leak
+
+    @cached_property
+    def leak_round(self) -> LeakResult | None:
+        """The same of the round seal."""
         return None if self.rough is None else self.rough.leak(self.contact.profile, self.fluid_pressure)
+
+    @cached_property
+    def around(self) -> Around | None:
+        """Line load, pressure and leak around the axis; None for a round seal."""
+        return None if self.formed is None else self._with_leak(self.formed, self.rough)
+
+    def _with_leak(self, formed: Around, rough: RoughFlow | None) -> Around:
+        flow = None if rough is None else rough.at(self.fluid_pressure)
+        return formed if flow is None else formed.with_leak(flow)
 
     @cached_property
     def leak_elastic(self) -> LeakResult | None:
         """The same with asperities that never yield, on the same contact."""
         if self.rough is None or self.rough.surface.hardness is None:
             return self.leak
-        return self.rough.elastic.leak(self.contact.profile, self.fluid_pressure)
+        if self.formed is None:
+            return self.rough.elastic.leak(self.contact.profile, self.fluid_pressure)
+        return self._with_leak(self.formed, self.rough.elastic).leak
 
     @cached_property
     def critical_separation(self) -> float | None:
@@ -155,7 +183,26 @@ class LoadResult(Lazy):
     @property
     def gap_pressure(self) -> NDArray[np.float64] | None:
         """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
-        return self.contact.loads.gap_pressure if self.leak is None else self.leak.fluid_pressure
+        return self.contact.loads.gap_pressure if self.leak_round is None else self.leak_round.fluid_pressure
+
+
+def leak_rates(
+    surface: RoughContact, flow: Flow, loads: Sequence[LoadResult], alike: Sequence[LoadResult] = ()
+) -> tuple[float, ...]:
+    """Leak rate of each load with another surface or flow on the same contact [m^3/s].
+
+    Parameters
+    ----------
+    surface : RoughContact
+    flow : Flow
+    loads : sequence of LoadResult
+    alike : sequence of LoadResult
+        Other loads over whose pressures the conductivity is tabulated as well.
+    """
+    shown = [contact for load in (*alike, *loads) for contact in load.contacts]
+    rough = RoughFlow.of(surface, flow, shown)
+    found = [replace(load, rough=rough).leak for load in loads]
+    return tuple(math.nan if leak is None else leak.leak_rate for leak in found)
 
 
 def strongest_load(loads: Sequence[LoadResult]) -> int:
@@ -254,6 +301,108 @@ class DiscretisationError:
     leak_rate: float | None
 
 
+# Least line load over the mean from which on a seal is called closed all around.
+CLOSED = 0.5
+
+
+@dataclass(frozen=True)
+class FormPoint:
+    """A load with another size of its form error.
+
+    Parameters
+    ----------
+    factor : float
+        Size over the one that is given.
+    height : float
+        From the narrowest to the widest place of the gap's change [m].
+    leak_rate : float or None
+        [m^3/s]; None without roughness or fluid.
+    line_load_min_over_mean : float
+    """
+
+    factor: float
+    height: float
+    leak_rate: float | None
+    line_load_min_over_mean: float
+
+
+@dataclass(frozen=True)
+class WaveAlone:
+    """A load with one wave of its form error alone.
+
+    Parameters
+    ----------
+    waves : int
+    amplitude : float
+        Of the gap's change [m].
+    leak_rate : float or None
+        [m^3/s]
+    line_load_min_over_mean : float
+    """
+
+    waves: int
+    amplitude: float
+    leak_rate: float | None
+    line_load_min_over_mean: float
+
+
+@dataclass(frozen=True)
+class Allowed:
+    """How large a form error may be for a limit.
+
+    Parameters
+    ----------
+    limit : str
+        What sets it: "target", or standard and class.
+    leak_rate : float
+        [m^3/s]
+    factor : float or None
+        Largest size over the one that is given; None if the round seal leaks more, infinite if none does.
+    zone : float or None
+        Width of the tolerance zone in `direction` [m] that keeps it with the number of waves that hurts most.
+    direction : {"radial", "axial"}
+    waves : int or None
+        That number.
+    """
+
+    limit: str
+    leak_rate: float
+    factor: float | None
+    zone: float | None
+    direction: str
+    waves: int | None
+
+
+@dataclass(frozen=True)
+class FormAnswers:
+    """What is known of a form error at the load with the highest fluid pressure.
+
+    Parameters
+    ----------
+    fluid_pressure, applied_force : float
+        Of the load [Pa], [N].
+    curve : tuple of FormPoint
+        Leak rate over the size of the form error.
+    waves : tuple of WaveAlone
+        The one that hurts most first.
+    tolerance_waves : int or None
+        Waves with which the case's tolerance was filled, the number that hurts most.
+    closing_force : float or None
+        Smallest force of spring or actuator at which the least line load is `CLOSED` of the mean [N]; None if no force
+        does it.
+    allowed : Allowed or None
+        None without a target, and where no class is met even by the round seal.
+    """
+
+    fluid_pressure: float
+    applied_force: float
+    curve: tuple[FormPoint, ...]
+    waves: tuple[WaveAlone, ...]
+    tolerance_waves: int | None
+    closing_force: float | None
+    allowed: Allowed | None
+
+
 @dataclass(frozen=True)
 class SealSolution:
     """Everything that a case gave, as numbers.
@@ -275,6 +424,7 @@ class SealSolution:
     theory_variants: tuple[TheoryVariant, ...] = ()
     far_field: tuple[Comparison, ...] = ()
     unloaded: Unloaded | None = None
+    form: FormAnswers | None = None
 
     @property
     def strongest(self) -> LoadResult:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.flow import MARGIN, Flow
+from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow
 from fem_seal.analysis.problem import expected_forces
 from fem_seal.contact.sizing import Opening, contact_width
 from fem_seal.loads import line_load
@@ -17,6 +17,7 @@ from fem_seal.profile import PressureProfile
 
 if TYPE_CHECKING:
     from fem_seal.analysis.problem import SealProblem
+    from fem_seal.contact.solution import ContactSolution
     from leak import LeakResult, RoughContact
 
 # Points of a Gaussian profile, and how far it reaches in standard deviations.
@@ -53,12 +54,29 @@ class SealFlow:
 
     def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
         """Flow through a contact at a pressure difference [Pa]."""
+        return self.flow.leak_of(self._table(profile), profile, fluid_pressure)
+
+    def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
+        """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
+        formed = self.problem.around(contact)
+        if formed is None:
+            return self.leak(contact.profile, fluid_pressure)
+        flow = ProfileFlow(
+            lambda profile: self.leak(profile, fluid_pressure),
+            lambda profile, grooves: self.flow.bounds(
+                self._table(profile), self.surface, profile, fluid_pressure, grooves
+            ),
+        )
+        found = formed.with_leak(flow).leak
+        assert found is not None  # it was asked for
+        return found
+
+    def _table(self, profile: PressureProfile) -> Conductivity:
         low, high = self._expected_peaks
         # below the range the low-pressure law goes on, above it two more decades at a time
         top, peak = math.ceil(high + MARGIN), math.log10(profile.pressure.max()) + MARGIN
         above = 2 * max(0, math.ceil((peak - top) / 2))
-        table = self.flow.table_around(self.surface, (low, high + above))
-        return self.flow.leak_of(table, profile, fluid_pressure)
+        return self.flow.table_around(self.surface, (low, high + above))
 
     def expected_profile(self, contact_force: float) -> PressureProfile:
         """Gaussian with the line load and the expected width of a contact that carries a force F_N [N]."""

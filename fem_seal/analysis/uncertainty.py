@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.response_surface import ResponseSurface, fit
-from fem_seal.analysis.results import LeakInterval, SealSolution
+from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution, leak_rates
 from fem_seal.analysis.sampling import UncertainInput, sobol_points
 from fem_seal.arrays import FloatArray
 from fem_seal.case.checks import problems_with_uncertainty
@@ -29,7 +29,6 @@ from fem_seal.errors import ConvergenceError, InputError, Problem
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.contact.model import ContactModel
-    from fem_seal.contact.solution import ContactSolution
     from leak import PowerSpectrum, RoughContact
 
 _FIRST_RUNS = 16
@@ -240,13 +239,8 @@ class _Study:
             if isinstance(one, UncertainInput)
         }
         surface = self._surface(sample, factors)
-        contacts = self._contacts(surface, factors)
         # with the range of the case itself, as long as it will do, the table's own error is that of all samples
-        table = flow.table_of(surface, [*result.contact, *contacts])
-        return [
-            flow.leak_of(table, contact.profile, load.fluid_pressure).leak_rate
-            for contact, load in zip(contacts, result.loads, strict=True)
-        ]
+        return list(leak_rates(surface, flow, self._loads(surface, factors), alike=result.loads))
 
     def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:
         assert self.result.surface is not None
@@ -263,20 +257,28 @@ class _Study:
                 means[one.key] = one.spectrum(mean, float(self.values[one.name][sample, 0]))
         return changed_surface(self.result.case, self.result.surface, factors, means)
 
-    def _contacts(self, surface: RoughContact, factors: dict[str, float]) -> list[ContactSolution]:
-        """Contact of every load; that of the case itself where its law and its bodies have not changed."""
+    def _loads(self, surface: RoughContact, factors: dict[str, float]) -> Sequence[LoadResult]:
+        """Every load; those of the case itself where its law and its bodies have not changed."""
         from fem_seal.contact.newton import solve
 
         result = self.result
         law = result.problem.interface.of_surface(surface)
-        stiffness = factors.get("youngs_modulus", 1.0)
-        if stiffness == 1 and law is result.problem.law:
-            return [load.contact for load in result.loads]
+        stiffness, problem = factors.get("youngs_modulus", 1.0), result.problem
+        if problem.form is not None and "form" in factors:
+            problem = replace(problem, form=problem.form.scaled(factors["form"]))
+        if stiffness == 1 and law is problem.law:
+            if problem.form is result.problem.form:
+                return result.loads
+            return [replace(load, formed=problem.around(load.contact)) for load in result.loads]
         model = _stiffer(result.model, stiffness)
         try:
-            return [
+            contacts = [
                 solve(model, law, axial_force=load.axial_force, loads=load.contact.loads, start=load.contact)
                 for load in result.loads
+            ]
+            return [
+                LoadResult(*load.point, contact, formed=problem.around(contact, law))
+                for load, contact in zip(result.loads, contacts, strict=True)
             ]
         except ConvergenceError as error:
             changes = ", ".join(f"{name} times {factor:.4g}" for name, factor in factors.items())
@@ -298,7 +300,11 @@ def _stiffer(model: ContactModel, factor: float) -> ContactModel:
         return replace(one, held=replace(one.held, material=material), loads=loads)
 
     return replace(
-        model, closure=body(model.closure), seat=body(model.seat), compliance=model.compliance / factor
+        model,
+        closure=body(model.closure),
+        seat=body(model.seat),
+        compliance=model.compliance / factor,
+        harmonics=(model.harmonics[0].stiffer(factor), model.harmonics[1].stiffer(factor)),
     )
 
 

@@ -15,10 +15,10 @@ from fem_seal.analysis.results import (
     LoadResult,
     SealSolution,
     TheoryVariant,
+    leak_rates,
     strongest_load,
 )
 from fem_seal.contact.newton import solve
-from fem_seal.contact.solution import ContactSolution
 from leak import RoughContact
 
 # Share of the contact area at which channels close: two-dimensional percolation, and the textbook value.
@@ -44,11 +44,11 @@ def theory_variants(result: SealSolution) -> tuple[TheoryVariant, ...]:
         return ()
     variants: list[TheoryVariant] = []
     for plastic in _laws(problem, surface):
-        contacts: Sequence[ContactSolution] = result.contact
+        loads: Sequence[LoadResult] = result.loads
         if plastic is not None and plastic != problem.interface.plastic:
-            contacts = _contacts(result, _with_law(problem, plastic))
+            loads = _loads(result, _with_law(problem, plastic))
         for reading in _readings(flow, surface):
-            rates = _leak_rates(problem, surface, flow, contacts, reading)
+            rates = _leak_rates(surface, flow, loads, reading)
             used = plastic in (None, problem.interface.plastic) and reading.is_of(flow, surface)
             variants.append(
                 TheoryVariant(plastic, reading.conductivity, reading.width, reading.threshold, rates, used)
@@ -60,20 +60,25 @@ def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
     return replace(problem, interface=replace(problem.interface, plastic=plastic))
 
 
-def _contacts(result: SealSolution, problem: SealProblem) -> Sequence[ContactSolution]:
+def _loads(result: SealSolution, problem: SealProblem) -> Sequence[LoadResult]:
     """The loads of a result with another interface law."""
     if result.unloaded is not None:
-        return solve_loads(LoadSolver(problem, result.model)).contacts
-    return tuple(
-        solve(
-            result.model,
-            problem.law,
-            axial_force=load.axial_force,
-            loads=load.contact.loads,
-            start=load.contact,
-        )
-        for load in result.loads
-    )
+        contacts = solve_loads(LoadSolver(problem, result.model)).contacts
+    else:
+        contacts = [
+            solve(
+                result.model,
+                problem.law,
+                axial_force=load.axial_force,
+                loads=load.contact.loads,
+                start=load.contact,
+            )
+            for load in result.loads
+        ]
+    return [
+        LoadResult(*load.point, contact, formed=problem.around(contact))
+        for load, contact in zip(result.loads, contacts, strict=True)
+    ]
 
 
 def _laws(problem: SealProblem, surface: RoughContact) -> tuple[bool | None, ...]:
@@ -108,11 +113,7 @@ def _readings(flow: Flow, surface: RoughContact) -> list[_Reading]:
 
 
 def _leak_rates(
-    problem: SealProblem,
-    surface: RoughContact,
-    flow: Flow,
-    contacts: Sequence[ContactSolution],
-    reading: _Reading,
+    surface: RoughContact, flow: Flow, loads: Sequence[LoadResult], reading: _Reading
 ) -> tuple[float, ...]:
     read = replace(flow, conductivity=reading.conductivity)
     surface = replace(
@@ -120,11 +121,7 @@ def _leak_rates(
         percolation_threshold=reading.threshold,
         separation_width=surface.separation_width if reading.width is None else reading.width,
     )
-    table = read.table_of(surface, contacts)
-    return tuple(
-        read.leak_of(table, contact.profile, pressure).leak_rate
-        for contact, pressure in zip(contacts, problem.loads.fluid_pressure, strict=True)
-    )
+    return leak_rates(surface, read, loads)
 
 
 def ratio_to_case(leak_rate: float, of_case: float) -> float:

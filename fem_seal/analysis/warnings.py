@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.form_warnings import form_cautions
 from fem_seal.analysis.load_names import load_name
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.load_path import yielding_bodies
@@ -123,6 +124,7 @@ def load_cautions(
     """
     bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _thick_layer, _slides, _above_hardness)
     yield from (caution for check in bodies for caution in check(problem, model, loads))
+    yield from form_cautions(problem, loads)
     if surface is not None:
         yield from _interface_cautions(problem, surface, loads)
 

@@ -170,6 +170,16 @@ class HarmonicBody:
         trace = self.held.trace
         return np.asarray(trace @ (self.compliance(n) @ (trace.T @ point_forces)))
 
+    def stiffer(self, factor: float) -> HarmonicBody:
+        """The same body with another Young's modulus; what is known of this one need not be calculated again.
+
+        Parameters
+        ----------
+        factor : float
+            Ratio of the moduli.
+        """
+        return _StifferBody(self.held, self, factor)
+
     @single_threaded
     def _factorised(self, n: int) -> FloatArray:
         system = _HeldHarmonics.of(self, guided=True) if n == 1 else self._unguided
@@ -178,6 +188,17 @@ class HarmonicBody:
     @cached_property
     def _unguided(self) -> _HeldHarmonics:
         return _HeldHarmonics.of(self, guided=False)
+
+
+@dataclass(frozen=True)
+class _StifferBody(HarmonicBody):
+    """A body whose compliances are those of another one over a factor."""
+
+    other: HarmonicBody
+    factor: float
+
+    def compliance(self, n: int) -> FloatArray:
+        return self.other.compliance(n) / self.factor
 
 
 def harmonic_body(condensed: CondensedBody) -> HarmonicBody:

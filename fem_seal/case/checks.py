@@ -30,6 +30,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *_flow(case),
         *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
         *_yielding(case),
+        *_form(case),
     ]
 
 
@@ -237,6 +238,26 @@ def _yielding(case: CaseTables) -> Iterator[Problem]:
         )
 
 
+def _form(case: CaseTables) -> Iterator[Problem]:
+    """What does not go together with a form error."""
+    form = case.form
+    if form is None:
+        return
+    if curves(case):
+        yield Problem(
+            "form",
+            "the line load around the axis is that of elastic bodies on the whole, but "
+            f"{_remembering(case)}, and would have another imprint at every angle; remove [form], or leave "
+            "stress_strain out",
+        )
+    if (form.scratches or form.lay) and (case.roughness is None or case.fluid is None):
+        missing = "roughness" if case.roughness is None else "fluid"
+        yield Problem(
+            "form.scratches" if form.scratches else "form.lay",
+            f"leak beside the rough contact, and there is no leak rate without [{missing}]; add it",
+        )
+
+
 def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[Problem]:
     """What in a table [uncertainty] does not fit the other tables of a case.
 
@@ -273,6 +294,8 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         )
     if table.hardness is not None and not case.leak.plasticity:
         yield Problem("uncertainty.hardness", "has no effect with leak.plasticity = false; remove it")
+    if table.form is not None and case.form is None:
+        yield Problem("uncertainty.form", "is about the deviations in a table [form]; add it, or remove this")
     if case.roughness is None:
         return
     shape = [key for key in SHAPE if key in table.spreads]

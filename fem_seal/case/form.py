@@ -14,6 +14,7 @@ from fem_seal.errors import TextTableError
 from fem_seal.form import (
     Direction,
     FormError,
+    PlacedGroove,
     Trace,
     Wave,
     WaveTolerance,
@@ -24,6 +25,7 @@ from fem_seal.form import (
 
 MOST_WAVES = 500
 DEVIATION = Quantity("length", "0 m", "1 mm")
+SECTION = Quantity("length", "1 nm", "10 mm")
 TURN = Quantity("angle", "-360 deg", "360 deg")
 # What a trace is read for unless it says more: the filter that drawings of small seats call for.
 _USUAL_WAVES = 15
@@ -119,6 +121,74 @@ class MeasuredTrace(Table):
         return said
 
 
+class Scratch(Table):
+    """[[form.scratches]]: a scratch across the face, of elliptic section."""
+
+    depth: Annotated[float, SECTION] = Field(
+        description="depth without load, from the undamaged face", examples=["5 um"]
+    )
+    width: Annotated[float, SECTION] = Field(description="full width", examples=["30 um"])
+    angle: Annotated[float, TURN] = Field(
+        0.0,
+        description="where it lies around the axis",
+        examples=["90 deg"],
+        json_schema_extra={"default": "0 deg"},
+    )
+    direction: Annotated[float, Quantity("angle", "-85 deg", "85 deg")] = Field(
+        0.0,
+        description="angle between the scratch and the shortest way across the face",
+        examples=["30 deg"],
+        json_schema_extra={"default": "0 deg"},
+    )
+
+    @property
+    def placed(self) -> PlacedGroove:
+        """The scratch at its angle."""
+        from leak import Scratch as Groove
+
+        return PlacedGroove(Groove(self.depth, self.width, abs(self.direction)), self.angle)
+
+
+class Lay(Table):
+    """[form.lay]: the groove of a turned seat that winds through the contact, not part of [roughness]."""
+
+    pitch: Annotated[float, SECTION] = Field(
+        description="feed per turn, measured along the face", examples=["50 um"]
+    )
+    depth: Annotated[float, SECTION] = Field(
+        description="depth of the groove without load, from crest to valley", examples=["2 um"]
+    )
+    section: Literal["sinusoidal", "elliptic"] = Field(
+        "sinusoidal",
+        description='"sinusoidal": one wave as wide as the pitch; "elliptic": half an ellipse between flat lands',
+    )
+    width: Annotated[float, SECTION] | None = Field(
+        None,
+        description='with section = "elliptic": its full width; the pitch unless given',
+        examples=["30 um"],
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> Lay:
+        if self.width is not None and self.section != "elliptic":
+            raise ValueError('width is only for section = "elliptic"; remove it')
+        if self.width is not None and self.width > self.pitch:
+            raise ValueError("width must not exceed the pitch")
+        return self
+
+    @property
+    def placed(self) -> PlacedGroove:
+        """The groove all around."""
+        from leak import EllipticGroove, SinusoidalGroove, SpiralLay
+
+        section = (
+            SinusoidalGroove(self.depth, self.pitch)
+            if self.section == "sinusoidal"
+            else EllipticGroove(self.depth, self.width or self.pitch)
+        )
+        return PlacedGroove(SpiralLay(self.pitch, section))
+
+
 class BodyForm(Table):
     """[form.seat] or [form.closure]: deviations of one body, as waves, as a measured trace, or as a tolerance."""
 
@@ -210,6 +280,13 @@ class Form(Table):
     )
     seat: BodyForm | None = None
     closure: BodyForm | None = None
+    scratches: tuple[Scratch, ...] = Field(
+        (),
+        description="scratches and notches from one side of the seal to the other",
+        examples=[[{"depth": "5 um", "width": "30 um"}]],
+        strict=False,
+    )
+    lay: Lay | None = Field(None, description="the spiral groove of a turned seat")
 
     @property
     def parts(self) -> dict[str, BodyForm]:
@@ -253,7 +330,10 @@ class Form(Table):
             if part.trace is not None:
                 remarks += part.trace.remarks(name)
         tolerance = WaveTolerance(zone, (tried[0], tried[1])) if zone else None
-        return FormError(combined(waves), self.guide == "guided", tolerance, highest, tuple(remarks))
+        grooves = [one.placed for one in self.scratches] + ([] if self.lay is None else [self.lay.placed])
+        return FormError(
+            combined(waves), self.guide == "guided", tolerance, highest, tuple(remarks), tuple(grooves)
+        )
 
 
 def place_trace_files(form: object, folder: Path) -> None:

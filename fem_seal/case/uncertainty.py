@@ -69,6 +69,9 @@ class Uncertainty(Table):
     q_high: Spread | None = Field(
         None, description="with a self-affine spectrum; kept above q_rolloff", examples=_SPREAD
     )
+    form: Spread | None = Field(
+        None, description="all deviations of [form] in the same proportion", examples=_SPREAD
+    )
     spectrum: Scans | None = Field(
         None,
         description='with a spectrum of kind "profile" from two or more files, of both surfaces or of each',

@@ -117,8 +117,9 @@ class LocalContact:
         return f, f * slope / g
 
     def peak_pressure(self, line_load: FloatArray) -> FloatArray:
-        """Highest pressure [Pa] at line loads [N/m]; zero where there is none."""
-        return self._fading("peak", line_load, lambda c: math.log(c.profile.peak_pressure))
+        """Highest pressure [Pa] at line loads [N/m]; next to nothing where there is none."""
+        with np.errstate(under="ignore"):
+            return np.exp(self._fading("peak", line_load, lambda c: math.log(c.profile.peak_pressure)))
 
     def fwhm(self, line_load: FloatArray) -> FloatArray:
         """Full width at half maximum [m] at line loads [N/m]; zero where there is none."""
@@ -164,13 +165,11 @@ class LocalContact:
     def _fading(
         self, name: str, line_load: FloatArray, log_of: Callable[[ContactSolution], float | FloatArray]
     ) -> FloatArray:
-        """What fades in proportion to the line load below the ladder, from its logarithm on the rungs."""
+        """Logarithm of what fades in proportion to the line load below the ladder."""
         v = self._over_mean(line_load)
         inside = np.maximum(v, self._low)
         found = self._spline(name, log_of)(inside)
-        faded = (v - inside).reshape(-1, *(1,) * (found.ndim - 1))
-        with np.errstate(under="ignore"):
-            return np.asarray(np.exp(found + faded))
+        return np.asarray(found + (v - inside).reshape(-1, *(1,) * (found.ndim - 1)))
 
     def _over_mean(self, line_load: FloatArray) -> FloatArray:
         """ln f over the mean; the ladder reaches there."""

@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -112,6 +111,8 @@ class ContactModel:
         cos(theta) of the contact normal at first touch.
     relative_radius : float
         R_rel [m].
+    harmonics : tuple of HarmonicBody
+        Closure and seat under loads that wave around the axis.
 
     Examples
     --------
@@ -134,6 +135,7 @@ class ContactModel:
     touch_radius: float
     touch_normal_z: float
     relative_radius: float
+    harmonics: tuple[HarmonicBody, HarmonicBody] = field(repr=False)
 
     def __repr__(self) -> str:
         return (
@@ -146,11 +148,6 @@ class ContactModel:
     def effective_modulus(self) -> float:
         """E* of the pair [Pa]."""
         return effective_modulus(self.closure.material, self.seat.material)
-
-    @cached_property
-    def harmonics(self) -> tuple[HarmonicBody, HarmonicBody]:
-        """Closure and seat under loads that wave around the axis."""
-        return harmonic_body(self.closure), harmonic_body(self.seat)
 
     def line_load(self, axial_force: float) -> float:
         """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""
@@ -211,6 +208,7 @@ def condense(
         contact.touch_radius,
         math.cos(contact.angle),
         contact.relative_radius,
+        (harmonic_body(closure), harmonic_body(seat)),
     )
 
 

@@ -165,6 +165,11 @@ def _load_steps(row: Row) -> float | None:
     return float(contact.load_steps) if isinstance(contact, ElastoplasticContact) else None
 
 
+def _of_scratches(row: Row, which: int) -> float | None:
+    around = row.load.around
+    return None if around is None or around.scratches is None else around.scratches[which]
+
+
 _FLOW = ("roughness", "fluid")
 
 COLUMNS = {
@@ -427,6 +432,57 @@ COLUMNS = {
             "margin to opening as a share of the force or pressure that acts",
             lambda row: None if row.load.opening is None else row.load.opening.share,
         ),
+        Column(
+            "peak_pressure_max_Pa",
+            "contact pressure",
+            "of a seal with [form]: largest contact pressure around the axis",
+            lambda row: None if row.load.formed is None else float(row.load.formed.peak_pressure.max()),
+            heading="peak around the axis",
+            title="largest pressure around the axis",
+            short="p max",
+            shown_in="MPa",
+            unit_like="peak_pressure_Pa",
+            spare_digits=0,
+        ),
+        Column(
+            "line_load_min_over_mean",
+            "",
+            "of a seal with [form]: least line load around the axis over its mean",
+            lambda row: None if row.load.formed is None else row.load.formed.least_over_mean,
+            heading="least line load over mean",
+            short="f min/mean",
+        ),
+        Column(
+            "leak_rate_round_m3_per_s",
+            "flow",
+            "of a seal with [form]: leak rate of the round seal without scratches",
+            lambda row: None if row.load.formed is None else _rate(row.load.leak_round),
+            heading="leak rate if round",
+            short="if round",
+            shown_in="mm³/s",
+            unit_like="leak_rate_m3_per_s",
+            spare_digits=0,
+            needs=_FLOW,
+        ),
+        Column(
+            "leak_rate_scratches_low_m3_per_s",
+            "flow",
+            "what scratches and lay add to the leak rate at least, if no fluid passes between them and the roughness",
+            lambda row: _of_scratches(row, 0),
+            needs=_FLOW,
+        ),
+        Column(
+            "leak_rate_scratches_high_m3_per_s",
+            "flow",
+            "what they add at most, if it passes freely; the leak rate includes this",
+            lambda row: _of_scratches(row, 1),
+            heading="of it through scratches",
+            short="scratches",
+            shown_in="mm³/s",
+            unit_like="leak_rate_m3_per_s",
+            spare_digits=0,
+            needs=_FLOW,
+        ),
     )
 }
 
@@ -458,6 +514,9 @@ LEAK_ON_TERMINAL = tuple(
         "leak_rate_low_m3_per_s",
         "leak_rate_high_m3_per_s",
         "leak_rate_elastic_m3_per_s",
+        "leak_rate_round_m3_per_s",
+        "leak_rate_scratches_high_m3_per_s",
+        "line_load_min_over_mean",
         "max_von_mises_Pa",
         "effective_seal_radius_m",
         "blow_off_pressure_Pa",

@@ -141,26 +141,30 @@ def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
 
 def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> LoadResult:
     """The only load of a problem, with what designs share: bodies, law and flow conductivity."""
-    point, contact = problem.loads.points[0], _contact(problem, stress)
-    rough = RoughFlow.of(problem.surface, problem.flow, [contact])
+    load = _bare_load(problem, stress)
+    rough = RoughFlow.of(problem.surface, problem.flow, load.contacts)
     if rough is not None and interpolate:
-        rough = replace(rough, make=partial(_shared_table, contact))
-    solver, inner = LoadSolver(problem, contact.model), problem.loads.pressure_side == "inner"
-    opens = solver.blow_off_pressure(point[1]) if inner else None
-    (load,) = with_margins(solver, [LoadResult(*point, contact, rough, blow_off_pressure=opens)])
+        rough = replace(rough, make=partial(_shared_table, load.contacts[-1]))
+    solver, inner = LoadSolver(problem, load.contact.model), problem.loads.pressure_side == "inner"
+    opens = solver.blow_off_pressure(load.applied_force) if inner else None
+    (load,) = with_margins(solver, [load.knowing(rough=rough, blow_off_pressure=opens)])
     return load
 
 
-def _contact(problem: SealProblem, stress: bool) -> ContactSolution:
-    force, law = expected_forces(problem)[0], _law(problem)
+def _bare_load(problem: SealProblem, stress: bool) -> LoadResult:
+    """The contact of the only load, around the axis if the seal is not round."""
+    point, force, law = problem.loads.points[0], expected_forces(problem)[0], _law(problem)
+    found: list[LoadResult] = []
 
-    def solve_on(sizing: Sizing) -> list[ContactSolution]:
+    def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
         model = shared_model(problem, sizing, stress=stress)
-        return [solve(model, law, axial_force=force, settings=_SETTINGS)]
+        contact = solve(model, law, axial_force=force, settings=_SETTINGS)
+        found.append(LoadResult(*point, contact, formed=problem.around(contact, law)))
+        return found[-1].contacts
 
     size_given = problem.contact_size is not None
-    (contact,) = solve_fitted(sizing(problem, law), problem.contact, solve_on, size_given=size_given)
-    return contact
+    solve_fitted(sizing(problem, law), problem.contact, solve_on, size_given=size_given)
+    return found[-1]
 
 
 def _law(problem: SealProblem) -> Law:

@@ -234,6 +234,7 @@ _NAMES = {
     "q_high": "shortest wavelength",
     "spectrum": "spectrum between scans",
     "scan_length": "length of the scans",
+    "form": "form error",
 }
 _CHANNELS = {"bruggeman": "effective medium", "critical-junction": "critical junction"}
 

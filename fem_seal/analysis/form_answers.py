@@ -1,0 +1,217 @@
+"""What a form error means: how much it may be, what hurts most, and the force that closes the seal all around."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.analysis.around import Around, around
+from fem_seal.analysis.leakage import leakage_classes
+from fem_seal.analysis.problem import largest_force
+from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
+from fem_seal.errors import ConvergenceError
+from fem_seal.form import FormError, Wave, along_normal
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.load_solver import LoadSolver
+    from fem_seal.case.case import Case
+
+# Sizes of the form error that the curve shows, over the one that is given.
+_FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
+# Numbers of waves that are tried for the tolerance on the drawing, unless the case says which.
+_WAVES = (2, 15)
+# Largest and first change of the gap that is looked at [m], steps and smallest in the logarithm, and the accuracy.
+_LARGEST, _FIRST, _STEP, _DEEPEST, _ACCURACY = 1e-3, 1e-6, 1.0, 20.0, 1e-3
+
+
+def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormError) -> FormAnswers:
+    """Answers for one load.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+        Of the load's model.
+    case : Case
+    load : LoadResult
+        Of a seal that is not round.
+    given : FormError
+        The form error as the case has it, its tolerance not yet filled.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    asked = _Formed(load)
+    waves = sorted(map(asked.alone, asked.form.felt), key=lambda one: one.line_load_min_over_mean)
+    filled = None if given.tolerance is None else _filling(given, asked.form)
+    return FormAnswers(
+        load.fluid_pressure,
+        load.applied_force,
+        tuple(asked.curve()),
+        tuple(waves),
+        filled,
+        _closing_force(solver, load),
+        _allowed(case, load, asked, given),
+    )
+
+
+def _filling(given: FormError, filled: FormError) -> int | None:
+    """Number of waves that a tolerance was filled with."""
+    before = {one.waves: one.amplitude for one in given.waves}
+    added = [one.waves for one in filled.waves if one.amplitude != before.get(one.waves, 0.0)]
+    return added[0] if added else None
+
+
+@dataclass(frozen=True)
+class _Formed:
+    """A load whose form error can be exchanged."""
+
+    load: LoadResult
+
+    @cached_property
+    def formed(self) -> Around:
+        assert self.load.formed is not None
+        return self.load.formed
+
+    @property
+    def form(self) -> FormError:
+        return self.formed.form
+
+    def with_form(self, form: FormError) -> LoadResult:
+        return replace(self.load, formed=around(form, self.formed.local))
+
+    def curve(self) -> list[FormPoint]:
+        """Points of the curve, as far as they can be calculated."""
+        found = []
+        for factor in _FACTORS:
+            try:
+                load = self.with_form(self.form.scaled(factor))
+            except ConvergenceError:
+                break
+            assert load.formed is not None
+            height = float(np.ptp(load.formed.gap_change))
+            found.append(FormPoint(factor, height, _rate(load), load.formed.least_over_mean))
+        return found
+
+    def alone(self, wave: Wave) -> WaveAlone:
+        load = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
+        assert load.formed is not None
+        return WaveAlone(wave.waves, wave.amplitude, _rate(load), load.formed.least_over_mean)
+
+    def leak_rate(self, form: FormError) -> float:
+        """Infinite where the form error is too large to be solved."""
+        try:
+            rate = _rate(self.with_form(form))
+        except ConvergenceError:
+            return math.inf
+        return math.inf if rate is None else rate
+
+
+def _rate(load: LoadResult) -> float | None:
+    return None if load.leak is None else load.leak.leak_rate
+
+
+def _closing_force(solver: LoadSolver, load: LoadResult) -> float | None:
+    """Force of spring or actuator at which the seal is closed all around."""
+    formed = load.formed
+    if formed is None or not formed.form.felt:
+        return None
+
+    def lacking(log_force: float) -> float:
+        contact, spring = solver.at_contact_force(load.fluid_pressure, math.exp(log_force), load.contact)
+        springs[log_force] = spring
+        found = solver.problem.around(contact)
+        return CLOSED - (1.0 if found is None else found.least_over_mean)
+
+    springs: dict[float, float] = {}
+    highest = math.log(largest_force(solver.problem))
+    root = _smallest(lacking, math.log(load.axial_force), highest)
+    return None if root is None else springs[root]
+
+
+def _smallest(lacking: Callable[[float], float], start: float, highest: float) -> float | None:
+    """Place from which on a falling function is not positive, near `start`; None if not below `highest`."""
+    from scipy.optimize import brentq
+
+    at, value = start, lacking(start)
+    step = math.copysign(0.5, value)
+    for _ in range(40):
+        ahead = at + step
+        if ahead > highest:
+            return None
+        beyond = lacking(ahead)
+        if beyond * value <= 0:
+            root = float(brentq(lacking, at, ahead, xtol=_ACCURACY))
+            lacking(root)
+            return root
+        at, value, step = ahead, beyond, 1.5 * step
+    return None
+
+
+def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:
+    """Leak rate that is wanted: the target, or the tightest class that the round seal meets."""
+    if case.load.target_leak_rate is not None:
+        return "target", case.load.target_leak_rate
+    met = [
+        one
+        for one in leakage_classes(case, replace(load, formed=None))
+        if one.name is not None and one.limit is not None
+    ]
+    return (f"{met[0].standard} {met[0].name}", met[0].limit) if met and met[0].limit else None
+
+
+def _allowed(case: Case, load: LoadResult, asked: _Formed, given: FormError) -> Allowed | None:
+    limit = _limit(case, load)
+    if limit is None or load.leak is None:
+        return None
+    name, rate = limit
+    contact = load.contact.model
+    normal = (-math.sqrt(max(1.0 - contact.touch_normal_z**2, 0.0)), contact.touch_normal_z)
+    direction = "radial" if abs(normal[0]) > 0.05 else "axial"
+    share = abs(along_normal("radial" if direction == "radial" else "axial", normal))
+    round_rate = load.leak_round.leak_rate if load.leak_round is not None else math.inf
+    if round_rate > rate:
+        return Allowed(name, rate, None, None, direction, None)
+    height = float(np.ptp(asked.formed.gap_change))
+    factor = (
+        _largest(lambda f: asked.leak_rate(asked.form.scaled(f)), rate, 1.0, _LARGEST / height)
+        if height
+        else math.inf
+    )
+    fewest, most = _WAVES if given.tolerance is None else given.tolerance.waves
+    zones = {
+        n: 2 / share * _largest(lambda a, n=n: asked.leak_rate(_one_wave(n, a)), rate, _FIRST, _LARGEST)  # type: ignore[misc]
+        # the bodies even out more waves less; the fewest are asked as well, because thin walls may not
+        for n in {fewest, most}
+    }
+    worst = min(zones, key=lambda n: zones[n])
+    return Allowed(name, rate, factor, zones[worst], direction, worst)
+
+
+def _one_wave(number: int, amplitude: float) -> FormError:
+    return FormError((Wave(number, amplitude),), highest=number)
+
+
+def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, most: float) -> float:
+    """Largest size with no more than the allowed leak rate; infinite if `most` has it."""
+    from scipy.optimize import brentq
+
+    def excess(log_size: float) -> float:
+        return min(math.log(max(leak_rate(math.exp(log_size)), 1e-300) / allowed), 700.0)
+
+    low, high = math.log(start), math.log(most)
+    while excess(low) > 0:
+        low -= _STEP
+        if low < high - _DEEPEST:
+            return 0.0
+    above = low
+    while excess(above) <= 0:
+        low, above = above, above + _STEP
+        if above > high:
+            return math.inf
+    return math.exp(float(brentq(excess, low, above, xtol=_ACCURACY)))
