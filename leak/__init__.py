@@ -28,7 +28,13 @@ from leak.errors import (
     SpectrumError,
     SurfaceError,
 )
-from leak.flow.around import AroundFlow, AroundGasFlow, around_flow, gas_around_flow
+from leak.flow.around import (
+    AroundFlow,
+    AroundGasFlow,
+    around_flow,
+    gas_around_flow,
+    rarefied_conductivity,
+)
 from leak.flow.conductivity import Conductivity, ConductivityTable, GasConductivity, GasConductivityTable
 from leak.flow.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
 from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
@@ -161,6 +167,8 @@ __all__ = [
     "profile_density",
     "random_line_scan",
     "random_map",
+    "rarefied_conductivity",
+    "rarefied_conductivity",
     "read_topographies",
     "read_topography",
     "relative_contact_area",

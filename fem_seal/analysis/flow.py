@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem_seal.analysis.lazy import Lazy
+from fem_seal.arrays import FloatArray
 from fem_seal.loads import PressureSide
 from fem_seal.profile import PressureProfile
 from leak import (
@@ -22,11 +23,14 @@ from leak import (
     LeakBounds,
     LeakResult,
     RoughContact,
+    around_flow,
     coupled_leak_flow,
+    gas_around_flow,
     gas_conductivity_table,
     gas_leak_flow,
     gas_scratch_flow,
     leak_flow,
+    rarefied_conductivity,
     scratch_flow,
 )
 
@@ -206,6 +210,45 @@ class Flow:
             pressure_side=side,
             ends=ends,
         )
+
+    def goes_round(
+        self,
+        table: Conductivity,
+        profile: PressureProfile,
+        pressure: FloatArray,
+        fluid_pressure: float,
+    ) -> float:
+        """Share by which more leaks where the fluid may also go round than where it keeps to its angle.
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+        profile : PressureProfile
+            Whose x and radius hold for all angles.
+        pressure : ndarray, shape (angles, points)
+            Contact pressure at uniform angles around the axis [Pa].
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        with np.errstate(divide="ignore"):
+            log_pressure = np.maximum(np.log(pressure.T), -600.0)
+        side = self.pressure_side
+        if isinstance(table, ConductivityTable):
+            sigma = table.at(self.viscosity).at_log_pressure(log_pressure)
+            found = around_flow(profile.x, profile.radius, sigma, fluid_pressure, pressure_side=side)
+            return found.leak_rate / found.radial_leak_rate - 1.0
+        assert self.gas is not None  # the table is one of a gas
+        field, outlet = rarefied_conductivity(table, self.gas, log_pressure), self.outlet_pressure
+        of_gas = gas_around_flow(
+            profile.x,
+            profile.radius,
+            field,
+            self.gas,
+            outlet + fluid_pressure,
+            outlet,
+            pressure_side=side,
+        )
+        return of_gas.mass_flow / of_gas.radial_mass_flow - 1.0
 
     def leak_of(
         self,

@@ -16,6 +16,7 @@ from fem_seal.analysis.problem import largest_force
 from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
 from fem_seal.errors import ConvergenceError
 from fem_seal.form import FormError, Wave, along_normal
+from leak import Scratch, deepest_scratch
 
 if TYPE_CHECKING:
     from fem_seal.analysis.load_solver import LoadSolver
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 _FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 # Numbers of waves that are tried for the tolerance on the drawing, unless the case says which.
 _WAVES = (2, 15)
+# Angles on which the flow around the axis is solved, at most.
+_ANGLES = 256
 # Largest and first change of the gap that is looked at [m], steps and smallest in the logarithm, and the accuracy.
 _LARGEST, _FIRST, _STEP, _DEEPEST, _ACCURACY = 1e-3, 1e-6, 1.0, 20.0, 1e-3
 
@@ -57,6 +60,8 @@ def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormEr
         filled,
         _closing_force(solver, load),
         _allowed(case, load, asked, given),
+        _goes_round(load) if case.form is not None and case.form.flow_around else None,
+        _deepest_scratch(case, load, asked),
     )
 
 
@@ -151,6 +156,31 @@ def _smallest(lacking: Callable[[float], float], start: float, highest: float) -
             return root
         at, value, step = ahead, beyond, 1.5 * step
     return None
+
+
+def _goes_round(load: LoadResult) -> float | None:
+    formed, rough = load.formed, load.rough
+    if formed is None or rough is None or rough.flow is None or rough.table is None:
+        return None
+    step = max(len(formed.angle) // _ANGLES, 1)
+    pressure, _ = formed.pressure_and_gap(step)
+    return rough.flow.goes_round(rough.table, load.contact.profile, pressure, load.fluid_pressure)
+
+
+def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[float, float] | None:
+    """Of the proportions and at the place of the widest one."""
+    limit = _limit(case, load)
+    placed = [(one, one.groove) for one in asked.form.grooves if isinstance(one.groove, Scratch)]
+    if not placed or limit is None:
+        return None
+    place, widest = max(placed, key=lambda one: one[1].width)
+    found = deepest_scratch(
+        lambda scratch: asked.leak_rate(replace(asked.form, grooves=(replace(place, groove=scratch),))),
+        limit[1],
+        width_over_depth=widest.width / widest.depth,
+        angle=widest.angle,
+    )
+    return None if found is None else (found.depth, found.width)
 
 
 def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:

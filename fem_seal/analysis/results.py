@@ -392,6 +392,11 @@ class FormAnswers:
         does it.
     allowed : Allowed or None
         None without a target, and where no class is met even by the round seal.
+    goes_round : float or None
+        Share by which more leaks because fluid goes round tight places; None if not asked.
+    deepest_scratch : tuple of float or None
+        Depth and width [m] of the deepest scratch, of the proportions of the widest that is given, with which the
+        limit still holds; None without scratches or limit, or if none does.
     """
 
     fluid_pressure: float
@@ -401,6 +406,8 @@ class FormAnswers:
     tolerance_waves: int | None
     closing_force: float | None
     allowed: Allowed | None
+    goes_round: float | None = None
+    deepest_scratch: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

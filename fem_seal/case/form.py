@@ -288,6 +288,12 @@ class Form(Table):
     )
     lay: Lay | None = Field(None, description="the spiral groove of a turned seat")
 
+    flow_around: bool = Field(
+        False,
+        description="also solve the flow across and around the axis together, at the highest load: how much more leaks "
+        "because fluid goes round tight places",
+    )
+
     @property
     def parts(self) -> dict[str, BodyForm]:
         """The tables of the bodies that are given, by name."""

@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, ProfileError, positive
+from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import checked_profile, checked_side
 from leak.flow.gas_flow import checked_outlet
+from leak.flow.rarefied import flow_factor
 from leak.fluids.properties import Gas
 
 # Of the conductance with free flow around: more is no resistance.
@@ -225,6 +227,47 @@ def gas_around_flow(
         0.5 * (across.first + across.last) / per_density,
         np.sqrt(np.maximum(2.0 * found.potential, 0.0)),
     )
+
+
+def rarefied_conductivity(
+    table: GasConductivity, gas: Gas, log_pressure: ArrayLike
+) -> Callable[[FloatArray], FloatArray]:
+    """sigma_eff of a rarefied gas at places of a contact, as a function of its pressure there.
+
+    Parameters
+    ----------
+    table : GasConductivity
+        From `leak.gas_conductivity_table`.
+    gas : Gas
+    log_pressure : array_like
+        ln(p/Pa) of the contact pressure, shape (m, k).
+
+    Returns
+    -------
+    callable
+        For `gas_around_flow`: from absolute gas pressures [Pa] to sigma_eff [m^3/(Pa s)].
+
+    Examples
+    --------
+    >>> import leak
+    >>> surface = leak.RoughContact(
+    ...     leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e3, q_rolloff=1e4, q_high=1e6), 115e9
+    ... )
+    >>> table = leak.gas_conductivity_table(surface, 1e5, 1e8, 8)
+    >>> sigma = rarefied_conductivity(table, leak.gas("helium"), np.log([[1e6, 2e6]]))
+    >>> bool(sigma(np.array([[1e3]]))[0, 0] > sigma(np.array([[1e6]]))[0, 0])
+    True
+    """
+    contact = np.asarray(log_pressure, dtype=float)
+    gap = np.asarray(table.at_log_pressure(contact), dtype=float)
+    flight = gas.viscosity * gas.molecular_speed
+
+    def sigma(pressure: FloatArray) -> FloatArray:
+        D = np.maximum(np.maximum(pressure, _VACUUM) * gap / flight, 1e-100)
+        R = table.rarefaction(contact, np.log(D))
+        return np.asarray(gap**3 * flow_factor(D) * R / (12.0 * gas.viscosity))
+
+    return sigma
 
 
 def _gas_state(
