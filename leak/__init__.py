@@ -168,7 +168,6 @@ __all__ = [
     "random_line_scan",
     "random_map",
     "rarefied_conductivity",
-    "rarefied_conductivity",
     "read_topographies",
     "read_topography",
     "relative_contact_area",

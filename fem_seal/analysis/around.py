@@ -117,14 +117,18 @@ class Around:
         """Least and largest leak rate that grooves add, each under the pressure where it lies [m^3/s]."""
         least = largest = 0.0
         for placed in self.form.grooves:
-            f = self.line_load.mean() if placed.angle is None else self._line_load_at(placed.angle)
-            (profile,) = self._profiles(np.array([f]))
-            low, high = flow.bounds(profile, [placed.groove]).extra
+            low, high = flow.bounds(self.profile_at(placed.angle), [placed.groove]).extra
             least, largest = least + low, largest + high
         return least, largest
 
-    def _line_load_at(self, angle: float) -> float:
-        return float(np.interp(angle, self.angle, self.line_load, period=2 * math.pi))
+    def profile_at(self, angle: float | None) -> PressureProfile:
+        """Pressure profile at an angle around the axis [rad], or at the mean line load."""
+        f = (
+            self.line_load.mean()
+            if angle is None
+            else np.interp(angle, self.angle, self.line_load, period=2 * math.pi)
+        )
+        return self._profiles(np.atleast_1d(f))[0]
 
     def _profiles(self, line_loads: FloatArray) -> list[PressureProfile]:
         mean = self.local.mean.profile

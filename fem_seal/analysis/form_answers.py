@@ -85,7 +85,8 @@ class _Formed:
 
     @property
     def form(self) -> FormError:
-        return self.formed.form
+        """Without scratches: they are a question of their own."""
+        return replace(self.formed.form, grooves=())
 
     def with_form(self, form: FormError) -> LoadResult:
         return replace(self.load, formed=around(form, self.formed.local))
@@ -170,12 +171,17 @@ def _goes_round(load: LoadResult) -> float | None:
 def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[float, float] | None:
     """Of the proportions and at the place of the widest one."""
     limit = _limit(case, load)
-    placed = [(one, one.groove) for one in asked.form.grooves if isinstance(one.groove, Scratch)]
+    placed = [(one, one.groove) for one in asked.formed.form.grooves if isinstance(one.groove, Scratch)]
     if not placed or limit is None:
         return None
     place, widest = max(placed, key=lambda one: one[1].width)
+    flow = None if load.rough is None else load.rough.at(load.fluid_pressure)
+    if flow is None:
+        return None
+    without = asked.leak_rate(asked.form)
+    profile = asked.formed.profile_at(place.angle)
     found = deepest_scratch(
-        lambda scratch: asked.leak_rate(replace(asked.form, grooves=(replace(place, groove=scratch),))),
+        lambda scratch: without + flow.bounds(profile, [scratch]).extra[1],
         limit[1],
         width_over_depth=widest.width / widest.depth,
         angle=widest.angle,
