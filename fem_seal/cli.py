@@ -27,7 +27,7 @@ from fem_seal.version import __version__
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from fem_seal.analysis.results import LoadResult
+    from fem_seal.analysis.results import LoadResult, SealSolution
     from fem_seal.case.case import Case
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
@@ -97,6 +97,7 @@ def run(
     elif not quiet:
         show_leak_table(rows, case.title)
         show_leakage(case, result.loads)
+        show_form(result)
         _list_files(folder)
 
 
@@ -467,6 +468,21 @@ def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
     from fem_seal.output.report.words import leakage_lines
 
     for line in leakage_lines(case, loads[highest_load(loads)], loads):
+        print(line)  # noqa: T201
+
+
+def show_form(result: SealSolution) -> None:
+    """Print what the form error of a seal means; nothing for a round one.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    if result.form is None:
+        return
+    from fem_seal.output.report.form import form_in_words
+
+    for line in form_in_words(result):
         print(line)  # noqa: T201
 
 

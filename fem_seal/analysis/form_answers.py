@@ -15,7 +15,7 @@ from fem_seal.analysis.leakage import leakage_classes
 from fem_seal.analysis.problem import largest_force
 from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
 from fem_seal.errors import ConvergenceError
-from fem_seal.form import FormError, Wave, along_normal
+from fem_seal.form import FormError, Wave, WaveTolerance, along_normal
 from leak import Scratch, deepest_scratch
 
 if TYPE_CHECKING:
@@ -108,6 +108,12 @@ class _Formed:
         load = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
         assert load.formed is not None
         return WaveAlone(wave.waves, wave.amplitude, _rate(load), load.formed.least_over_mean)
+
+    def with_wave(self, number: int, amplitude: float) -> FormError:
+        """One wave beside the eccentricity and tilt that there are, widest where they are."""
+        rigid = tuple(one for one in self.form.waves if one.waves == 1)
+        zone = WaveTolerance(amplitude, (number, number))
+        return FormError(rigid, self.form.guided, zone).with_waves(number)
 
     def leak_rate(self, form: FormError) -> float:
         """Infinite where the form error is too large to be solved."""
@@ -221,16 +227,12 @@ def _allowed(case: Case, load: LoadResult, asked: _Formed, given: FormError) -> 
     )
     fewest, most = _WAVES if given.tolerance is None else given.tolerance.waves
     zones = {
-        n: 2 / share * _largest(lambda a, n=n: asked.leak_rate(_one_wave(n, a)), rate, _FIRST, _LARGEST)  # type: ignore[misc]
+        n: 2 / share * _largest(lambda a, n=n: asked.leak_rate(asked.with_wave(n, a)), rate, _FIRST, _LARGEST)  # type: ignore[misc]
         # the bodies even out more waves less; the fewest are asked as well, because thin walls may not
         for n in {fewest, most}
     }
     worst = min(zones, key=lambda n: zones[n])
     return Allowed(name, rate, factor, zones[worst], direction, worst)
-
-
-def _one_wave(number: int, amplitude: float) -> FormError:
-    return FormError((Wave(number, amplitude),), highest=number)
 
 
 def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, most: float) -> float:

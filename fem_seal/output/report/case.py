@@ -13,6 +13,7 @@ from fem_seal.case.fluid import Fluid
 from fem_seal.case.tables import curves
 from fem_seal.materials import Material
 from fem_seal.output.case_words import chosen_dimensions, dimensions, section, section_text
+from fem_seal.output.report.form import form_rows
 from fem_seal.output.report.tables import curve_in_words, path_accuracy
 from fem_seal.units import given, number, percent, quantity, trimmed
 
@@ -45,6 +46,8 @@ def seal_groups(result: SealSolution) -> list[Group]:
     groups = [Group("Geometry", _geometry(result)), Group("Load", _load(case))]
     if case.fluid is not None:
         groups.append(Group("Fluid", list(_fluid(case.fluid))))
+    if case.form is not None:
+        groups.append(Group("Form error", form_rows(case.form)))
     return groups
 
 

@@ -1,0 +1,203 @@
+"""What a form error means, in words and tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from fem_seal.analysis.load_names import load_name
+from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, LoadResult, SealSolution
+from fem_seal.output.prose import said
+from fem_seal.output.report.tables import ReadableTable
+from fem_seal.units import given, leak_rate_text, number, percent, quantity
+
+if TYPE_CHECKING:
+    from fem_seal.case.form import BodyForm, Form
+
+_DIRECTIONS = {"radial": "roundness", "axial": "flatness"}
+
+
+def form_in_words(result: SealSolution) -> list[str]:
+    """What an engineer asks of a form error, a sentence or two for each question; empty for a round seal."""
+    answers = result.form
+    return [] if answers is None else [text for text in _said(result, answers) if text]
+
+
+def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
+    load = result.highest
+    at = load_name(load, result.loads)
+    if load.leak is not None and load.leak_round is not None:
+        yield said(
+            "form.leak",
+            "round",
+            load=at,
+            rate=_rate(load, load.leak.leak_rate),
+            round=_rate(load, load.leak_round.leak_rate),
+        )
+    if answers.tolerance_waves is not None:
+        yield said("form.tolerance", "worst", waves=answers.tolerance_waves)
+    if len(answers.waves) > 1:
+        worst = answers.waves[0]
+        yield said(
+            "form.waves", "worst", waves=worst.waves, least=percent(worst.line_load_min_over_mean), load=at
+        )
+    yield from _closing(answers, load)
+    if answers.allowed is not None:
+        yield from _allowed(answers.allowed, load)
+    yield from _scratches(answers, load)
+    if answers.goes_round is not None:
+        yield said("form.round", "share", share=percent(answers.goes_round), load=at)
+
+
+def _rate(load: LoadResult, leak_rate: float) -> str:
+    return leak_rate_text(leak_rate, min(load.digits, 3), claimed=not load.validity.outside)
+
+
+def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
+    formed = load.formed
+    if formed is None or not formed.form.felt:
+        return
+    closed = percent(CLOSED)
+    if answers.closing_force is None:
+        yield said("form.closing", "never", closed=closed)
+        return
+    enough = answers.closing_force <= load.applied_force
+    yield said(
+        "form.closing",
+        "enough" if enough else "force",
+        force=quantity("force", answers.closing_force, 3),
+        applied=given("force", load.applied_force),
+        closed=closed,
+        pressure=given("fluid pressure", load.fluid_pressure),
+    )
+
+
+def _allowed(allowed: Allowed, load: LoadResult) -> Iterator[str]:
+    limit, rate = allowed.limit, given("flow", allowed.leak_rate)
+    if allowed.limit != "target":
+        limit = f"limit of {limit}"
+    if allowed.factor is None:
+        yield said("form.allowed", "round_leaks_more", limit=limit, rate=rate)
+        return
+    if math.isfinite(allowed.factor):
+        yield said(
+            "form.allowed",
+            "larger" if allowed.factor > 1 else "smaller",
+            factor=number(allowed.factor, 2),
+            limit=limit,
+            rate=rate,
+        )
+    if allowed.zone is not None and math.isfinite(allowed.zone):
+        yield said(
+            "form.allowed",
+            "drawing",
+            kind=_DIRECTIONS[allowed.direction],
+            zone=quantity("length", allowed.zone, 2),
+            waves=allowed.waves,
+            limit=limit,
+        )
+
+
+def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
+    around = load.around
+    if around is None or around.scratches is None:
+        return
+    low, high = around.scratches
+    yield said("form.scratches", "both", low=_rate(load, low), high=_rate(load, high))
+    if answers.deepest_scratch is not None:
+        depth, width = answers.deepest_scratch
+        yield said(
+            "form.scratches",
+            "deepest",
+            depth=quantity("length", depth, 2),
+            width=quantity("length", width, 2),
+        )
+
+
+def curve_table(result: SealSolution) -> ReadableTable:
+    """Leak rate over the size of the form error; no rows for a round seal."""
+    answers, load = result.form, result.highest
+    if answers is None or load.formed is None or not load.formed.form.felt:
+        return ReadableTable((), ())
+    leaks = any(point.leak_rate is not None for point in answers.curve)
+    rows = [
+        (
+            number(point.factor, 3),
+            quantity("length", point.height, 3),
+            percent(point.line_load_min_over_mean),
+            *((_rate(load, point.leak_rate) if point.leak_rate is not None else "–",) if leaks else ()),
+        )
+        for point in answers.curve
+    ]
+    headings = ("times the form error", "change of the gap", "least line load over mean")
+    return ReadableTable((*headings, "leak rate") if leaks else headings, tuple(rows))
+
+
+def waves_table(result: SealSolution) -> ReadableTable:
+    """Each wave of the form error alone, the one that hurts most first; no rows where there is but one."""
+    answers, load = result.form, result.highest
+    if answers is None or len(answers.waves) < 2:
+        return ReadableTable((), ())
+    rows = [
+        (
+            str(wave.waves),
+            quantity("length", wave.amplitude, 3),
+            percent(wave.line_load_min_over_mean),
+            "–" if wave.leak_rate is None else _rate(load, wave.leak_rate),
+        )
+        for wave in answers.waves
+    ]
+    return ReadableTable(
+        ("waves per turn", "amplitude of the gap", "least line load over mean", "leak rate of it alone"),
+        tuple(rows),
+    )
+
+
+def form_rows(form: Form) -> list[tuple[str, str]]:
+    """The table [form] of a case in readable units."""
+    return list(_form_rows(form))
+
+
+def _form_rows(form: Form) -> Iterator[tuple[str, str]]:
+    yield "closure", "free to shift and tilt" if form.guide == "free" else "guided"
+    if form.eccentricity:
+        yield (
+            "eccentricity",
+            f"{given('length', form.eccentricity)} towards {_degrees(form.eccentricity_angle)}",
+        )
+    if form.tilt:
+        yield "tilt", f"{_degrees(form.tilt)} towards {_degrees(form.tilt_angle)}"
+    for name, part in form.parts.items():
+        yield from ((f"{name}, {key}", text) for key, text in _deviations(part))
+    for n, scratch in enumerate(form.scratches, start=1):
+        yield (
+            f"scratch {n}",
+            f"{given('length', scratch.depth)} deep, {given('length', scratch.width)} wide, at "
+            f"{_degrees(scratch.angle)}",
+        )
+    if form.lay is not None:
+        yield (
+            "lay of turning",
+            f"{given('length', form.lay.depth)} deep, pitch {given('length', form.lay.pitch)}",
+        )
+
+
+def _deviations(part: BodyForm) -> Iterator[tuple[str, str]]:
+    if part.tolerance is not None:
+        fewest, most = part.tolerance_waves
+        yield (
+            f"{part.direction} tolerance",
+            f"{given('length', part.tolerance)}, {fewest} to {most} waves per turn",
+        )
+    if part.trace is not None:
+        yield f"{part.direction} trace", f"{part.trace.file}, up to {part.trace.told} waves per turn"
+    for one in part.harmonics:
+        yield (
+            f"{part.direction}, {one.waves} waves",
+            f"±{given('length', one.amplitude)}, first crest at {_degrees(one.phase / one.waves)}",
+        )
+
+
+def _degrees(angle: float) -> str:
+    return f"{number(math.degrees(angle), 3)}°" if angle else "0°"
