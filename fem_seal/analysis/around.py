@@ -16,6 +16,7 @@ from fem_seal.contact.around import line_load_around
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.contact.waves import Stiffening
+from fem_seal.errors import OpenSealError
 from fem_seal.form import FormError
 from fem_seal.profile import PressureProfile
 from leak import LeakResult
@@ -100,7 +101,18 @@ class Around:
         Parameters
         ----------
         flow : ProfileFlow
+
+        Raises
+        ------
+        OpenSealError
+            If smooth surfaces are apart somewhere: their interface law says nothing of the flow there.
         """
+        if self.local.opens and self.least_over_mean == 0.0:
+            apart = float(np.mean(self.line_load == 0.0))
+            raise OpenSealError(
+                f"the form error parts the surfaces over {100 * apart:.2g} % of the circumference, and with "
+                '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "persson"'
+            )
         found, place = np.unique(self.line_load, return_inverse=True)
         least = max(float(found[0]), 1e-250 * float(found[-1]))
         count = int(np.clip(_PER_FOLD * math.log(found[-1] / least), *_LINE_LOADS))
