@@ -14,7 +14,7 @@ from fem_seal.analysis.around import Around, around
 from fem_seal.analysis.leakage import leakage_classes
 from fem_seal.analysis.problem import largest_force
 from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
-from fem_seal.errors import ConvergenceError
+from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance, along_normal
 from leak import Scratch, deepest_scratch
 
@@ -97,7 +97,7 @@ class _Formed:
         for factor in _FACTORS:
             try:
                 load = self.with_form(self.form.scaled(factor))
-            except ConvergenceError:
+            except (ConvergenceError, OpenSealError):
                 break
             assert load.formed is not None
             height = float(np.ptp(load.formed.gap_change))
@@ -119,7 +119,7 @@ class _Formed:
         """Infinite where the form error is too large to be solved."""
         try:
             rate = _rate(self.with_form(form))
-        except ConvergenceError:
+        except (ConvergenceError, OpenSealError):
             return math.inf
         return math.inf if rate is None else rate
 
