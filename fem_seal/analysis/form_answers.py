@@ -97,11 +97,12 @@ class _Formed:
         for factor in _FACTORS:
             try:
                 load = self.with_form(self.form.scaled(factor))
+                rate = _rate(load)
             except (ConvergenceError, OpenSealError):
                 break
             assert load.formed is not None
             height = float(np.ptp(load.formed.gap_change))
-            found.append(FormPoint(factor, height, _rate(load), load.formed.least_over_mean))
+            found.append(FormPoint(factor, height, rate, load.formed.least_over_mean))
         return found
 
     def alone(self, wave: Wave) -> WaveAlone:
