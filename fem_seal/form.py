@@ -31,7 +31,7 @@ class Wave:
 
     Examples
     --------
-    >>> Wave(2, 1e-6).at(0.0)
+    >>> print(Wave(2, 1e-6).at(0.0))
     1e-06
     """
 
