@@ -307,16 +307,16 @@ def smooth() -> LocalContact:
 
 @pytest.mark.parametrize("share", [1e-12, 1e-6, 1e-3, 0.03, 0.41, 1.0, 1.13, 3.3, 9.0])
 def test_between_and_below_the_rungs_of_a_rough_contact(rough: LocalContact, share: float) -> None:
-    """Against the contact solved there: approach to 5e-5 of its slope over ln f, pressure to 2e-6 of its peak,
+    """Against the contact solved there: approach to 5e-5 of its slope over ln f, pressure to 5e-6 of its peak,
     width to 2e-5."""
     model, f = rough.mean.model, np.array([share * rough.mean.line_load])
     solved = solve(model, LAW, axial_force=share * rough.mean.axial_force)
     approach, slope = rough.approach(f)
     assert approach[0] == pytest.approx(solved.approach * model.touch_normal_z, abs=5e-5 * slope[0])
-    assert rough.peak_pressure(f)[0] == pytest.approx(solved.profile.peak_pressure, rel=2e-6)
+    assert rough.peak_pressure(f)[0] == pytest.approx(solved.profile.peak_pressure, rel=5e-6)
     assert rough.fwhm(f)[0] == pytest.approx(solved.profile.fwhm, rel=2e-5)
     pressure, gap = rough.pressure_and_gap(f, approach)
-    np.testing.assert_allclose(pressure[0], solved.pressure, atol=2e-6 * solved.pressure.max())
+    np.testing.assert_allclose(pressure[0], solved.pressure, atol=5e-6 * solved.pressure.max())
     np.testing.assert_allclose(gap[0], solved.gap, atol=1e-4 * U0)
     assert rough.line_load(approach)[0][0] == pytest.approx(f[0], rel=1e-9)
 
