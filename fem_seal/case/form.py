@@ -29,6 +29,8 @@ SECTION = Quantity("length", "1 nm", "10 mm")
 TURN = Quantity("angle", "-360 deg", "360 deg")
 # What a trace is read for unless it says more: the filter that drawings of small seats call for.
 _USUAL_WAVES = 15
+# Share of a deviation along the normal that is none: cos of 90 degrees in floating point, and far more.
+_ACROSS = 1e-9
 
 
 class Harmonic(Table):
@@ -77,7 +79,7 @@ class MeasuredTrace(Table):
         if trace.most_waves < 2:
             raise ValueError(
                 f"file = {shown(self.file)} leaves {math.degrees(trace.widest_gap):.3g} deg without a point; two waves "
-                "per turn need at least one every 90 deg"
+                "per turn need points that are less than 90 deg apart"
             )
         object.__setattr__(self, "_trace", trace)
         return self
@@ -226,6 +228,8 @@ class BodyForm(Table):
         given = [key for key in ("harmonics", "trace", "tolerance") if getattr(self, key) not in (None, ())]
         if len(given) > 1:
             raise ValueError(f"{' and '.join(given)} both say what the deviations are; keep one of them")
+        if self.tolerance is None and "tolerance_waves" in self.model_fields_set:
+            raise ValueError("tolerance_waves is only for a tolerance; give tolerance as well, or remove it")
         if self.tolerance_waves[0] > self.tolerance_waves[1]:
             raise ValueError(
                 f"tolerance_waves = {list(self.tolerance_waves)}: the fewest must come before the most"
@@ -323,9 +327,20 @@ class Form(Table):
                 self.tilt_height,
             )
         )
-        highest, zone, tried, remarks = 1, 0.0, [MOST_WAVES, 2], list[str]()
+        highest, zone, tried = 1, 0.0, [MOST_WAVES, 2]
+        remarks = [
+            f'form.{key}: a closure that is free gives way to it; guide = "guided" holds the closure where it stands'
+            for key in ("eccentricity", "tilt")
+            if getattr(self, key) and self.guide == "free"
+        ]
         for name, part in self.parts.items():
             share = along_normal(part.direction, normal) * (1.0 if name == "closure" else -1.0)
+            if abs(share) < _ACROSS:
+                remarks.append(
+                    f'form.{name}.direction = "{part.direction}": the contact normal is at right angles to that, so that '
+                    "the deviations change nothing; what changes the gap is a deviation "
+                    f'"{"axial" if part.direction == "radial" else "radial"}"'
+                )
             waves += [Wave(one.waves, share * one.amplitude, one.phase) for one in part.deviations]
             highest = max([highest, *(one.waves for one in part.deviations)])
             if part.tolerance is not None:

@@ -32,9 +32,6 @@ _FADING = 1e-6
 # Ends of a first ladder where nobody knows the line loads yet, and of what counts as a load at all, in ln f over mean.
 _FIRST_LOWEST, _FIRST_HIGHEST, _NOTHING = math.log(1e-2), math.log(4.0), -600.0
 _POLISH = 4
-# Pressure over peak pressure at the end of a mesh that is wide enough, as `fem_seal.contact.refit` demands it, and how
-# near two places are the same.
-_TAIL, _SAME = 1e-6, 1e-9
 _SETTINGS = ContactSettings(gap_tolerance=1e-10)
 
 
@@ -138,19 +135,6 @@ class LocalContact:
         log_fwhm = self._logarithm("fwhm", line_load, lambda c: math.log(c.profile.fwhm), fading=0.0)
         with np.errstate(under="ignore"):
             return np.where(line_load > 0, np.exp(log_fwhm), 0.0)
-
-    def fits(self, line_load: float) -> bool:
-        """Whether the contact at a line load [N/m] ends where its faces end or within its mesh.
-
-        A mesh that suits the mean line load may be too narrow where the line load is a multiple of it.
-        """
-        line, pressure = self.mean.model.line, self.at(line_load).pressure
-        cut = pressure[[0, -1]] > _TAIL * pressure.max()
-        at_end = [
-            reach is not None and abs(line.vertices[n] - reach) < _SAME * abs(reach)
-            for n, reach in zip((0, -1), line.reach, strict=True)
-        ]
-        return bool(np.all(~cut | at_end))
 
     def pressure_and_gap(self, line_load: FloatArray, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Pressure [Pa] and gap [m] at the points of the contact line, both (m, points).
