@@ -89,14 +89,17 @@ def test_rigid_bodies_leave_it_to_the_roughness(ratio: float) -> None:
 
 @pytest.mark.parametrize("half", [0.3, 1.0, 2.0])
 def test_elastic_foundation_parts_at_a_definite_angle(half: float) -> None:
-    """h = A cos phi closed for |phi - pi| < half: f = A (-cos phi - cos half)/c, of mean A (sin half - half cos half)/(pi c).
+    """h = A cos phi is closed for |phi - pi| < half: f = A (-cos phi - cos half)/c.
 
+    Its mean is A (sin half - half cos half)/(pi c).
     The trapezoidal rule over a function with kinks is good to the square of the step: 1e-4 at 512 angles.
     """
     amplitude, compliance = 2e-6, 1e-10
     mean = amplitude * (math.sin(half) - half * math.cos(half)) / (math.pi * compliance)
     phi = angles(512)
-    f, approach = line_load_around(Elastic(compliance), lambda n: 0.0, amplitude * np.cos(phi), mean, guided=True)
+    f, approach = line_load_around(
+        Elastic(compliance), lambda n: 0.0, amplitude * np.cos(phi), mean, guided=True
+    )
     exact = amplitude * np.maximum(-np.cos(phi) - math.cos(half), 0.0) / compliance
     np.testing.assert_allclose(f, exact, atol=2e-4 * exact.max())
     assert np.all(approach[f == 0] <= 0)
@@ -121,7 +124,8 @@ def test_a_free_closure_takes_the_first_harmonic_of_the_gap_and_none_of_the_load
     phi, local = angles(96), Rough(1e-6, 1e-11)
     gap = 1e-6 * np.cos(2 * phi) + 5e-7 * np.cos(3 * phi - 1)
     free = [
-        line_load_around(local, lambda n: -1e-12 * n, h, 2e4)[0] for h in (gap, gap + 3e-6 * np.cos(phi - 0.4))
+        line_load_around(local, lambda n: -1e-12 * n, h, 2e4)[0]
+        for h in (gap, gap + 3e-6 * np.cos(phi - 0.4))
     ]
     np.testing.assert_allclose(free[1], free[0], rtol=1e-7)
     assert abs(np.fft.rfft(free[0])[1]) < 1e-7 * np.sum(free[0])
@@ -188,7 +192,10 @@ class HalfPlanes:
     def solved(self, load: float, start: tuple[np.ndarray, float] | None = None) -> tuple[np.ndarray, float]:
         gap = self.x**2 / (2 * self.radius)
         variance = self.radius * (self.u0 + load / (math.pi * self.modulus))
-        v, d = start or (-(self.x**2) / (2 * variance) + math.log(load / math.sqrt(2 * math.pi * variance)), 0.0)
+        v, d = start or (
+            -(self.x**2) / (2 * variance) + math.log(load / math.sqrt(2 * math.pi * variance)),
+            0.0,
+        )
         for _ in range(200):
             p = np.exp(v)
             off, missing = gap - d + self.compliance @ p + self.u0 * v, load - 2 * self.step * p.sum()
@@ -220,9 +227,7 @@ class HalfPlanes:
     def peak_pressure(self, over_mean: float) -> float:
         rungs, found = self.ladder
         # from half a cell beside the middle to the middle of a parabola
-        return math.exp(
-            CubicSpline(rungs, [v[0] + (v[0] - v[1]) / 8 for v, _ in found])(math.log(over_mean))
-        )
+        return math.exp(CubicSpline(rungs, [v[0] + (v[0] - v[1]) / 8 for v, _ in found])(math.log(over_mean)))
 
     def stiffening(self, wave_number: float) -> float:
         """c_n - c_0 = (2/(pi E*)) <K0(k |x - x'|) + ln |x - x'|>, with w of the mean load."""
@@ -242,7 +247,8 @@ class HalfPlanes:
 
 REFERENCE = Path(__file__).parent / "reference" / "wavy_line_contact.csv"
 ROWS = [
-    {key: float(value) for key, value in row.items()} for row in csv.DictReader(REFERENCE.open(encoding="utf-8"))
+    {key: float(value) for key, value in row.items()}
+    for row in csv.DictReader(REFERENCE.open(encoding="utf-8"))
 ]
 
 
@@ -255,9 +261,7 @@ def test_long_waves_on_half_spaces(row: dict[str, float]) -> None:
     the bodies also bend across the width: 0.6 % at the last row.
     """
     k, mean = row["wave_number_per_m"], row["line_load_N_per_m"]
-    contact = HalfPlanes(
-        row["effective_modulus_Pa"], row["relative_radius_m"], row["decay_length_m"], mean
-    )
+    contact = HalfPlanes(row["effective_modulus_Pa"], row["relative_radius_m"], row["decay_length_m"], mean)
     number = 128
     f, _ = line_load_around(
         contact,
@@ -462,7 +466,9 @@ def test_larger_forms_leave_less_line_load_and_the_mean_stays(rough: LocalContac
 
 
 def test_a_form_that_no_seal_bears_is_an_error(rough: LocalContact) -> None:
-    with pytest.raises(ConvergenceError, match="2000 um from the narrowest to the widest gap; make it smaller"):
+    with pytest.raises(
+        ConvergenceError, match="2000 um from the narrowest to the widest gap; make it smaller"
+    ):
         around(one_wave(2, 1e-3), rough)
 
 
@@ -472,7 +478,9 @@ def test_a_free_closure_does_not_feel_where_it_stands(rough: LocalContact) -> No
     aside = rigid_wave(normal, model.touch_radius, 5e-6, 0.4, 1e-4, 2.0, 3e-3)
     oval = Wave(2, 1e-6)
     alone = around(FormError((oval,), highest=2), rough)
-    np.testing.assert_allclose(over_mean(around(FormError((*aside, oval), highest=2), rough)), over_mean(alone))
+    np.testing.assert_allclose(
+        over_mean(around(FormError((*aside, oval), highest=2), rough)), over_mean(alone)
+    )
     np.testing.assert_allclose(over_mean(around(FormError(aside), rough)), 1.0, atol=1e-9)
     three = around(FormError((Wave(1, 1e-6), oval, Wave(3, 5e-7)), highest=3), rough)
     assert abs(np.fft.rfft(over_mean(three))[1]) < 1e-7 * len(three.angle)
@@ -521,7 +529,7 @@ def test_small_waves_on_bodies_are_answered_in_proportion(rough: LocalContact) -
 
 
 def test_stiffening_goes_over_into_that_of_half_spaces(large: LocalContact) -> None:
-    """Beyond the last harmonic by elements it goes on as half-spaces do: from 20 to 60 waves to 1e-3 of their distance."""
+    """Beyond the last harmonic by elements it goes on as half-spaces do: from 20 to 60 waves to 3e-3 of the way."""
     model, pressure = large.mean.model, large.mean.pressure
     by_elements, extended = Stiffening(model, pressure, 60), Stiffening(model, pressure, 20)
     assert extended(20) == by_elements(20)

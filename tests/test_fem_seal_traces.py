@@ -52,7 +52,7 @@ FILES = {
     "units without brackets": "Angle deg;Dev um\n" + rows(";"),
     "units in words": "Winkel in Grad;Abweichung in µm\n" + rows(";", ","),
     "microns": "Angle (degrees),Deviation (microns)\n" + rows(),
-    "greek letter for micro": "Angle [deg];Deviation [μm]\n" + rows(";"),  # noqa: RUF001
+    "greek letter for micro": "Angle [deg];Deviation [μm]\n" + rows(";"),
     "millimetres": "Angle [deg];Deviation [mm]\n" + rows(";", deviation=DEVIATION * 1e-3),
     "units in a line of their own": "Angle;Deviation\ndeg;um\n" + rows(";"),
     "units in brackets in a line of their own": "Winkel;Abweichung\n[°];[µm]\n" + rows(";", ","),
@@ -120,9 +120,7 @@ def test_a_unit_given_beside_the_file(file: Path) -> None:
 
 def test_an_offset_is_no_wave(file: Path) -> None:
     """A radius instead of a deviation: 14.1 mm of mean, and ten digits to hold both."""
-    lines = (
-        f"{phi:.3f};{14.1 + 1e-3 * dev:.10f}" for phi, dev in zip(ANGLE, DEVIATION, strict=True)
-    )
+    lines = (f"{phi:.3f};{14.1 + 1e-3 * dev:.10f}" for phi, dev in zip(ANGLE, DEVIATION, strict=True))
     file.write_text("angle [deg];radius [mm]\n" + "\n".join(lines))
     check(file)
 
@@ -144,12 +142,18 @@ WRONG = {
     "nothing": ("", "has no 8 rows of numbers"),
     "a few numbers": ("angle [deg], deviation [um]\n0,1\n90,2\n", "has no 8 rows of numbers"),
     "words": ("a roundness of two microns\n" * 20, "has no 8 rows of numbers"),
-    "no unit": ("angle [deg], deviation\n" + rows(), 'does not say the unit of the deviation; write it into the'),
+    "no unit": (
+        "angle [deg], deviation\n" + rows(),
+        "does not say the unit of the deviation; write it into the",
+    ),
     "no unit of small angles": (
         "angle, deviation [um]\n" + rows(angle=np.radians(ANGLE)),
         "does not say the unit of the angle; write it",
     ),
-    "gon": ("angle [gon], deviation [um]\n" + rows(), 'has an angle whose unit "gon" is unknown; write an angle'),
+    "gon": (
+        "angle [gon], deviation [um]\n" + rows(),
+        'has an angle whose unit "gon" is unknown; write an angle',
+    ),
     "points in a plane": ("X [mm];Y [mm]\n" + rows(";"), "a trace has the columns angle and deviation"),
     "pressure": ("angle [deg], deviation [bar]\n" + rows(), 'has a deviation whose unit "bar" does not fit'),
     "two turns": ("angle [deg], deviation [um]\n" + rows(angle=2 * ANGLE), "goes 1.97 times around the axis"),

@@ -249,12 +249,22 @@ def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] =
     here = ".".join(before)
     if not isinstance(old, (list, tuple)):
         if key.isdecimal() and before:
-            raise InputError(Problem(f"{here}.{key}", f"{here} is no list whose entries could be changed; give all of it"))
+            raise InputError(
+                Problem(f"{here}.{key}", f"{here} is no list whose entries could be changed; give all of it")
+            )
         inside = old.get(key) if isinstance(old, Mapping) else None
         return {key: _nested(inside, rest, value, (*before, key))}
     if not key.isdecimal() or int(key) >= len(old):
-        numbers = "it is empty" if not old else "0 is its only entry" if len(old) == 1 else f"it has 0 to {len(old) - 1}"
-        raise InputError(Problem(f"{here}.{key}", f"{here} is a list, entries are named by their number: {numbers}"))
+        numbers = (
+            "it is empty"
+            if not old
+            else "0 is its only entry"
+            if len(old) == 1
+            else f"it has 0 to {len(old) - 1}"
+        )
+        raise InputError(
+            Problem(f"{here}.{key}", f"{here} is a list, entries are named by their number: {numbers}")
+        )
     number = int(key)
     entry = _nested(old[number], rest, value, (*before, key))
     if isinstance(entry, Mapping) and isinstance(old[number], dict):

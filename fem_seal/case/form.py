@@ -245,7 +245,7 @@ class BodyForm(Table):
 
 
 class Form(Table):
-    """[form]: deviations from round of closure and seat, how the closure is guided, and scratches; see docs/form.md."""
+    """[form]: closure and seat that are not round, how the closure is guided, scratches; see docs/theory_form.md."""
 
     guide: Literal["free", "guided"] = Field(
         "free",
@@ -282,8 +282,8 @@ class Form(Table):
         examples=["14 mm"],
         json_schema_extra={"default": "0 mm"},
     )
-    seat: BodyForm | None = None
-    closure: BodyForm | None = None
+    seat: BodyForm | None = Field(None, description="deviations of the seat")
+    closure: BodyForm | None = Field(None, description="deviations of the closure")
     scratches: tuple[Scratch, ...] = Field(
         (),
         description="scratches and notches from one side of the seal to the other",
@@ -336,10 +336,10 @@ class Form(Table):
         for name, part in self.parts.items():
             share = along_normal(part.direction, normal) * (1.0 if name == "closure" else -1.0)
             if abs(share) < _ACROSS:
+                other = "axial" if part.direction == "radial" else "radial"
                 remarks.append(
-                    f'form.{name}.direction = "{part.direction}": the contact normal is at right angles to that, so that '
-                    "the deviations change nothing; what changes the gap is a deviation "
-                    f'"{"axial" if part.direction == "radial" else "radial"}"'
+                    f'form.{name}.direction = "{part.direction}": the contact normal is at right angles to it and the '
+                    f'deviations change nothing; what changes the gap is a deviation "{other}"'
                 )
             waves += [Wave(one.waves, share * one.amplitude, one.phase) for one in part.deviations]
             highest = max([highest, *(one.waves for one in part.deviations)])

@@ -66,10 +66,15 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
         angle = 2 * np.pi * np.arange(len(deviation)) / len(deviation)
     else:
         place, at = _columns(table.header)
-        angle, deviation = values[:, place] * _angle_factor(table.name(place), values[:, place]), values[:, at]
+        angle, deviation = (
+            values[:, place] * _angle_factor(table.name(place), values[:, place]),
+            values[:, at],
+        )
     kept = np.isfinite(angle) & np.isfinite(deviation)
     if kept.sum() < _FEWEST_ROWS:
-        raise TextTableError(f"has no more than {kept.sum()} points with a number; {_FEWEST_ROWS} are needed at least")
+        raise TextTableError(
+            f"has no more than {kept.sum()} points with a number; {_FEWEST_ROWS} are needed at least"
+        )
     angle, deviation = angle[kept], deviation[kept] * _length_factor(unit, table.name(at))
     turn = float(np.ptp(angle))
     if turn > 2 * np.pi * 1.001 + 1e-9:
@@ -113,7 +118,9 @@ def _lines(file: str | Path) -> list[str]:
 
 
 def _longest_block(lines: Sequence[str]) -> _Block:
-    return max((block for separator in _SEPARATORS for block in _blocks(lines, separator)), key=lambda b: b.rank)
+    return max(
+        (block for separator in _SEPARATORS for block in _blocks(lines, separator)), key=lambda b: b.rank
+    )
 
 
 def _blocks(lines: Sequence[str], separator: str | None) -> Iterator[_Block]:
@@ -161,7 +168,14 @@ def _number(cell: str) -> float | None:
     try:
         number = float(cell)
     except ValueError:
-        nothing = not any(c.isalnum() for c in cell) or cell.lower() in ("n/a", "#n/a", "na", "bad", "invalid", "null")
+        nothing = not any(c.isalnum() for c in cell) or cell.lower() in (
+            "n/a",
+            "#n/a",
+            "na",
+            "bad",
+            "invalid",
+            "null",
+        )
         return math.nan if nothing else None
     return number if math.isfinite(number) else math.nan
 
@@ -174,7 +188,11 @@ def _header(before: Sequence[str], columns: int) -> tuple[str, ...]:
     last = _cells(named[-1], columns)
     if last and len(named) > 1 and all(_is_unit(cell) for cell in last if cell):
         names = _cells(named[-2], columns)
-        return tuple(f"{name} [{cell.strip('[]() ')}]" for name, cell in zip(names, last, strict=True)) if names else ()
+        return (
+            tuple(f"{name} [{cell.strip('[]() ')}]" for name, cell in zip(names, last, strict=True))
+            if names
+            else ()
+        )
     return last
 
 

@@ -155,7 +155,9 @@ class _Ring:
         given[0] = mean
         return given - self.rigid @ line_load / line_load.shape[-1]
 
-    def step(self, tangent: FloatArray, off: FloatArray, missing: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+    def step(
+        self, tangent: FloatArray, off: FloatArray, missing: FloatArray
+    ) -> tuple[FloatArray, FloatArray] | None:
         """Change y of the line load and s of the rigid motion: y + t (C y - s) = off, with y's resultants given.
 
         With y = off + w q and w^2 = t it is (1 + w C w) q = w (s - C off): symmetric, and near to 1 where the
@@ -171,7 +173,9 @@ class _Ring:
             Resultants of y, see `missing`.
         """
         w = np.sqrt(tangent)
-        operator = LinearOperator((len(w), len(w)), lambda q: q + w * self.opening(w * q.ravel()), dtype=float)
+        operator = LinearOperator(
+            (len(w), len(w)), lambda q: q + w * self.opening(w * q.ravel()), dtype=float
+        )
         answers = []
         for right in (-w * self.opening(off), *(w * self.rigid)):
             q, failed = minres(operator, right, rtol=_SOLVED, maxiter=_MOST_PRODUCTS)

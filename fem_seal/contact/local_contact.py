@@ -186,8 +186,8 @@ class LocalContact:
         Parameters
         ----------
         fading : float
-            The power of the line load with which it goes below the ladder of a rough contact. What smooth surfaces have,
-            whose contact gets narrower, goes on below the ladder as it does on it.
+            The power of the line load with which it goes below the ladder of a rough contact. What smooth surfaces
+            have, whose contact gets narrower, goes on below the ladder as it does on it.
         """
         v = self._over_mean(line_load)
         spline, inside = self._spline(name, log_of), np.maximum(v, self._low)
