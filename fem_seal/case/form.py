@@ -305,6 +305,28 @@ class Form(Table):
             name: part for name, part in (("closure", self.closure), ("seat", self.seat)) if part is not None
         }
 
+    def without_effect(self, angle: float) -> list[str]:
+        """What is given and changes nothing, in words.
+
+        Parameters
+        ----------
+        angle : float
+            Of the contact normal to the axis [rad].
+        """
+        said = [
+            f'form.{key}: a closure that is free gives way to it; guide = "guided" holds the closure where it stands'
+            for key in ("eccentricity", "tilt")
+            if getattr(self, key) and self.guide == "free"
+        ]
+        for name, part in self.parts.items():
+            if abs(along_normal(part.direction, _normal(angle))) < _ACROSS:
+                other = "axial" if part.direction == "radial" else "radial"
+                said.append(
+                    f'form.{name}.direction = "{part.direction}": the contact normal is at right angles to it and the '
+                    f'deviations change nothing; what changes the gap is a deviation "{other}"'
+                )
+        return said
+
     def error(self, angle: float, touch_radius: float) -> FormError:
         """What the table does to the gap.
 
@@ -315,7 +337,7 @@ class Form(Table):
         touch_radius : float
             [m]
         """
-        normal = (-math.sin(angle), math.cos(angle))
+        normal = _normal(angle)
         waves = list(
             rigid_wave(
                 normal,
@@ -327,20 +349,9 @@ class Form(Table):
                 self.tilt_height,
             )
         )
-        highest, zone, tried = 1, 0.0, [MOST_WAVES, 2]
-        remarks = [
-            f'form.{key}: a closure that is free gives way to it; guide = "guided" holds the closure where it stands'
-            for key in ("eccentricity", "tilt")
-            if getattr(self, key) and self.guide == "free"
-        ]
+        highest, zone, tried, remarks = 1, 0.0, [MOST_WAVES, 2], list[str]()
         for name, part in self.parts.items():
             share = along_normal(part.direction, normal) * (1.0 if name == "closure" else -1.0)
-            if abs(share) < _ACROSS:
-                other = "axial" if part.direction == "radial" else "radial"
-                remarks.append(
-                    f'form.{name}.direction = "{part.direction}": the contact normal is at right angles to it and the '
-                    f'deviations change nothing; what changes the gap is a deviation "{other}"'
-                )
             waves += [Wave(one.waves, share * one.amplitude, one.phase) for one in part.deviations]
             highest = max([highest, *(one.waves for one in part.deviations)])
             if part.tolerance is not None:
@@ -355,6 +366,11 @@ class Form(Table):
         return FormError(
             combined(waves), self.guide == "guided", tolerance, highest, tuple(remarks), tuple(grooves)
         )
+
+
+def _normal(angle: float) -> tuple[float, float]:
+    """(n_r, n_z) of the contact normal."""
+    return -math.sin(angle), math.cos(angle)
 
 
 def place_trace_files(form: object, folder: Path) -> None:
