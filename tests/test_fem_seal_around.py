@@ -17,6 +17,8 @@ from scipy.special import i0, k0
 import meshes
 from fem_seal import Case
 from fem_seal.analysis.around import Around, around
+from fem_seal.analysis.load_solver import model_and_contacts
+from fem_seal.analysis.problem import SealProblem
 from fem_seal.contact.around import line_load_around
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.local_contact import LocalContact
@@ -391,6 +393,48 @@ def test_further_loads_act_at_every_line_load(rough: LocalContact) -> None:
 def test_a_line_load_that_no_seal_bears_is_an_error(rough: LocalContact) -> None:
     with pytest.raises(ConvergenceError, match="make the form error smaller"):
         rough.approach(np.array([100 * rough.mean.line_load]))
+
+
+PAIRS: dict[str, dict[str, dict[str, str]]] = {
+    "hollow": {
+        "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
+        "seat": {"shape": "sphere", "radius": "20.5 mm", "contact_angle": "45 deg", "material": "steel"},
+    },
+    "flat": {
+        "closure": {"shape": "torus", "centre_radius": "14 mm", "radius": "3 mm", "material": "steel"},
+        "seat": {"shape": "flat", "material": "steel"},
+    },
+    "pressed into a bore": {
+        "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
+        "seat": {
+            "shape": "cone",
+            "angle": "45 deg",
+            "material": "steel",
+            "wall": "fixed",
+            "interference": "10 um",
+        },
+    },
+}
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_other_pairs_of_bodies(pair: str) -> None:
+    """Hollow seats whose normal turns, flat ones, press fits: the local contact is the one solved at both extremes."""
+    law = {"law": "exponential", "u0": "0.76 um", "p_c": "10 GPa"}
+    case = Case(**PAIRS[pair], interface=law, load={"fluid_pressure": "20 bar"})
+    problem = SealProblem.of(case)
+    mean = model_and_contacts(problem)[2].contacts[-1]
+    local = LocalContact(mean, problem.law)
+    assert local.approach(np.array([mean.line_load]))[0][0] == pytest.approx(
+        mean.approach * mean.model.touch_normal_z, abs=1e-6 * U0
+    )
+    f = around(one_wave(2, 2e-6), local).line_load
+    assert f.mean() == pytest.approx(mean.line_load, rel=1e-8) and f.min() < 0.2 * f.mean()
+    for load in (f.min(), f.max()):
+        solved = local.at(load)
+        assert solved.line_load == pytest.approx(load) and solved.loads is mean.loads
+        approach, slope = local.approach(np.array([load]))
+        assert approach[0] == pytest.approx(solved.approach * mean.model.touch_normal_z, abs=5e-5 * slope[0])
 
 
 # ---------------------------------------------------------------- bodies
