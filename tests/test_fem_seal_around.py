@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import i0, k0
 
 import meshes
-from fem_seal import Case
+from fem_seal import Case, run
 from fem_seal.analysis.around import Around, around
 from fem_seal.analysis.load_solver import model_and_contacts
 from fem_seal.analysis.problem import SealProblem
@@ -611,3 +612,40 @@ def test_smooth_surfaces_press_or_are_apart(smooth: LocalContact) -> None:
     pressure, gap = smooth.pressure_and_gap(f, approach)
     assert np.all(pressure >= 0) and np.all(gap > -1e-4 * 1e-6)
     assert np.all(gap[apart].min(axis=1) >= -1e-12)
+
+
+@pytest.mark.slow
+def test_leak_rate_of_a_complete_run() -> None:
+    """No amplitude leaks as the round seal to 1e-10, a turned form as the form, a larger one more."""
+
+    def leak_rate(form: dict[str, Any] | None) -> float:
+        tables: dict[str, Any] = (
+            {} if form is None else {"form": {"seat": {"harmonics": [{"waves": 2, **form}]}}}
+        )
+        case = Case(
+            closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+            seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+            roughness={
+                "spectrum": {
+                    "kind": "self-affine",
+                    "rms_height": "1.9 um",
+                    "hurst": 0.6,
+                    "q_low": "1e3 1/m",
+                    "q_rolloff": "3.7e4 1/m",
+                    "q_high": "3e6 1/m",
+                }
+            },
+            fluid={"name": "water"},
+            load={"fluid_pressure": "20 bar"},
+            leak={"plasticity": False},
+            **tables,
+        )
+        leak = run(case).loads[0].leak
+        assert leak is not None
+        return leak.leak_rate
+
+    even = leak_rate(None)
+    assert leak_rate({"amplitude": "0 um"}) == pytest.approx(even, rel=1e-10)
+    oval = leak_rate({"amplitude": "1 um"})
+    assert leak_rate({"amplitude": "1 um", "phase": "180 deg"}) == pytest.approx(oval, rel=1e-8)
+    assert even < leak_rate({"amplitude": "0.5 um"}) < oval
