@@ -92,18 +92,25 @@ def _tables() -> Iterator[str]:
             shape = f' shape = "{choices(table, "shape")[0]}"' if "shape" in table.model_fields else ""
             yield f"### [{name}]{shape} ({'one of these is ' if shape else ''}{need})\n\n{_about(table)}\n"
             yield from _rows(table)
-            explained: dict[tuple[type[Table], ...], str] = {}
-            for key, nested in table.model_fields.items():
-                inner = tuple(one for one in tables_of(nested) if one is not MaterialTable)
-                if inner in explained:
-                    yield f"`{name}.{key}`: as `{name}.{explained[inner]}`.\n"
-                elif inner:
-                    explained[inner] = key
-                    for one in inner:
-                        yield f"`{name}.{key}`: {_about(one)}\n"
-                        yield from _rows(one)
+            yield from _inner_tables(name, table, {})
     yield f"### A material as a table\n\n{_about(MaterialTable)}\n"
     yield from _rows(MaterialTable)
+
+
+def _inner_tables(
+    path: str, table: type[Table], explained: dict[tuple[type[Table], ...], str]
+) -> Iterator[str]:
+    """Tables within a table, and those within them, each explained where it comes first."""
+    for key, nested in table.model_fields.items():
+        inner = tuple(one for one in tables_of(nested) if one is not MaterialTable)
+        if inner in explained:
+            yield f"`{path}.{key}`: as `{explained[inner]}`.\n"
+        elif inner:
+            explained[inner] = f"{path}.{key}"
+            for one in inner:
+                yield f"`{path}.{key}`: {_about(one)}\n"
+                yield from _rows(one)
+                yield from _inner_tables(f"{path}.{key}", one, explained)
 
 
 def _about(table: type[Table]) -> str:
@@ -142,7 +149,9 @@ def _allowed(table: type[Table], key: str, field: FieldInfo) -> str:
 def _default(field: FieldInfo) -> str:
     extra = field.json_schema_extra
     default = extra["default"] if isinstance(extra, dict) and "default" in extra else field.default
-    return "" if field.is_required() or default in (None, "") else f"`{toml(default)}`"
+    if field.is_required() or default in (None, "", ()):
+        return ""
+    return f"`{toml(list(default) if isinstance(default, tuple) else default)}`"
 
 
 def _example(field: FieldInfo) -> str:

@@ -317,6 +317,8 @@ def _remarks(case: Case) -> list[str]:
         remarks.append("no [fluid]: no leak rate is calculated")
     if case.roughness is not None:
         remarks.extend(case.roughness.remarks())
+    if case.form is not None:
+        remarks.extend(case.form.without_effect(case.contact.angle))
     problem = SealProblem.of(case)
     remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))
     if case.load.target_leak_rate is not None:

@@ -31,7 +31,7 @@ class Wave:
 
     Examples
     --------
-    >>> Wave(2, 1e-6).at(0.0)
+    >>> print(Wave(2, 1e-6).at(0.0))
     1e-06
     """
 
@@ -232,8 +232,11 @@ class Trace:
 
     @property
     def most_waves(self) -> int:
-        """Largest number of waves that the trace tells: two points for each of them, also in its widest gap."""
-        return max(int(math.pi / self.widest_gap * (1 + 1e-9)), 0)
+        """Largest number of waves that the trace tells: more than two points for each of them, also in its widest gap.
+
+        Of a wave with just two points the part that vanishes at both is not seen.
+        """
+        return max(math.ceil(math.pi / self.widest_gap * (1 - 1e-6)) - 1, 0)
 
     def waves(self, highest: int) -> tuple[Wave, ...]:
         """Waves of 1 to `highest` by least squares; the least-squares circle is the mean and the first of them.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -80,7 +80,8 @@ class Case(CaseTables):
         ----------
         changes : mapping, optional
             Dotted keys with their new entries: ``{"seat.angle": "50 deg"}``. Quantities are texts with a unit, as in a
-            case file, or numbers in SI: ``{"closure.radius": 0.02}``, angles in radian, temperatures in kelvin.
+            case file, or numbers in SI: ``{"closure.radius": 0.02}``, angles in radian, temperatures in kelvin. An
+            entry of a list is named by its number from 0 on: ``{"form.seat.harmonics.0.amplitude": "2 um"}``.
         **tables
             The same as nested tables: ``seat={"angle": "50 deg"}``. Tables are merged; a table with another
             `shape` or `kind` replaces the old one. None removes an entry.
@@ -124,11 +125,7 @@ class Case(CaseTables):
         """The tables as they were given, with entries changed at dotted keys."""
         changed = self._input
         for key, value in copy.deepcopy(dict(changes)).items():
-            *parents, last = str(key).split(".")
-            nested: Any = {last: value}
-            for parent in reversed(parents):
-                nested = {parent: nested}
-            changed = _merged(changed, nested)
+            changed = _merged(changed, _nested(changed, str(key).split("."), value))
         return changed
 
     def _checked(self, tables: dict[str, Any]) -> Case:
@@ -227,6 +224,52 @@ def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
         else:
             merged[key] = value
     return merged
+
+
+def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] = ()) -> Any:
+    """A value at a dotted key as nested tables; where the key leads into a list, the list with that entry changed.
+
+    Parameters
+    ----------
+    old : anything
+        What stands there before.
+    path : sequence of str
+        What is left of the key.
+    before : tuple of str
+        The part of the key that led here.
+
+    Raises
+    ------
+    InputError
+        If a list has no such entry, or there is no list.
+    """
+    if not path:
+        return value
+    key, *rest = path
+    here = ".".join(before)
+    if not isinstance(old, (list, tuple)):
+        if key.isdecimal() and before:
+            raise InputError(
+                Problem(f"{here}.{key}", f"{here} is no list whose entries could be changed; give all of it")
+            )
+        inside = old.get(key) if isinstance(old, Mapping) else None
+        return {key: _nested(inside, rest, value, (*before, key))}
+    if not key.isdecimal() or int(key) >= len(old):
+        numbers = (
+            "it is empty"
+            if not old
+            else "0 is its only entry"
+            if len(old) == 1
+            else f"it has 0 to {len(old) - 1}"
+        )
+        raise InputError(
+            Problem(f"{here}.{key}", f"{here} is a list, entries are named by their number: {numbers}")
+        )
+    number = int(key)
+    entry = _nested(old[number], rest, value, (*before, key))
+    if isinstance(entry, Mapping) and isinstance(old[number], dict):
+        entry = _merged(old[number], entry)
+    return [*old[:number], *([] if entry is None else [entry]), *old[number + 1 :]]
 
 
 def case_schema() -> dict[str, Any]:

@@ -29,6 +29,8 @@ SECTION = Quantity("length", "1 nm", "10 mm")
 TURN = Quantity("angle", "-360 deg", "360 deg")
 # What a trace is read for unless it says more: the filter that drawings of small seats call for.
 _USUAL_WAVES = 15
+# Share of a deviation along the normal that is none: cos of 90 degrees in floating point, and far more.
+_ACROSS = 1e-9
 
 
 class Harmonic(Table):
@@ -77,7 +79,7 @@ class MeasuredTrace(Table):
         if trace.most_waves < 2:
             raise ValueError(
                 f"file = {shown(self.file)} leaves {math.degrees(trace.widest_gap):.3g} deg without a point; two waves "
-                "per turn need at least one every 90 deg"
+                "per turn need points that are less than 90 deg apart"
             )
         object.__setattr__(self, "_trace", trace)
         return self
@@ -226,6 +228,8 @@ class BodyForm(Table):
         given = [key for key in ("harmonics", "trace", "tolerance") if getattr(self, key) not in (None, ())]
         if len(given) > 1:
             raise ValueError(f"{' and '.join(given)} both say what the deviations are; keep one of them")
+        if self.tolerance is None and "tolerance_waves" in self.model_fields_set:
+            raise ValueError("tolerance_waves is only for a tolerance; give tolerance as well, or remove it")
         if self.tolerance_waves[0] > self.tolerance_waves[1]:
             raise ValueError(
                 f"tolerance_waves = {list(self.tolerance_waves)}: the fewest must come before the most"
@@ -241,7 +245,7 @@ class BodyForm(Table):
 
 
 class Form(Table):
-    """[form]: deviations from round of closure and seat, how the closure is guided, and scratches; see docs/form.md."""
+    """[form]: closure and seat that are not round, how the closure is guided, scratches; see docs/theory_form.md."""
 
     guide: Literal["free", "guided"] = Field(
         "free",
@@ -278,8 +282,8 @@ class Form(Table):
         examples=["14 mm"],
         json_schema_extra={"default": "0 mm"},
     )
-    seat: BodyForm | None = None
-    closure: BodyForm | None = None
+    seat: BodyForm | None = Field(None, description="deviations of the seat")
+    closure: BodyForm | None = Field(None, description="deviations of the closure")
     scratches: tuple[Scratch, ...] = Field(
         (),
         description="scratches and notches from one side of the seal to the other",
@@ -301,6 +305,28 @@ class Form(Table):
             name: part for name, part in (("closure", self.closure), ("seat", self.seat)) if part is not None
         }
 
+    def without_effect(self, angle: float) -> list[str]:
+        """What is given and changes nothing, in words.
+
+        Parameters
+        ----------
+        angle : float
+            Of the contact normal to the axis [rad].
+        """
+        said = [
+            f'form.{key}: a closure that is free gives way to it; guide = "guided" holds the closure where it stands'
+            for key in ("eccentricity", "tilt")
+            if getattr(self, key) and self.guide == "free"
+        ]
+        for name, part in self.parts.items():
+            if abs(along_normal(part.direction, _normal(angle))) < _ACROSS:
+                other = "axial" if part.direction == "radial" else "radial"
+                said.append(
+                    f'form.{name}.direction = "{part.direction}": the contact normal is at right angles to it and the '
+                    f'deviations change nothing; what changes the gap is a deviation "{other}"'
+                )
+        return said
+
     def error(self, angle: float, touch_radius: float) -> FormError:
         """What the table does to the gap.
 
@@ -311,7 +337,7 @@ class Form(Table):
         touch_radius : float
             [m]
         """
-        normal = (-math.sin(angle), math.cos(angle))
+        normal = _normal(angle)
         waves = list(
             rigid_wave(
                 normal,
@@ -340,6 +366,11 @@ class Form(Table):
         return FormError(
             combined(waves), self.guide == "guided", tolerance, highest, tuple(remarks), tuple(grooves)
         )
+
+
+def _normal(angle: float) -> tuple[float, float]:
+    """(n_r, n_z) of the contact normal."""
+    return -math.sin(angle), math.cos(angle)
 
 
 def place_trace_files(form: object, folder: Path) -> None:

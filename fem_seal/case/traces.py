@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.errors import QuantityError, TextTableError
-from fem_seal.files import UnreadableFileError, read_text
+from fem_seal.files import UnreadableFileError, read_bytes
 from fem_seal.form import Trace
 from fem_seal.units import parse_quantity
 
@@ -18,23 +21,30 @@ if TYPE_CHECKING:
 
 # Rows of numbers that make a trace; an instrument's list of results has fewer.
 _FEWEST_ROWS = 8
-_ANGLES = ("angle", "phi", "theta", "winkel", "degree", "deg", "position", "azimuth", "c")
+_ANGLES = ("angle", "phi", "theta", "winkel", "degree", "degrees", "deg", "position", "azimuth", "c")
+_DEVIATIONS = ("deviation", "dev", "abweichung", "profile", "profil", "height", "residual", "error")
 _SEPARATORS = (";", "\t", ",", None)
-_UNIT = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]|_([A-Za-zµμ]+)$|\bin\s+([A-Za-zµμ°]+)$")
-_ANGLE_UNITS = {"°": "deg", "grad": "deg", "degree": "deg", "degrees": "deg"}
+# Between the names of columns, in the order in which they are tried: names may hold spaces, and commas in brackets.
+_BETWEEN_NAMES = (r";", r"\t", r",(?![^\[(]*[\])])", r"\s{2,}", r"(?<=[\])])\s+", r"\s+(?![\[(])")
+# "deviation [um]", "deviation / um", "deviation in um", "deviation_um", "deviation um"
+_UNITS = (r"[\[(]\s*([^\])]+?)\s*[\])]", r"/\s*(\S+)$", r"\bin\s+(\S+)$", r"_([^_\s]+)$", r"\s(\S+)$")
+_ANGLE_UNITS = {"°": "deg", "grad": "deg", "degree": "deg", "degrees": "deg", "radians": "rad"}
+_LENGTH_UNITS = {"microns": "micron", "µ": "um", "μ": "um", "uinch": "uin", "µinch": "uin"}
 
 
 def read_trace(file: str | Path, unit: str | None = None) -> Trace:
     """A trace of one turn.
 
-    Lines before the numbers are skipped but for the last, which names the columns if it has as many words. Columns are
-    separated by semicolons, tabs, commas or spaces; with semicolons and tabs numbers may have decimal commas. A file of
-    one column holds deviations at uniform angles around the whole turn. Rows without a number, where the probe lost the
+    Lines before the numbers are skipped but for the last, which names the columns if it has as many words; units may
+    stand in a line of their own below the names. Columns are separated by semicolons, tabs, commas or spaces; unless
+    they are commas, numbers may have decimal commas. A file of one column holds deviations at uniform angles around
+    the whole turn; a last one that repeats the first closes the turn. Rows without a number, where the probe lost the
     surface, are left out.
 
     Parameters
     ----------
     file : path
+        Text in UTF-8, UTF-16 or Latin-1.
     unit : str, optional
         Of the deviation, where the header has none.
 
@@ -45,37 +55,27 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
     """
     import numpy as np
 
-    lines = _lines(file)
-    separator, start, rows = _longest_block(lines)
-    if len(rows) < _FEWEST_ROWS:
+    table = _longest_block(_lines(file))
+    if len(table.rows) < _FEWEST_ROWS:
         raise TextTableError(
             f"has no {_FEWEST_ROWS} rows of numbers one after the other; a trace has the columns angle and deviation"
         )
-    values = np.array(rows)
-    header = _header(lines[:start], separator, values.shape[1])
+    values = np.array(table.rows)
     if values.shape[1] == 1:
-        deviation, at = values[:, 0], 0
-        angle = 2 * np.pi * np.arange(len(values)) / len(values)
-        kept = np.isfinite(deviation)
+        deviation, at = _one_turn(values[:, 0]), 0
+        angle = 2 * np.pi * np.arange(len(deviation)) / len(deviation)
     else:
-        place = _angle_column(header)
-        at = next(n for n in range(values.shape[1]) if n != place)
-        angle = values[:, place] * _angle_factor(header[place] if header else "", values[:, place])
-        deviation = values[:, at]
-        kept = np.isfinite(angle) & np.isfinite(deviation)
-    found = unit or _unit_in(header[at] if header else "")
-    if found is None:
-        raise TextTableError(
-            'does not say the unit of the deviation; write it into the header, such as "angle [deg], deviation [um]", '
-            'or give unit = "um" beside file'
+        place, at = _columns(table.header)
+        angle, deviation = (
+            values[:, place] * _angle_factor(table.name(place), values[:, place]),
+            values[:, at],
         )
-    try:
-        factor = parse_quantity(f"1 {found}", "length")
-    except QuantityError as error:
-        raise TextTableError(f"has a deviation whose {error}") from None
-    angle, deviation = angle[kept], factor * deviation[kept]
-    if len(angle) < _FEWEST_ROWS:
-        raise TextTableError(f"has no more than {len(angle)} points with a number")
+    kept = np.isfinite(angle) & np.isfinite(deviation)
+    if kept.sum() < _FEWEST_ROWS:
+        raise TextTableError(
+            f"has no more than {kept.sum()} points with a number; {_FEWEST_ROWS} are needed at least"
+        )
+    angle, deviation = angle[kept], deviation[kept] * _length_factor(unit, table.name(at))
     turn = float(np.ptp(angle))
     if turn > 2 * np.pi * 1.001 + 1e-9:
         raise TextTableError(f"goes {turn / (2 * np.pi):.3g} times around the axis; keep one turn")
@@ -85,84 +85,200 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
     return Trace(angle, deviation)
 
 
+@dataclass(frozen=True)
+class _Block:
+    """A run of rows of numbers, and the names over its columns, empty where there are none."""
+
+    header: tuple[str, ...] = ()
+    rows: tuple[tuple[float, ...], ...] = ()
+
+    @property
+    def rank(self) -> tuple[int, bool, int]:
+        """The longest block is the trace; of equals the one whose columns have names, then that with more columns."""
+        return len(self.rows), bool(self.header), len(self.rows[0]) if self.rows else 0
+
+    def name(self, place: int) -> str:
+        return self.header[place] if self.header else ""
+
+
 def _lines(file: str | Path) -> list[str]:
     try:
-        return read_text(Path(file)).splitlines()
-    except UnicodeDecodeError:
-        raise TextTableError(
-            "is not a text file; export the trace as text with angle and deviation"
-        ) from None
+        content = read_bytes(Path(file))
     except UnreadableFileError as error:
         raise TextTableError(str(error)) from None
+    marked = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    try:
+        text = content.decode("utf-16" if marked else "utf-8-sig")
+    except UnicodeDecodeError:
+        # every sequence of bytes is Latin-1; in it instruments write the micro and the degree sign
+        text = content.decode("latin-1")
+    if "\0" in text:
+        raise TextTableError("is not a text file; export the trace as text with angle and deviation")
+    return text.splitlines()
 
 
-def _longest_block(lines: Sequence[str]) -> tuple[str | None, int, list[list[float]]]:
-    """Separator, first line and numbers of the longest run of rows with equally many columns."""
-    best: tuple[str | None, int, list[list[float]]] = (None, 0, [])
-    for separator in _SEPARATORS:
-        start, rows = 0, list[list[float]]()
-        for number, line in enumerate(lines):
-            row = _numbers(line, separator)
-            if row and (not rows or len(row) == len(rows[0])):
-                start = start if rows else number
-                rows.append(row)
-            else:
-                start, rows = number, [row] if row else []
-            wide = len(rows[0]) if rows else 0
-            if (len(rows), wide) > (len(best[2]), len(best[2][0]) if best[2] else 0):
-                best = separator, start, list(rows)
-    return best
+def _longest_block(lines: Sequence[str]) -> _Block:
+    return max(
+        (block for separator in _SEPARATORS for block in _blocks(lines, separator)), key=lambda b: b.rank
+    )
+
+
+def _blocks(lines: Sequence[str], separator: str | None) -> Iterator[_Block]:
+    """The longest run of rows of numbers, if columns are separated so."""
+    longest, start, rows = (0, list[list[float]]()), 0, list[list[float]]()
+    for number, line in enumerate([*lines, ""]):
+        row = _numbers(line, separator)
+        # a row that ends early lacks its last numbers
+        if row and (not rows or len(row) <= len(rows[0])):
+            start = start if rows else number
+            rows.append(row)
+        else:
+            start, rows = number, [row] if row else []
+        if len(rows) > len(longest[1]):
+            longest = start, rows
+    start, rows = longest
+    cells = max(map(len, rows), default=0)
+    header = _header(lines[:start], cells)
+    if not header:
+        # what ends with a separator in every row has one column less than cells
+        cells = max(
+            (n for row in rows for n, value in enumerate(row, start=1) if not math.isnan(value)), default=0
+        )
+        header = _header(lines[:start], cells)
+    yield _Block(header, tuple(tuple((row + [math.nan] * cells)[:cells]) for row in rows))
 
 
 def _numbers(line: str, separator: str | None) -> list[float]:
-    """Numbers of a line; NaN where a cell after the first is empty or a word for nothing; empty if it is no row."""
-    cells = [cell.strip().strip('"') for cell in line.strip().rstrip(separator or "").split(separator)]
-    if separator in (";", "\t"):
-        cells = [cell.replace(",", ".") for cell in cells]
+    """Numbers of a line; NaN where a cell is empty or a word for nothing; empty if it is no row."""
+    if not line.strip():
+        return []
+    cells = [cell.strip().strip('"') for cell in line.strip(" \r\n").split(separator)]
     found = list[float]()
-    for place, cell in enumerate(cells):
-        try:
-            number = float(cell)
-        except ValueError:
-            if place == 0 or cell.lower() not in ("", "-", "--", "---", "n/a", "na", "bad", "*"):
-                return []
-            number = float("nan")
-        found.append(number if abs(number) < float("inf") else float("nan"))
-    return found
+    for cell in cells:
+        number = _number(cell if separator == "," else cell.replace(",", "."))
+        if number is None:
+            return []
+        found.append(number)
+    # what begins with a word is no row of a table, but a word alone may be a reading of one column
+    return found if len(found) == 1 or not math.isnan(found[0]) else []
 
 
-def _header(before: Sequence[str], separator: str | None, columns: int) -> list[str]:
-    """Names of the columns; empty where the line before the numbers is none."""
+def _number(cell: str) -> float | None:
+    """A number; NaN for nothing and for a word without letters, or one that says that there is none; else None."""
+    try:
+        number = float(cell)
+    except ValueError:
+        nothing = not any(c.isalnum() for c in cell) or cell.lower() in (
+            "n/a",
+            "#n/a",
+            "na",
+            "bad",
+            "invalid",
+            "null",
+        )
+        return math.nan if nothing else None
+    return number if math.isfinite(number) else math.nan
+
+
+def _header(before: Sequence[str], columns: int) -> tuple[str, ...]:
+    """Names of the columns with their units; empty where the line before the numbers has not as many."""
     named = [line for line in before if line.strip()]
     if not named:
-        return []
-    cells = [cell.strip().strip('"') for cell in named[-1].lstrip("#").strip().split(separator)]
-    return cells if len(cells) == columns else []
+        return ()
+    last = _cells(named[-1], columns)
+    if last and len(named) > 1 and all(_is_unit(cell) for cell in last if cell):
+        names = _cells(named[-2], columns)
+        return (
+            tuple(f"{name} [{cell.strip('[]() ')}]" for name, cell in zip(names, last, strict=True))
+            if names
+            else ()
+        )
+    return last
 
 
-def _angle_column(header: Sequence[str]) -> int:
-    words = [re.sub(r"[^a-zµμ].*", "", name.lower()) for name in header]
-    return next((n for n, word in enumerate(words) if word in _ANGLES), 0)
+def _cells(line: str, columns: int) -> tuple[str, ...]:
+    """Names of a line that has so many, however they are separated; else none."""
+    text = line.strip().lstrip("#").strip()
+    whole = [[text]] if columns == 1 and not re.search(r"[;\t]", text) else []
+    for way in (*whole, *(re.split(between, text.rstrip(";,\t ")) for between in _BETWEEN_NAMES)):
+        if len(way) == columns:
+            return tuple(cell.strip().strip('"') for cell in way)
+    return ()
 
 
-def _unit_in(name: str) -> str | None:
-    found = _UNIT.search(name)
-    return next((group for group in found.groups() if group), None) if found else None
+def _is_unit(cell: str) -> bool:
+    unit = cell.strip("[]() ")
+    return _factor(unit, "length") is not None or _factor(unit, "angle") is not None
+
+
+def _columns(header: Sequence[str]) -> tuple[int, int]:
+    """Places of angle and deviation: by their names, by a unit of length, else the first two."""
+    words = [re.sub(r"[^a-z].*", "", name.lower()) for name in header]
+    angle = next((n for n, word in enumerate(words) if word in _ANGLES), 0)
+    others = [n for n in range(len(words)) if n != angle] or [1]
+    named = [n for n in others if words and words[n] in _DEVIATIONS]
+    lengths = [n for n in others if header and _factor(_unit_in(header[n], "length"), "length") is not None]
+    return angle, [*named, *lengths, *others][0]
+
+
+def _one_turn(deviation: FloatArray) -> FloatArray:
+    """Readings around a turn without the last, where it is the first once more.
+
+    Instruments take an even number of points; with an odd one the point at 360 degrees is among them.
+    """
+    closed = len(deviation) % 2 == 1 and deviation[0] == deviation[-1]
+    return deviation[:-1] if closed else deviation
+
+
+def _unit_in(name: str, dimension: str) -> str | None:
+    """The unit that a column's name holds: the first that fits, else what stands in brackets."""
+    found = [match[1] for match in (re.search(pattern, name) for pattern in _UNITS) if match]
+    fitting = (unit for unit in found if _factor(unit, dimension) is not None)
+    return next(fitting, found[0] if re.search(_UNITS[0], name) else None)
+
+
+def _factor(unit: str | None, dimension: str) -> float | None:
+    """One of the unit in SI; None if it is no unit of the dimension."""
+    try:
+        return None if unit is None else _in_si(unit, dimension)
+    except QuantityError:
+        return None
+
+
+def _in_si(unit: str, dimension: str) -> float:
+    spellings = _ANGLE_UNITS if dimension == "angle" else _LENGTH_UNITS
+    return parse_quantity(f"1 {spellings.get(unit.lower(), unit)}", dimension)
+
+
+def _length_factor(given: str | None, name: str) -> float:
+    """From the numbers of a column with deviations to metres."""
+    unit = given or _unit_in(name, "length")
+    if unit is None:
+        raise TextTableError(
+            'does not say the unit of the deviation; write it into the header, such as "angle [deg], deviation [um]", '
+            'or give unit = "um" beside file'
+        )
+    try:
+        return _in_si(unit, "length")
+    except QuantityError as error:
+        raise TextTableError(f"has a deviation whose {error}") from None
 
 
 def _angle_factor(name: str, values: FloatArray) -> float:
-    """From the column's numbers to radian."""
+    """From the numbers of a column with angles to radian."""
     import numpy as np
 
-    unit = _unit_in(name)
-    if unit is None:
+    unit = _unit_in(name, "angle")
+    if unit is None and float(np.nanmax(np.abs(values))) > 2 * np.pi * 1.01:
         # a turn in degrees has numbers that none in radian has
-        unit = "deg" if float(np.nanmax(np.abs(values))) > 2 * np.pi * 1.01 else None
+        unit = "deg"
     if unit is None:
         raise TextTableError(
             'does not say the unit of the angle; write it into the header, such as "angle [deg]"'
         )
     try:
-        return parse_quantity(f"1 {_ANGLE_UNITS.get(unit.lower(), unit)}", "angle")
+        return _in_si(unit, "angle")
     except QuantityError as error:
-        raise TextTableError(f"has an angle whose {error}") from None
+        raise TextTableError(
+            f"has an angle whose {error}; a trace has the columns angle and deviation"
+        ) from None

@@ -17,12 +17,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.sparse.linalg import LinearOperator, minres
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ConvergenceError
-
-ComplexArray = NDArray[np.complexfloating]
 
 # What is left of the gap's change, in decay lengths of the approach over ln f, and steps to get there.
 _TOLERANCE, _MAX_STEPS = 1e-9, 80
@@ -30,6 +28,8 @@ _TOLERANCE, _MAX_STEPS = 1e-9, 80
 _SHARES = (0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
 # Where the line load falls, one step lets it fall by this many e-folds at most.
 _FALL = 5.0
+# Relative residual of the linear equations, and the most products to get there.
+_SOLVED, _MOST_PRODUCTS = 1e-12, 400
 # Least line load over the mean that is followed in its logarithm.
 _LEAST = 1e-60
 
@@ -88,12 +88,12 @@ def line_load_around(
     ConvergenceError
     """
     ring = _Ring.of(len(gap), stiffening, symmetry, guided)
-    ways = (_in_modes,) if local.opens else (_in_logarithms, _in_modes)
+    ways = (_in_line_loads,) if local.opens else (_in_logarithms, _in_line_loads)
     for iterate in ways:
         for shares in ((1.0,), _SHARES):
             f = np.full(len(gap), mean)
             for share in shares:
-                found = iterate(local, ring, share * gap, mean, f)
+                found = _tried(iterate, local, ring, share * gap, mean, f)
                 if found is None:
                     break
                 f, approach = found
@@ -105,104 +105,113 @@ def line_load_around(
     )
 
 
+Found = tuple[FloatArray, FloatArray]
+Iteration = Callable[[Local, "_Ring", FloatArray, float, FloatArray], Found | None]
+
+
+def _tried(
+    iterate: Iteration, local: Local, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
+) -> Found | None:
+    """What an iteration finds; None where it asks on its way for a contact that cannot be solved."""
+    try:
+        return iterate(local, ring, gap, mean, start)
+    except ConvergenceError:
+        return None
+
+
 @dataclass(frozen=True)
 class _Ring:
     """What the harmonics of a line load do to the gap, and which of them the closure does not take.
 
     Parameters
     ----------
-    size : int
-        Number of angles in a period.
-    stiffening : ndarray, shape (2 j + 1,)
-        c_n - c_0 of the modes -j to j of a period [m per N/m].
-    rigid : ndarray of int
-        Places among the modes of those whose share of the line load is given: the mean, and of a free closure the
-        first harmonic.
+    stiffening : ndarray, shape (m // 2 + 1,)
+        c_n - c_0 of the harmonics of a period with m angles [m per N/m].
+    rigid : ndarray, shape (1 or 3, m)
+        Motions of the closure: along the axis, and of a free one the two first harmonics.
     """
 
-    size: int
     stiffening: FloatArray
-    rigid: NDArray[np.int64]
+    rigid: FloatArray
 
     @classmethod
     def of(cls, size: int, stiffening: Callable[[int], float], symmetry: int, guided: bool) -> _Ring:
-        j = (size - 1) // 2
         free = symmetry == 1 and not guided
-        half = [0.0, *(0.0 if free and n == 1 else stiffening(symmetry * n) for n in range(1, j + 1))]
-        rigid = [j - 1, j, j + 1] if free else [j]
-        return cls(size, np.array([*half[:0:-1], *half]), np.array(rigid))
+        of_harmonics = [
+            0.0,
+            *(0.0 if free and n == 1 else stiffening(symmetry * n) for n in range(1, size // 2 + 1)),
+        ]
+        angle = 2 * np.pi * np.arange(size) / size
+        motions = [np.ones(size), *((np.cos(angle), np.sin(angle)) if free else ())]
+        return cls(np.array(of_harmonics), np.array(motions))
 
-    @property
-    def highest(self) -> int:
-        return len(self.stiffening) // 2
+    def opening(self, line_load: FloatArray) -> FloatArray:
+        """By how much less the bodies open at each angle than under a load that is even there [m]."""
+        return np.fft.irfft(self.stiffening * np.fft.rfft(line_load), line_load.shape[-1])
 
-    def modes(self, values: FloatArray) -> ComplexArray:
-        """Fourier coefficients -j to j of real values at the angles."""
-        half = np.fft.rfft(values)[: self.highest + 1] / self.size
-        return np.concatenate([half[:0:-1].conj(), half])
-
-    def values(self, modes: ComplexArray) -> FloatArray:
-        """Real values at the angles of Fourier coefficients."""
-        half = np.zeros(self.size // 2 + 1, dtype=complex)
-        half[: self.highest + 1] = modes[self.highest :]
-        return np.fft.irfft(half * self.size, self.size)
-
-    def given(self, mean: float) -> ComplexArray:
-        """The line load's modes that belong to rigid motions: its mean, and nothing of the first harmonic."""
-        return np.where(self.rigid == self.highest, mean, 0.0).astype(complex)
+    def missing(self, line_load: FloatArray, mean: float) -> FloatArray:
+        """What a line load lacks of the given resultants [N/m]: its mean, and of a free closure no first harmonic."""
+        given = np.zeros(len(self.rigid))
+        given[0] = mean
+        return given - self.rigid @ line_load / line_load.shape[-1]
 
     def step(
-        self, tangent: FloatArray, right: ComplexArray, missing: ComplexArray
-    ) -> tuple[ComplexArray, ComplexArray]:
-        """Change y of the line load's modes and s of the rigid motion: y + T (C y - s) = right, y given where s is not.
+        self, tangent: FloatArray, off: FloatArray, missing: FloatArray
+    ) -> tuple[FloatArray, FloatArray] | None:
+        """Change y of the line load and s of the rigid motion: y + t (C y - s) = off, with y's resultants given.
+
+        With y = off + w q and w^2 = t it is (1 + w C w) q = w (s - C off): symmetric, and near to 1 where the
+        interface gives way more than the bodies, so that a few products with the circulant C solve it.
 
         Parameters
         ----------
-        tangent : ndarray
-            df/dD at the angles, of which T is the product with it, in modes.
-        right : ndarray
+        tangent : ndarray, shape (m,)
+            t = df/dD [N/m^2], zero where smooth surfaces are apart.
+        off : ndarray, shape (m,)
+            [N/m]
         missing : ndarray
-            y of the rigid modes.
+            Resultants of y, see `missing`.
         """
-        full = np.fft.fft(tangent) / self.size
-        n = np.arange(len(self.stiffening))
-        T = full[(n[:, None] - n) % self.size]
-        matrix = T * self.stiffening + np.eye(len(T))
-        right = right - matrix[:, self.rigid] @ missing
-        matrix[:, self.rigid] = -T[:, self.rigid]
-        change: ComplexArray = np.linalg.solve(matrix, right)
-        motion = np.zeros_like(change)
-        motion[self.rigid] = change[self.rigid]
-        change[self.rigid] = missing
-        return change, motion
+        w = np.sqrt(tangent)
+        operator = LinearOperator(
+            (len(w), len(w)), lambda q: q + w * self.opening(w * q.ravel()), dtype=float
+        )
+        answers = []
+        for right in (-w * self.opening(off), *(w * self.rigid)):
+            q, failed = minres(operator, right, rtol=_SOLVED, maxiter=_MOST_PRODUCTS)
+            if failed:
+                return None
+            answers.append(w * q)
+        own, by_motion = off + answers[0], np.array(answers[1:])
+        resultants = self.rigid @ by_motion.T / len(w)
+        size = np.linalg.solve(resultants, missing - self.rigid @ own / len(w))
+        return own + size @ by_motion, size @ self.rigid
 
 
 def _in_logarithms(
     local: Local, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
-) -> tuple[FloatArray, FloatArray] | None:
+) -> Found | None:
     """Newton's method in ln f, for a contact that never opens; None if it does not converge.
 
     Where the line load rises, a step is taken as log(1 + dv), so that the exponential cannot run away.
     """
-    v, given = np.log(start), ring.given(mean)
-    motion = np.zeros(len(ring.stiffening), dtype=complex)
-    motion[ring.highest] = np.mean(local.approach(start)[0] + gap)
+    v = np.log(start)
+    motion = np.full(len(gap), np.mean(local.approach(start)[0] + gap))
     for _ in range(_MAX_STEPS):
         f = np.exp(v)
         if f.min() < _LEAST * mean:
             return None
         approach, decay = local.approach(f)
-        modes = ring.modes(f)
-        residual = ring.values(motion - ring.stiffening * modes) - gap - approach
-        missing = given - modes[ring.rigid]
+        residual = motion - ring.opening(f) - gap - approach
+        missing = ring.missing(f, mean)
         if np.max(np.abs(residual) / decay) < _TOLERANCE and np.max(np.abs(missing)) < _TOLERANCE * mean:
             return f, approach
         tangent = f / decay
-        try:
-            change, moved = ring.step(tangent, ring.modes(tangent * residual), missing)
-        except np.linalg.LinAlgError:
+        change = ring.step(tangent, tangent * residual, missing)
+        if change is None:
             return None
-        step = (residual + ring.values(moved - ring.stiffening * change)) / decay
+        y, moved = change
+        step = (residual + moved - ring.opening(y)) / decay
         if not np.isfinite(step).all():
             return None
         v = v + np.where(step > 0, np.log1p(np.maximum(step, 0.0)), np.maximum(step, -_FALL))
@@ -210,25 +219,19 @@ def _in_logarithms(
     return None
 
 
-def _in_modes(
+def _in_line_loads(
     local: Local, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
-) -> tuple[FloatArray, FloatArray] | None:
-    """Newton's method for the modes of a line load that may be nothing at some places; None if it fails."""
-    modes, given = ring.modes(start), ring.given(mean)
-    modes[ring.rigid] = given
-    motion = np.zeros(len(ring.stiffening), dtype=complex)
-    motion[ring.highest] = np.mean(local.approach(start)[0] + gap)
+) -> Found | None:
+    """Newton's method for a line load that may be nothing at some places; None if it fails."""
+    guess, motion = start, np.full(len(gap), np.mean(local.approach(start)[0] + gap))
     for _ in range(_MAX_STEPS):
-        approach = ring.values(motion - ring.stiffening * modes) - gap
+        approach = motion - ring.opening(guess) - gap
         f, tangent = local.line_load(approach)
-        off = ring.modes(f) - modes
+        off = f - guess
         if np.max(np.abs(off)) < _TOLERANCE * mean:
             return f, approach
-        try:
-            change, moved = ring.step(tangent, off, np.zeros(len(given), dtype=complex))
-        except np.linalg.LinAlgError:
+        change = ring.step(tangent, off, ring.missing(guess, mean))
+        if change is None or not (np.isfinite(change[0]).all() and np.isfinite(change[1]).all()):
             return None
-        if not (np.isfinite(change).all() and np.isfinite(moved).all()):
-            return None
-        modes, motion = modes + change, motion + moved
+        guess, motion = guess + change[0], motion + change[1]
     return None

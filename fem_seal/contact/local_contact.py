@@ -72,7 +72,15 @@ class LocalContact:
         line_load : ndarray, shape (m,)
             f [N/m], positive.
         """
-        return self._approach(self._over_mean(line_load))
+        v = self._over_mean(line_load)
+        if not self.opens:
+            return self._approach(v)
+        # over ln f the logarithm of the depth is nearly a straight line, as the depth of Hertz's contact is
+        spline, inside = self._spline("depth", lambda c: math.log(self._depth(c))), np.maximum(v, self._low)
+        slope = spline(inside, 1)
+        with np.errstate(under="ignore"):
+            depth = np.exp(spline(inside) + (v - inside) * slope)
+        return self.touch_approach + depth, depth * slope
 
     def _approach(self, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         spline, inside = self._spline("approach", self._along_normal), np.maximum(v, self._low)
@@ -107,7 +115,7 @@ class LocalContact:
     def _parting(self, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The same of smooth surfaces; over the depth ln f is a straight line but for a logarithm."""
         rungs, touch = np.array(sorted(self._rungs)), self.touch_approach
-        depth = np.log([self._rung_approach(k) - touch for k in rungs.tolist()])
+        depth = np.log([self._depth(self._rungs[k]) for k in rungs.tolist()])
         inside = approach > touch
         g = np.where(inside, approach - touch, 1.0)
         curve = CubicSpline(depth, _STEP * rungs)
@@ -117,14 +125,16 @@ class LocalContact:
         return f, f * slope / g
 
     def peak_pressure(self, line_load: FloatArray) -> FloatArray:
-        """Highest pressure [Pa] at line loads [N/m]; next to nothing where there is none."""
+        """Highest pressure [Pa] at line loads [N/m]; zero where there is none."""
+        log_peak = self._logarithm("peak", line_load, lambda c: math.log(c.profile.peak_pressure), fading=1.0)
         with np.errstate(under="ignore"):
-            return np.exp(self._fading("peak", line_load, lambda c: math.log(c.profile.peak_pressure)))
+            return np.where(line_load > 0, np.exp(log_peak), 0.0)
 
     def fwhm(self, line_load: FloatArray) -> FloatArray:
         """Full width at half maximum [m] at line loads [N/m]; zero where there is none."""
-        v = np.maximum(self._over_mean(line_load), self._low)
-        return np.where(line_load > 0, self._spline("fwhm", lambda c: c.profile.fwhm)(v), 0.0)
+        log_fwhm = self._logarithm("fwhm", line_load, lambda c: math.log(c.profile.fwhm), fading=0.0)
+        with np.errstate(under="ignore"):
+            return np.where(line_load > 0, np.exp(log_fwhm), 0.0)
 
     def pressure_and_gap(self, line_load: FloatArray, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Pressure [Pa] and gap [m] at the points of the contact line, both (m, points).
@@ -138,7 +148,9 @@ class LocalContact:
         """
         if isinstance(self.law, HardContact):
             return self._hard_profiles(line_load, approach)
-        log_pressure = self._fading("pressure", line_load, lambda c: np.maximum(c.log_pressure, _NOTHING))
+        log_pressure = self._logarithm(
+            "pressure", line_load, lambda c: np.maximum(c.log_pressure, _NOTHING), fading=1.0
+        )
         with np.errstate(under="ignore"):
             return np.exp(log_pressure), self.law.gap(log_pressure)
 
@@ -148,28 +160,41 @@ class LocalContact:
         apart = line.initial_gap + self.mean.loads.opening(self.mean.model)
         pressure = np.zeros((len(line_load), len(line.x)))
         gap = apart - approach[:, None] / self.mean.model.touch_normal_z * line.normal[1]
-        loaded = line_load > math.exp(_LOWEST_SMOOTH) * self.mean.line_load
         known: dict[float, ContactSolution] = {}
-        for n in np.flatnonzero(loaded).tolist():
+        for n in np.flatnonzero(line_load > 0).tolist():
             f = float(f"{line_load[n]:.9g}")
-            contact = known.setdefault(f, known[f] if f in known else self.at(f))
-            pressure[n], gap[n] = contact.pressure, contact.gap
+            if f not in known:
+                known[f] = self.at(f)
+            pressure[n], gap[n] = known[f].pressure, known[f].gap
         return pressure, gap
 
     def at(self, line_load: float) -> ContactSolution:
         """The contact at a line load [N/m], solved there."""
-        force = self.mean.axial_force * line_load / self.mean.line_load
-        k = min(self._rungs, key=lambda k: abs(_STEP * k - math.log(line_load / self.mean.line_load)))
-        return self._solved(force, self._rungs[k])
+        v = float(self._over_mean(np.array([line_load]))[0])
+        k = min(self._rungs, key=lambda k: abs(_STEP * k - v))
+        return self._solved(self.mean.axial_force * line_load / self.mean.line_load, self._rungs[k])
 
-    def _fading(
-        self, name: str, line_load: FloatArray, log_of: Callable[[ContactSolution], float | FloatArray]
+    def _logarithm(
+        self,
+        name: str,
+        line_load: FloatArray,
+        log_of: Callable[[ContactSolution], float | FloatArray],
+        fading: float,
     ) -> FloatArray:
-        """Logarithm of what fades in proportion to the line load below the ladder."""
+        """A logarithm between those on the rungs.
+
+        Parameters
+        ----------
+        fading : float
+            The power of the line load with which it goes below the ladder of a rough contact. What smooth surfaces
+            have, whose contact gets narrower, goes on below the ladder as it does on it.
+        """
         v = self._over_mean(line_load)
-        inside = np.maximum(v, self._low)
-        found = self._spline(name, log_of)(inside)
-        return np.asarray(found + (v - inside).reshape(-1, *(1,) * (found.ndim - 1)))
+        spline, inside = self._spline(name, log_of), np.maximum(v, self._low)
+        found = spline(inside)
+        below = (v - inside).reshape(-1, *(1,) * (found.ndim - 1))
+        power = (spline(0.0) - spline(self._low)) / -self._low if self.opens else fading
+        return np.asarray(found + power * below)
 
     def _over_mean(self, line_load: FloatArray) -> FloatArray:
         """ln f over the mean; the ladder reaches there."""
@@ -187,6 +212,10 @@ class LocalContact:
         """ln f over the mean below which everything is extrapolated."""
         return max(self._fades_below, _STEP * (min(self._rungs) + (0 if self.opens else 1)))
 
+    def _depth(self, contact: ContactSolution) -> float:
+        """How far smooth surfaces are pressed beyond the approach at which they touch [m]."""
+        return self._along_normal(contact) - self.touch_approach
+
     @staticmethod
     def _along_normal(contact: ContactSolution) -> float:
         return contact.approach * contact.model.touch_normal_z
@@ -199,7 +228,7 @@ class LocalContact:
                 "carries on a small part of its circumference only; make the form error smaller"
             )
         known = len(self._rungs)
-        for k in range(math.ceil(highest / _STEP) + _BEYOND + 1):
+        for k in range(max(math.ceil(highest / _STEP), 0) + _BEYOND + 1):
             self._solve(k)
         k, last = 0, -math.inf if self.opens else self._fades_below
         down = math.floor(lowest / _STEP) - (0 if self.opens else _BEYOND)

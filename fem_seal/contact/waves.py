@@ -41,13 +41,18 @@ class Stiffening:
         n : int
         """
         if n > self.highest:
-            return self(self.highest) + self._half_spaces(n) - self._half_spaces(self.highest)
+            return self._beyond + self._half_spaces(n)
         model, forces = self.model, self._forces
         waving = 0.0
         for body, harmonic in zip((model.closure, model.seat), model.harmonics, strict=True):
             at_nodes = body.trace.T @ forces
             waving += at_nodes @ harmonic.compliance(n) @ at_nodes
         return float(waving - forces @ model.compliance @ forces) / forces.sum()
+
+    @cached_property
+    def _beyond(self) -> float:
+        """By how much the bodies differ from half-spaces at the highest harmonic of their own [m per N/m]."""
+        return self(self.highest) - self._half_spaces(self.highest)
 
     @cached_property
     def _forces(self) -> FloatArray:

@@ -25,7 +25,7 @@ _NOT_VARIED = ("title", "output", "uncertainty")
 # What people give in a unit that suits its size, and a case file reads it back.
 _WRITTEN = ("length", "contact pressure", "fluid pressure", "force", "viscosity")
 # Entries that decide which others there are, or that hold more than one value.
-_NO_VALUE = ("shape", "kind", "outline", "stress_strain", "files")
+_NO_VALUE = ("shape", "kind", "outline", "stress_strain", "files", "tolerance_waves")
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def entry_at(case: Case, path: str) -> Entry:
         raise InputError(Problem(path, "is the same in all designs of a study; make one study for each"))
     table: object = case
     for parent in parents:
-        table = getattr(table, parent, None) if parent in _fields(table) else None
+        table = _inside(table, parent)
     fields = _fields(table)
     known = list(entry_paths(case))
     if last not in fields or path.split(".")[0] in _NOT_VARIED or path not in known:
@@ -118,6 +118,13 @@ def entry_at(case: Case, path: str) -> Entry:
         listed = f"do you mean {' or '.join(hints)}? " if hints else ""
         raise InputError(Problem(path, f"is no entry of the case; {listed}known are {', '.join(known)}"))
     return Entry(path, _marker(fields[last]), truth=fields[last].annotation is bool)
+
+
+def _inside(table: object, key: str) -> object:
+    """What stands at a key of a table, or in a list of tables at a number."""
+    if isinstance(table, tuple):
+        return table[int(key)] if key.isdecimal() and int(key) < len(table) else None
+    return getattr(table, key, None) if key in _fields(table) else None
 
 
 def entry_paths(case: Case) -> Iterator[str]:
@@ -147,6 +154,10 @@ def _as_table(material: Material) -> dict[str, Any]:
 
 
 def _paths_below(path: str, value: object, field: Any) -> Iterator[str]:
+    if isinstance(value, tuple) and any(_fields(one) for one in value):
+        for number, one in enumerate(value):
+            yield from _paths_below(f"{path}.{number}", one, field)
+        return
     fields = _fields(value)
     if not fields:
         if not _holds_table(field):
