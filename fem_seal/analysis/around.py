@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -23,10 +22,14 @@ from leak import LeakResult
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64
-# Harmonics of the line load above this share of its mean need the bodies' own answer, and the most of them.
-_FELT, _MOST_HARMONICS = 1e-3, 40
-# Line loads for each e-fold between which the leak rate is interpolated, and the fewest and most of them.
-_PER_FOLD, _LINE_LOADS = 12, (12, 96)
+# Harmonics to which the bodies are always asked; beyond them, and beyond four times the form's own, they answer as
+# half-spaces do (50 random waves: 3e-4 of the line load). A wave is strong with this share of all amplitudes.
+_HARMONICS, _STRONG = 12, 0.05
+# Leak rates are interpolated between line loads with these steps in ln f, the coarse one far below the mean, where the
+# surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
+_STEP, _COARSE_STEP, _FINE, _BEYOND = 0.125, 2.0, 48, 2
+# What counts as no line load, and as an even one, in ln f over the mean.
+_NOTHING, _EVEN = -500.0, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,12 +98,13 @@ class Around:
         """Pressure [Pa] and gap [m], (angles, points), at every `step`-th angle."""
         return self.local.pressure_and_gap(self.line_load[::step], self.approach[::step])
 
-    def with_leak(self, flow: ProfileFlow) -> Around:
+    def with_leak(self, curve: LeakCurve) -> Around:
         """The same with its leak.
 
         Parameters
         ----------
-        flow : ProfileFlow
+        curve : LeakCurve
+            Of the same local contact.
 
         Raises
         ------
@@ -113,23 +117,16 @@ class Around:
                 f"the form error parts the surfaces over {100 * apart:.2g} % of the circumference, and with "
                 '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "persson"'
             )
-        found, place = np.unique(self.line_load, return_inverse=True)
-        least = max(float(found[0]), 1e-250 * float(found[-1]))
-        count = int(np.clip(_PER_FOLD * math.log(found[-1] / least), *_LINE_LOADS))
-        few = len(found) <= count
-        rungs = found if few else np.geomspace(least, found[-1], count)
-        flows = [flow.leak(profile) for profile in self._profiles(rungs)]
-        rates = np.array([flow.leak_rate for flow in flows])
-        each = (rates if few else _between(rungs, rates, found))[place]
-        scratches = self._scratches(flow) if self.form.grooves else None
+        each, most = curve.leak_rates(self.line_load)
+        scratches = self._scratches(curve) if self.form.grooves else None
         total = float(each.mean()) + (0.0 if scratches is None else scratches[1])
-        return replace(self, leak_rate=each / (2 * math.pi), leak=_scaled(flows, total), scratches=scratches)
+        return replace(self, leak_rate=each / (2 * math.pi), leak=_scaled(most, total), scratches=scratches)
 
-    def _scratches(self, flow: ProfileFlow) -> tuple[float, float]:
+    def _scratches(self, curve: LeakCurve) -> tuple[float, float]:
         """Least and largest leak rate that grooves add, each under the pressure where it lies [m^3/s]."""
         least = largest = 0.0
         for placed in self.form.grooves:
-            low, high = flow.bounds(self.profile_at(placed.angle), [placed.groove]).extra
+            low, high = curve.flow.bounds(self.profile_at(placed.angle), [placed.groove]).extra
             least, largest = least + low, largest + high
         return least, largest
 
@@ -140,31 +137,77 @@ class Around:
             if angle is None
             else np.interp(angle, self.angle, self.line_load, period=2 * math.pi)
         )
-        return self._profiles(np.atleast_1d(f))[0]
-
-    def _profiles(self, line_loads: FloatArray) -> list[PressureProfile]:
-        mean = self.local.mean.profile
-        fields = self.local.pressure_and_gap(line_loads, self.local.approach(line_loads)[0])
-        return [replace(mean, pressure=p, gap=u) for p, u in zip(*fields, strict=True)]
+        return _profile(self.local, float(f))
 
 
-def _between(rungs: FloatArray, rates: FloatArray, line_loads: FloatArray) -> FloatArray:
-    """Leak rates at many line loads, interpolated between fewer; nothing from where they are sealed."""
+@dataclass(eq=False)
+class LeakCurve:
+    """Leak rate of a contact over its line load, worked out where it is asked for.
+
+    Parameters
+    ----------
+    local : LocalContact
+    flow : ProfileFlow
+    """
+
+    local: LocalContact
+    flow: ProfileFlow
+    _known: dict[float, LeakResult] = field(default_factory=dict, repr=False)
+
+    def leak_rates(self, line_load: FloatArray) -> tuple[FloatArray, LeakResult]:
+        """Leak rate of the whole circumference at line loads [N/m], (m,) [m^3/s], and the flow where most leaks.
+
+        Parameters
+        ----------
+        line_load : ndarray, shape (m,)
+            [N/m]
+        """
+        mean = self.local.mean.line_load
+        with np.errstate(divide="ignore"):
+            v = np.maximum(np.log(line_load / mean), _NOTHING)
+        if np.ptp(v) < _EVEN:
+            flow = self._at(float(v[0]))
+            return np.full(len(v), flow.leak_rate), flow
+        rungs = _rungs(float(v.min()), float(v.max()))
+        flows = [self._at(rung) for rung in rungs]
+        rates = np.array([flow.leak_rate for flow in flows])
+        return _between(np.array(rungs), rates, v), max(flows, key=lambda flow: flow.leak_rate)
+
+    def _at(self, log_share: float) -> LeakResult:
+        if log_share not in self._known:
+            f = self.local.mean.line_load * math.exp(log_share)
+            self._known[log_share] = self.flow.leak(_profile(self.local, f))
+        return self._known[log_share]
+
+
+def _profile(local: LocalContact, line_load: float) -> PressureProfile:
+    f = np.array([line_load])
+    pressure, gap = local.pressure_and_gap(f, local.approach(f)[0])
+    return replace(local.mean.profile, pressure=pressure[0], gap=gap[0])
+
+
+def _rungs(lowest: float, highest: float) -> list[float]:
+    """Places in ln f over the mean, the same whatever the range, some of them beyond it."""
+    top = math.ceil(highest / _STEP) + _BEYOND
+    fine = [_STEP * k for k in range(max(math.floor(lowest / _STEP), -_FINE) - _BEYOND, top + 1)]
+    below = math.floor((fine[0] - lowest) / _COARSE_STEP) + _BEYOND if lowest < fine[0] else 0
+    return [fine[0] - _COARSE_STEP * k for k in range(below, 0, -1)] + fine
+
+
+def _between(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
+    """Leak rates interpolated over ln f; nothing from where they are sealed."""
     leaks = rates > 0
     if leaks.sum() < 2:
-        return np.zeros_like(line_loads)
+        return np.zeros_like(v)
     # next to where it is sealed the leak rate falls too fast for a spline
     interpolator = CubicSpline if leaks.all() else PchipInterpolator
-    curve = interpolator(np.log(rungs[leaks]), np.log(rates[leaks]))
-    last = rungs[leaks][-1]
+    curve, last = interpolator(rungs[leaks], np.log(rates[leaks])), rungs[leaks][-1]
     with np.errstate(under="ignore"):
-        found = np.exp(curve(np.log(np.clip(line_loads, rungs[0], last))))
-    return np.where(line_loads <= last * (1 + 1e-12), found, 0.0)
+        return np.where(v <= last, np.exp(curve(np.minimum(v, last))), 0.0)
 
 
-def _scaled(flows: Sequence[LeakResult], leak_rate: float) -> LeakResult:
-    """The flow with a leak rate; mass and pV flow go with it, the fluid pressure is that of the highest line load."""
-    most = max(flows, key=lambda flow: flow.leak_rate)
+def _scaled(most: LeakResult, leak_rate: float) -> LeakResult:
+    """The flow with another leak rate; mass and pV flow go with it."""
     if not 0 < most.leak_rate < math.inf:
         return most
     share = leak_rate / most.leak_rate
@@ -208,23 +251,23 @@ def around(form: FormError, local: LocalContact) -> Around:
         even = np.full_like(angle, mean.line_load)
         return Around(form, local, angle, np.zeros_like(angle), even, local.approach(even)[0])
     gap = form.gap(_angles(size) / repeats)
-    highest = max(max(one.waves for one in form.felt), 4 * repeats)
-    while True:
-        f, approach = line_load_around(
-            local,
-            Stiffening(mean.model, mean.pressure, highest),
-            gap,
-            mean.line_load,
-            symmetry=repeats,
-            guided=form.guided,
-        )
-        shares = np.abs(np.fft.rfft(f)) * 2 / (size * mean.line_load)
-        felt = repeats * int(np.max(np.flatnonzero(shares > _FELT), initial=0))
-        if felt <= highest or highest >= _MOST_HARMONICS * repeats:
-            break
-        highest = min(felt, _MOST_HARMONICS * repeats)
+    f, approach = line_load_around(
+        local,
+        Stiffening(mean.model, mean.pressure, _asked_of_bodies(form)),
+        gap,
+        mean.line_load,
+        symmetry=repeats,
+        guided=form.guided,
+    )
     gap, f, approach = (np.tile(values, repeats) for values in (gap, f, approach))
     return Around(form, local, _angles(size * repeats), gap, f, approach)
+
+
+def _asked_of_bodies(form: FormError) -> int:
+    """Highest harmonic of the line load to which the bodies' own answer is calculated."""
+    total = sum(one.amplitude for one in form.felt)
+    strong = max(one.waves for one in form.felt if one.amplitude > _STRONG * total)
+    return max(_HARMONICS, 4 * form.symmetry, strong)
 
 
 def _angles(number: int) -> FloatArray:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.around import Around, around
+from fem_seal.analysis.around import Around, LeakCurve, around
 from fem_seal.analysis.leakage import leakage_classes
 from fem_seal.analysis.problem import largest_force
 from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
@@ -88,27 +88,31 @@ class _Formed:
         """Without scratches: they are a question of their own."""
         return replace(self.formed.form, grooves=())
 
-    def with_form(self, form: FormError) -> LoadResult:
-        return replace(self.load, formed=around(form, self.formed.local))
+    @cached_property
+    def leaks(self) -> LeakCurve | None:
+        """Leak rate over the line load, the same for every form error."""
+        flow = None if self.load.rough is None else self.load.rough.at(self.load.fluid_pressure)
+        return None if flow is None else LeakCurve(self.formed.local, flow)
+
+    def with_form(self, form: FormError) -> Around:
+        formed = around(form, self.formed.local)
+        return formed if self.leaks is None else formed.with_leak(self.leaks)
 
     def curve(self) -> list[FormPoint]:
         """Points of the curve, as far as they can be calculated."""
         found = []
         for factor in _FACTORS:
             try:
-                load = self.with_form(self.form.scaled(factor))
-                rate = _rate(load)
+                formed = self.with_form(self.form.scaled(factor))
             except (ConvergenceError, OpenSealError):
                 break
-            assert load.formed is not None
-            height = float(np.ptp(load.formed.gap_change))
-            found.append(FormPoint(factor, height, rate, load.formed.least_over_mean))
+            height = float(np.ptp(formed.gap_change))
+            found.append(FormPoint(factor, height, _rate(formed), formed.least_over_mean))
         return found
 
     def alone(self, wave: Wave) -> WaveAlone:
-        load = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
-        assert load.formed is not None
-        return WaveAlone(wave.waves, wave.amplitude, _rate(load), load.formed.least_over_mean)
+        formed = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
+        return WaveAlone(wave.waves, wave.amplitude, _rate(formed), formed.least_over_mean)
 
     def with_wave(self, number: int, amplitude: float) -> FormError:
         """One wave beside the eccentricity and tilt that there are, widest where they are."""
@@ -125,8 +129,8 @@ class _Formed:
         return math.inf if rate is None else rate
 
 
-def _rate(load: LoadResult) -> float | None:
-    return None if load.leak is None else load.leak.leak_rate
+def _rate(formed: Around) -> float | None:
+    return None if formed.leak is None else formed.leak.leak_rate
 
 
 def _closing_force(solver: LoadSolver, load: LoadResult) -> float | None:
@@ -182,9 +186,9 @@ def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[floa
     if not placed or limit is None:
         return None
     place, widest = max(placed, key=lambda one: one[1].width)
-    flow = None if load.rough is None else load.rough.at(load.fluid_pressure)
-    if flow is None:
+    if asked.leaks is None:
         return None
+    flow = asked.leaks.flow
     without = asked.leak_rate(asked.form)
     profile = asked.formed.profile_at(place.angle)
     found = deepest_scratch(

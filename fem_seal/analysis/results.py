@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.analysis.around import Around, LeakCurve
 from fem_seal.analysis.caution import VALID, Validity
 from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.lazy import Lazy
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fem_seal.analysis.around import Around
     from fem_seal.analysis.flow import Flow
     from fem_seal.analysis.problem import SealProblem
     from fem_seal.case.case import Case
@@ -137,7 +137,7 @@ class LoadResult(Lazy):
 
     def _with_leak(self, formed: Around, rough: RoughFlow | None) -> Around:
         flow = None if rough is None else rough.at(self.fluid_pressure)
-        return formed if flow is None else formed.with_leak(flow)
+        return formed if flow is None else formed.with_leak(LeakCurve(formed.local, flow))
 
     @cached_property
     def leak_elastic(self) -> LeakResult | None:

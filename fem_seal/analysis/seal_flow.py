@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.analysis.around import LeakCurve
 from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow
 from fem_seal.analysis.problem import expected_forces
 from fem_seal.contact.sizing import Opening, contact_width
@@ -67,7 +68,7 @@ class SealFlow:
                 self._table(profile), self.surface, profile, fluid_pressure, grooves
             ),
         )
-        found = formed.with_leak(flow).leak
+        found = formed.with_leak(LeakCurve(formed.local, flow)).leak
         assert found is not None  # it was asked for
         return found
 
