@@ -265,8 +265,8 @@ def around(form: FormError, local: LocalContact) -> Around:
 
 def _asked_of_bodies(form: FormError) -> int:
     """Highest harmonic of the line load to which the bodies' own answer is calculated."""
-    total = sum(one.amplitude for one in form.felt)
-    strong = max(one.waves for one in form.felt if one.amplitude > _STRONG * total)
+    total = sum(abs(one.amplitude) for one in form.felt)
+    strong = max(one.waves for one in form.felt if abs(one.amplitude) > _STRONG * total)
     return max(_HARMONICS, 4 * form.symmetry, strong)
 
 

@@ -58,8 +58,8 @@ _Formed = Sequence[tuple["LoadResult", "Around"]]
 
 def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
     felt = formed[0][1].form.felt
-    total = sum(one.amplitude for one in felt)
-    waves = max(one.waves for one in felt if one.amplitude > _COUNTS * total)
+    total = sum(abs(one.amplitude) for one in felt)
+    waves = max(one.waves for one in felt if abs(one.amplitude) > _COUNTS * total)
     load, _ = max(formed, key=lambda one: one[0].contact.profile.std)
     std, r0 = load.contact.profile.std, load.contact.model.touch_radius
     share = waves * std / r0
