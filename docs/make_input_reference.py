@@ -14,6 +14,7 @@ from fem_seal.case.fields import Table
 from fem_seal.case.messages import allowed_range, choices, tables_of, toml
 from fem_seal.materials import LIBRARY
 from fem_seal.output.columns import (
+    AROUND_MEANINGS,
     COLUMNS,
     IMPRINT_MEANINGS,
     PROFILE_LEAK_COLUMNS,
@@ -246,6 +247,10 @@ def _other_columns() -> Iterator[str]:
         "imprint.csv": (
             "What is left on each face after unloading, where a body has yielded.",
             IMPRINT_MEANINGS,
+        ),
+        "around.csv": (
+            "Line load, pressure and leak around the axis, all loads under each other, where the case has a `[form]`.",
+            AROUND_MEANINGS,
         ),
         "variants.csv": (
             "One row per reading of the theory and load, with `leak.variants`.",

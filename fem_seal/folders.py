@@ -115,8 +115,8 @@ _DRAFT = ".fem-seal-draft"
 
 # All files that a run may write: those that the last one did not write are of an earlier one.
 _OF_A_RUN = re.compile(
-    r"(leak|profile|imprint|variants)\.csv|summary\.json|report\.html|mesh\.msh|(contact|contact_line)\.pvd"
-    r"|contact_\d{3,}\.vtu|contact_line_\d{3,}\.vtp|unloaded\.vtu"
+    r"(leak|profile|imprint|variants|around)\.csv|summary\.json|report\.html|mesh\.msh"
+    r"|(contact|contact_line|around)\.pvd|contact_\d{3,}\.vtu|(contact_line|around)_\d{3,}\.vtp|unloaded\.vtu"
 )
 
 _KILLED = (

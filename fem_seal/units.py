@@ -417,11 +417,13 @@ def percent(share: float | None, digits: int = 2) -> str:
 # Endings of these columns and their SI units, as `fem_seal.units.DIMENSIONS` writes them; longer endings come first.
 _SI_UNITS = {
     "_Pa_m3_per_s": "Pa m^3/s",
+    "_m3_per_s_per_rad": "m^3/s/rad",
     "_m3_per_s": "m^3/s",
     "_kg_per_s": "kg/s",
     "_N_per_m": "N/m",
     "_Pa": "Pa",
     "_N": "N",
+    "_rad": "rad",
     "_m": "m",
 }
 

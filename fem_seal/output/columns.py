@@ -561,6 +561,16 @@ IMPRINT_MEANINGS = {
     "x_m": "arc length along the contact line",
     "depth_m": "depth of the face below its original position, after unloading; negative where it is raised",
 }
+AROUND_MEANINGS = {
+    "fluid_pressure_Pa": "of the load",
+    "applied_force_N": "of the load",
+    "angle_rad": "around the axis",
+    "line_load_N_per_m": "at this angle",
+    "peak_pressure_Pa": "largest contact pressure over x at this angle; zero where smooth surfaces are apart",
+    "fwhm_m": "full width at half maximum at this angle",
+    "leak_rate_m3_per_s_per_rad": "leak rate per angle; its integral over the turn is that of the seal; empty where "
+    "none is calculated",
+}
 VARIANT_MEANINGS = {
     "interface_law": 'p(u): "plastic", "elastic" or "given"',
     "conductivity": "leak.conductivity",
@@ -570,6 +580,6 @@ VARIANT_MEANINGS = {
     "leak_rate_m3_per_s": "with this reading of the theory",
     "ratio_to_case": "ratio to the leak rate of the case; nan where the case is sealed",
 }
-PROFILE_COLUMNS, IMPRINT_COLUMNS, VARIANT_COLUMNS = map(
-    tuple, (PROFILE_MEANINGS, IMPRINT_MEANINGS, VARIANT_MEANINGS)
+PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, VARIANT_COLUMNS = map(
+    tuple, (PROFILE_MEANINGS, IMPRINT_MEANINGS, AROUND_MEANINGS, VARIANT_MEANINGS)
 )

@@ -9,10 +9,11 @@ from pathlib import Path
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.results import SealSolution
 from fem_seal.folders import replaced_together
+from fem_seal.output.around import write_around_csv
 from fem_seal.output.report.page import write_report
 from fem_seal.output.summary import write_summary
 from fem_seal.output.tables import write_imprint_csv, write_leak_csv, write_profile_csv, write_variants_csv
-from fem_seal.output.vtk import write_contact, write_contact_line, write_unloaded
+from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
 
 
 def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
@@ -54,6 +55,7 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
 def _vtk(result: SealSolution, folder: Path) -> None:
     write_contact(result, folder)
     write_contact_line(result, folder)
+    write_around(result, folder)
     write_unloaded(result, folder)
 
 
@@ -67,6 +69,7 @@ _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
     "mesh.msh": lambda result, folder: result.seal_mesh.write(folder / "mesh.msh"),
     "VTK files": _vtk,
     "imprint.csv": lambda result, folder: write_imprint_csv(result, folder / "imprint.csv"),
+    "around.csv": lambda result, folder: write_around_csv(result, folder / "around.csv"),
     "variants.csv": _variants,
     "report.html": lambda result, folder: write_report(result, folder / "report.html"),
 }

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,12 +14,15 @@ from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
-from fem_seal.output.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_line, write_series
+from fem_seal.output.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_line, write_series, write_surface
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.around import Around
     from fem_seal.analysis.results import LoadResult, SealSolution
 
 BODIES = ("closure", "seat")
+# Most angles of a surface around the axis.
+_ANGLES = 720
 
 
 def write_contact(result: SealSolution, folder: Path) -> list[Path]:
@@ -69,6 +73,72 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     series = write_series(folder / "contact_line.pvd", files, _times(result.loads))
     _remove_stale(folder, "contact_line", "vtp", files)
     return [series, *written]
+
+
+def write_around(result: SealSolution, folder: Path) -> list[Path]:
+    """Write around.pvd and one around_000.vtp per load of a seal that is not round: the seat's face around the axis.
+
+    A load has the same number as in the other series.
+
+    x, y, z in space, z the axis; the angle goes from x to y. Point data: ``x``, arc length from first touch [m],
+    ``angle`` [rad], ``contact_pressure`` [Pa], ``gap`` [m], ``gap_change`` [m], what the form error adds to the gap,
+    ``local_line_load`` [N/m] and, where it is known, ``leak_rate_per_radian`` [m^3/s], both the same all along x. The
+    numbers are in single precision.
+
+    Returns
+    -------
+    list of pathlib.Path
+        The files written, around.pvd first; none, and those of an earlier run are removed, for a round seal.
+    """
+    height = result.seal_mesh.contact.height
+    files, times, written = [], [], []
+    names = _names("around", "vtp", len(result.loads))
+    for load, file, time in zip(result.loads, names, _times(result.loads), strict=True):
+        if load.around is None:
+            continue
+        files.append(file)
+        times.append(time)
+        points, quads, data = _around_the_axis(load.around, height)
+        written.append(
+            write_surface(folder / file, points, quads, point_data=data, field_data=_load_data(load))
+        )
+    _remove_stale(folder, "around", "vtp", files)
+    if not files:
+        (folder / "around.pvd").unlink(missing_ok=True)
+        return []
+    return [write_series(folder / "around.pvd", files, times), *written]
+
+
+def _around_the_axis(
+    around: Around, height: Callable[[FloatArray], FloatArray]
+) -> tuple[NDArray[np.float32], NDArray[np.int64], dict[str, NDArray[np.float32]]]:
+    """Points, quadrilaterals and point data of the seat's face, closed around the axis."""
+    every = math.ceil(len(around.angle) / _ANGLES)
+    pressure, gap = around.pressure_and_gap(every)
+    line, angle = around.local.mean.model.line, around.angle[::every]
+    shape = pressure.shape
+    r, z = line.radius, height(line.x)
+    points = np.stack(
+        [np.outer(np.cos(angle), r), np.outer(np.sin(angle), r), np.broadcast_to(z, shape)], axis=2
+    )
+    number = np.arange(pressure.size).reshape(shape)
+    onwards = np.roll(number, -1, axis=0)
+    # seen from the closure, around each quadrilateral against the clock
+    corners = number[:, :-1], number[:, 1:], onwards[:, 1:], onwards[:, :-1]
+    data = {"x": line.x, "contact_pressure": pressure, "gap": gap}
+    of_angle = {
+        "angle": angle,
+        "gap_change": around.gap_change[::every],
+        "local_line_load": around.line_load[::every],
+    }
+    if around.leak_rate is not None:
+        of_angle["leak_rate_per_radian"] = around.leak_rate[::every]
+    data |= {name: values[:, None] for name, values in of_angle.items()}
+    with np.errstate(under="ignore"):
+        single = {
+            name: np.broadcast_to(values, shape).astype(np.float32).ravel() for name, values in data.items()
+        }
+        return points.reshape(-1, 3).astype(np.float32), np.stack(corners, axis=2).reshape(-1, 4), single
 
 
 def write_unloaded(result: SealSolution, folder: Path) -> Path | None:

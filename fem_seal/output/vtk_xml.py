@@ -1,4 +1,4 @@
-"""VTK's XML files: unstructured grids (.vtu), lines (.vtp) and time series (.pvd).
+"""VTK's XML files: unstructured grids (.vtu), lines and surfaces (.vtp) and time series (.pvd).
 
 Numbers are appended as raw bytes, uncompressed: the mantissas of a computed field do not compress, and writing
 them as they are takes no time. A writer of our own because importing a library for it takes longer than the
@@ -78,6 +78,40 @@ def write_line(path: Path, points: NDArray[np.float64], *, point_data: Arrays, f
         + block.section("PointData", point_data)
         + f"<Points>\n{block.array('Points', points)}</Points>\n"
         + f"<Lines>\n{topology}</Lines>\n</Piece>\n"
+    )
+    return _write(path, "PolyData", block.section("FieldData", field_data) + piece, block)
+
+
+def write_surface(
+    path: Path,
+    points: NDArray[np.floating],
+    quads: NDArray[np.int64],
+    *,
+    point_data: Arrays,
+    field_data: Arrays,
+) -> Path:
+    """Write a surface of quadrilaterals as .vtp, replacing `path` in one step.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    points : ndarray, shape (n, 3)
+        [m]
+    quads : ndarray of int, shape (m, 4)
+        Points of each, one after the other around it.
+    point_data, field_data : mapping of str to ndarray
+    """
+    m = len(quads)
+    block = _Appended()
+    topology = block.array("connectivity", quads.astype(np.int32).ravel()) + block.array(
+        "offsets", np.arange(4, 4 * m + 4, 4, dtype=np.int32)
+    )
+    piece = (
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" '
+        f'NumberOfPolys="{m}">\n'
+        + block.section("PointData", point_data)
+        + f"<Points>\n{block.array('Points', points)}</Points>\n"
+        + f"<Polys>\n{topology}</Polys>\n</Piece>\n"
     )
     return _write(path, "PolyData", block.section("FieldData", field_data) + piece, block)
 

@@ -1,0 +1,52 @@
+"""around.csv: line load, pressure and leak around the axis of a seal that is not round."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from fem_seal.analysis.results import LoadResult, SealSolution
+from fem_seal.output.columns import AROUND_COLUMNS
+from fem_seal.output.tables import write_rows_csv
+
+
+def write_around_csv(result: SealSolution, path: Path) -> Path | None:
+    """Write around.csv, atomically; None, and an old one is removed, if no load is known around the axis.
+
+    Parameters
+    ----------
+    result : SealSolution
+    path : pathlib.Path
+    """
+    rows = [row for load in result.loads for row in around_rows(load)]
+    if not rows:
+        path.unlink(missing_ok=True)
+        return None
+    return write_rows_csv(path, AROUND_COLUMNS, rows)
+
+
+def around_rows(load: LoadResult) -> list[tuple[float | str, ...]]:
+    """Rows of a load with `AROUND_COLUMNS`, one for each angle; none if it is that of a round seal.
+
+    Parameters
+    ----------
+    load : LoadResult
+    """
+    around = load.around
+    if around is None:
+        return []
+    angles = len(around.angle)
+    leak: list[float] | list[str] = [""] * angles if around.leak_rate is None else around.leak_rate.tolist()
+    return list(
+        zip(
+            [load.fluid_pressure] * angles,
+            [load.applied_force] * angles,
+            around.angle.tolist(),
+            around.line_load.tolist(),
+            np.where(around.line_load > 0, around.peak_pressure, 0.0).tolist(),
+            around.fwhm.tolist(),
+            leak,
+            strict=True,
+        )
+    )

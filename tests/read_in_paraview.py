@@ -1,0 +1,16 @@
+"""What ParaView finds in a series of files, as JSON: `pvbatch read_in_paraview.py around.pvd`."""
+
+import json
+import sys
+
+from paraview.simple import IntegrateVariables, OpenDataFile, UpdatePipeline
+
+reader = OpenDataFile(sys.argv[1])
+times = list(reader.TimestepValues)
+UpdatePipeline(time=times[-1], proxy=reader)
+data = reader.GetPointDataInformation()
+arrays = [data.GetArray(n) for n in range(data.GetNumberOfArrays())]
+whole = IntegrateVariables(Input=reader)
+UpdatePipeline(time=times[-1], proxy=whole)
+area = whole.GetCellDataInformation().GetArray("Area").GetRange()[0]
+print(json.dumps({"times": times, "ranges": {one.Name: one.GetRange() for one in arrays}, "area": area}))
