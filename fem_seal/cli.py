@@ -282,6 +282,31 @@ def surface(
 
 
 @app.command()
+def view(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", show_default=False, help="Results folder of `fem-seal run`.")
+    ],
+    png: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw into a PNG file instead of a window; needs no display."),
+    ] = None,
+    load: Annotated[
+        int | None,
+        typer.Option(metavar="N", show_default="the last", help="Number of the load, from 1."),
+    ] = None,
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Show a results folder in space: the seal cut open, contact pressure on the seat, a slider over the loads."""
+    from fem_seal.output.pictures import three_d
+
+    _warn_of_mixture(folder)
+    three_d.view(folder, png, load)
+    if png is not None and not quiet:
+        typer.echo(f"picture in {png}")
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of the case file, for completion and checks in an editor."""
     from fem_seal.case.case import case_schema

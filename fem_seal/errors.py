@@ -163,6 +163,10 @@ class OutputError(SealError, OSError):
     """A result file cannot be written."""
 
 
+class DrawingError(SealError, RuntimeError):
+    """A picture in space cannot be drawn on this machine."""
+
+
 class ClusterError(SealError, RuntimeError):
     """The worker processes of a study are gone or cannot calculate; finished designs are kept."""
 

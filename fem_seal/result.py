@@ -117,6 +117,39 @@ class SealResult(SealSolution):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
 
+    def view(self, png: str | os.PathLike[str] | None = None, load: int | None = None) -> None:
+        """Show the seal in space, cut open, with the contact pressure on the seat's face.
+
+        Parameters
+        ----------
+        png : path, optional
+            Draw into this file; no display is needed. Unless given, a window opens, with a slider over the loads, and
+            stays until it is closed.
+        load : int, optional
+            Number of the load, from 1; the last one unless given.
+
+        Raises
+        ------
+        InputError
+            If there is no such load.
+        DrawingError
+            If there is no display for a window, or VTK cannot draw on this machine.
+        OutputError
+            If the file cannot be written.
+
+        Examples
+        --------
+        >>> result.view()  # doctest: +SKIP
+        >>> result.view("seal.png", load=1)  # doctest: +SKIP
+        """
+        from tempfile import TemporaryDirectory
+
+        from fem_seal.output.pictures.three_d import view, write_for_view
+
+        with TemporaryDirectory(prefix="fem-seal-") as folder:
+            write_for_view(self, Path(folder))
+            view(Path(folder), None if png is None else Path(png), load)
+
 
 def run(case: Case, progress: Callable[[str], None] | None = None) -> SealResult:
     """Solve every load of a case.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -12,14 +13,18 @@ from fem_seal.analysis.closed_forms import Derived, Sizes, derive, profile_sizes
 from fem_seal.analysis.load_names import load_name
 from fem_seal.analysis.results import SealSolution
 from fem_seal.files import write_text
+from fem_seal.output.pictures.around import leak_around_picture, line_load_picture, unrolled_picture
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture
 from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.sketch import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
+from fem_seal.output.pictures.three_d import drawn_in_space, seal_picture
 from fem_seal.output.prose import definitions
 from fem_seal.output.report import case, tables, words
+from fem_seal.output.report.around import around_in_words
+from fem_seal.output.report.form import form_in_words
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
 from fem_seal.version import __version__
@@ -71,7 +76,9 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
         From `fem_seal.analysis.closed_forms.profile_sizes`.
     """
     top = result.highest
-    with style():
+    # VTK draws in a process of its own, beside matplotlib
+    with ThreadPoolExecutor(1) as beside, style():
+        image = beside.submit(drawn_in_space, result)
         drawn = (
             sketch(result),
             mesh_picture(result, top),
@@ -80,10 +87,14 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
             gap_picture(result),
             law_picture(result),
             leak_picture(result),
+            unrolled_picture(result),
+            line_load_picture(result),
+            leak_around_picture(result),
             separation_picture(result),
             surface_picture(result, top),
             stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises)),
             imprint_picture(result),
+            seal_picture(result, image.result()),
         )
     return [picture for picture in drawn if picture is not None]
 
@@ -111,6 +122,7 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "theory": tables.theory_table(result),
         "theory_note": tables.theory_note(result),
         "yielding": tables.yielding_table(result),
+        "around": [*around_in_words(result), *form_in_words(result)],
         "accuracy": case.accuracy(result),
         "far_field": far_field_sentence(result),
         "timings": case.times(result),

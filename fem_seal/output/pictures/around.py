@@ -1,0 +1,248 @@
+"""Pictures of a seal that is not round: contact pressure, line load and leak around the axis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.analysis.around import Around
+from fem_seal.analysis.load_names import different, load_axis, load_name
+from fem_seal.arrays import FloatArray
+from fem_seal.output.pictures.fields import SCALE_ROOM, scale_of_colours
+from fem_seal.output.pictures.style import (
+    GREY,
+    INK,
+    ORANGE,
+    WIDTH,
+    Picture,
+    few,
+    label,
+    load_colours,
+    logarithmic,
+    panels,
+    spans_decades,
+    svg,
+)
+from fem_seal.output.prose import said
+from fem_seal.units import unit_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from fem_seal.analysis.results import LoadResult, SealSolution
+
+_BANDS = 12
+# Pressures below this share of the largest stay white.
+_FAINT = 0.02
+# Most angles of a map, and how far it reaches to both sides of the contact in standard deviations.
+_ANGLES, _REACH = 360, 3.4
+# More lines than this in one picture cannot be told apart.
+_LINES = 4
+_DEGREE = math.pi / 180
+
+
+def unrolled_picture(result: SealSolution) -> Picture | None:
+    """The contact pressure at the highest load, unrolled; None for a seal that is round, if scratched.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    load = result.highest
+    if load.around is None or not load.around.form.felt:
+        return None
+    around, name = load.around, load_name(load, result.loads)
+    every = math.ceil(len(around.angle) / _ANGLES)
+    angle, (pressure, _) = around.angle[::every], around.pressure_and_gap(every)
+    profile = around.local.mean.profile
+    strongest = replace(profile, pressure=pressure[int(np.argmax(pressure.max(axis=1)))])
+    reach = min(_REACH * strongest.std + abs(strongest.centroid), float(np.abs(profile.x).max()))
+    length, unit = unit_for("length", reach), unit_for("contact pressure", float(pressure.max()))
+    figure, (axes,) = panels(1, height=3.5, side=SCALE_ROOM)
+    largest = unit.of(float(pressure.max()))
+    ticks = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, largest)
+    whole_turn = np.append(angle, 2 * math.pi) / _DEGREE
+    bands = axes.contourf(
+        whole_turn,
+        profile.x / length.size,
+        unit.of(1.0) * np.vstack([pressure, pressure[:1]]).T,
+        levels=[_FAINT * largest, *ticks[1:]],
+        cmap="YlOrRd",
+    )
+    # a profile without pressure has no peak
+    peaks = [replace(profile, pressure=p).peak[0] if p.max() > 0 else math.nan for p in pressure]
+    axes.plot(whole_turn, np.append(peaks, peaks[:1]) / length.size, color=INK, linewidth=1.0, label="peak")
+    axes.set_ylim(-reach / length.size, reach / length.size)
+    axes.legend(loc="upper right", handlelength=1.4)
+    label(axes, f"Contact pressure at {name}", "angle around the axis  [°]", f"x  [{length.name}]")
+    _turn(axes)
+    scale_of_colours([axes], bands, f"contact pressure  [{unit.name}]", lowest="0")
+    parted = bool(np.isnan(peaks).any())
+    return Picture(
+        "unrolled",
+        svg(figure),
+        said("captions.unrolled", "alt", load=name),
+        said("captions.unrolled", "map", "parted" if parted else "", load=name),
+    )
+
+
+def line_load_picture(result: SealSolution) -> Picture | None:
+    """Line load of some loads around the axis, and the form error; None for a seal that is round, if scratched.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    shown = _shown(result)
+    if not shown:
+        return None
+    figure, (loads, form) = _round_panels(2)
+    over, colour = load_axis(result.loads), load_colours(len(shown))
+    mean = np.ones(361)
+    circle = np.linspace(0.0, 2 * math.pi, 361)
+    loads.plot(circle, mean, color=GREY, linewidth=1.0, linestyle=(0, (4, 2)), label="mean")
+    for n, (load, around) in enumerate(shown):
+        share = around.line_load / around.line_load.mean()
+        loads.plot(*_closed(around.angle, share), color=colour(n), label=over.names[result.loads.index(load)])
+    most = max(around.most_over_mean for _, around in shown)
+    loads.set_ylim(0.0, 1.08 * most)
+    _round_label(loads, "Line load over its mean")
+    loads.legend(
+        title=over.name,
+        title_fontsize=8.5,
+        loc="center left",
+        bbox_to_anchor=(1.14, 0.5),
+        handlelength=1.4,
+    )
+    around = shown[-1][1]
+    _form_error(form, around, circle)
+    return Picture(
+        "line_load_around",
+        svg(figure),
+        said("captions.line_load_around", "alt"),
+        said("captions.line_load_around", "both", "" if around.form.guided else "free"),
+    )
+
+
+def _form_error(axes: Axes, around: Around, circle: FloatArray) -> None:
+    """The change of the gap as a roundness chart shows it."""
+    gap = around.gap_change
+    largest = float(np.abs(gap).max())
+    unit = unit_for("length", largest)
+    shown, base = gap / unit.size, 2.2 * largest / unit.size or 1.0
+    axes.plot(circle, np.full_like(circle, base), color=GREY, linewidth=1.0, linestyle=(0, (4, 2)))
+    axes.plot(*_closed(around.angle, base + shown), color=ORANGE)
+    step = _even_step(largest / unit.size)
+    axes.set_ylim(0.0, base + 1.25 * largest / unit.size)
+    ticks = [-step, 0.0, step] if step else [0.0]
+    axes.set_yticks([base + tick for tick in ticks], labels=[_signed(tick) for tick in ticks])
+    _round_label(axes, f"Form error: change of the gap  [{unit.name}]", own_ticks=True)
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.3g}".replace("-", "−") if value else "0"
+
+
+def _even_step(largest: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above `largest`; 0 of nothing."""
+    if largest <= 0:
+        return 0.0
+    power = 10.0 ** math.floor(math.log10(largest * (1 + 1e-9)))
+    return power * max(one for one in (1.0, 2.0, 5.0) if one * power <= largest * (1 + 1e-9))
+
+
+def leak_around_picture(result: SealSolution) -> Picture | None:
+    """Leak per degree around the axis at some loads; None where nothing leaks, and for a round seal with scratches.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    shown = [
+        (load, around.angle, around.leak_rate * _DEGREE)
+        for load, around in _shown(result)
+        if around.leak_rate is not None and np.isfinite(around.leak_rate).all() and around.leak_rate.any()
+    ]
+    if not shown:
+        return None
+    figure, (axes,) = panels(1, height=3.3)
+    over, colour = load_axis(result.loads), load_colours(len(shown))
+    rates = np.concatenate([rate for _, _, rate in shown])
+    unit = unit_for("flow", float(rates.max()))
+    for n, (load, angle, rate) in enumerate(shown):
+        turn, values = _closed(angle / _DEGREE, rate / unit.size, 360.0)
+        values = np.where(values > 0, values, np.nan)
+        axes.plot(turn, values, color=colour(n), label=over.names[result.loads.index(load)])
+    if spans_decades(rates):
+        logarithmic(axes, "y")
+    else:
+        axes.set_ylim(0.0, 1.12 * float(rates.max()) / unit.size)
+    sealed = bool((rates == 0).any())
+    scratched = any(around.scratches is not None for _, around in _shown(result))
+    axes.legend(title=over.name, title_fontsize=8.5, loc="best", handlelength=1.4)
+    label(axes, "Leak around the axis", "angle around the axis  [°]", f"leak rate per degree  [{unit.name}]")
+    _turn(axes)
+    return Picture(
+        "leak_around",
+        svg(figure),
+        said("captions.leak_around", "alt"),
+        said("captions.leak_around", "lines", "sealed" if sealed else "", "scratches" if scratched else ""),
+    )
+
+
+def _shown(result: SealSolution) -> list[tuple[LoadResult, Around]]:
+    """A few loads with what is known of them around the axis, the line load rising."""
+    loads = [result.loads[n] for n in different(result.loads)]
+    known = [(load, load.around) for load in loads if load.around is not None and load.around.form.felt]
+    return [known[n] for n in few(len(known), _LINES)] if known else []
+
+
+def _closed(
+    angle: FloatArray, values: FloatArray, turn: float = 2 * math.pi
+) -> tuple[FloatArray, FloatArray]:
+    """Values over a whole turn, the first once more at its end."""
+    return np.append(angle, turn), np.append(values, values[0])
+
+
+def _turn(axes: Axes) -> None:
+    """A whole turn on the x axis, in degrees."""
+    from matplotlib.ticker import FixedLocator
+
+    axes.set_xlim(0.0, 360.0)
+    axes.xaxis.set_major_locator(FixedLocator(range(0, 361, 45)))
+
+
+def _round_panels(count: int) -> tuple[Figure, Sequence[Axes]]:
+    """Polar axes side by side, with room for a legend between them."""
+    from matplotlib.figure import Figure
+
+    height, width, size, right = 3.9, WIDTH, 2.85, 0.75
+    places = np.linspace(0.45, width - size - right, count)
+    figure = Figure(figsize=(width, height))
+    axes = [
+        figure.add_axes((left / width, 0.38 / height, size / width, size / height), projection="polar")
+        for left in places.tolist()
+    ]
+    return figure, axes
+
+
+def _round_label(axes: Axes, title: str, *, own_ticks: bool = False) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    axes.set_title(title, pad=20.0, x=-0.12)
+    axes.set_xticks([n * math.pi / 4 for n in range(8)], labels=[f"{45 * n}°" for n in range(8)])
+    if not own_ticks:
+        axes.yaxis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
+    axes.tick_params(axis="x", pad=1.0)
+    axes.tick_params(axis="y", labelsize=8.0)
+    axes.set_rlabel_position(22.5)  # type: ignore[attr-defined]
+    for text in axes.get_yticklabels():
+        text.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6})
+    axes.spines["polar"].set_visible(False)

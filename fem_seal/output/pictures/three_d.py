@@ -1,0 +1,496 @@
+"""The seal in space, cut open, with the contact pressure on the seat's face: drawn by VTK from a results folder.
+
+VTK ends the whole process where it finds no way to draw. It therefore works in a process of its own, which reads the
+files of the folder and nothing else.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import sys
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.analysis.load_names import load_name
+from fem_seal.arrays import FloatArray
+from fem_seal.errors import DrawingError, InputError, Problem
+from fem_seal.files import write_bytes
+from fem_seal.output.pictures.fields import QUARTERS
+from fem_seal.output.pictures.style import Picture, svg
+from fem_seal.output.prose import said
+from fem_seal.output.vtk import write_around, write_contact, write_contact_line
+from fem_seal.units import given, quantity, unit_for
+from meshes.own_process import OwnProcessError, call_apart
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import SealSolution
+
+IntArray = NDArray[np.int64]
+
+# The seat is drawn over three quarters of a turn, the closure over one at the back: left and right of it the face of
+# the seat is free.
+_CLOSURE, _SEAT = (90.0, 180.0), (0.0, 270.0)
+_FROM = -45.0, 40.0  # azimuth and elevation of the camera [deg]
+_STEP = 1.5  # of the surfaces around the axis [deg]
+_COLOURS = {"closure": ("#8fb3d9", "#c9dcf0"), "seat": ("#b9a883", "#e6dcc6")}  # face and cut
+_INK = "#1c2430"
+_COLOUR_MAP = "YlOrRd"
+# Pressures below this share of the largest are not shown.
+_FAINT = 0.02
+# The pressure is drawn so far above the seat's face, over the size of the seal.
+_ABOVE = 4e-4
+# A corner of a section at which the outline turns by more gets an edge [deg].
+_CORNER = 25.0
+_SIZE = 1200, 820
+# Time for a picture, and for a window, which a person closes [s].
+_SOON, _OPEN = 90.0, 7 * 86400.0
+_WINDOWLESS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")
+
+
+@dataclass(frozen=True)
+class LoadFiles:
+    """What a results folder holds of a load.
+
+    Parameters
+    ----------
+    bodies, line : pathlib.Path
+        Both bodies (.vtu), and the profile across the contact (.vtp).
+    around : pathlib.Path or None
+        The contact around the axis (.vtp); None of a round seal.
+    """
+
+    bodies: Path
+    line: Path
+    around: Path | None
+
+
+def loads_in(folder: Path) -> list[LoadFiles]:
+    """The loads of a results folder, in their order.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+
+    Raises
+    ------
+    InputError
+        If there is no such folder, or it holds no VTK files of a run.
+    """
+    run = "give the results folder of `fem-seal run`"
+    if not folder.is_dir():
+        what = "is no folder" if folder.exists() else "no such folder"
+        raise InputError(Problem(str(folder), f"{what}; {run}"))
+    series = folder / "contact.pvd"
+    try:
+        entries = ET.parse(series).getroot().findall("Collection/DataSet")
+    except FileNotFoundError:
+        raise InputError(Problem(str(folder), f"holds no VTK files (contact.pvd); {run}")) from None
+    except (OSError, ET.ParseError) as error:
+        raise InputError(Problem(str(series), f"cannot be read ({error}); run the case again")) from None
+    found = []
+    for entry in entries:
+        name = entry.get("file", "")
+        number = re.fullmatch(r"contact_(\d+)\.vtu", name)
+        around = folder / f"around_{number[1] if number else ''}.vtp"
+        files = LoadFiles(folder / name, folder / f"contact_line_{number[1] if number else ''}.vtp", around)
+        for path in (files.bodies, files.line):
+            if number is None or not path.is_file():
+                raise InputError(
+                    Problem(str(series), f"names {path.name}, which is missing; run the case again")
+                )
+        found.append(files if around.is_file() else replace(files, around=None))
+    if not found:
+        raise InputError(Problem(str(series), f"names no load; {run}"))
+    return found
+
+
+def view(folder: Path, png: Path | None = None, load: int | None = None) -> None:
+    """Show the seal of a results folder in a window, or draw it into a file.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+    png : pathlib.Path, optional
+        Draw there and open no window.
+    load : int, optional
+        Number of the load, from 1; the last one unless given. The window has a slider for the others.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no results, or not this load.
+    DrawingError
+        If there is no display for a window, or VTK cannot draw here at all.
+    OutputError
+        If the file cannot be written.
+    """
+    files = loads_in(folder)
+    number = len(files) if load is None else load
+    if not 1 <= number <= len(files):
+        only = "there is one load" if len(files) == 1 else f"the loads are numbered 1 to {len(files)}"
+        raise InputError(Problem("load", f"no such load; {only}", str(load)))
+    if png is not None:
+        write_bytes(png, _apart(_SOON, _png, files[number - 1], True))
+        return
+    if sys.platform not in ("win32", "darwin") and not os.environ.get("DISPLAY"):
+        raise DrawingError(_NO_DISPLAY)
+    if not _apart(_OPEN, _window, files, number - 1):
+        raise DrawingError(_NO_DISPLAY)
+
+
+_NO_DISPLAY = (
+    "there is no display for a window; --png FILE (view(png=...) in Python) draws the seal into a file"
+)
+
+
+def drawn_in_space(result: SealSolution) -> bytes | None:
+    """The highest load of a result as PNG, without a scale of colours; None where VTK cannot draw.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    try:
+        with TemporaryDirectory(prefix="fem-seal-") as name:
+            folder = Path(name)
+            write_for_view(replace(result, loads=(result.highest,)), folder)
+            image: bytes = _apart(_SOON, _png, loads_in(folder)[0], False)
+            return image
+    except (DrawingError, OSError):
+        return None
+
+
+def write_for_view(result: SealSolution, folder: Path) -> None:
+    """Write the files that `view` reads.
+
+    Parameters
+    ----------
+    result : SealSolution
+    folder : pathlib.Path
+    """
+    write_contact(result, folder)
+    write_contact_line(result, folder)
+    write_around(result, folder)
+
+
+def seal_picture(result: SealSolution, image: bytes | None) -> Picture | None:
+    """The seal in space with a scale of colours; None without an image.
+
+    Parameters
+    ----------
+    result : SealSolution
+    image : bytes or None
+        From `drawn_in_space`.
+    """
+    if image is None:
+        return None
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+    from matplotlib.image import imread
+
+    load = result.highest
+    peak = load.contact.profile.pressure.max()
+    if load.around is not None:
+        peak = load.around.pressure_and_gap()[0].max()
+    unit = unit_for("contact pressure", float(peak))
+    scene = _without_margins(imread(BytesIO(image)))
+    height, scale = 4.4, 1.1
+    width = height * scene.shape[1] / scene.shape[0]
+    figure = Figure(figsize=(width + scale, height))
+    axes = figure.add_axes((0.0, 0.0, width / (width + scale), 1.0))
+    axes.imshow(scene, aspect="auto")
+    axes.axis("off")
+    bar = figure.colorbar(
+        ScalarMappable(Normalize(0.0, unit.of(float(peak))), _COLOUR_MAP),
+        cax=figure.add_axes(((width + 0.2) / (width + scale), 0.14, 0.16 / (width + scale), 0.72)),
+        format="%.3g",
+    )
+    bar.set_label(f"contact pressure  [{unit.name}]")
+    bar.outline.set_linewidth(0.5)
+    name = load_name(load, result.loads)
+    return Picture(
+        "seal",
+        svg(figure),
+        said("captions.seal", "alt", load=name),
+        said("captions.seal", "scene", load=name),
+    )
+
+
+def _without_margins(image: FloatArray) -> FloatArray:
+    """The part of an image, shape (rows, columns, colours), that is not white."""
+    drawn = image[..., :3].min(axis=2) < 1.0
+    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
+    return image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+
+
+def _apart(time_limit: float, function: Any, /, *arguments: object) -> Any:
+    try:
+        return call_apart(time_limit, function, *arguments)
+    except OwnProcessError as error:
+        raise DrawingError(
+            f"VTK cannot draw on this machine ({error}); without a graphics card it needs the software drivers, on "
+            "Debian and Ubuntu `apt-get install libegl1 libgl1-mesa-dri`"
+        ) from None
+
+
+# --- what follows happens in a process of its own ----------------------------------------------------------
+
+
+def _png(files: LoadFiles, scale: bool) -> bytes:
+    """The picture of a load; `scale`: with a scale of colours and the name of the load."""
+    import pyvista
+
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(_SIZE))
+    _light(plotter)
+    _draw(plotter, files, scale)
+    _look(plotter)
+    out = BytesIO()
+    plotter.screenshot(out)
+    plotter.close()
+    return out.getvalue()
+
+
+def _window(files: Sequence[LoadFiles], number: int) -> bool:
+    """Show the loads in a window until it is closed; False if there is no display."""
+    import pyvista
+
+    plotter = pyvista.Plotter(window_size=list(_SIZE), title="fem-seal")
+    if plotter.render_window.GetClassName() in _WINDOWLESS:
+        return False
+    _interactive(plotter, files, number)
+    plotter.show()
+    return True
+
+
+def _interactive(plotter: Any, files: Sequence[LoadFiles], number: int) -> None:
+    """The scene of a load, and a slider for the others if there are any."""
+    _light(plotter)
+    _draw(plotter, files[number], True)
+    _look(plotter)
+    if len(files) > 1:
+        plotter.add_slider_widget(
+            lambda value: _draw(plotter, files[round(value) - 1], True),
+            (1, len(files)),
+            value=number + 1,
+            title="load",
+            fmt="%.0f",
+            pointa=(0.03, 0.08),
+            pointb=(0.31, 0.08),
+            style="modern",
+            color=_INK,
+            interaction_event="end",
+        )
+
+
+def _light(plotter: Any) -> None:
+    plotter.set_background("white")
+    plotter.enable_anti_aliasing("ssaa")
+
+
+def _look(plotter: Any) -> None:
+    azimuth, elevation = (math.radians(angle) for angle in _FROM)
+    way = (
+        math.cos(elevation) * math.cos(azimuth),
+        math.cos(elevation) * math.sin(azimuth),
+        math.sin(elevation),
+    )
+    plotter.camera.parallel_projection = False
+    plotter.view_vector(way, viewup=(0.0, 0.0, 1.0))
+    plotter.camera.zoom(1.4)
+
+
+def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
+    """Put the scene of a load into a plotter, in place of the one that is there."""
+    import pyvista
+
+    grid = pyvista.read(files.bodies)
+    size = float(np.ptp(grid.points[:, :2], axis=0).max())
+    for number, (name, turn) in enumerate((("closure", _CLOSURE), ("seat", _SEAT))):
+        face, cut = _COLOURS[name]
+        section = _Section.of(grid, number)
+        plotter.add_mesh(
+            section.revolved(turn),
+            color=face,
+            smooth_shading=True,
+            ambient=0.25,
+            specular=0.15,
+            name=f"{name} face",
+            render=False,
+        )
+        plotter.add_mesh(section.cuts(turn), color=cut, name=f"{name} cut", lighting=False, render=False)
+        plotter.add_mesh(
+            section.edges(turn),
+            color=_INK,
+            line_width=1.6,
+            name=f"{name} edges",
+            lighting=False,
+            render=False,
+        )
+    surface = _pressure(files, size)
+    unit = unit_for("contact pressure", float(surface["pressure"].max()))
+    surface["pressure"] = unit.of(1.0) * surface["pressure"]
+    highest = float(surface["pressure"].max())
+    shown = surface.threshold(_FAINT * highest, scalars="pressure")
+    title = f"contact pressure [{unit.name}]"
+    for bar in list(plotter.scalar_bars.keys()):
+        plotter.remove_scalar_bar(bar, render=False)
+    plotter.add_mesh(
+        shown,
+        scalars="pressure",
+        cmap=_COLOUR_MAP,
+        clim=(0.0, highest),
+        lighting=False,
+        name="pressure",
+        render=False,
+        show_scalar_bar=scale,
+        scalar_bar_args={
+            "title": title,
+            "color": _INK,
+            "fmt": "%.3g",
+            "n_labels": 5,
+            "vertical": True,
+            "position_x": 0.86,
+            "position_y": 0.2,
+            "width": 0.07,
+            "height": 0.6,
+            "title_font_size": 20,
+            "label_font_size": 16,
+        },
+    )
+    if scale:
+        pressure, force = (float(grid.field_data[name][0]) for name in ("fluid_pressure", "axial_force"))
+        text = f"{given('fluid pressure', pressure)}, contact force {quantity('force', force)}"
+        plotter.add_text(
+            text, position=(0.02, 0.94), viewport=True, font_size=12, color=_INK, name="load", render=False
+        )
+
+
+@dataclass(frozen=True)
+class _Section:
+    """The section of a body, as it is under the load.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        (r, z) [m].
+    triangles : ndarray of int, shape (m, 3)
+    outline : ndarray of int, shape (k, 2)
+        Edges of the triangles that no second one shares.
+    """
+
+    points: FloatArray
+    triangles: IntArray
+    outline: IntArray
+
+    @classmethod
+    def of(cls, grid: Any, body: int) -> _Section:
+        """Of body 0 or 1 in the grid of both, displaced by what the load does."""
+        place = np.asarray(grid.points + grid["displacement"])[:, :2]
+        cells = grid.cells.reshape(-1, 7)[:, 1:][grid["body"] == body]
+        triangles = cells[:, QUARTERS].reshape(-1, 3)
+        edges = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+        once, count = np.unique(edges, axis=0, return_counts=True)
+        return cls(np.maximum(place, [0.0, -np.inf]), triangles, once[count == 1])
+
+    def revolved(self, turn: tuple[float, float]) -> Any:
+        """The faces, over a part of the turn [deg]."""
+        import pyvista
+
+        touching_axis = (self.points[self.outline, 0] < 1e-9).all(axis=1)
+        used, edges = np.unique(self.outline[~touching_axis], return_inverse=True)
+        quads, points = _swept(self.points[used], edges.reshape(-1, 2), _angles(turn))
+        surface = pyvista.PolyData(points, faces=np.insert(quads, 0, 4, axis=1))
+        return surface.compute_normals(feature_angle=_CORNER, split_vertices=True, cell_normals=False)
+
+    def cuts(self, turn: tuple[float, float]) -> Any:
+        """The section at both ends of the turn."""
+        import pyvista
+
+        points = np.vstack([_in_space(self.points, np.radians([end])) for end in turn])
+        faces = np.vstack([self.triangles, self.triangles + len(self.points)])
+        return pyvista.PolyData(points, faces=np.insert(faces, 0, 3, axis=1))
+
+    def edges(self, turn: tuple[float, float]) -> Any:
+        """Outlines of the cuts, and circles where the outline has a corner."""
+        import pyvista
+
+        blocks = [(_in_space(self.points, np.radians([end])), self.outline) for end in turn]
+        angles = _angles(turn)
+        along = np.arange(len(angles))
+        for corner in self._corners():
+            circle = np.column_stack([along[:-1], along[1:]])
+            blocks.append((_in_space(self.points[[corner]], angles), circle))
+        starts = np.cumsum([0, *(len(points) for points, _ in blocks)])
+        lines = np.vstack([pairs + start for (_, pairs), start in zip(blocks, starts, strict=False)])
+        return pyvista.PolyData(
+            np.vstack([points for points, _ in blocks]), lines=np.insert(lines, 0, 2, axis=1)
+        )
+
+    def _corners(self) -> list[int]:
+        """Points of the outline, off the axis, where it turns sharply."""
+        neighbours: dict[int, list[int]] = {}
+        for a, b in self.outline.tolist():
+            neighbours.setdefault(a, []).append(b)
+            neighbours.setdefault(b, []).append(a)
+        found = []
+        for corner, ends in neighbours.items():
+            if len(ends) == 2 and self.points[corner, 0] > 1e-9:
+                ways = self.points[ends] - self.points[corner]
+                straight = -(ways[0] @ ways[1]) / np.prod(np.linalg.norm(ways, axis=1))
+                if straight < math.cos(math.radians(_CORNER)):
+                    found.append(corner)
+        return found
+
+
+def _pressure(files: LoadFiles, size: float) -> Any:
+    """The seat's face with its contact pressure, over the part of the turn that the seat has, a little raised."""
+    import pyvista
+
+    line = pyvista.read(files.line)
+    section = np.asarray(line.points[:, :2])
+    if files.around is None:
+        angles, pressure = _angles(_SEAT), np.asarray(line["contact_pressure"])[None, :]
+    else:
+        around = pyvista.read(files.around)
+        shape = -1, len(section)
+        angle, pressure = (np.asarray(around[name]).reshape(shape) for name in ("angle", "contact_pressure"))
+        kept = angle[:, 0] <= math.radians(_SEAT[1]) * (1 + 1e-6)
+        angles, pressure = angle[kept, 0], pressure[kept]
+    tangent = section[-1] - section[0]
+    up = np.array([-tangent[1], tangent[0]]) / np.linalg.norm(tangent)
+    along = np.arange(len(section))
+    quads, points = _swept(section + _ABOVE * size * up, np.column_stack([along[:-1], along[1:]]), angles)
+    surface = pyvista.PolyData(points, faces=np.insert(quads, 0, 4, axis=1))
+    surface["pressure"] = np.broadcast_to(pressure, (len(angles), len(section))).ravel().astype(float)
+    return surface
+
+
+def _angles(turn: tuple[float, float]) -> FloatArray:
+    first, last = turn
+    return np.radians(np.linspace(first, last, round((last - first) / _STEP) + 1))
+
+
+def _in_space(points: FloatArray, angles: FloatArray) -> FloatArray:
+    """(r, z) at each angle, one angle after the other."""
+    r, z = points.T
+    return np.vstack([np.column_stack([r * math.cos(a), r * math.sin(a), z]) for a in angles.tolist()])
+
+
+def _swept(points: FloatArray, edges: IntArray, angles: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Quadrilaterals that edges of a section sweep, and their points."""
+    n = len(points)
+    steps = n * np.arange(len(angles) - 1)[:, None, None]
+    first = edges + steps
+    quads = np.concatenate([first, (first + n)[..., ::-1]], axis=2)
+    return quads.reshape(-1, 4), _in_space(points, angles)

@@ -1,0 +1,159 @@
+"""Pictures and sentences of a seal that is not round."""
+
+from __future__ import annotations
+
+import math
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from around_results import oval_result, smooth_oval_result
+from sample_results import single_result
+
+from fem_seal.output.pictures import around as drawn
+from fem_seal.output.pictures.style import style
+from fem_seal.output.report.around import around_in_words, least_loaded, turn_that_leaks
+from fem_seal.output.report.page import report
+
+NAMES = {"unrolled", "line_load_around", "leak_around"}
+MAKERS = (drawn.unrolled_picture, drawn.line_load_picture, drawn.leak_around_picture)
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """The figures themselves, as they go into the page."""
+    seen = []
+    made = drawn.svg
+    monkeypatch.setattr(drawn, "svg", lambda figure: (seen.append(figure), made(figure))[1])
+    with style():
+        yield seen
+
+
+def test_a_round_seal_has_none_of_it():
+    result = single_result()
+    with style():
+        assert [make(result) for make in MAKERS] == [None, None, None]
+    assert around_in_words(result) == []
+    page = report(result)
+    assert 'id="around"' not in page and "around.csv" not in page
+
+
+def test_scratches_alone_leave_nothing_to_draw_around_the_axis():
+    result = oval_result()
+    load = result.loads[0]
+    even = load.knowing(around=replace(load.around, form=replace(load.around.form, waves=())))
+    scratched = replace(result, loads=(even,))
+    with style():
+        assert [make(scratched) for make in MAKERS] == [None, None, None]
+    assert around_in_words(scratched) == []
+
+
+def test_pictures_stand_on_the_page_with_their_words():
+    page = report(oval_result())
+    section = page[page.index('<section id="around">') :]
+    section = section[: section.index("</section>")]
+    assert {name for name in NAMES if f'id="picture-{name}"' in section} == NAMES
+    assert all(paragraph in section for paragraph in around_in_words(oval_result()))
+    assert 'href="#around"' in page and "around.csv" in page
+
+
+def test_every_picture_is_a_drawing_with_axes_in_words(figures):
+    for make in MAKERS:
+        picture = make(oval_result())
+        text = " ".join(ET.fromstring(picture.svg).itertext())
+        assert picture.name in NAMES and len(picture.caption) > 40 and len(picture.alt) > 20
+        assert "90" in text and "270" in text  # angles
+
+
+def test_map_shows_the_pressure_of_the_highest_load(figures):
+    result = oval_result()
+    drawn.unrolled_picture(result)
+    axes, scale = figures[0].axes
+    peak = max(result.highest.around.peak_pressure)
+    assert "MPa" in scale.get_ylabel()
+    low, high = scale.get_ylim()
+    assert low < 0.03 * peak / 1e6 and high == pytest.approx(peak / 1e6, rel=0.15)
+    (line,) = axes.lines
+    angle, x = line.get_data()
+    assert angle[0] == 0 and angle[-1] == 360
+    # of a ball on a cone the peak stays near first touch
+    assert np.abs(x).max() < 0.02
+
+
+def test_peak_of_the_map_is_missing_where_the_surfaces_are_apart(figures):
+    result = smooth_oval_result()
+    picture = drawn.unrolled_picture(replace(result, loads=result.loads[:1]))
+    _, x = figures[0].axes[0].lines[0].get_data()
+    share = np.mean(result.loads[0].around.line_load < 0.011 * result.loads[0].line_load)
+    assert np.mean(np.isnan(x)) == pytest.approx(share, abs=0.03)
+    assert "apart" in picture.caption
+    assert "apart" not in drawn.unrolled_picture(oval_result()).caption
+
+
+def test_round_picture_shows_line_load_and_form(figures):
+    result = oval_result()
+    drawn.line_load_picture(result)
+    loads, form = figures[0].axes
+    curves = {line.get_label(): line.get_data() for line in loads.lines}
+    for load in result.loads:
+        name = f"{load.fluid_pressure / 1e5:.0f} bar"
+        angle, share = curves[name]
+        np.testing.assert_allclose(share[:-1], load.around.line_load / load.around.line_load.mean())
+        assert angle[-1] == 2 * math.pi and share[-1] == share[0]
+    circle, deviation = (line.get_data()[1] for line in form.lines)
+    np.testing.assert_allclose(
+        deviation[:-1] - circle[0], 1e6 * result.loads[0].around.gap_change, atol=1e-12
+    )
+    assert [text.get_text() for text in form.get_yticklabels()] == ["−1", "0", "+1"]
+
+
+def test_area_under_the_leak_is_the_leak_rate(figures):
+    result = oval_result()
+    drawn.leak_around_picture(result)
+    (axes,) = figures[0].axes
+    assert "ml/min" in axes.get_ylabel()
+    for line, load in zip(axes.lines, result.loads, strict=True):
+        total = np.trapezoid(line.get_ydata(), line.get_xdata()) * 1e-6 / 60
+        assert total == pytest.approx(2 * math.pi * load.around.leak_rate.mean(), rel=1e-9)
+    assert drawn.leak_around_picture(smooth_oval_result()) is None
+
+
+def test_words_name_the_places_and_the_shares():
+    told = around_in_words(oval_result())
+    highest = oval_result().highest.around
+    assert told[0].startswith("At 20 bar the line load falls to ")
+    shares = [float(share) for share in re.findall(r"(\d+) %", told[0])]
+    assert shares[0] == pytest.approx(100 * highest.least_over_mean, abs=0.5)
+    assert shares[1] == pytest.approx(100 * highest.most_over_mean, abs=0.5)
+    assert "at 90° and 270°" in told[0]
+    assert told[1].startswith("At 2 bar ")
+    parted = around_in_words(smooth_oval_result())[1]
+    around = smooth_oval_result().loads[0].around
+    width = 360 * np.mean(around.line_load == 0)
+    assert parted.startswith("At 20 bar the surfaces part at 90° and 270°, over ")
+    assert float(re.search(r"over (\d+)°", parted)[1]) == pytest.approx(width, abs=0.01 * 360)
+
+
+def test_least_loaded_places_across_the_start_of_the_turn():
+    around = oval_result().loads[0].around
+    angle = around.angle
+
+    def places(line_load):
+        return least_loaded(replace(around, line_load=line_load))
+
+    one, width = places(1 - np.cos(angle))
+    assert one == pytest.approx([0.0], abs=1e-9) and width < 0.5
+    three, _ = places(2 - np.cos(3 * angle - 0.3))
+    assert three == pytest.approx([0.1 + n * 2 * math.pi / 3 for n in range(3)], abs=0.05)
+    assert places(np.ones_like(angle)) == ([], 2 * math.pi)
+
+
+def test_turn_that_leaks():
+    assert turn_that_leaks(np.ones(100), 0.8) == pytest.approx(0.8 * 2 * math.pi)
+    one = np.zeros(100)
+    one[7] = 3.0
+    assert turn_that_leaks(one, 0.8) == pytest.approx(0.8 * 2 * math.pi / 100)
+    assert turn_that_leaks(np.zeros(100), 0.8) is None
+    assert turn_that_leaks(np.full(100, np.inf), 0.8) is None
