@@ -24,7 +24,7 @@ from fem_seal.output.pictures.three_d import drawn_in_space, seal_picture
 from fem_seal.output.prose import definitions
 from fem_seal.output.report import case, tables, words
 from fem_seal.output.report.around import around_in_words
-from fem_seal.output.report.form import form_in_words
+from fem_seal.output.report.form import curve_table, form_in_words, waves_table
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
 from fem_seal.version import __version__
@@ -122,6 +122,8 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "theory": tables.theory_table(result),
         "theory_note": tables.theory_note(result),
         "yielding": tables.yielding_table(result),
+        "form_curve": curve_table(result),
+        "form_waves": waves_table(result),
         "around": [*around_in_words(result), *form_in_words(result)],
         "accuracy": case.accuracy(result),
         "far_field": far_field_sentence(result),
