@@ -79,13 +79,14 @@ def profile_picture(result: SealSolution, derived: Derived) -> Picture:
 
 def _profile_caption(result: SealSolution) -> str:
     law = result.case.interface.law
+    start = ("start", "mean" if result.highest.formed is not None else "")
     if math.isinf(result.model.relative_radius):
-        return said("captions.profile", "start", "conforming")
+        return said("captions.profile", *start, "conforming")
     rough = law != "smooth"
     if result.unloaded is not None:
         closed_forms = ["hertz", *(["gaussian", "crossover"] if rough else [])]
-        return said("captions.profile", "start", *closed_forms, "yielding")
-    return said("captions.profile", "start", "hertz", "gaussian" if rough else "", law)
+        return said("captions.profile", *start, *closed_forms, "yielding")
+    return said("captions.profile", *start, "hertz", "gaussian" if rough else "", law)
 
 
 def _all_profiles(

@@ -75,7 +75,7 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     profile = load.contact.profile
     found = [
         *(Fact(*told) for told in valve_facts(result, load)),
-        Fact("Peak contact pressure", _peak(load)),
+        Fact("Peak contact pressure", *_peak_fact(load)),
         Fact(
             "Width of the contact",
             quantity("length", profile.fwhm),
@@ -113,6 +113,14 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     if result.uncertainty is not None:
         found.insert(1, _interval_fact(result, load))
     return found
+
+
+def _peak_fact(load: LoadResult) -> tuple[str, str]:
+    """The peak around the axis, and that of the mean line load beside it."""
+    if load.formed is None or not load.formed.form.felt:
+        return _peak(load), ""
+    highest = quantity_worth("contact pressure", float(load.formed.peak_pressure.max()), load.digits)
+    return highest, f"around the axis; {_peak(load)} at the mean line load"
 
 
 def _class_fact(size: NominalSize, classes: Sequence[LeakageClass]) -> Fact:
