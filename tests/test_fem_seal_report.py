@@ -17,7 +17,6 @@ import fem_seal
 from fem_seal.analysis.caution import Caution, Level, Validity
 from fem_seal.analysis.closed_forms import derive, profile_sizes
 from fem_seal.output.pictures.style import logarithmic, number_dots, panels
-from fem_seal.output.report import page as page_module
 from fem_seal.output.report import tables
 from fem_seal.output.report import words as report_words
 from fem_seal.output.report.page import pictures, report
@@ -37,15 +36,6 @@ ALL_PICTURES = {
     "surface",
     "stress",
 }
-
-
-@pytest.fixture(autouse=True, scope="module")
-def image():
-    """The seal in space, drawn once, as that takes seconds; None where VTK cannot draw."""
-    drawn = page_module.drawn_in_space(rough_result())
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(page_module, "drawn_in_space", lambda result: drawn)
-        yield drawn
 
 
 class Page(HTMLParser):
@@ -90,7 +80,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def page(image) -> Page:
+def page() -> Page:
     return Page(report(rough_result()))
 
 
@@ -111,8 +101,8 @@ def test_nothing_is_fetched(result):
         assert b"<script" not in svg
 
 
-def test_every_picture_is_there_and_has_words(page, image):
-    assert set(page.pictures) == ALL_PICTURES | ({"seal"} if image else set())
+def test_every_picture_is_there_and_has_words(page):
+    assert set(page.pictures) == ALL_PICTURES
     for svg in page.pictures.values():
         assert ET.fromstring(svg).tag.endswith("svg")
     alts = [a["alt"] for tag, a in page.tags if tag == "img"]
@@ -178,7 +168,7 @@ def test_links_lead_somewhere(page):
 
 def test_a_smooth_contact_has_no_leak_section():
     page = Page(report(smooth_result()))
-    assert set(page.pictures) - {"seal"} == {"sketch", "mesh", "profiles", "sizes", "gap", "stress"}
+    assert set(page.pictures) == {"sketch", "mesh", "profiles", "sizes", "gap", "stress"}
     assert "There is no leak rate because the case has no roughness" in page.text
     assert b"Gaussian" not in page.pictures["profiles"]
 

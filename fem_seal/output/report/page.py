@@ -76,9 +76,10 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
         From `fem_seal.analysis.closed_forms.profile_sizes`.
     """
     top = result.highest
-    # VTK draws in a process of its own, beside matplotlib
+    # a round seal has nothing that its section does not show; VTK draws in a process of its own, beside matplotlib
+    uneven = any(load.formed is not None and load.formed.form.felt for load in result.loads)
     with ThreadPoolExecutor(1) as beside, style():
-        image = beside.submit(drawn_in_space, result)
+        image = beside.submit(drawn_in_space, result) if uneven else None
         drawn = (
             sketch(result),
             mesh_picture(result, top),
@@ -94,7 +95,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
             surface_picture(result, top),
             stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises)),
             imprint_picture(result),
-            seal_picture(result, image.result()),
+            seal_picture(result, None if image is None else image.result()),
         )
     return [picture for picture in drawn if picture is not None]
 
