@@ -238,14 +238,18 @@ slider.InvokeEvent("EndInteractionEvent")
 assert len(plotter.scalar_bars) == 1
 print(before, "|", text())
 """
+    ready = "the display is up"
+    started = ["sh", "-c", f'echo "{ready}" && exec "$@"', "sh", sys.executable, "-c", script, str(folder)]
     done = subprocess.run(
-        [xvfb, "-a", "-s", "-screen 0 800x600x24", sys.executable, "-c", script, str(folder)],
+        [xvfb, "-a", "-s", "-screen 0 800x600x24", *started],
         capture_output=True,
         text=True,
         timeout=120,
         check=False,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )
+    if ready not in done.stdout or "bad X server connection" in done.stderr:
+        pytest.skip(f"no virtual display on this machine: {done.stderr.strip()}")
     assert done.returncode == 0, done.stderr
     before, after = done.stdout.strip().splitlines()[-1].split(" | ")
     assert before.startswith("20 bar") and after.startswith("2 bar")
