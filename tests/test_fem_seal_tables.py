@@ -30,6 +30,8 @@ LEAK_HEADER = (
     "leak_rate_kg_per_s,leak_rate_Pa_m3_per_s,leak_rate_standard_m3_per_s,knudsen_number,"
     "lift_off_x_m,blow_off_pressure_Pa,applied_force_N,effective_seal_radius_m,force_for_target_leak_N,"
     "max_accumulated_plastic_strain,load_steps,opening_margin_N,opening_margin_Pa,opening_margin,"
+    "peak_pressure_max_Pa,line_load_min_over_mean,leak_rate_round_m3_per_s,"
+    "leak_rate_scratches_low_m3_per_s,leak_rate_scratches_high_m3_per_s,"
     "validity,validity_reasons"
 )
 PROFILE_HEADER = "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa"
@@ -91,11 +93,16 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "opening_margin_N",
         "opening_margin_Pa",
         "opening_margin",
+        "peak_pressure_max_Pa",
+        "line_load_min_over_mean",
+        "leak_rate_round_m3_per_s",
+        "leak_rate_scratches_low_m3_per_s",
+        "leak_rate_scratches_high_m3_per_s",
     ]
     assert table[missing].isna().all().all()
     assert table.drop(columns=[*missing, "validity_reasons"]).notna().all().all()
-    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(28))
-    assert numbers.shape == (2, 28)
+    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(33))
+    assert numbers.shape == (2, 33)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):
