@@ -7,7 +7,7 @@ mm, forces in N, stresses in MPa, as CalculiX users have it. The axis of the sea
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -76,7 +76,9 @@ class SolidBody:
         axis = self._points[0] < _ON_AXIS
         exists[1:, axis] = False
         number = np.where(exists, self.first_node - 1 + np.cumsum(exists).reshape(exists.shape), 0)
-        number[1:, axis] = np.where(np.arange(1, len(number))[:, None] % 2, corner[axis], used[axis]) * number[0, axis]
+        number[1:, axis] = (
+            np.where(np.arange(1, len(number))[:, None] % 2, corner[axis], used[axis]) * number[0, axis]
+        )
         return number
 
     @cached_property
@@ -117,7 +119,9 @@ class SolidBody:
             corners, middles = np.hsplit(part.nodes, 2)
             nodes = [
                 np.hstack([far[corners], near[corners], far[middles], near[middles], between[corners]])
-                for near, between, far in zip(self.number[:-2:2], self.number[1::2], self.number[2::2], strict=True)
+                for near, between, far in zip(
+                    self.number[:-2:2], self.number[1::2], self.number[2::2], strict=True
+                )
             ]
             yield _TYPES[corners.shape[1]], np.concatenate(nodes)
 
@@ -168,11 +172,16 @@ class SolidSeal:
 
     @property
     def bodies(self) -> tuple[SolidBody, SolidBody]:
+        """Both bodies."""
         return self.closure, self.seat
 
 
 def solid_deck(
-    seal: SolidSeal, materials: Mapping[str, Material], law: ExponentialLaw, axial_force: float, tolerance: float
+    seal: SolidSeal,
+    materials: Mapping[str, Material],
+    law: ExponentialLaw,
+    axial_force: float,
+    tolerance: float,
 ) -> str:
     """Deck that presses the closure into the seat.
 
@@ -233,7 +242,10 @@ def _contact(seal: SolidSeal, law: ExponentialLaw) -> Iterator[str]:
     # CalculiX asks for the clearance at which the pressure has fallen to a hundredth.
     yield f"{math.log(100) * law.u0 * 1e3:.12e},{LOWEST_PRESSURE:.12e}"
     # One pair for all of it: CalculiX 2.20 loses part of the area of pairs that share an edge.
-    yield from ("*CONTACT PAIR, INTERACTION=interface, TYPE=SURFACE TO SURFACE", "closure_contact,seat_contact")
+    yield from (
+        "*CONTACT PAIR, INTERACTION=interface, TYPE=SURFACE TO SURFACE",
+        "closure_contact,seat_contact",
+    )
 
 
 def _supports(seal: SolidSeal) -> Iterator[str]:
