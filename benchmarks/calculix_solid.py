@@ -99,7 +99,7 @@ class SolidBody:
         for plane, (angle, number) in enumerate(zip(self.angle, self.number, strict=True)):
             r, z = self._points.copy()
             z += 1e3 * self.higher
-            # CalculiX cuts the faces of both bodies against each other as if their outlines were convex.
+            # On the chord: CalculiX cuts the faces of both bodies against each other as if their outlines were convex.
             r[face] *= math.cos(self.angle[1]) if plane % 2 else 1.0
             along = 1e3 * self.deviation * math.cos(2 * angle)
             r[face] -= along * math.sin(theta)

@@ -42,6 +42,8 @@ AMPLITUDES = (0.5e-6, 1e-6, 2e-6)
 LOBES, QUARTERS = 2, 4
 # Relative residual force and correction at which CalculiX stops.
 TOLERANCE = 1e-5
+# How many times as fast fem-seal should be.
+_GOAL = 200
 FAR_SIZE = 6e-3
 
 CASE = """
@@ -98,7 +100,7 @@ class Solid:
         return f"{1e6 * self.contact_size:.3g} um, {self.layers} layers"
 
 
-SOLIDS = (Solid(100e-6, 0.5, 12), Solid(50e-6, 0.35, 16))
+SOLIDS = (Solid(100e-6, 0.5, 12), Solid(50e-6, 0.4, 16))
 
 
 @dataclass(frozen=True, eq=False)
@@ -320,6 +322,12 @@ def page(version: str, found: Comparison) -> str:
             "phi [deg], " + ", ".join(f"A = {1e6 * a:g} um: fem-seal, CalculiX" for a in waving),
             _around_rows(found, waving),
         ),
+        "## What CalculiX needs for it",
+        "All of the contact in one pair: of pairs that share an edge, one for each layer, CalculiX 2.20 leaves out "
+        "some 40 % of the area. And nodes between the layers' corners that lie on the chord on both contact faces: "
+        "CalculiX cuts the faces against each other as if their outlines were convex, and on the arc it loses some 2 % "
+        "of the area. The law goes on where the surfaces stand apart, CalculiX's contact does not: its law starts at "
+        f"{1e6 * LOWEST_PRESSURE:g} Pa, and the closure as much deeper.",
         "## Cost",
         "One processor, CalculiX with one thread, from the finished deck on; fem-seal from the start of Python to the "
         "line load at one amplitude. Processor time [s], peak memory [MB].",
@@ -369,22 +377,28 @@ def _around_rows(found: Comparison, waving: Sequence[float]) -> Iterator[tuple[s
 def _cost(found: Comparison, waving: Sequence[float]) -> str:
     warm, process = found.warm, found.process
     ways = {
-        f"the whole process, {process.processor:.2f} s and {process.memory:.0f} MB": process.processor,
-        "inside a warm process, mesh, condensation and contact "
-        f"({1e3 * warm.mean:.0f} ms), contact at other line loads and harmonics of the bodies "
-        f"({1e3 * warm.first:.0f} ms)": warm.mean + warm.first,
-        f"a further amplitude ({1e3 * warm.further:.1f} ms)": warm.further,
+        f"the whole process ({process.processor:.2f} s, {process.memory:.0f} MB)": (process.processor, None),
+        f"mesh, condensation and contact of the round seat ({1e3 * warm.mean:.0f} ms), harmonics of the bodies, "
+        f"contact at other line loads and line load ({1e3 * warm.first:.0f} ms)": (
+            warm.mean + warm.first,
+            _GOAL,
+        ),
+        f"line load of a further seat, all else known ({1e3 * warm.further:.2g} ms)": (warm.further, _GOAL),
     }
-    lines = [
-        f"fem-seal, and how many times CalculiX takes as long (the {len(waving)} two-lobed seats, mean):",
-        "",
-    ]
-    for name, seconds in ways.items():
-        times = (
-            f"{np.mean([runs[a].cost.processor for a in waving]) / seconds:.3g} ({solid})"
+    lines = ["CalculiX takes as many times as long as fem-seal, on the mean of the two-lobed seats:", ""]
+    for name, (seconds, goal) in ways.items():
+        ratios = {
+            solid: float(np.mean([runs[a].cost.processor for a in waving])) / seconds
             for solid, runs in found.theirs.items()
+        }
+        met = (
+            ""
+            if goal is None
+            else f"; goal {goal}" + ("" if min(ratios.values()) >= goal else ", **missed**")
         )
-        lines.append(f"- {name}: {', '.join(times)}")
+        lines.append(
+            f"- {name}: {', '.join(f'{ratio:.3g} ({solid})' for solid, ratio in ratios.items())}{met}"
+        )
     return "\n".join(lines)
 
 
