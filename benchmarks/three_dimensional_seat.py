@@ -329,8 +329,8 @@ def page(version: str, found: Comparison) -> str:
         "of the area. The law goes on where the surfaces stand apart, CalculiX's contact does not: its law starts at "
         f"{1e6 * LOWEST_PRESSURE:g} Pa, and the closure as much deeper.",
         "## Cost",
-        "One processor, beside other work of the machine; CalculiX with one thread, from the finished deck on; fem-seal "
-        "at the largest amplitude. Processor time [s], peak memory [MB].",
+        "One processor, beside other work of the machine; CalculiX with one thread, from the finished deck on; "
+        "fem-seal at the largest amplitude. Processor time [s], peak memory [MB].",
         table(
             "program, processor time, memory",
             (
