@@ -311,7 +311,8 @@ def page(version: str, found: Comparison) -> str:
         ),
         "## The two-lobed seat",
         "Line loads over their mean. Differences: the largest at any angle, of the line load over the mean (goal 2 %), "
-        "of the peak pressure over the highest one.",
+        "of the peak pressure over the highest one. The latter stands on the planes of symmetry, where CalculiX "
+        "extrapolates from one side only.",
         table(
             "A, size and layers, least: fem-seal, CalculiX, largest: fem-seal, CalculiX, difference of line load, "
             "of peak pressure, force",
