@@ -57,17 +57,22 @@ def run(deck: str, steps: int, folder: Path, threads: int = 1) -> Cost:
 
 def profiles(folder: Path, seal_mesh: SealMesh) -> list[PressureProfile]:
     """Pressure over the contact line after every step."""
-    return [_profile(seal_mesh, pressure) for pressure in _contact_pressures(folder / "seal.frd")]
+    return [_profile(seal_mesh, pressure) for pressure in contact_pressures(folder / "seal.frd")]
 
 
 def reactions(folder: Path) -> FloatArray:
     """Axial force on the seat's bottom after every step [N]."""
+    return total_forces(folder)[:, 1] / SECTOR
+
+
+def total_forces(folder: Path) -> FloatArray:
+    """Reactions on the seat's bottom after every step [N], as CalculiX prints them, shape (steps, 3)."""
     lines = (folder / "seal.dat").read_text().splitlines()
     totals = [lines[k + 2] for k, line in enumerate(lines) if "total force" in line]
-    return np.array([float(line.split()[1]) for line in totals]) / SECTOR
+    return np.array([[float(word) for word in line.split()] for line in totals])
 
 
-def _contact_pressures(file: Path) -> Iterator[dict[int, float]]:
+def contact_pressures(file: Path) -> Iterator[dict[int, float]]:
     """Pressure [Pa] over node number from 0, step by step."""
     pressure: dict[int, float] | None = None
     with file.open() as lines:

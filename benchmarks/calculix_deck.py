@@ -82,7 +82,7 @@ def deck(
         Peak pressure to expect under the first force [Pa]; the closure starts with the overlap that belongs to it.
     choices : Choices
     """
-    cells = list(_cells(seal_mesh.mesh, choices.elements))
+    cells = list(cells_of(seal_mesh.mesh, choices.elements))
     return "\n".join(
         [
             "*HEADING",
@@ -136,7 +136,7 @@ def _bodies(cells: Sequence[Cells], materials: dict[str, Material]) -> Iterator[
 def _contact(mesh: MeshTri, cells: Sequence[Cells], law: ExponentialLaw) -> Iterator[str]:
     for body in ("closure", "seat"):
         yield f"*SURFACE, NAME={body}_contact, TYPE=ELEMENT"
-        yield from (f"{cell},S{side}" for cell, side in _sides(mesh, cells, f"{body}_contact"))
+        yield from (f"{cell},S{side}" for cell, side in sides_on(mesh, cells, f"{body}_contact"))
     yield "*SURFACE INTERACTION, NAME=interface"
     yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL"
     # CalculiX asks for the clearance at which the pressure has fallen to a hundredth.
@@ -159,7 +159,7 @@ def _steps(
 ) -> Iterator[str]:
     facets = mesh.boundaries["closure_top"]
     area = np.pi * 1e6 * float(np.abs(np.diff(mesh.p[0, mesh.facets[:, facets]] ** 2, axis=0)).sum())
-    sides = _sides(mesh, cells, "closure_top")
+    sides = sides_on(mesh, cells, "closure_top")
     for number, force in enumerate(np.repeat(axial_forces, 1 + choices.held_steps)):
         yield from ("*STEP", "*STATIC", "1.,1.")
         if number == 0:
@@ -170,7 +170,7 @@ def _steps(
         yield "*END STEP"
 
 
-def _sides(mesh: MeshTri, cells: Sequence[Cells], boundary: str) -> list[tuple[int, int]]:
+def sides_on(mesh: MeshTri, cells: Sequence[Cells], boundary: str) -> list[tuple[int, int]]:
     """Element number and side, both from 1, of each facet of a boundary."""
     wanted = mesh.nvertices + mesh.boundaries[boundary]
     found, first = [], 1
@@ -182,7 +182,7 @@ def _sides(mesh: MeshTri, cells: Sequence[Cells], boundary: str) -> list[tuple[i
     return found
 
 
-def _cells(mesh: MeshTri, elements: Elements) -> Iterator[Cells]:
+def cells_of(mesh: MeshTri, elements: Elements) -> Iterator[Cells]:
     e, f = mesh.p[:, mesh.t[1]] - mesh.p[:, mesh.t[0]], mesh.p[:, mesh.t[2]] - mesh.p[:, mesh.t[0]]
     triangles = np.where(e[0] * f[1] > e[1] * f[0], mesh.t, mesh.t[[0, 2, 1]]).T
     quadrilaterals, owner = np.empty((0, 4), dtype=np.int64), np.empty(0, dtype=np.int64)

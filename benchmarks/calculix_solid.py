@@ -1,0 +1,272 @@
+"""Input deck for CalculiX: a quarter of both bodies as solids, the seat's face two-lobed, one closing force.
+
+The triangles of the section, joined to quadrilaterals, are turned about the axis from 0 to 90 degrees. Lengths are in
+mm, forces in N, stresses in MPa, as CalculiX users have it. The axis of the seal is z, the angle 0 lies on x.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from calculix_deck import LOWEST_PRESSURE, Cells, FloatArray, IntArray, cells_of, node_points, sides_on
+
+from fem_seal.materials import Material
+from leak import ExponentialLaw
+from meshes import SealMesh
+
+# Of a coordinate that is zero on the axis [mm].
+_ON_AXIS = 1e-9
+_TYPES = {3: "C3D15", 4: "C3D20R"}
+
+
+@dataclass(frozen=True, eq=False)
+class SolidBody:
+    """A quarter of a body, symmetric about the planes at 0 and 90 degrees.
+
+    Parameters
+    ----------
+    name : str
+        "closure" or "seat".
+    section : SealMesh
+        Both bodies' section.
+    layers : int
+        Quadratic elements over the 90 degrees.
+    deviation : float
+        A [m] of its contact face, which lies higher along the contact normal by A cos(2 phi).
+    higher : float
+        By how much all of it stands higher than in first touch [m].
+    first_node, first_element : int
+        Numbers of its first node and element.
+    """
+
+    name: str
+    section: SealMesh
+    layers: int
+    deviation: float
+    higher: float
+    first_node: int
+    first_element: int
+
+    @cached_property
+    def cells(self) -> list[Cells]:
+        """Elements of the section."""
+        return [part for part in cells_of(self.section.mesh, "CAX8R") if part.body == self.name]
+
+    @cached_property
+    def angle(self) -> FloatArray:
+        """Angles of the planes of nodes [rad], shape (2 layers + 1,); each second one is between the corners."""
+        return np.linspace(0.0, math.pi / 2, 2 * self.layers + 1)
+
+    @cached_property
+    def number(self) -> IntArray:
+        """Number of each of the section's nodes on each plane, shape (planes, nodes); 0 where there is none.
+
+        On the axis the planes share their nodes.
+        """
+        mesh = self.section.mesh
+        used = np.zeros(mesh.nvertices + mesh.nfacets, dtype=bool)
+        for part in self.cells:
+            used[part.nodes] = True
+        corner = used & (np.arange(len(used)) < mesh.nvertices)
+        exists = np.where(np.arange(len(self.angle))[:, None] % 2, corner, used)
+        axis = self._points[0] < _ON_AXIS
+        exists[1:, axis] = False
+        number = np.where(exists, self.first_node - 1 + np.cumsum(exists).reshape(exists.shape), 0)
+        number[1:, axis] = (
+            np.where(np.arange(1, len(number))[:, None] % 2, corner[axis], used[axis]) * number[0, axis]
+        )
+        return number
+
+    @cached_property
+    def _points(self) -> FloatArray:
+        """(r, z) of the section's nodes [mm]."""
+        return 1e3 * node_points(self.section, curved=True)
+
+    def boundary_nodes(self, boundary: str) -> IntArray:
+        """The section's nodes on one of its boundaries."""
+        mesh = self.section.mesh
+        facets = mesh.boundaries[f"{self.name}_{boundary}"]
+        return np.unique(np.concatenate([mesh.facets[:, facets].ravel(), mesh.nvertices + facets]))
+
+    def places(self) -> FloatArray:
+        """(x, y, z) of all nodes [mm], shape (nodes, 3), by their number."""
+        face, theta = self.boundary_nodes("contact"), self.section.contact.angle
+        places = np.zeros((self.number.max() - self.first_node + 1, 3))
+        for plane, (angle, number) in enumerate(zip(self.angle, self.number, strict=True)):
+            r, z = self._points.copy()
+            z += 1e3 * self.higher
+            # On the chord: CalculiX cuts the faces of both bodies against each other as if their outlines were convex.
+            r[face] *= math.cos(self.angle[1]) if plane % 2 else 1.0
+            along = 1e3 * self.deviation * math.cos(2 * angle)
+            r[face] -= along * math.sin(theta)
+            z[face] += along * math.cos(theta)
+            there = number > 0
+            places[number[there] - self.first_node] = np.column_stack(
+                [r * math.cos(angle), r * math.sin(angle), z]
+            )[there]
+        return places
+
+    def elements(self) -> Iterator[tuple[str, IntArray]]:
+        """Type and node numbers of the elements of each part of the section, layer by layer.
+
+        The section's nodes stand counter-clockwise in (r, z) and thereby look back: an element begins on its far plane.
+        """
+        for part in self.cells:
+            corners, middles = np.hsplit(part.nodes, 2)
+            nodes = [
+                np.hstack([far[corners], near[corners], far[middles], near[middles], between[corners]])
+                for near, between, far in zip(
+                    self.number[:-2:2], self.number[1::2], self.number[2::2], strict=True
+                )
+            ]
+            yield _TYPES[corners.shape[1]], np.concatenate(nodes)
+
+    @property
+    def end_element(self) -> int:
+        """The number after its last element."""
+        return self.first_element + self.layers * sum(len(part.nodes) for part in self.cells)
+
+    def faces(self, boundary: str) -> list[tuple[int, int]]:
+        """Number and face of each element at a boundary of the section."""
+        counts = [len(part.nodes) for part in self.cells]
+        before = np.cumsum([0, *counts])
+        found = []
+        for cell, side in sides_on(self.section.mesh, self.cells, f"{self.name}_{boundary}"):
+            part = int(np.searchsorted(before, cell, side="left")) - 1
+            first = self.first_element + (self.layers - 1) * int(before[part]) + cell - 1
+            found += [(first + k * counts[part], side + 2) for k in range(self.layers)]
+        return found
+
+
+@dataclass(frozen=True)
+class SolidSeal:
+    """A quarter of the seal."""
+
+    closure: SolidBody
+    seat: SolidBody
+
+    @classmethod
+    def of(cls, section: SealMesh, layers: int, deviation: float, lowered: float) -> SolidSeal:
+        """Turn a section about the axis.
+
+        Parameters
+        ----------
+        section : SealMesh
+        layers : int
+            Quadratic elements over the 90 degrees.
+        deviation : float
+            A [m] of the seat's face, which lies higher along its normal by A cos(2 phi).
+        lowered : float
+            By how much the closure starts below first touch along the normal [m].
+        """
+        down = -lowered / math.cos(section.contact.angle)
+        closure = SolidBody("closure", section, layers, 0.0, down, 1, 1)
+        seat = SolidBody(
+            "seat", section, layers, deviation, 0.0, int(closure.number.max()) + 1, closure.end_element
+        )
+        return cls(closure, seat)
+
+    @property
+    def bodies(self) -> tuple[SolidBody, SolidBody]:
+        """Both bodies."""
+        return self.closure, self.seat
+
+
+def solid_deck(
+    seal: SolidSeal,
+    materials: Mapping[str, Material],
+    law: ExponentialLaw,
+    axial_force: float,
+    tolerance: float,
+) -> str:
+    """Deck that presses the closure into the seat.
+
+    Parameters
+    ----------
+    seal : SolidSeal
+    materials : mapping
+        Of "closure" and "seat".
+    law : ExponentialLaw
+    axial_force : float
+        Of the whole seal [N].
+    tolerance : float
+        Relative residual force and correction at which the iteration stops.
+    """
+    return "\n".join(
+        [
+            "*HEADING",
+            "closure pressed on a two-lobed seat; mm, N, MPa",
+            "*NODE",
+            *(
+                f"{n},{x:.12e},{y:.12e},{z:.12e}"
+                for body in seal.bodies
+                for n, (x, y, z) in enumerate(body.places(), start=body.first_node)
+            ),
+            *_bodies(seal, materials),
+            *_contact(seal, law),
+            *_supports(seal),
+            *_step(seal, axial_force, tolerance),
+            "",
+        ]
+    )
+
+
+def _bodies(seal: SolidSeal, materials: Mapping[str, Material]) -> Iterator[str]:
+    number = 0
+    for body in seal.bodies:
+        for kind, elements in body.elements():
+            yield f"*ELEMENT, TYPE={kind}, ELSET={body.name}"
+            for nodes in elements:
+                number += 1
+                # A line of a deck holds sixteen numbers.
+                words = [str(number), *map(str, nodes)]
+                yield ",".join(words[:16]) + ("," if len(words) > 16 else "")
+                if len(words) > 16:
+                    yield ",".join(words[16:])
+    for body, material in materials.items():
+        yield f"*MATERIAL, NAME={body}"
+        yield from ("*ELASTIC", f"{material.youngs_modulus * 1e-6:.12g},{material.poissons_ratio:.12g}")
+        yield f"*SOLID SECTION, ELSET={body}, MATERIAL={body}"
+
+
+def _contact(seal: SolidSeal, law: ExponentialLaw) -> Iterator[str]:
+    for body in seal.bodies:
+        yield f"*SURFACE, NAME={body.name}_contact, TYPE=ELEMENT"
+        yield from (f"{element},S{face}" for element, face in body.faces("contact"))
+    yield "*SURFACE INTERACTION, NAME=interface"
+    yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL"
+    # CalculiX asks for the clearance at which the pressure has fallen to a hundredth.
+    yield f"{math.log(100) * law.u0 * 1e3:.12e},{LOWEST_PRESSURE:.12e}"
+    # One pair for all of it: CalculiX 2.20 loses part of the area of pairs that share an edge.
+    yield from (
+        "*CONTACT PAIR, INTERACTION=interface, TYPE=SURFACE TO SURFACE",
+        "closure_contact,seat_contact",
+    )
+
+
+def _supports(seal: SolidSeal) -> Iterator[str]:
+    """Symmetry in both planes and on the axis where they meet, and the seat's bottom held axially."""
+    at_0, at_90 = (np.concatenate([body.number[end] for body in seal.bodies]) for end in (0, -1))
+    bottom = seal.seat.number[:, seal.seat.boundary_nodes("bottom")]
+    for name, numbers in (("at_0", at_0), ("at_90", at_90), ("bottom", bottom)):
+        yield f"*NSET, NSET={name}"
+        yield from (str(n) for n in np.unique(numbers[numbers > 0]))
+    yield from ("*BOUNDARY", "at_0,2,2", "at_90,1,1", "bottom,3,3")
+
+
+def _step(seal: SolidSeal, axial_force: float, tolerance: float) -> Iterator[str]:
+    mesh = seal.closure.section.mesh
+    facets = mesh.boundaries["closure_top"]
+    area = np.pi * 1e6 * float(np.abs(np.diff(mesh.p[0, mesh.facets[:, facets]] ** 2, axis=0)).sum())
+    yield from ("*STEP, INC=200", "*STATIC", "1.,1.")
+    yield from ("*CONTROLS, PARAMETERS=FIELD", f"{tolerance:g},{tolerance:g}")
+    yield "*DLOAD"
+    for element, face in seal.closure.faces("top"):
+        yield f"{element},P{face},{axial_force / area:.12e}"
+    yield from ("*CONTACT FILE", "CDIS,CSTR", "*NODE PRINT, NSET=bottom, TOTALS=ONLY", "RF")
+    yield from ("*CONTACT PRINT, SLAVE=closure_contact, MASTER=seat_contact", "CF")
+    yield "*END STEP"

@@ -1,0 +1,38 @@
+"""From a case file to the line load around the axis, and nothing else: python case_to_line_load.py CASE OUTPUT."""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from fem_seal import load_case
+from fem_seal.analysis.around import Around, around
+from fem_seal.analysis.problem import SealProblem, condensed, expected_forces, sizing
+from fem_seal.contact.local_contact import LocalContact
+from fem_seal.contact.newton import solve
+from fem_seal.contact.solution import ContactSolution
+from meshes import build_contact
+
+
+def mean_contact(problem: SealProblem) -> ContactSolution:
+    """The round seal under the load of a case."""
+    model = condensed(problem, build_contact(problem.contact, sizing(problem)))
+    return solve(model, problem.law, axial_force=expected_forces(problem)[-1])
+
+
+def line_load(problem: SealProblem) -> Around:
+    """The seal as it is."""
+    return around(problem.form, LocalContact(mean_contact(problem), problem.law))
+
+
+if __name__ == "__main__":
+    case_file, output = sys.argv[1:]
+    found = line_load(SealProblem.of(load_case(case_file)))
+    table = np.column_stack([found.angle, found.line_load, found.peak_pressure])
+    np.savetxt(Path(output), table, delimiter=",", header="angle_rad, line_load_N_per_m, peak_pressure_Pa")
