@@ -22,9 +22,10 @@ from leak import LeakResult
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64
-# Harmonics to which the bodies are always asked; beyond them, and beyond four times the form's own, they answer as
-# half-spaces do (50 random waves: 3e-4 of the line load). A wave is strong with this share of all amplitudes.
-_HARMONICS, _STRONG = 12, 0.05
+# Harmonics of a form that repeats itself, in units of its period, and of any other to which the bodies are asked; beyond
+# them they answer as half-spaces do (two waves: 5e-5 of the line load, 50 random ones: 3e-4). A wave is strong with
+# this share of all amplitudes.
+_PERIODS, _HARMONICS, _STRONG = 3, 12, 0.05
 # Leak rates are interpolated between line loads with these steps in ln f, the coarse one far below the mean, where the
 # surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
 _STEP, _COARSE_STEP, _FINE, _BEYOND = 0.125, 2.0, 48, 2
@@ -267,7 +268,7 @@ def _asked_of_bodies(form: FormError) -> int:
     """Highest harmonic of the line load to which the bodies' own answer is calculated."""
     total = sum(abs(one.amplitude) for one in form.felt)
     strong = max(one.waves for one in form.felt if abs(one.amplitude) > _STRONG * total)
-    return max(_HARMONICS, 4 * form.symmetry, strong)
+    return max(_PERIODS * form.symmetry if form.symmetry > 1 else _HARMONICS, strong)
 
 
 def _angles(number: int) -> FloatArray:
