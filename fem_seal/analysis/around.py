@@ -22,9 +22,9 @@ from leak import LeakResult
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64
-# Harmonics of a form that repeats itself, in units of its period, and of any other to which the bodies are asked; beyond
-# them they answer as half-spaces do (two waves: 5e-5 of the line load, 50 random ones: 3e-4). A wave is strong with
-# this share of all amplitudes.
+# Harmonics to which the bodies are asked, of a form that repeats itself in units of its period; beyond them they answer
+# as half-spaces do (two waves: 5e-5 of the line load, 50 random ones: 3e-4). A wave is strong with this share of all
+# amplitudes.
 _PERIODS, _HARMONICS, _STRONG = 3, 12, 0.05
 # Leak rates are interpolated between line loads with these steps in ln f, the coarse one far below the mean, where the
 # surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
