@@ -13,9 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fem_seal import Case, InputError, Study, load_case
+from fem_seal.case.form import Form
+from fem_seal.case.traces import read_lay
 from fem_seal.cli import main
+from fem_seal.errors import TextTableError
 from fem_seal.form import FormError, Trace, Wave, WaveTolerance, along_normal, combined, rigid_wave
 from fem_seal.studies.entries import entry_at, entry_paths
+from leak import SpiralLay
 
 TURN = 2 * np.pi * np.arange(360) / 360
 ANGLE45 = math.radians(45)
@@ -436,3 +440,27 @@ def test_a_study_varies_an_entry_of_a_list(case: Case) -> None:
     assert "2 designs over form.seat.harmonics.0.amplitude" in repr(study)
     with pytest.raises(InputError, match=r"do you mean form\.seat\.harmonics\.0\.amplitude"):
         entry_at(case, "form.seat.harmonics.7.amplitude")
+
+
+def _lay_file(path: Path, wave: float, noise: float = 0.05e-6) -> Path:
+    """A profile across the lay: a wave of 63 um and 0.7 um amplitude on a bent and inclined face, and roughness."""
+    x = np.linspace(0, 1.2e-3, 1201)
+    z = wave * np.cos(2 * np.pi * x / 63e-6 + 0.4) + 3e-3 * x + 2.0 * x**2
+    z = z + noise * np.random.default_rng(1).standard_normal(len(x))
+    rows = "\n".join(f"{1e3 * a:.6f},{1e6 * b:.6f}" for a, b in zip(x, z, strict=True))
+    path.write_text(f"x [mm], z [um]\n{rows}\n")
+    return path
+
+
+def test_the_lay_is_taken_from_a_measured_profile(tmp_path: Path) -> None:
+    """Pitch to a thousandth and depth to half a per cent: noise of 7 % of the amplitude, over 1201 points."""
+    pitch, depth = read_lay(_lay_file(tmp_path / "lay.csv", 0.7e-6))
+    assert pitch == pytest.approx(63e-6, rel=1e-3) and depth == pytest.approx(1.4e-6, rel=5e-3)
+    form = Form(lay={"profile": str(tmp_path / "lay.csv")})
+    (placed,) = form.error(math.pi / 4, 0.014).grooves
+    assert isinstance(placed.groove, SpiralLay) and placed.groove.pitch == pitch and placed.angle is None
+
+
+def test_a_profile_without_a_lay_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(TextTableError, match="shows no lay: its strongest wave"):
+        read_lay(_lay_file(tmp_path / "rough.csv", 0.01e-6))

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from fem_seal.case.fields import Quantity, Table, Whole, shown
-from fem_seal.case.traces import read_trace
+from fem_seal.case.traces import read_lay, read_trace
 from fem_seal.errors import TextTableError
 from fem_seal.form import (
     Direction,
@@ -155,10 +155,18 @@ class Lay(Table):
     """[form.lay]: the groove of a turned seat that winds through the contact, not part of [roughness]."""
 
     pitch: Annotated[float, SECTION] = Field(
-        description="feed per turn, measured along the face", examples=["50 um"]
+        description="feed per turn, measured along the face; from the profile unless given",
+        examples=["50 um"],
     )
     depth: Annotated[float, SECTION] = Field(
-        description="depth of the groove without load, from crest to valley", examples=["2 um"]
+        description="depth of the groove without load, from crest to valley; from the profile unless given",
+        examples=["2 um"],
+    )
+    profile: str | None = Field(
+        None,
+        description="text file with a profile measured across the lay, columns x and z with their units: pitch and "
+        "depth are those of its strongest wave",
+        examples=["lay.csv"],
     )
     section: Literal["sinusoidal", "elliptic"] = Field(
         "sinusoidal",
@@ -169,6 +177,17 @@ class Lay(Table):
         description='with section = "elliptic": its full width; the pitch unless given',
         examples=["30 um"],
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _measured(cls, table: Any) -> Any:
+        if not isinstance(table, dict) or not isinstance(table.get("profile"), str):
+            return table
+        try:
+            pitch, depth = read_lay(table["profile"])
+        except TextTableError as error:
+            raise ValueError(f"profile = {shown(table['profile'])} {error}") from None
+        return {"pitch": f"{pitch!r} m", "depth": f"{depth!r} m", **table}
 
     @model_validator(mode="after")
     def _fits(self) -> Lay:
@@ -245,7 +264,7 @@ class BodyForm(Table):
 
 
 class Form(Table):
-    """[form]: closure and seat that are not round, how the closure is guided, scratches; see docs/theory_form.md."""
+    """[form]: closure and seat that are not round, how the closure is guided, scratches; see docs/form.md."""
 
     guide: Literal["free", "guided"] = Field(
         "free",
@@ -375,6 +394,9 @@ def _normal(angle: float) -> tuple[float, float]:
 
 def place_trace_files(form: object, folder: Path) -> None:
     """Make the files named in the table, as it stands in a case file, relative to that file's folder."""
+    lay = form.get("lay") if isinstance(form, dict) else None
+    if isinstance(lay, dict) and isinstance(lay.get("profile"), str):
+        lay["profile"] = str(folder / lay["profile"])
     for key in ("seat", "closure"):
         part = form.get(key) if isinstance(form, dict) else None
         if not isinstance(part, dict):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.errors import QuantityError, TextTableError
-from fem_seal.files import UnreadableFileError, read_bytes
+from fem_seal.files import Names, UnreadableFileError, column, find_columns, read_bytes, read_text_table
 from fem_seal.form import Trace
 from fem_seal.units import parse_quantity
 
@@ -282,3 +282,60 @@ def _angle_factor(name: str, values: FloatArray) -> float:
         raise TextTableError(
             f"has an angle whose {error}; a trace has the columns angle and deviation"
         ) from None
+
+
+_PROFILE: Names = {
+    "x": ("length", ("x", "s", "position", "distance", "length")),
+    "z": ("length", ("z", "y", "height", "profile", "deviation")),
+}
+# Waves of the strongest period that a profile must hold, and share of its variance that this one must carry.
+_FEWEST_PERIODS, _LEAST_SHARE = 3, 0.3
+
+
+def read_lay(file: str | Path) -> tuple[float, float]:
+    """Pitch and depth [m] of the lay in a profile measured across it: those of its strongest wave.
+
+    Parameters
+    ----------
+    file : path
+        Text with the columns x and z and their units.
+
+    Raises
+    ------
+    TextTableError
+        If it is no such table, too short, or no wave stands out.
+    """
+    import numpy as np
+    from scipy.optimize import minimize_scalar
+
+    table = read_text_table(file)
+    places = find_columns(table, _PROFILE, 'such as "x [mm], z [um]"')
+    if set(places) != set(_PROFILE):
+        raise TextTableError(f"must have columns x and z; its columns are {', '.join(table.header)}")
+    x, z = (column(table, places[role], "length") for role in ("x", "z"))
+    length = float(np.ptp(x))
+    if len(x) < 4 * _FEWEST_PERIODS or not length > 0:
+        raise TextTableError(f"has {len(x)} points; a lay takes more")
+    z = z - np.polyval(np.polyfit(x, z, 2), x)
+
+    def fitted(wavenumber: float) -> tuple[float, float]:
+        """Amplitude of a wave and the share of the variance that it carries."""
+        waves = np.column_stack([np.cos(wavenumber * x), np.sin(wavenumber * x)])
+        found = np.linalg.lstsq(waves, z, rcond=None)[0]
+        return float(np.hypot(*found)), float(np.var(waves @ found) / np.var(z))
+
+    first, last = 2 * np.pi * _FEWEST_PERIODS / length, 0.5 * np.pi * len(x) / length
+    tried = np.arange(first, last, 0.25 * np.pi / length)
+    if not np.var(z) > 0 or len(tried) == 0:
+        raise TextTableError("is even, or too short, and shows no lay")
+    near = float(tried[int(np.argmax([fitted(k)[1] for k in tried]))])
+    best = minimize_scalar(
+        lambda k: -fitted(k)[1], bounds=(near - np.pi / length, near + np.pi / length), method="bounded"
+    )
+    amplitude, share = fitted(float(best.x))
+    if share < _LEAST_SHARE:
+        raise TextTableError(
+            f"shows no lay: its strongest wave, of {2e6 * np.pi / best.x:.3g} um, carries {100 * share:.2g} % of the "
+            f"variance; a lay carries more than {100 * _LEAST_SHARE:g} %. Give pitch and depth instead"
+        )
+    return 2 * np.pi / float(best.x), 2 * amplitude
