@@ -205,7 +205,7 @@ def _named_files(entry: Any, name: str = "") -> Iterator[str]:
     elif isinstance(entry, (list, tuple)):
         for value in entry:
             yield from _named_files(value, name)
-    elif name in ("file", "files", "trace") and isinstance(entry, str):
+    elif name in ("file", "files", "trace", "profile") and isinstance(entry, str):
         yield entry
 
 
