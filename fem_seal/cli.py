@@ -343,6 +343,9 @@ def _remarks(case: Case) -> list[str]:
     if case.roughness is not None:
         remarks.extend(case.roughness.remarks())
     if case.form is not None:
+        remarks.append(
+            "[form]: what follows is that of the round seal; `fem-seal run` calculates the form error"
+        )
         remarks.extend(case.form.without_effect(case.contact.angle))
     problem = SealProblem.of(case)
     remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))

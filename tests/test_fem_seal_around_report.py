@@ -12,9 +12,12 @@ import pytest
 from around_results import oval_result, smooth_oval_result
 from sample_results import single_result
 
+from fem_seal.analysis.results import Allowed
+from fem_seal.contact.newton import solve
 from fem_seal.output.pictures import around as drawn
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report.around import around_in_words, least_loaded, turn_that_leaks
+from fem_seal.output.report.form import form_in_words
 from fem_seal.output.report.page import report
 
 NAMES = {"unrolled", "line_load_around", "leak_around"}
@@ -57,6 +60,7 @@ def test_pictures_stand_on_the_page_with_their_words():
     assert {name for name in NAMES if f'id="picture-{name}"' in section} == NAMES
     assert all(paragraph in section for paragraph in around_in_words(oval_result()))
     assert 'href="#around"' in page and "around.csv" in page
+    assert "around the axis" in page and "at the mean line load" in page[page.index("Largest stress") :]
 
 
 def test_every_picture_is_a_drawing_with_axes_in_words(figures):
@@ -157,3 +161,29 @@ def test_turn_that_leaks():
     assert turn_that_leaks(one, 0.8) == pytest.approx(0.8 * 2 * math.pi / 100)
     assert turn_that_leaks(np.zeros(100), 0.8) is None
     assert turn_that_leaks(np.full(100, np.inf), 0.8) is None
+
+
+def test_the_other_interface_law_is_that_of_the_same_form_error():
+    result = oval_result()
+    used, other = result.interface_variants
+    strongest = result.loads[-1]
+    assert used.leak_rate == strongest.leak.leak_rate > 1.01 * strongest.leak_round.leak_rate
+    round_contact = strongest.rough.leak(other_contact(result).profile, strongest.fluid_pressure)
+    assert other.leak_rate > 1.01 * round_contact.leak_rate
+
+
+def other_contact(result):
+    """The round contact of the highest load with the other interface law."""
+    problem, load = result.problem, result.loads[-1]
+    law = replace(problem, interface=replace(problem.interface, plastic=True)).law
+    return solve(result.model, law, axial_force=load.axial_force, loads=load.contact.loads)
+
+
+def test_what_is_allowed_is_rounded_down():
+    result = oval_result()
+    allowed = Allowed("target", 1e-6, 1.49, 5.06e-6, "radial", 15)
+    told = " ".join(form_in_words(replace(result, form=replace(result.form, allowed=allowed))))
+    assert "up to 1.4 times" in told and "tolerance of 5.0 µm" in told
+    none = replace(allowed, zone=0.0)
+    told = " ".join(form_in_words(replace(result, form=replace(result.form, allowed=none))))
+    assert "No roundness tolerance on the drawing keeps the target" in told

@@ -248,6 +248,14 @@ WRONG = {
         {"seat": {"tolerance": "2 um", "tolerance_waves": [8, 5]}},
         ["tolerance_waves = [8, 5]: the fewest must come before the most"],
     ),
+    "one wave without its list": (
+        {"seat": {"harmonics": OVAL}},
+        ["harmonics", "must be a list", "[[harmonics]]"],
+    ),
+    "a range in words": (
+        {"seat": {"tolerance": "2 um", "tolerance_waves": "2 to 15"}},
+        ["tolerance_waves", "must be a list"],
+    ),
     "another direction": ({"seat": {"direction": "up"}}, ["form.seat.direction", '"radial"']),
     "a trace that is not there": (
         {"seat": {"trace": "nowhere.csv"}},
@@ -362,6 +370,8 @@ def test_what_changes_nothing_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
     assert len(said) == 2 and all('guide = "guided" holds the closure' in one for one in said)
     guided = sealed(eccentricity="2 um", guide="guided").form
     assert guided is not None and not guided.without_effect(ANGLE45)
+    shifted = sealed(seat={"harmonics": [{**OVAL, "waves": 1}]}).form
+    assert shifted is not None and "gives way to one wave per turn" in shifted.without_effect(ANGLE45)[0]
     flat = sealed(seat={"harmonics": [OVAL]}).form
     assert flat is not None and not flat.without_effect(ANGLE45)
     assert 'what changes the gap is a deviation "axial"' in flat.without_effect(0.0)[0]
@@ -371,7 +381,9 @@ def test_what_changes_nothing_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
         lines += [f"{table}.{key} = {value!r}" for key, value in entries.items()]
     (tmp_path / "case.toml").write_text("\n".join(lines).replace("'", '"'))
     assert main(["check", str(tmp_path / "case.toml")]) == 0
-    assert "a closure that is free gives way to it" in " ".join(capsys.readouterr().err.split())
+    warned = " ".join(capsys.readouterr().err.split())
+    assert "a closure that is free gives way to it" in warned
+    assert "what follows is that of the round seal" in warned
 
 
 # ---------------------------------------------------------------- keys into lists

@@ -138,7 +138,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
     strongest = strongest_load(loads)
     load, variants = loads[strongest], []
     for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
-        contact = load.contact
+        contact, leak = load.contact, load.leak
         if plastic != problem.interface.plastic:
             changed = _with_law(problem, plastic)
             if solver.yields:
@@ -146,6 +146,8 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
             else:
                 # what the fluid does between the surfaces stays as it is
                 contact = solve(solver.model, changed.law, axial_force=load.axial_force, loads=contact.loads)
-        changed_load = LoadResult(*load.point, contact, RoughFlow.of(surface, problem.flow, [contact]))
-        variants.append(Comparison.of(name, contact.profile, changed_load.leak))
+            formed = changed.around(contact)
+            bare = LoadResult(*load.point, contact, formed=formed)
+            leak = replace(bare, rough=RoughFlow.of(surface, problem.flow, bare.contacts)).leak
+        variants.append(Comparison.of(name, contact.profile, leak))
     return tuple(variants)

@@ -377,11 +377,18 @@ def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResul
         )
 
 
+def _highest_pressure(load: LoadResult) -> float:
+    """Of a seal that is not round the highest around its axis [Pa]."""
+    return (
+        load.contact.profile.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())
+    )
+
+
 def _above_hardness(
     problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]
 ) -> Iterator[Caution]:
-    load = max(loads, key=lambda load: load.contact.profile.peak_pressure)
-    peak, hardness = load.contact.profile.peak_pressure, problem.hardness
+    load = max(loads, key=_highest_pressure)
+    peak, hardness = _highest_pressure(load), problem.hardness
     if hardness is None or peak <= (_NEAR_HARDNESS if problem.asperities_yield else 1.0) * hardness:
         return
     share = peak / hardness

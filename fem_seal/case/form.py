@@ -338,6 +338,11 @@ class Form(Table):
             if getattr(self, key) and self.guide == "free"
         ]
         for name, part in self.parts.items():
+            if self.guide == "free" and any(one.waves == 1 and one.amplitude for one in part.harmonics):
+                said.append(
+                    f"form.{name}.harmonics: a closure that is free gives way to one wave per turn, which changes "
+                    'nothing; guide = "guided" holds the closure'
+                )
             if abs(along_normal(part.direction, _normal(angle))) < _ACROSS:
                 other = "axial" if part.direction == "radial" else "radial"
                 said.append(

@@ -112,6 +112,8 @@ def _plain(kind: str, name: str, message: str) -> str:
         return f"must be a table, [{name}] with its keys below, or {name} = {{ ... }}"
     if kind == "bool_type":
         return "must be true or false, without quotes"
+    if kind in ("tuple_type", "list_type"):
+        return f"must be a list, {name} = [ ... ]; of tables also [[{name}]] with the keys below each"
     if kind == "string_type":
         return "must be a text in quotes"
     if kind == "invalid_key":

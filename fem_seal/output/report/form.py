@@ -84,16 +84,20 @@ def _allowed(allowed: Allowed, load: LoadResult) -> Iterator[str]:
         yield said(
             "form.allowed",
             "larger" if allowed.factor > 1 else "smaller",
-            factor=number(allowed.factor, 2),
+            factor=number(_down(allowed.factor), 2),
             limit=limit,
             rate=rate,
         )
-    if allowed.zone is not None and math.isfinite(allowed.zone):
+    if load.around is not None and load.around.scratches is not None:
+        yield said("form.allowed", "aside")
+    if allowed.zone == 0:
+        yield said("form.allowed", "no_zone", kind=_DIRECTIONS[allowed.direction], limit=limit)
+    elif allowed.zone is not None and math.isfinite(allowed.zone):
         yield said(
             "form.allowed",
             "drawing",
             kind=_DIRECTIONS[allowed.direction],
-            zone=quantity("length", allowed.zone, 2),
+            zone=quantity("length", _down(allowed.zone), 2),
             waves=allowed.waves,
             limit=limit,
         )
@@ -110,9 +114,17 @@ def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
         yield said(
             "form.scratches",
             "deepest",
-            depth=quantity("length", depth, 2),
-            width=quantity("length", width, 2),
+            depth=quantity("length", _down(depth), 2),
+            width=quantity("length", _down(width), 2),
         )
+
+
+def _down(value: float) -> float:
+    """What is allowed, with two digits and no more of it than there is."""
+    if not 0 < value < math.inf:
+        return value
+    unit = 10.0 ** (math.floor(math.log10(value) + 1e-12) - 1)
+    return math.floor(value / unit + 1e-9) * unit
 
 
 def curve_table(result: SealSolution) -> ReadableTable:

@@ -92,7 +92,8 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
         Fact(
             "Largest stress in the bodies",
             quantity("contact pressure", load.max_von_mises),
-            f"von Mises, in the {load.max_von_mises_at[0]}",
+            f"von Mises, in the {load.max_von_mises_at[0]}"
+            + ("" if load.formed is None or not load.formed.form.felt else ", at the mean line load"),
         )
     )
     if imprint := imprint_in_words(result):
