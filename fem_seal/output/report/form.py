@@ -43,7 +43,7 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
             "form.waves", "worst", waves=worst.waves, least=percent(worst.line_load_min_over_mean), load=at
         )
     yield from _closing(answers, load)
-    if answers.allowed is not None:
+    if answers.allowed is not None and not load.validity.outside:
         yield from _allowed(answers.allowed, load)
     yield from _scratches(answers, load)
     if answers.goes_round is not None:
