@@ -59,6 +59,7 @@ def load(
         critical_separation=critical_separation,
         leak=SimpleNamespace(leak_rate=leak_rate),
         contact=contact,
+        formed=None,
     )
 
 
