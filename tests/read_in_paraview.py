@@ -3,14 +3,20 @@
 import json
 import sys
 
-from paraview.simple import IntegrateVariables, OpenDataFile, UpdatePipeline
 
-reader = OpenDataFile(sys.argv[1])
-times = list(reader.TimestepValues)
-UpdatePipeline(time=times[-1], proxy=reader)
-data = reader.GetPointDataInformation()
-arrays = [data.GetArray(n) for n in range(data.GetNumberOfArrays())]
-whole = IntegrateVariables(Input=reader)
-UpdatePipeline(time=times[-1], proxy=whole)
-area = whole.GetCellDataInformation().GetArray("Area").GetRange()[0]
-print(json.dumps({"times": times, "ranges": {one.Name: one.GetRange() for one in arrays}, "area": area}))
+def main(file):
+    from paraview.simple import IntegrateVariables, OpenDataFile, UpdatePipeline
+
+    reader = OpenDataFile(file)
+    times = list(reader.TimestepValues)
+    UpdatePipeline(time=times[-1], proxy=reader)
+    data = reader.GetPointDataInformation()
+    arrays = [data.GetArray(n) for n in range(data.GetNumberOfArrays())]
+    whole = IntegrateVariables(Input=reader)
+    UpdatePipeline(time=times[-1], proxy=whole)
+    area = whole.GetCellDataInformation().GetArray("Area").GetRange()[0]
+    return {"times": times, "ranges": {one.Name: one.GetRange() for one in arrays}, "area": area}
+
+
+if __name__ == "__main__":
+    print(json.dumps(main(sys.argv[1])))

@@ -49,7 +49,7 @@ def test_elliptic_duct_is_the_integral_of_its_velocity(depth, width):
     a, b = width / 2, depth / 2
     top = a**2 * b**2 / (2 * ETA * (a**2 + b**2))
     assert top * (2 / a**2 + 2 / b**2) == pytest.approx(1 / ETA)
-    volume = 4 * quad(lambda X: a * b * top * (2 / 3) * (1 - X**2) ** 1.5, 0, 1)[0]
+    volume = 4 * a * b * top * quad(lambda X: (2 / 3) * (1 - X**2) ** 1.5, 0, 1, epsrel=1e-12)[0]
     K = leak.EllipticGroove(depth, width).liquid_conductance(0.0, E, ETA)
     assert float(K) == pytest.approx(volume, rel=1e-10)
 
@@ -281,11 +281,12 @@ def test_without_scratch_it_is_the_leak_integral(side):
 
 
 def test_free_exchange_is_the_integral_of_both_conductances():
-    x, p = gauss(12.0, 4001)
+    # so far out that what the gap resists beyond is 1e-5 (1e-4 at twelve standard deviations)
+    x, p = gauss(18.0, 8001)
     scratch = leak.Scratch(5e-6, 30e-6)
     found = flow(x, p, scratch, water())
     K = scratch.section.liquid_conductance(p, E, ETA)
-    both = 2 * np.pi * R0 * np.maximum(water()(np.maximum(p, 1e-30)), 0.0) + K
+    both = 2 * np.pi * R0 * np.maximum(water()(np.maximum(p, 1e-290)), 0.0) + K
     assert found.upper.leak_rate == pytest.approx(DROP / np.trapezoid(1 / both, x), rel=1e-4)
 
 
@@ -365,7 +366,8 @@ def test_gas_without_scratch_is_the_gas_flow(outlet):
     args = (HELIUM, 1e6, outlet, R0)
     line = leak.gas_leak_flow(x, p, surface(), *args)
     found = leak.gas_scratch_flow(x, p, leak.Scratch(1e-6, 20e-6), surface(), *args, effective_modulus=E)
-    assert found.without.mass_flow == pytest.approx(line.mass_flow, rel=1e-6)
+    # two solvers, each of which ends at 1e-6 where the gas flows into a vacuum
+    assert found.without.mass_flow == pytest.approx(line.mass_flow, rel=2e-6)
     np.testing.assert_allclose(found.without.fluid_pressure, line.fluid_pressure, atol=1e-5 * 1e6)
     assert found.without.mass_flow < found.lower.mass_flow <= found.upper.mass_flow
     assert found.without.knudsen_number == pytest.approx(line.knudsen_number, rel=1e-4)

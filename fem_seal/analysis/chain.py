@@ -34,12 +34,8 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
-_LEAK = {
-    "leak_round": "leak rate of the round seal",
-    "around": "leak around the axis",
-    "leak": "leak rate",
-    "leak_elastic": "leak rate of elastic asperities",
-}
+_LEAK = {"leak": "leak rate", "leak_elastic": "leak rate of elastic asperities"}
+_LEAK_AROUND = {"leak_round": "leak rate of the round seal", "around": "leak around the axis", **_LEAK}
 _SEPARATION = {
     "critical_separation": "critical separation",
     "critical_separation_elastic": "critical separation of elastic asperities",
@@ -82,7 +78,10 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
         ]
         shown = [contact for load in bare for contact in load.contacts]
         rough = _with_tables(after, RoughFlow.of(problem.surface, problem.flow, shown))
-        loads = tuple(_settled(after, load.knowing(rough=rough), _LEAK) for load in bare)
+        loads = tuple(
+            _settled(after, load.knowing(rough=rough), _LEAK if load.formed is None else _LEAK_AROUND)
+            for load in bare
+        )
     with clock.step("stress", "stress in both bodies"):
         loads = tuple(
             _settled(after, _settled(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
