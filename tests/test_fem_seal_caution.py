@@ -202,7 +202,7 @@ def test_limits_are_those_of_the_documentation():
         (row,) = [cells for name, cells in rows.items() if name.startswith(start)]
         return [cell.strip() for cell in row]
 
-    assert limits("von Mises stress of a body") == ["above 1", f"above {warnings._LARGEST_EXCESS:g}"]
+    assert limits("von Mises stress of a body") == ["above 1", f"above {warnings.LARGEST_EXCESS:g}"]
     assert limits("pressure at the end of a face") == [
         f"above {warnings._CUT_OFF:.0e}".replace("e-06", "e-6"),
         f"above {100 * warnings._MUCH_CUT_OFF:g} %",

@@ -23,6 +23,8 @@ _LONG, _LONGEST = 0.2, 0.6
 _COUNTS = 0.03
 # Line load over its mean below which a place is called open.
 _OPEN = 1e-2
+# Stress over the yield stress of a body that is solved as elastic from which on the contact is another one.
+LARGEST_EXCESS = 1.5
 # Fluid pressure over the contact's peak somewhere around the axis from which on it opens the gap noticeably there.
 _FLUID_OPENS = 0.5
 # Reynolds number of the flow through an open gap from which on inertia counts, and from which on it is turbulent.
@@ -128,7 +130,7 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
     if load.max_von_mises <= min(limits) < stress:
         yield Caution(
             "yield stress",
-            Level.DOUBTFUL,
+            Level.OUTSIDE if stress > LARGEST_EXCESS * min(limits) else Level.DOUBTFUL,
             f"von Mises stress about {stress / min(limits):.2g} times the yield stress where the line load is largest",
             f"at {load_name(load, loads)} the contact pressure reaches {ratio:.3g} times that at the mean line load; "
             f"the von Mises stress there is about {stress / 1e6:.3g} MPa, above the yield stress "

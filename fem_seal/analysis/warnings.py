@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from fem_seal.analysis.caution import Caution, Level, Validity
-from fem_seal.analysis.form_warnings import form_cautions
+from fem_seal.analysis.form_warnings import LARGEST_EXCESS, form_cautions
 from fem_seal.analysis.load_names import load_name
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.load_path import yielding_bodies
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from leak import PowerSpectrum
 
 
-# von Mises stress over the yield stress of a body that is solved as elastic from which on the contact is another one.
-_LARGEST_EXCESS = 1.5
 # Share of what acts that is left to opening below which the contact force is a small difference of large ones.
 _NEAR_OPENING = 0.05
 # Pressure at the ends of the contact zone over the peak pressure above which contact is cut off, and above which what
@@ -263,7 +261,7 @@ def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadRes
         load, zone = max(over, key=lambda item: item[1].von_mises)
         first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
         r, z = zone.place
-        level = Level.OUTSIDE if zone.excess > _LARGEST_EXCESS else Level.DOUBTFUL
+        level = Level.OUTSIDE if zone.excess > LARGEST_EXCESS else Level.DOUBTFUL
         yield Caution(
             "yield stress",
             level,

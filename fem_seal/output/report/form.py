@@ -186,12 +186,13 @@ def _form_rows(form: Form) -> Iterator[tuple[str, str]]:
         yield (
             f"scratch {n}",
             f"{given('length', scratch.depth)} deep, {given('length', scratch.width)} wide, at "
-            f"{_degrees(scratch.angle)}",
+            f"{_degrees(scratch.angle)}"
+            + (f", slanting by {_degrees(scratch.direction)}" if scratch.direction else ""),
         )
     if form.lay is not None:
         yield (
             "lay of turning",
-            f"{given('length', form.lay.depth)} deep, pitch {given('length', form.lay.pitch)}",
+            f"{given('length', form.lay.depth)} deep, {form.lay.section}, pitch {given('length', form.lay.pitch)}",
         )
 
 

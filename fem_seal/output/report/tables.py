@@ -53,12 +53,14 @@ _OF_LOADS = (
     "axial_force_N",
     "line_load_N_per_m",
     "peak_pressure_Pa",
+    "peak_pressure_max_Pa",
     "fwhm_m",
     "std_m",
     "critical_separation_m",
     "critical_separation_elastic_m",
     "leak_rate_m3_per_s",
     "leak_rate_elastic_m3_per_s",
+    "leak_rate_round_m3_per_s",
     "max_von_mises_Pa",
 )
 _GIVEN = ("fluid_pressure_Pa", "applied_force_N", "axial_force_N")
