@@ -450,7 +450,7 @@ def large() -> LocalContact:
 
 @pytest.mark.parametrize("row", [row for row in ROWS if row["relative_radius_m"] == 0.5])
 def test_bodies_of_half_a_metre_are_half_spaces(large: LocalContact, row: dict[str, float]) -> None:
-    """Line loads to 0.3 % of the largest, peaks to 0.3 % up to k s = 0.1 and 0.65 % at 0.18 (see above)."""
+    """Line loads to 0.3 % of the largest; peaks, with the bending of the gap to first order, to 0.1 and 0.25 %."""
     waves = round(row["wave_number_per_m"] * 0.5 * math.sin(math.radians(45)))
     found = around(one_wave(waves, row["amplitude_m"]), large)
     f, largest = over_mean(found), row["line_load_near_over_mean"]
@@ -459,7 +459,7 @@ def test_bodies_of_half_a_metre_are_half_spaces(large: LocalContact, row: dict[s
     assert f.max() == pytest.approx(largest, rel=3e-3)
     assert harmonics[waves] == pytest.approx(row["first_harmonic_over_mean"], abs=3e-3 * largest)
     assert harmonics[2 * waves] == pytest.approx(row["second_harmonic_over_mean"], abs=3e-3 * largest)
-    bend = 3e-3 if waves == 50 else 6.5e-3
+    bend = 1e-3 if waves == 50 else 2.5e-3
     assert found.peak_pressure[0] == pytest.approx(row["peak_pressure_far_Pa"], rel=bend)
     assert found.peak_pressure.max() == pytest.approx(row["peak_pressure_near_Pa"], rel=bend)
 

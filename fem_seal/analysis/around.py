@@ -51,6 +51,8 @@ class Around:
         f(phi) [N/m].
     approach : ndarray, shape (m,)
         Of closure and seat along the normal [m].
+    bend : ndarray, shape (m,)
+        By how much the waving part of the line load bends the gap across the width, in x^2 [1/m].
     leak_rate : ndarray, shape (m,), or None
         Of the fluid that flows straight across at each angle [m^3/s per radian]; None without roughness or fluid.
     leak : LeakResult or None
@@ -66,6 +68,7 @@ class Around:
     gap_change: FloatArray = field(repr=False)
     line_load: FloatArray = field(repr=False)
     approach: FloatArray = field(repr=False)
+    bend: FloatArray = field(repr=False)
     leak_rate: FloatArray | None = field(default=None, repr=False)
     leak: LeakResult | None = field(default=None, repr=False)
     scratches: tuple[float, float] | None = None
@@ -88,7 +91,7 @@ class Around:
     @cached_property
     def peak_pressure(self) -> FloatArray:
         """Highest contact pressure at each angle [Pa]."""
-        return self.local.peak_pressure(self.line_load)
+        return self.local.peak_pressure(self.line_load, self.bend)
 
     @cached_property
     def fwhm(self) -> FloatArray:
@@ -250,18 +253,26 @@ def around(form: FormError, local: LocalContact) -> Around:
     if not form.felt:
         angle = _angles(size * repeats)
         even = np.full_like(angle, mean.line_load)
-        return Around(form, local, angle, np.zeros_like(angle), even, local.approach(even)[0])
+        nothing = np.zeros_like(angle)
+        return Around(form, local, angle, nothing, even, local.approach(even)[0], nothing)
     gap = form.gap(_angles(size) / repeats)
+    stiffening = Stiffening(mean.model, mean.pressure, _asked_of_bodies(form))
     f, approach = line_load_around(
         local,
-        Stiffening(mean.model, mean.pressure, _asked_of_bodies(form)),
+        stiffening,
         gap,
         mean.line_load,
         symmetry=repeats,
         guided=form.guided,
     )
-    gap, f, approach = (np.tile(values, repeats) for values in (gap, f, approach))
-    return Around(form, local, _angles(size * repeats), gap, f, approach)
+    modes = np.fft.rfft(f)
+    felt = range(2 if repeats == 1 and not form.guided else 1, stiffening.highest // repeats + 1)
+    bends = np.zeros_like(modes)
+    for n in felt:
+        bends[n] = stiffening.bend(n * repeats) * modes[n]
+    bend = np.fft.irfft(bends, size)
+    gap, f, approach, bend = (np.tile(values, repeats) for values in (gap, f, approach, bend))
+    return Around(form, local, _angles(size * repeats), gap, f, approach, bend)
 
 
 def _asked_of_bodies(form: FormError) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
@@ -32,6 +32,8 @@ _FADING = 1e-6
 # Ends of a first ladder where nobody knows the line loads yet, and of what counts as a load at all, in ln f over mean.
 _FIRST_LOWEST, _FIRST_HIGHEST, _NOTHING = math.log(1e-2), math.log(4.0), -600.0
 _POLISH = 4
+# Part of the relative curvature by which a gap is bent to see what that does to the peak.
+_BEND = 0.005
 _SETTINGS = ContactSettings(gap_tolerance=1e-10)
 
 
@@ -124,9 +126,21 @@ class LocalContact:
         f = np.where(inside, self.mean.line_load * np.exp(curve(at) + (np.log(g) - at) * slope), 0.0)
         return f, f * slope / g
 
-    def peak_pressure(self, line_load: FloatArray) -> FloatArray:
-        """Highest pressure [Pa] at line loads [N/m]; zero where there is none."""
+    def peak_pressure(self, line_load: FloatArray, bend: FloatArray | float = 0.0) -> FloatArray:
+        """Highest pressure [Pa] at line loads [N/m]; zero where there is none.
+
+        Parameters
+        ----------
+        line_load : ndarray, shape (m,)
+            [N/m]
+        bend : ndarray, shape (m,), or float
+            By how much the gap is bent there beside its own curvature, in x^2 [1/m]; to first order, and not of smooth
+            surfaces, whose peaks are no better than their mesh.
+        """
         log_peak = self._logarithm("peak", line_load, lambda c: math.log(c.profile.peak_pressure), fading=1.0)
+        if np.any(bend) and not self.opens and math.isfinite(self.mean.model.relative_radius):
+            v = np.maximum(self._over_mean(line_load), self._low)
+            log_peak = log_peak + bend * self._spline("bent", self._of_bending)(v)
         with np.errstate(under="ignore"):
             return np.where(line_load > 0, np.exp(log_peak), 0.0)
 
@@ -251,6 +265,14 @@ class LocalContact:
         return solve(
             near.model, self.law, axial_force=axial_force, loads=near.loads, settings=_SETTINGS, start=near
         )
+
+    def _of_bending(self, contact: ContactSolution) -> float:
+        """Change of ln p_peak for each 1/m by which the gap is bent [m]."""
+        line, bend = contact.model.line, _BEND / contact.model.relative_radius
+        bent = replace(line, initial_gap=line.initial_gap + bend * line.x**2)
+        changed = replace(contact, model=replace(contact.model, line=bent))
+        peak = self._solved(contact.axial_force, changed).profile.peak_pressure
+        return math.log(peak / contact.profile.peak_pressure) / bend
 
     def _fades(self, k: int) -> bool:
         first, second, third = (self._rung_approach(k + n) for n in range(3))

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import numpy as np
 from scipy.special import k0e
 
 from fem_seal.arrays import FloatArray
@@ -42,12 +43,31 @@ class Stiffening:
         """
         if n > self.highest:
             return self._beyond + self._half_spaces(n)
+        return float(self._forces @ self._opening(n)) / self._forces.sum()
+
+    def bend(self, n: int) -> float:
+        """By how much a line load that waves n times bends the gap across the width, in (x - x_mean)^2 [1/m per N/m].
+
+        None of it where the bodies answer as half-spaces do: such harmonics are weak.
+
+        Parameters
+        ----------
+        n : int
+        """
+        if n > self.highest:
+            return 0.0
+        share, x = self._forces / self._forces.sum(), self.model.line.x
+        parabola = (x - share @ x) ** 2
+        parabola = parabola - share @ parabola
+        return float((share * parabola) @ self._opening(n) / ((share * parabola) @ parabola))
+
+    def _opening(self, n: int) -> FloatArray:
+        """By how much more the gap opens under the n-th harmonic than under an even line load [m per N/m]."""
         model, forces = self.model, self._forces
-        waving = 0.0
+        opening = -(model.compliance @ forces)
         for body, harmonic in zip((model.closure, model.seat), model.harmonics, strict=True):
-            at_nodes = body.trace.T @ forces
-            waving += at_nodes @ harmonic.compliance(n) @ at_nodes
-        return float(waving - forces @ model.compliance @ forces) / forces.sum()
+            opening = opening + body.trace @ (harmonic.compliance(n) @ (body.trace.T @ forces))
+        return np.asarray(opening)
 
     @cached_property
     def _beyond(self) -> float:
