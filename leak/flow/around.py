@@ -250,9 +250,10 @@ def rarefied_conductivity(
     Examples
     --------
     >>> import leak
-    >>> surface = leak.RoughContact(
-    ...     leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e3, q_rolloff=1e4, q_high=1e6), 115e9
+    >>> spectrum = leak.PowerSpectrum.self_affine(
+    ...     rms_height=1e-6, hurst=0.8, q_low=1e3, q_rolloff=1e4, q_high=1e6
     ... )
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9)
     >>> table = leak.gas_conductivity_table(surface, 1e5, 1e8, 8)
     >>> sigma = rarefied_conductivity(table, leak.gas("helium"), np.log([[1e6, 2e6]]))
     >>> bool(sigma(np.array([[1e3]]))[0, 0] > sigma(np.array([[1e6]]))[0, 0])
