@@ -10,8 +10,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from around_results import oval_result, smooth_oval_result
-from sample_results import single_result
+from sample_results import case, single_result
 
+import fem_seal
 from fem_seal.analysis.results import Allowed
 from fem_seal.contact.newton import solve
 from fem_seal.output.pictures import around as drawn
@@ -19,6 +20,7 @@ from fem_seal.output.pictures.style import style
 from fem_seal.output.report.around import around_in_words, least_loaded, turn_that_leaks
 from fem_seal.output.report.form import form_in_words
 from fem_seal.output.report.page import report
+from fem_seal.units import leak_rate_text
 
 NAMES = {"unrolled", "line_load_around", "leak_around"}
 MAKERS = (drawn.unrolled_picture, drawn.line_load_picture, drawn.leak_around_picture)
@@ -187,3 +189,21 @@ def test_what_is_allowed_is_rounded_down():
     none = replace(allowed, zone=0.0)
     told = " ".join(form_in_words(replace(result, form=replace(result.form, allowed=none))))
     assert "No roundness tolerance on the drawing keeps the target" in told
+
+
+def test_the_deepest_scratch_leaks_the_target_beside_the_others_and_the_lay():
+    """The answer put back into the case. The search ends at 1e-6 of the depth, of which the leak is the third power."""
+    scratches = [{"depth": "2 um", "width": "60 um", "angle": "200 deg"}, {"depth": "2 um", "width": "20 um"}]
+    form = {"scratches": scratches, "lay": {"pitch": "60 um", "depth": "0.8 um"}}
+    spectrum = {"kind": "self-affine", "rms_height": "0.3 um", "hurst": 0.8}
+    spectrum |= {"q_low": "5e3 1/m", "q_rolloff": "1e5 1/m", "q_high": "5e6 1/m"}
+    load = {"fluid_pressure": "20 bar", "target_leak_rate": "1 ml/min"}
+    result = fem_seal.run(case(form=form, load=load, roughness={"spectrum": spectrum}))
+    depth, width = result.form.deepest_scratch
+    assert width == pytest.approx(30 * depth)
+    deepest = {**scratches[0], "depth": f"{depth!r} m", "width": f"{width!r} m"}
+    changed = result.case.replace({"form.scratches": [deepest, scratches[1]], "load.target_leak_rate": None})
+    assert fem_seal.run(changed).loads[0].leak.leak_rate == pytest.approx(1e-6 / 60, rel=1e-5)
+    low, high = result.loads[0].around.scratches
+    least = leak_rate_text(result.loads[0].leak.leak_rate - (high - low), 3)
+    assert f"the lower one gives {least}" in report(result)

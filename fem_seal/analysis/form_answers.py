@@ -180,7 +180,7 @@ def _goes_round(load: LoadResult) -> float | None:
 
 
 def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[float, float] | None:
-    """Of the proportions and at the place of the widest one."""
+    """In place of the widest one, of its proportions; all others and the lay leak as they do."""
     limit = _limit(case, load)
     placed = [(one, one.groove) for one in asked.formed.form.grooves if isinstance(one.groove, Scratch)]
     if not placed or limit is None:
@@ -189,8 +189,10 @@ def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[floa
     if asked.leaks is None:
         return None
     flow = asked.leaks.flow
-    without = asked.leak_rate(asked.form)
     profile = asked.formed.profile_at(place.angle)
+    if load.leak is None:
+        return None
+    without = load.leak.leak_rate - flow.bounds(profile, [widest]).extra[1]
     found = deepest_scratch(
         lambda scratch: without + flow.bounds(profile, [scratch]).extra[1],
         limit[1],

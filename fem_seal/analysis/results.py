@@ -395,8 +395,8 @@ class FormAnswers:
     goes_round : float or None
         Share by which more leaks because fluid goes round tight places; None if not asked.
     deepest_scratch : tuple of float or None
-        Depth and width [m] of the deepest scratch, of the proportions of the widest that is given, with which the
-        limit still holds; None without scratches or limit, or if none does.
+        Depth and width [m] of the deepest scratch in place of the widest, of its proportions, with which the limit
+        still holds beside all others; None without scratches or limit, or if none does.
     """
 
     fluid_pressure: float

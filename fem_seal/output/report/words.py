@@ -101,7 +101,7 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     if load.leak is not None:
         rate = load.leak.leak_rate
         told = leak_rate_text(rate, load.digits, claimed=not load.validity.outside)
-        found.insert(0, Fact("Leak rate", told, per_day(rate, load.digits)))
+        found.insert(0, Fact("Leak rate", told, _least(load) or per_day(rate, load.digits)))
         if load.leak.leak_rate > 0:
             # the first of these units may be the one that stands there already
             others = [
@@ -114,6 +114,17 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     if result.uncertainty is not None:
         found.insert(1, _interval_fact(result, load))
     return found
+
+
+def _least(load: LoadResult) -> str:
+    """That a leak rate with scratches is the upper of two bounds, and the lower one; empty without scratches."""
+    if load.leak is None or load.around is None or load.around.scratches is None:
+        return ""
+    low, high = load.around.scratches
+    least = leak_rate_text(
+        load.leak.leak_rate - (high - low), min(load.digits, 3), claimed=not load.validity.outside
+    )
+    return f"upper bound of what scratches add; the lower one gives {least}"
 
 
 def _peak_fact(load: LoadResult) -> tuple[str, str]:
