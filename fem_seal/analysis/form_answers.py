@@ -15,7 +15,7 @@ from fem_seal.analysis.leakage import leakage_classes
 from fem_seal.analysis.problem import largest_force
 from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
 from fem_seal.errors import ConvergenceError, OpenSealError
-from fem_seal.form import FormError, Wave, WaveTolerance, along_normal
+from fem_seal.form import FormError, Wave, WaveTolerance
 from leak import Scratch, deepest_scratch
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 _FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 # Numbers of waves that are tried for the tolerance on the drawing, unless the case says which.
 _WAVES = (2, 15)
+# Radial part of the contact normal below which a drawing calls for flatness instead of roundness.
+_FLAT = 0.05
 # Angles on which the flow around the axis is solved, at most.
 _ANGLES = 256
 # Largest and first change of the gap that is looked at [m], steps and smallest in the logarithm, and the accuracy.
@@ -219,10 +221,9 @@ def _allowed(case: Case, load: LoadResult, asked: _Formed, given: FormError) -> 
     if limit is None or load.leak is None:
         return None
     name, rate = limit
-    contact = load.contact.model
-    normal = (-math.sqrt(max(1.0 - contact.touch_normal_z**2, 0.0)), contact.touch_normal_z)
-    direction = "radial" if abs(normal[0]) > 0.05 else "axial"
-    share = abs(along_normal("radial" if direction == "radial" else "axial", normal))
+    axial = load.contact.model.touch_normal_z
+    radial = math.sqrt(max(1.0 - axial**2, 0.0))
+    direction, share = ("radial", radial) if radial > _FLAT else ("axial", axial)
     round_rate = load.leak_round.leak_rate if load.leak_round is not None else math.inf
     if round_rate > rate:
         return Allowed(name, rate, None, None, direction, None)
