@@ -19,6 +19,7 @@ from leak.flow.effective_gap import area_argument_at, critical_gap, effective_ga
 from leak.flow.rarefied import flow_factor
 from leak.numerics.curves import spline_slopes
 from leak.surfaces.spectrum import PowerSpectrum
+from leak.theory.capped import equivalent_pressure
 from leak.theory.interface_law import RoughSurfaceLaw
 from leak.theory.persson import (
     ElasticRoughness,
@@ -33,6 +34,7 @@ from leak.theory.plasticity import AreaFractions, PlasticRoughness, area_fractio
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
 
 _WIDTHS = ("effective", "plain")
+_YIELDING = ("conserved", "capped")
 # Pressures are treated a few at a time, so that the work arrays stay in the processor's cache.
 _CHUNK = 8
 # P(u) itself is asked for far into its tails, where a flow conductivity does not look.
@@ -48,8 +50,8 @@ class RoughContact:
     """Contact between a rough surface and a smooth one, elastic or with asperity plasticity.
 
     Two rough surfaces count as one with the sum of their spectra. Given a hardness, every separation and
-    conductivity is that of the spectrum C_pl smoothed by plastic flow at the pressure asked for; `elastic` is the
-    same surface without it. From the hardness on, the theory's limit is taken: all area plastic, no gap, sealed.
+    conductivity is that of asperities that yield, in one of two readings; `elastic` is the same surface without.
+    From the hardness on, the theory's limit is taken: all area plastic, no gap, sealed.
 
     Parameters
     ----------
@@ -59,6 +61,10 @@ class RoughContact:
         E*, 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa].
     hardness : float, optional
         Penetration hardness of the softer surface [Pa]; None for elastic asperities.
+    yielding : {"conserved", "capped"}
+        What becomes of the metal that yields. "conserved": the spectrum C_pl smoothed everywhere by plastic flow at
+        the pressure asked for, valleys included (`leak.theory.plasticity`). "capped": the pressure is limited by the
+        hardness and the surface changes only where it touches (`leak.theory.capped`). The truth lies between.
     percolation_threshold : float
         Relative contact area A/A0 at which the open area stops percolating [-].
     gamma : float
@@ -94,6 +100,7 @@ class RoughContact:
     spectrum: PowerSpectrum
     effective_modulus: float = field(kw_only=True)
     hardness: float | None = field(default=None, kw_only=True)
+    yielding: str = field(default="conserved", kw_only=True)
     percolation_threshold: float = field(default=0.42, kw_only=True)
     gamma: float = field(default=0.45, kw_only=True)
     separation_width: str = field(default="effective", kw_only=True)
@@ -105,6 +112,8 @@ class RoughContact:
         positive(SurfaceError, "effective_modulus", self.effective_modulus, "Pa")
         if self.hardness is not None:
             positive(SurfaceError, "hardness", self.hardness, "Pa")
+        if self.yielding not in _YIELDING:
+            raise SurfaceError(f"yielding = {self.yielding!r}: must be one of {_YIELDING}")
         medium.dimension_number(self.percolation_threshold)
         if not 0.0 < self.gamma <= 1.0:
             raise SurfaceError(f"gamma = {self.gamma}: must lie in (0, 1] [-]")
@@ -122,7 +131,34 @@ class RoughContact:
     @property
     def elastic(self) -> RoughContact:
         """The same surface without asperity plasticity."""
-        return self if self.hardness is None else replace(self, hardness=None)
+        return self if self.hardness is None else replace(self, hardness=None, yielding="conserved")
+
+    @property
+    def conserved(self) -> RoughContact:
+        """The same surface, its volume conserved everywhere."""
+        return self if self.yielding == "conserved" else replace(self, yielding="conserved")
+
+    @property
+    def capped(self) -> RoughContact:
+        """The same surface, changed only where it touches; itself where its asperities do not yield."""
+        return self if self.hardness is None else replace(self, yielding="capped")
+
+    @property
+    def _smoothed(self) -> bool:
+        """Whether C_pl stands in for C."""
+        return self.hardness is not None and self.yielding == "conserved"
+
+    def acting_pressure(self, pressure: ArrayLike) -> FloatArray:
+        """Nominal pressure at which the theory is asked for the gaps: the equivalent one of a capped surface [Pa]."""
+        p = _checked(pressure)
+        if self.hardness is None or self._smoothed:
+            return p
+        return equivalent_pressure(
+            p,
+            hardness=self.hardness,
+            effective_modulus=self.effective_modulus,
+            rms_slope=self.spectrum.rms_slope,
+        )
 
     @cached_property
     def _low_pressure_law(self) -> LowPressureLaw:
@@ -181,7 +217,9 @@ class RoughContact:
     # ---------------------------------------------------------------- plastically smoothed spectrum
 
     def smoothing(self, pressure: ArrayLike, wavenumber: ArrayLike) -> FloatArray | float:
-        """C_pl/C at nominal pressure p and wavenumber q; one without a hardness."""
+        """C_pl/C at nominal pressure p and wavenumber q; one without a hardness, and for a capped surface."""
+        if not self._smoothed:
+            return _scalar(np.ones(np.broadcast_shapes(np.shape(pressure), np.shape(wavenumber))))
         return _scalar(remaining_fraction(*self._yield_variables(pressure, wavenumber)))
 
     def plastic_spectrum(self, pressure: float, *, spacing: float = 0.004) -> PowerSpectrum:
@@ -195,7 +233,7 @@ class RoughContact:
             Spacing of its nodes in ln q. At the default the log-log interpolation is good to 3e-4 even where C_pl
             has fallen by a hundred decades; `smoothing` is exact.
         """
-        if self.hardness is None:
+        if self.hardness is None or not self._smoothed:
             return self.spectrum
         if not 0.0 <= float(pressure) < self.hardness:
             raise SurfaceError(f"pressure = {pressure}: must be below the hardness {self.hardness} [Pa]")
@@ -271,11 +309,14 @@ class RoughContact:
         refinement : int
             So many times more magnifications.
         """
-        relative, seen = pressure / self.effective_modulus, self._seen(pressure)
+        return self._lost_area(self.acting_pressure(pressure), refinement)
+
+    def _lost_area(self, p: FloatArray, refinement: int) -> tuple[LostArea, FloatArray]:
+        relative, seen = p / self.effective_modulus, self._seen(p)
         lost = lost_area(
             self.spectrum, seen, relative, self.gamma, self.separation_width, refinement=refinement
         )
-        return lost, self._mean(pressure, seen).mean[:, 0]
+        return lost, self._mean(p, seen).mean[:, 0]
 
     # ---------------------------------------------------------------- flow
 
@@ -345,12 +386,21 @@ class RoughContact:
         if self.hardness is None:
             return elastic
         low, high = 0.0, min(elastic, self.hardness)
+        if not self._smoothed:
+            return self._reaches(elastic, low, high)
         for _ in range(60):
             middle = 0.5 * (low + high)
             seen = self._seen(np.array([middle]))
             rest = float(seen.moment(np.array([[seen.end]]))[0, 0])
             sealed = middle / self.effective_modulus >= z * np.sqrt(np.pi * rest)
             low, high = (low, middle) if sealed else (middle, high)
+        return high
+
+    def _reaches(self, acting: float, low: float, high: float) -> float:
+        """Nominal pressure between `low` and `high` whose equivalent one is `acting` [Pa]."""
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if self.acting_pressure(middle) >= acting else (middle, high)
         return high
 
     def conductivity_table(
@@ -379,7 +429,7 @@ class RoughContact:
     # ---------------------------------------------------------------- inside
 
     def _seen(self, p: FloatArray) -> RoughnessSeen:
-        if self.hardness is None:
+        if self.hardness is None or not self._smoothed:
             return ElasticRoughness(self.spectrum.last_moment)
         return PlasticRoughness.at(
             p / self.hardness, self.effective_modulus, self.hardness, self.spectrum.last_moment
@@ -406,10 +456,10 @@ class RoughContact:
         index = np.flatnonzero(usual)
         for start in range(0, index.size, _CHUNK):
             part = index[start : start + _CHUNK]
-            out[part] = function(flat[part])
+            out[part] = function(self.acting_pressure(flat[part]))
         tiny = (flat > 0.0) & ~(flat > least)
         if np.any(tiny):
-            last, before = function(np.array([least, np.e * least]))
+            last, before = function(self.acting_pressure(np.array([least, np.e * least])))
             out[tiny] = last + (last - before) * np.log(least / flat[tiny])
         return _scalar(out.reshape(p.shape))
 
@@ -423,7 +473,7 @@ class RoughContact:
             )
 
     def _effective_separation(self, p: FloatArray, refinement: int) -> FloatArray:
-        lost, mean = self.lost_area(p, refinement)
+        lost, mean = self._lost_area(p, refinement)
         n = medium.dimension_number(self.percolation_threshold)
         return effective_gap(lost, mean, self.spectrum.rms_height, n, self.peklenik, refinement=refinement)
 
@@ -475,7 +525,8 @@ def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
     gap, decay = np.empty(p.shape), np.empty(p.shape)
     for start in range(0, p.size, 64):
         part = slice(start, start + 64)
-        found = surface._mean(p[part], surface._seen(p[part]))
+        acting = surface.acting_pressure(p[part])
+        found = surface._mean(acting, surface._seen(acting))
         gap[part], decay[part] = found.mean[:, 0], found.decay[:, 0]
     used = gap > _LAW_END * decay[0]
     log_p, gap, decay = log_p[used], gap[used], decay[used]
