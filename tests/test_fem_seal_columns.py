@@ -130,7 +130,7 @@ def test_a_given_profile_has_the_columns_of_leak_csv(tmp_path):
 @pytest.mark.parametrize(
     ("name", "missing"),
     [
-        ("leak_rate_low_m3_per_s", "uncertainty"),
+        ("leak_rate_low_m3_per_s", "roughness"),
         ("leak_rate_kg_per_s", "roughness"),
         ("critical_separation_elastic_m", "roughness"),
     ],

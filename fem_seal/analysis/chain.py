@@ -34,7 +34,13 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
-_LEAK = {"leak": "leak rate", "leak_elastic": "leak rate of elastic asperities"}
+_LEAK = {
+    "leak": "leak rate",
+    "leak_conserved": "leak rate with the volume of asperities conserved",
+    "leak_capped": "leak rate of asperities that change only where they touch",
+    "leak_elastic": "leak rate of elastic asperities",
+}
+_READINGS = {"capped": "asperities that change only where they touch", "elastic": "elastic asperities"}
 _LEAK_AROUND = {"leak_round": "leak rate of the round seal", "around": "leak around the axis", **_LEAK}
 _SEPARATION = {
     "critical_separation": "critical separation",
@@ -175,8 +181,10 @@ def _with_tables(after: Afterwards, rough: RoughFlow | None) -> RoughFlow | None
     rough = after.settled(rough, {"table": "flow conductivity"})
     if rough.surface.hardness is None:
         return rough
-    elastic = {"table": "flow conductivity of elastic asperities"}
-    return rough.knowing(elastic=after.settled(rough.elastic, elastic))
+    for name, what in _READINGS.items():
+        read = after.settled(getattr(rough, name), {"table": f"flow conductivity of {what}"})
+        rough = rough.knowing(**{name: read})
+    return rough
 
 
 def _settled(

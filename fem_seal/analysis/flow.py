@@ -330,7 +330,20 @@ class RoughFlow(Lazy):
     @cached_property
     def elastic(self) -> RoughFlow:
         """The same with asperities that never yield."""
-        return replace(self, surface=self.surface.elastic)
+        return self._between(self.surface.elastic)
+
+    @cached_property
+    def conserved(self) -> RoughFlow:
+        """The same where yielding conserves the volume everywhere (C_pl)."""
+        return self._between(self.surface.conserved)
+
+    @cached_property
+    def capped(self) -> RoughFlow:
+        """The same where yielding changes the surface only where it touches."""
+        return self._between(self.surface.capped)
+
+    def _between(self, surface: RoughContact) -> RoughFlow:
+        return self if surface is self.surface else replace(self, surface=surface)
 
     @cached_property
     def table(self) -> Conductivity | None:

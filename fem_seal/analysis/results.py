@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -133,20 +133,50 @@ class LoadResult(Lazy):
     @cached_property
     def around(self) -> Around | None:
         """Line load, pressure and leak around the axis; None for a round seal."""
-        return None if self.formed is None else self._with_leak(self.formed, self.rough)
-
-    def _with_leak(self, formed: Around, rough: RoughFlow | None) -> Around:
-        flow = None if rough is None else rough.at(self.fluid_pressure)
-        return formed if flow is None else formed.with_leak(LeakCurve(formed.local, flow))
+        formed = self.formed
+        flow = None if self.rough is None else self.rough.at(self.fluid_pressure)
+        return formed if formed is None or flow is None else formed.with_leak(LeakCurve(formed.local, flow))
 
     @cached_property
     def leak_elastic(self) -> LeakResult | None:
         """The same with asperities that never yield, on the same contact."""
-        if self.rough is None or self.rough.surface.hardness is None:
-            return self.leak
-        if self.formed is None:
-            return self.rough.elastic.leak(self.contact.profile, self.fluid_pressure)
-        return self._with_leak(self.formed, self.rough.elastic).leak
+        return None if self.rough is None else self._read(self.rough.elastic).leak
+
+    @cached_property
+    def conserved(self) -> Self:
+        """The same load, its yielding asperities read as conserving their volume everywhere (C_pl)."""
+        return self if self.rough is None else self._read(self.rough.conserved)
+
+    @cached_property
+    def capped(self) -> Self:
+        """The same load, its yielding asperities read as changing the surface only where it touches."""
+        return self if self.rough is None else self._read(self.rough.capped)
+
+    def _read(self, rough: RoughFlow) -> Self:
+        """The same contact with the surfaces read in another way; itself where they are not."""
+        return self if rough is self.rough else replace(self, rough=rough)
+
+    @cached_property
+    def leak_conserved(self) -> LeakResult | None:
+        """Leak of `conserved`."""
+        return self.conserved.leak
+
+    @cached_property
+    def leak_capped(self) -> LeakResult | None:
+        """Leak of `capped`."""
+        return self.capped.leak
+
+    @property
+    def yields(self) -> bool:
+        """Whether asperities yield, so that the leak rate has two readings."""
+        return self.rough is not None and self.rough.surface.hardness is not None
+
+    @property
+    def leak_range(self) -> tuple[float, float] | None:
+        """Smaller and larger leak rate of both readings of yielding asperities [m^3/s]; None where there is but one."""
+        both = (self.leak_conserved, self.leak_capped) if self.yields else ()
+        rates = [leak.leak_rate for leak in both if leak is not None]
+        return (min(rates), max(rates)) if len(rates) == 2 else None
 
     @cached_property
     def critical_separation(self) -> float | None:
@@ -453,6 +483,22 @@ class SealSolution:
         """Contact solution of each load."""
         return tuple(load.contact for load in self.loads)
 
+    @property
+    def leak_ranges(self) -> tuple[tuple[float, float] | None, ...]:
+        """Ends of the leak rate's interval at each load [m^3/s]; None where nothing makes one.
+
+        It holds both readings of yielding asperities and, where inputs are uncertain, the samples in both readings.
+        """
+        sampled = self.uncertainty
+        if sampled is None:
+            return tuple(load.leak_range for load in self.loads)
+        ends = zip(self.loads, sampled.low.tolist(), sampled.high.tolist(), strict=True)
+        return tuple(
+            (min(low, *calculated), max(high, *calculated))
+            for load, low, high in ends
+            for calculated in [load.leak_range or (() if load.leak is None else (load.leak.leak_rate,))]
+        )
+
 
 @dataclass(frozen=True)
 class TheoryVariant:
@@ -506,6 +552,9 @@ class LeakInterval:
     error : float or None
         Largest relative error of the polynomial at samples that were calculated beside it, at both ends of the
         interval; None if every sample was calculated.
+    capped : ndarray, shape (loads, samples), or None
+        The same samples with yielding asperities that change the surface only where it touches [m^3/s]; None where
+        none yields.
     """
 
     inputs: tuple[str, ...]
@@ -515,6 +564,7 @@ class LeakInterval:
     leak_rate: FloatArray = field(repr=False)
     shares: FloatArray
     error: float | None
+    capped: FloatArray | None = field(default=None, repr=False)
 
     @property
     def samples(self) -> int:
@@ -523,23 +573,27 @@ class LeakInterval:
 
     @cached_property
     def low(self) -> FloatArray:
-        """Lower end of the interval at each load, shape (loads,) [m^3/s]."""
-        return self._quantile(0.5 - 0.5 * self.confidence)
+        """Lower end of the interval in the reading that leaks less, at each load, shape (loads,) [m^3/s]."""
+        return np.minimum.reduce(self._quantiles(0.5 - 0.5 * self.confidence))
 
     @cached_property
     def median(self) -> FloatArray:
         """Leak rate that half of the samples exceed, shape (loads,) [m^3/s]."""
-        return self._quantile(0.5)
+        return self._quantiles(0.5)[0]
 
     @cached_property
     def high(self) -> FloatArray:
-        """Upper end of the interval at each load, shape (loads,) [m^3/s]."""
-        return self._quantile(0.5 + 0.5 * self.confidence)
+        """Upper end of the interval in the reading that leaks more, at each load, shape (loads,) [m^3/s]."""
+        return np.maximum.reduce(self._quantiles(0.5 + 0.5 * self.confidence))
 
-    def _quantile(self, share: float) -> FloatArray:
-        # between a finite and an infinite leak rate there is nothing to interpolate
-        method = "linear" if np.isfinite(self.leak_rate).all() else "nearest"
-        return np.asarray(np.quantile(self.leak_rate, share, axis=1, method=method))  # type: ignore[call-overload]
+    def _quantiles(self, share: float) -> list[FloatArray]:
+        """Of each reading."""
+        return [
+            # between a finite and an infinite leak rate there is nothing to interpolate
+            np.quantile(rates, share, axis=1, method="linear" if np.isfinite(rates).all() else "nearest")
+            for rates in (self.leak_rate, self.capped)
+            if rates is not None
+        ]
 
     @cached_property
     def sealed(self) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -49,7 +50,8 @@ def leak_interval(
     The samples are a scrambled Sobol sequence. For the first of them the whole chain is calculated: interface law,
     contact on the condensed bodies, flow conductivity, leak rate. If ln Q turns out to be a smooth function of the
     inputs, a polynomial through these runs gives the others; if not (a sample is sealed or blown open), all are
-    calculated. A liquid's viscosity needs no runs: Q is inversely proportional to it.
+    calculated. A liquid's viscosity needs no runs: Q is inversely proportional to it. Where asperities yield, each run
+    gives the leak rate in both readings of the theory, on the same contact.
 
     Parameters
     ----------
@@ -98,21 +100,22 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
         nominal = rates * viscosity[:, None]
     else:
         nominal = np.exp(surface(study.scores))
-        checked = _ends(nominal / viscosity[:, None], settings.confidence)
+        checked = _ends((nominal / viscosity[:, None])[:, study.last_load], settings.confidence)
         truth = study.leak_rates(checked)
         with np.errstate(divide="ignore"):
             error = float(np.abs(nominal[checked] / truth - 1).max())
         nominal[checked], nominal[: len(rates)] = truth, rates
         runs += len(checked)
-    leak_rate = nominal / viscosity[:, None]
+    conserved, *capped = np.split((nominal / viscosity[:, None]).T, study.readings)
     return LeakInterval(
         tuple(one.name for one in study.inputs),
         settings.confidence,
         settings.seed,
         runs,
-        leak_rate.T,
+        conserved,
         _shares(study, nominal, surface),
         error,
+        *capped,
     )
 
 
@@ -120,9 +123,9 @@ def _runs(study: _Study, progress: Callable[[str], None]) -> tuple[int, FloatArr
     """Calculate samples until a polynomial through them is good enough; None instead of it if all are calculated."""
     total = len(study.uniform)
     if not study.calculated:
-        nominal = np.array([[load.leak.leak_rate for load in study.result.loads if load.leak is not None]])
+        nominal = np.array([study.of_case])
         return 0, np.repeat(nominal, total, axis=0) / study.viscosity[:, None], None
-    count, rates = 0, np.empty((0, len(study.result.loads)))
+    count, rates = 0, np.empty((0, study.readings * len(study.result.loads)))
     goal = min(total, _FIRST_RUNS * 2 ** min(study.scores.shape[1] - 1, 3))
     while count < total:
         progress(f"uncertainty: samples {count + 1} to {goal} of {total}")
@@ -140,17 +143,25 @@ def _runs(study: _Study, progress: Callable[[str], None]) -> tuple[int, FloatArr
 
 
 def _ends(leak_rate: FloatArray, confidence: float) -> list[int]:
-    """Samples at the ends of the interval of the last load."""
-    order = np.argsort(leak_rate[:, -1])
-    last = len(order) - 1
-    places = np.array([0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence]) * last
-    near = [int(order[min(last, int(place) + n)]) for place in places for n in range(_CHECKS // 2)]
+    """Samples at the ends of an interval: the lower one of the smaller reading, the upper one of the larger.
+
+    Parameters
+    ----------
+    leak_rate : ndarray, shape (samples, readings)
+    confidence : float
+    """
+    last = len(leak_rate) - 1
+    near = []
+    for share, outer in ((0.5 - 0.5 * confidence, np.argmin), (0.5 + 0.5 * confidence, np.argmax)):
+        order = np.argsort(leak_rate[:, outer(np.quantile(leak_rate, share, axis=0))])
+        near += [int(order[min(last, int(share * last) + n)]) for n in range(_CHECKS // 2)]
     return sorted(set(near))
 
 
 def _shares(study: _Study, nominal: FloatArray, surface: ResponseSurface | None) -> FloatArray:
-    """First-order shares in the variance of ln Q, shape (loads, inputs)."""
-    loads, inputs = nominal.shape[1], study.inputs
+    """First-order shares in the variance of ln Q of the case's own reading, shape (loads, inputs)."""
+    loads, inputs = len(study.result.loads), study.inputs
+    nominal = nominal[:, :loads]
     if not np.all((nominal > 0) & np.isfinite(nominal)):
         return np.full((loads, len(inputs)), np.nan)
     own = float(np.log(study.viscosity).var())
@@ -159,10 +170,10 @@ def _shares(study: _Study, nominal: FloatArray, surface: ResponseSurface | None)
     variances = np.zeros((loads, len(inputs)))
     total = np.full(loads, own)
     if surface is not None:
-        total += surface.variance
+        total += surface.variance[:loads]
     for n, one in enumerate(inputs):
         if one in study.calculated and surface is not None:
-            variances[:, n] = surface.variance_of(study.columns(one))
+            variances[:, n] = surface.variance_of(study.columns(one))[:loads]
         elif one not in study.calculated:
             variances[:, n] = own
     return variances / total[:, None]
@@ -187,6 +198,24 @@ class _Study:
         inputs = uncertain_inputs(result.case, settings)
         dimensions = sum(one.dimensions for one in inputs)
         return cls(result, inputs, sobol_points(settings.samples, dimensions, settings.seed))
+
+    @property
+    def readings(self) -> int:
+        """Leak rates of each sample and load: that of the case's own reading first, then the capped one, if any."""
+        return 2 if self.result.surface is not None and self.result.surface.hardness is not None else 1
+
+    @property
+    def last_load(self) -> slice:
+        """Where its readings stand among the leak rates of a sample."""
+        loads = len(self.result.loads)
+        return slice(loads - 1, None, loads)
+
+    @property
+    def of_case(self) -> list[float]:
+        """Leak rates of the case itself, as those of a sample."""
+        loads = self.result.loads
+        found = [load.leak for load in loads] + [load.leak_capped for load in loads] * (self.readings - 1)
+        return [math.nan if leak is None else leak.leak_rate for leak in found]
 
     @cached_property
     def calculated(self) -> tuple[AnyInput, ...]:
@@ -225,7 +254,7 @@ class _Study:
         return list(range(first, first + wanted.dimensions))
 
     def leak_rates(self, samples: Sequence[int]) -> FloatArray:
-        """Leak rates at the case's own viscosity, calculated, shape (samples, loads) [m^3/s]."""
+        """Leak rates at the case's own viscosity, calculated, shape (samples, readings times loads) [m^3/s]."""
         # numpy and LAPACK leave Python's lock for most of the time, so two samples run side by side
         with ThreadPoolExecutor(2) as pool:
             return np.array(list(pool.map(self._leak_rates, samples)))
@@ -239,8 +268,13 @@ class _Study:
             if isinstance(one, UncertainInput)
         }
         surface = self._surface(sample, factors)
+        loads = self._loads(surface, factors)
         # with the range of the case itself, as long as it will do, the table's own error is that of all samples
-        return list(leak_rates(surface, flow, self._loads(surface, factors), alike=result.loads))
+        return [
+            rate
+            for read in (surface, surface.capped)[: self.readings]
+            for rate in leak_rates(read, flow, loads, alike=result.loads)
+        ]
 
     def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:
         assert self.result.surface is not None

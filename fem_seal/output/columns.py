@@ -31,11 +31,17 @@ class Row:
     ----------
     load : LoadResult
     interval : tuple of float, optional
-        Lower and upper end of the leak rate's interval [m^3/s].
+        Lower and upper end of the leak rate's interval [m^3/s]; that between both readings of yielding asperities
+        unless given.
     """
 
     load: LoadResult
     interval: tuple[float, float] | None = None
+
+    def end(self, which: int) -> float | None:
+        """Lower (0) or upper (1) end of the leak rate's interval [m^3/s]; None where nothing makes one."""
+        ends = self.load.leak_range if self.interval is None else self.interval
+        return None if ends is None else ends[which]
 
 
 @dataclass(frozen=True)
@@ -301,22 +307,28 @@ COLUMNS = {
         Column(
             "leak_rate_low_m3_per_s",
             "flow",
-            "lower end of the interval of the leak rate from the uncertain inputs",
-            lambda row: None if row.interval is None else row.interval[0],
+            "lower end of the leak rate's interval: the smaller of both readings of yielding asperities and, with "
+            "`[uncertainty]`, of the lower end of the samples in the reading that leaks less; nan where asperities are "
+            "elastic and nothing is sampled",
+            lambda row: row.end(0),
+            heading="leak rate, from",
             short="low",
             shown_in="mm³/s",
+            unit_like="leak_rate_m3_per_s",
             spare_digits=0,
-            needs=("uncertainty", *_FLOW),
+            needs=_FLOW,
         ),
         Column(
             "leak_rate_high_m3_per_s",
             "flow",
             "upper end of the same interval",
-            lambda row: None if row.interval is None else row.interval[1],
+            lambda row: row.end(1),
+            heading="to",
             short="high",
             shown_in="mm³/s",
+            unit_like="leak_rate_m3_per_s",
             spare_digits=0,
-            needs=("uncertainty", *_FLOW),
+            needs=_FLOW,
         ),
         Column(
             "leak_rate_kg_per_s",
@@ -480,6 +492,25 @@ COLUMNS = {
             short="scratches",
             shown_in="mm³/s",
             unit_like="leak_rate_m3_per_s",
+            spare_digits=0,
+            needs=_FLOW,
+        ),
+        Column(
+            "leak_rate_conserved_m3_per_s",
+            "flow",
+            "where asperities yield: leak rate if their volume is conserved everywhere, valleys included (C_pl)",
+            lambda row: _rate(row.load.leak_conserved) if row.load.yields else None,
+            title="leak rate, volume conserved",
+            spare_digits=0,
+            needs=_FLOW,
+        ),
+        Column(
+            "leak_rate_capped_m3_per_s",
+            "flow",
+            "where asperities yield: leak rate of the same contact if the surface changes only where it touches, under "
+            "a pressure that the hardness limits",
+            lambda row: _rate(row.load.leak_capped) if row.load.yields else None,
+            title="leak rate, changed only where it touches",
             spare_digits=0,
             needs=_FLOW,
         ),

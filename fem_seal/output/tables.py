@@ -45,11 +45,7 @@ def rows_of(result: SealSolution) -> list[Row]:
     ----------
     result : SealSolution
     """
-    interval = result.uncertainty
-    return [
-        Row(load, None if interval is None else (float(interval.low[n]), float(interval.high[n])))
-        for n, load in enumerate(result.loads)
-    ]
+    return [Row(load, ends) for load, ends in zip(result.loads, result.leak_ranges, strict=True)]
 
 
 def leak_rows(result: SealSolution) -> list[dict[str, Any]]:

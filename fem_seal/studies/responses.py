@@ -29,14 +29,14 @@ from fem_seal.studies.shared import TabulatedSurface, family_law, family_table, 
 from leak import ConductivityTable, RoughContact
 from meshes import Sizing
 
-# Columns of leak.csv that take a complete run of the case; all others cost milliseconds.
+# Columns of leak.csv that take a complete run of the case, the second ones where inputs are uncertain; all others cost
+# milliseconds.
 _COMPLETE = (
-    "leak_rate_low_m3_per_s",
-    "leak_rate_high_m3_per_s",
     "knudsen_number",
     "max_accumulated_plastic_strain",
     "load_steps",
 )
+_SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 FAST = tuple(name for name in LEAK_COLUMNS if name not in _COMPLETE)
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
@@ -93,10 +93,10 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         With one fluid pressure.
     columns : sequence of str
         Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` cost milliseconds once geometry and surface
-        are known; any other (leak_rate_low_m3_per_s, leak_rate_high_m3_per_s, knudsen_number,
-        max_accumulated_plastic_strain, load_steps) takes a complete run of the case. So does any column of a case
-        with load.closing = "penetration", load.target_leak_rate, leak.fluid_in_gap = "local", seat.wall = "fixed" or
-        a stress-strain curve.
+        are known; any other (knudsen_number, max_accumulated_plastic_strain, load_steps and, with [uncertainty],
+        leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a complete run of the case. So does any column of a
+        case with load.closing = "penetration", load.target_leak_rate, leak.fluid_in_gap = "local",
+        seat.wall = "fixed" or a stress-strain curve.
     interpolate : bool
         Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
         see `fem_seal.studies.shared`.
@@ -119,6 +119,7 @@ def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
     """Whether columns of a case take seconds or minutes, see `responses`."""
     return (
         not set(columns) <= set(FAST)
+        or (case.uncertainty is not None and not set(columns).isdisjoint(_SAMPLED))
         or case.load.closing != "sealed-area"
         or case.load.target_leak_rate is not None
         or case.leak.fluid_in_gap != "uncoupled"

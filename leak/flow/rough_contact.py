@@ -141,7 +141,9 @@ class RoughContact:
     @property
     def capped(self) -> RoughContact:
         """The same surface, changed only where it touches; itself where its asperities do not yield."""
-        return self if self.hardness is None else replace(self, yielding="capped")
+        return (
+            self if self.hardness is None or self.yielding == "capped" else replace(self, yielding="capped")
+        )
 
     @property
     def _smoothed(self) -> bool:
