@@ -18,8 +18,10 @@ Examples
 393 mm^3/s
 """
 
+from leak import direct
 from leak.errors import (
     ConductivityError,
+    DirectError,
     FluidError,
     LawError,
     LeakError,
@@ -97,6 +99,7 @@ __all__ = [
     "ConductivityTable",
     "CoupledLeakResult",
     "CrossoverLine",
+    "DirectError",
     "DirectionalGap",
     "EllipticGroove",
     "ExponentialLaw",
@@ -142,6 +145,7 @@ __all__ = [
     "crossover_line",
     "deepest_scratch",
     "dimension_number",
+    "direct",
     "drops_per_minute",
     "effective_medium",
     "gas",

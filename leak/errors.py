@@ -93,6 +93,19 @@ class ConductivityError(LeakError):
     """
 
 
+class DirectError(LeakError):
+    """A direct simulation was given a map or pressure it cannot use, or its contact did not converge.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.direct.simulate([[0.0, 0.0]], 1e-3, [1e6], effective_modulus=100e9)
+    Traceback (most recent call last):
+        ...
+    leak.errors.DirectError: heights has shape (1, 2): must be (n, n), n at least 2
+    """
+
+
 class FluidError(LeakError):
     """A fluid is not in the library, or has an impossible property.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from leak.arrays import FloatArray
@@ -58,9 +60,15 @@ def random_line_scan(
 
 
 def random_map(
-    spectrum: PowerSpectrum, *, size: float, points: int, seed: int, peklenik: float = 1.0
+    spectrum: PowerSpectrum,
+    *,
+    size: float,
+    points: int,
+    seed: int,
+    peklenik: float = 1.0,
+    amplitudes: Literal["gaussian", "exact"] = "gaussian",
 ) -> FloatArray:
-    """Heights of a square piece of a Gaussian surface.
+    """Heights of a square piece of a random surface.
 
     Parameters
     ----------
@@ -75,6 +83,10 @@ def random_map(
     peklenik : float
         Correlation length along x over the one along y; both change by its square root, so that the mean
         spectrum keeps its place [-].
+    amplitudes : "gaussian" or "exact"
+        Whether only the mean square of each wave's amplitude follows the spectrum, as of a piece cut out of a
+        Gaussian surface, or each amplitude itself, the phases alone being random: then every map has the same rms
+        height and slope.
 
     Returns
     -------
@@ -84,7 +96,7 @@ def random_map(
     Raises
     ------
     ScanError
-        A value is not positive, or there are fewer than two points.
+        A value is not positive, there are fewer than two points, or `amplitudes` is neither word.
 
     Examples
     --------
@@ -100,6 +112,10 @@ def random_map(
     q = 2.0 * np.pi * np.fft.fftfreq(n, L / n)
     C = np.asarray(spectrum(np.hypot(q[:, None] * stretch, q[None, :] / stretch)))
     white = np.fft.fft2(np.random.default_rng(seed).standard_normal((n, n)))
+    if amplitudes == "exact":
+        white *= n / np.abs(white)
+    elif amplitudes != "gaussian":
+        raise ScanError(f"amplitudes = {amplitudes!r}: must be 'gaussian' or 'exact'")
     return np.real(np.fft.ifft2(white * np.sqrt(C) * (2.0 * np.pi / L) * n))
 
 

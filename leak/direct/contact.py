@@ -1,0 +1,184 @@
+"""Contact of a rough map with a flat, elastic or with a pressure that nowhere exceeds the hardness.
+
+Notation: p pressure, H hardness, S p displacement (`PeriodicHalfSpace`), h height, gap g = S p - h - alpha with the
+approach alpha. Elastic contact: p >= 0, g >= 0, p g = 0, mean p given (Kalker). With the hardness: 0 <= p <= H, and
+where p = H the surfaces may overlap, g < 0; the overlap is what yields and is squeezed away.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from leak.arrays import FloatArray
+from leak.errors import DirectError
+
+
+class Compliance(Protocol):
+    """What the solver needs to know of the body: a linear, symmetric, positive operator on pressures."""
+
+    def displacement(self, pressure: FloatArray) -> FloatArray:
+        """Normal displacement [m] of a pressure [Pa]."""
+
+
+class ContactState(NamedTuple):
+    """A pressed map.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from leak.direct import PeriodicHalfSpace, press
+    >>> state = press(PeriodicHalfSpace(8, 1e-3, 100e9), np.zeros((8, 8)), 1e6)
+    >>> float(state.gap.max()), float(state.pressure.min())
+    (0.0, 1000000.0)
+    """
+
+    pressure: FloatArray
+    """p [Pa], shape (n, n)."""
+    gap: FloatArray
+    """g >= 0 [m], exactly zero in contact."""
+    overlap: FloatArray
+    """What has yielded [m], >= 0: zero wherever p < H."""
+    error: float
+    """Largest violation of the conditions, as a gap over the rms height of the map [-]."""
+    iterations: int
+
+
+def press(
+    body: Compliance,
+    heights: FloatArray,
+    pressure: float,
+    *,
+    hardness: float | None = None,
+    start: FloatArray | None = None,
+    tolerance: float = 1e-4,
+    most_iterations: int = 3000,
+) -> ContactState:
+    """Press a map of heights against a rigid flat to a given mean pressure.
+
+    Conjugate gradients among the points whose pressure is free, 0 < p < H; points join and leave them as the
+    conditions demand, and the mean pressure is restored after each step.
+
+    Parameters
+    ----------
+    body : Compliance
+        The half-space under the map, with the E* of both bodies together.
+    heights : ndarray, shape (n, n)
+        h [m], upwards out of the body; only differences count.
+    pressure : float
+        Mean pressure [Pa].
+    hardness : float or None
+        H [Pa]; without it the contact is elastic.
+    start : ndarray or None
+        A pressure to start from [Pa], such as that of a neighbouring load.
+    tolerance : float
+        Largest violation allowed of g = 0, g >= 0 or g <= 0 at any point, over the rms height.
+    most_iterations : int
+        Each is one application of `body` to the pressure and one to the direction of descent.
+
+    Raises
+    ------
+    DirectError
+        The mean pressure reaches the hardness, or the iteration does not converge.
+
+    References
+    ----------
+    I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999) for the elastic iteration; the second bound is treated in the
+    same way as the first. F. Almqvist et al., J. Colloid Interface Sci. 300 (2006) for the cap.
+    """
+    H = np.inf if hardness is None else hardness
+    if not pressure < H:
+        raise DirectError(
+            f"pressure = {pressure:g} and hardness = {H:g}: the mean pressure must stay below it [Pa]"
+        )
+    # heights over their rms and pressures over the mean pressure keep all numbers of order one
+    h_rms = float(np.std(heights)) or 1.0
+    h, P = np.asarray(heights, dtype=float), pressure
+    total = P * h.size
+    p = _first_guess(h, total, H) if start is None else _with_load(start, start > 0.0, total, H)
+    direction, last, restart, step = np.zeros_like(h), 1.0, True, 0.0
+    for iteration in range(most_iterations):
+        g = body.displacement(p)
+        g -= h
+        free, capped = (p > 0.0) & (p < H), p >= H
+        g -= _approach(g, p, free)
+        joins = ((p <= 0.0) & (g < 0.0)) | (capped & (g > 0.0))
+        error = float(np.abs(g[free | joins]).max(initial=0.0)) / h_rms
+        if error < tolerance:
+            return _state(p, g, H, error, iteration)
+        if np.count_nonzero(free) > 1:
+            r = np.where(free, g, 0.0)
+            norm = float(np.vdot(r, r))
+            direction = r if restart else r + norm / last * np.where(free, direction, 0.0)
+            last = norm
+            answer = body.displacement(direction)
+            answer -= answer[free].mean()
+            curvature = float(np.vdot(answer, direction))
+            if curvature > 0.0:
+                step = float(np.vdot(r, direction)) / curvature
+        if step == 0.0:
+            step = P / (h_rms * np.sqrt(h.size))
+        y = p - step * direction if np.count_nonzero(free) > 1 else p.copy()
+        y[joins] -= step * g[joins]
+        restart = bool(joins.any())
+        # The load that is missing is made up by the points that are free; where they cannot, by all.
+        takes = free | joins
+        stays = float(np.sum(p[capped & ~joins]))
+        if stays >= total or (np.isfinite(H) and stays + H * np.count_nonzero(takes) <= total):
+            y, takes, stays = p - step * g, np.ones_like(takes), 0.0
+        p = np.clip(y, 0.0, H)
+        p[takes] = _shifted(y[takes], total - stays, H)
+    raise DirectError(
+        f"contact at the mean pressure {P:g} Pa did not converge in {most_iterations} iterations: "
+        f"the largest error of the gap is {error:.1e} of the rms height, allowed are {tolerance:.1e}"
+    )
+
+
+def _state(p: FloatArray, g: FloatArray, H: float, error: float, iterations: int) -> ContactState:
+    overlap = np.where(p >= H, np.maximum(-g, 0.0), 0.0)
+    gap = np.where(p > 0.0, 0.0, np.maximum(g, 0.0))
+    return ContactState(p, gap, overlap, error, iterations)
+
+
+def _first_guess(h: FloatArray, total: float, H: float) -> FloatArray:
+    """The same pressure everywhere, or the hardness on the highest points."""
+    if not np.isfinite(H):
+        return np.full_like(h, total / h.size)
+    p = np.zeros(h.size)
+    highest = np.argsort(h, axis=None)[::-1][: int(np.ceil(total / H))]
+    p[highest] = total / highest.size
+    return p.reshape(h.shape)
+
+
+def _approach(g: FloatArray, p: FloatArray, free: NDArray[np.bool_]) -> float:
+    """The multiplier of the mean pressure: the mean of g where it is to vanish."""
+    if free.any():
+        return float(g[free].mean())
+    touching = p > 0.0
+    return 0.5 * float(g[touching].max() + g[~touching].min(initial=float(g[touching].max())))
+
+
+def _with_load(p: FloatArray, takes: NDArray[np.bool_], total: float, H: float) -> FloatArray:
+    if H * np.count_nonzero(takes) <= total:
+        takes = np.ones_like(takes)
+    carried = np.zeros_like(p)
+    carried[takes] = _shifted(p[takes], total, H)
+    return carried
+
+
+def _shifted(y: FloatArray, total: float, H: float) -> FloatArray:
+    """clip(y + c, 0, H) with the c that makes the sum `total`: the nearest pressures of that load."""
+    low, high = -float(y.max()), (H if np.isfinite(H) else total) - float(y.min())
+    c = 0.0
+    for _ in range(200):
+        p = np.clip(y + c, 0.0, H)
+        excess = float(p.sum()) - total
+        if abs(excess) <= 1e-13 * total:
+            break
+        low, high = (low, c) if excess > 0.0 else (c, high)
+        inside = np.count_nonzero((p > 0.0) & (p < H))
+        newton = c - excess / inside if inside else np.nan
+        c = newton if low < newton < high else 0.5 * (low + high)
+    return p

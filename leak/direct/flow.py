@@ -1,0 +1,260 @@
+"""Reynolds flow through a map of gaps: mean gap^3 conductivity between two edges, or of the periodic cell.
+
+Cell-centred finite volumes: the conductivity of a cell is g^3/(12 eta), that of a face the harmonic mean of its two
+cells. Cells in contact conduct nothing. Only what spans from edge to edge is solved: pools between are at rest.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage, sparse
+
+from leak.arrays import FloatArray
+
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+
+class Flow(NamedTuple):
+    """Flow through a patch under a unit pressure drop.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from leak.direct import patch_flow
+    >>> flow = patch_flow(np.full((8, 8), 2e-6))
+    >>> bool(np.isclose(flow.gap_cubed, 8e-18))
+    True
+    """
+
+    gap_cubed: float
+    """u_eff^3 [m^3]: 12 eta times the flow per width over the pressure drop per length; 0 where nothing spans."""
+    pressure: FloatArray
+    """From 1 to 0 along axis 0 in what spans, nan elsewhere, shape (n, n); without its mean gradient if periodic."""
+    imbalance: float
+    """Largest difference of the flow through two cross-sections, over the flow [-]."""
+
+
+def patch_flow(gap: FloatArray) -> Flow:
+    """Flow along axis 0 with pressure 1 and 0 at the outer sides of the first and last row of cells.
+
+    The pressures stand on the edges of the patch, half a cell outside the first and last cell centres, so that
+    parallel plates are exact. Sideways (axis 1) the patch is periodic.
+
+    Parameters
+    ----------
+    gap : ndarray, shape (n, m)
+        g >= 0 [m]; zero in contact.
+
+    References
+    ----------
+    B. N. J. Persson, C. Yang, J. Phys.: Condens. Matter 20, 315011 (2008), for the problem; A. George, SIAM J.
+    Numer. Anal. 10, 345 (1973), for the order of elimination.
+    """
+    scale = float(np.max(gap, initial=0.0))
+    spans = spanning(gap > 0.0)
+    if not spans.any():
+        return Flow(0.0, np.full(gap.shape, np.nan), 0.0)
+    k = np.where(spans, gap / scale, 0.0) ** 3
+    along, across = _faces(k[:-1], k[1:]), _faces(k, np.roll(k, -1, 1))
+    inlet, outlet = 2.0 * k[0], 2.0 * k[-1]
+    diagonal = across + np.roll(across, 1, 1)
+    diagonal[:-1] += along
+    diagonal[1:] += along
+    diagonal[0] += inlet
+    diagonal[-1] += outlet
+    number, cells = _numbered(spans)
+    load = np.zeros(cells)
+    load[number[0][spans[0]]] = inlet[spans[0]]
+    links = (
+        (number[:-1], number[1:], along),
+        (number, np.roll(number, -1, 1), across),
+    )
+    p = np.full(gap.shape, np.nan)
+    p[spans] = _solve(links, diagonal[spans], number[spans], load)[number[spans]]
+    filled = np.where(spans, p, 0.0)
+    drop_along, drop_across = -np.diff(filled, axis=0), filled - np.roll(filled, -1, 1)
+    # The dissipation is the flow of a unit drop, and an error of the pressures enters it squared only.
+    Q = float(
+        np.sum(inlet * (1.0 - filled[0]) ** 2)
+        + np.sum(outlet * filled[-1] ** 2)
+        + np.sum(along * drop_along**2)
+        + np.sum(across * drop_across**2)
+    )
+    sections = np.concatenate(
+        [
+            [np.sum(inlet * (1.0 - filled[0]))],
+            np.sum(along * drop_along, axis=1),
+            [np.sum(outlet * filled[-1])],
+        ]
+    )
+    n, m = gap.shape
+    return Flow(Q * n / m * scale**3, p, float(np.ptp(sections)) / Q)
+
+
+def periodic_flow(gap: FloatArray) -> Flow:
+    """Flow along axis 0 of the cell that repeats in both directions, under a mean gradient of one per side.
+
+    Parameters
+    ----------
+    gap : ndarray, shape (n, m)
+        g >= 0 [m]; zero in contact.
+    """
+    scale = float(np.max(gap, initial=0.0))
+    winds, pins = winding(gap > 0.0)
+    if not winds.any():
+        return Flow(0.0, np.full(gap.shape, np.nan), 0.0)
+    n, m = gap.shape
+    k = np.where(winds, gap / scale, 0.0) ** 3
+    along, across = _faces(k, np.roll(k, -1, 0)), _faces(k, np.roll(k, -1, 1))
+    diagonal = along + np.roll(along, 1, 0) + across + np.roll(across, 1, 1)
+    # Only differences of pressure count: one cell of each cluster is held by a spring of its own conductance.
+    diagonal.ravel()[pins] *= 2.0
+    number, cells = _numbered(winds)
+    load = np.zeros(cells)
+    load[number[winds]] = ((along - np.roll(along, 1, 0)) / n)[winds]
+    links = (
+        (number, np.roll(number, -1, 0), along),
+        (number, np.roll(number, -1, 1), across),
+    )
+    p = np.full(gap.shape, np.nan)
+    # -div k (1/n + grad p) = 0 with the mean gradient downwards along axis 0
+    p[winds] = -_solve(links, diagonal[winds], number[winds], load)[number[winds]]
+    filled = np.where(winds, p, 0.0)
+    drop_along = 1.0 / n + filled - np.roll(filled, -1, 0)
+    drop_across = filled - np.roll(filled, -1, 1)
+    Q = float(np.sum(along * drop_along**2) + np.sum(across * drop_across**2))
+    sections = np.sum(along * drop_along, axis=1)
+    return Flow(Q * n / m * scale**3, p, float(np.ptp(sections)) / Q)
+
+
+def spanning(open_cells: BoolArray) -> BoolArray:
+    """Open cells joined through faces to both the first and the last row; sides (axis 1) are periodic."""
+    label, _ = _clusters(open_cells)
+    first, last = np.unique(label[0]), np.unique(label[-1])
+    both = np.intersect1d(first, last)
+    return np.isin(label, both[both > 0])
+
+
+def winding(open_cells: BoolArray) -> tuple[BoolArray, IntArray]:
+    """Open cells of clusters that meet themselves one period further along axis 0, and one cell of each cluster."""
+    label, count = _clusters(open_cells)
+    # Clusters across the seam between the last and the first row, with the number of periods climbed so far.
+    neighbours: dict[int, list[tuple[int, int]]] = {}
+    for a, b in {(int(a), int(b)) for a, b in zip(label[-1], label[0], strict=True) if a and b}:
+        neighbours.setdefault(a, []).append((b, 1))
+        neighbours.setdefault(b, []).append((a, -1))
+    height: dict[int, int] = {}
+    cluster, wound = np.arange(count + 1), set()
+    for seed in neighbours:
+        if seed in height:
+            continue
+        height[seed], todo = 0, [seed]
+        while todo:
+            a = todo.pop()
+            cluster[a] = seed
+            for b, climb in neighbours[a]:
+                if b not in height:
+                    height[b] = height[a] + climb
+                    todo.append(b)
+                elif height[b] != height[a] + climb:
+                    wound.add(seed)
+    joined = cluster[label]
+    winds = np.isin(joined, sorted(wound))
+    pins = [int(np.flatnonzero(joined.ravel() == seed)[0]) for seed in sorted(wound)]
+    return winds, np.array(pins, dtype=np.int64)
+
+
+def _clusters(open_cells: BoolArray) -> tuple[IntArray, int]:
+    """Labels of the clusters joined through faces, sides periodic; closed cells are 0."""
+    label, count = ndimage.label(open_cells)
+    sides = (label[:, -1] > 0) & (label[:, 0] > 0)
+    seam = sparse.coo_array(
+        (np.ones(np.count_nonzero(sides)), (label[sides, -1], label[sides, 0])), shape=(count + 1, count + 1)
+    )
+    _, joined = sparse.csgraph.connected_components(seam, directed=False)
+    # the label 0 has no link, hence a component of its own: it is made 0 again
+    joined = np.where(np.arange(count + 1) == 0, 0, joined + 1)
+    return joined[label].astype(np.int64), int(joined.max(initial=0))
+
+
+def _faces(k: FloatArray, beyond: FloatArray) -> FloatArray:
+    """Harmonic means; zero beside a closed cell."""
+    both = k + beyond
+    return np.divide(2.0 * k * beyond, both, out=np.zeros_like(both), where=both > 0.0)
+
+
+def _numbered(cells: BoolArray) -> tuple[IntArray, int]:
+    """Numbers of the cells in the order in which they are eliminated, and how many there are."""
+    rank = _dissection(*cells.shape)[cells]
+    number = np.zeros(cells.shape, dtype=np.int64)
+    place = np.empty(rank.size, dtype=np.int64)
+    place[np.argsort(rank)] = np.arange(rank.size)
+    number[cells] = place
+    return number, rank.size
+
+
+def _solve(
+    links: tuple[tuple[IntArray, IntArray, FloatArray], ...],
+    diagonal: FloatArray,
+    number: IntArray,
+    load: FloatArray,
+) -> FloatArray:
+    """Pressures, in the order of elimination.
+
+    The matrix of resistors has no pivot to choose; scaled to a diagonal of one, conductances of many decades harm
+    it little.
+    """
+    from scipy.sparse.linalg import splu
+
+    scale = np.empty(number.size)
+    scale[number] = 1.0 / np.sqrt(diagonal)
+    rows, columns, values = [number], [number], [np.ones(number.size)]
+    for a, b, k in links:
+        joined = k > 0.0
+        i, j = a[joined], b[joined]
+        value = -k[joined] * scale[i] * scale[j]
+        rows += [i, j]
+        columns += [j, i]
+        values += [value, value]
+    matrix = sparse.csc_array(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(number.size,) * 2
+    )
+    factors = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    x = factors.solve(load * scale)
+    x += factors.solve(load * scale - matrix @ x)
+    return x * scale
+
+
+@lru_cache(maxsize=4)
+def _dissection(n: int, m: int) -> IntArray:
+    """Nested dissection of the grid: each cell's place in the elimination; the lines that part it come last."""
+    rank = np.empty((n, m), dtype=np.int64)
+    next_place = n * m
+
+    def give(part: IntArray) -> None:
+        nonlocal next_place
+        part[...] = np.arange(next_place - part.size, next_place).reshape(part.shape)
+        next_place -= part.size
+
+    def part_in_two(part: IntArray) -> None:
+        if part.size <= 16:
+            give(part)
+            return
+        if part.shape[0] < part.shape[1]:
+            part = part.T
+        middle = part.shape[0] // 2
+        give(part[middle])
+        part_in_two(part[:middle])
+        part_in_two(part[middle + 1 :])
+
+    # both seams of a periodic patch are lines that part it
+    give(rank[:, 0])
+    give(rank[0, 1:])
+    part_in_two(rank[1:, 1:])
+    rank.flags.writeable = False
+    return rank

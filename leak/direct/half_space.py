@@ -1,0 +1,59 @@
+"""Displacement of an elastic half-space under a periodic pressure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import fft
+
+from leak.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class PeriodicHalfSpace:
+    """Elastic half-space, loaded alike in every cell of a square lattice.
+
+    Normal displacement of the surface, into the half-space, at each wave vector q of the grid:
+    u(q) = 2 p(q)/(E* |q|), and u(0) = 0, since the mean displacement is that of the whole body.
+
+    Parameters
+    ----------
+    points : int
+        Grid points n along a side.
+    size : float
+        Side of the cell [m].
+    effective_modulus : float
+        E* [Pa].
+
+    References
+    ----------
+    K. L. Johnson, Contact Mechanics (1985), section 13.2; H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from leak.direct import PeriodicHalfSpace
+    >>> wave = np.cos(2.0 * np.pi * np.arange(8) / 8)[:, None] * np.ones(8)
+    >>> u = PeriodicHalfSpace(8, 1e-3, 100e9).displacement(1e9 * wave)
+    >>> bool(np.allclose(u, 1e9 * 1e-3 / (np.pi * 100e9) * wave))
+    True
+    """
+
+    points: int
+    size: float
+    effective_modulus: float
+
+    @cached_property
+    def _compliance(self) -> FloatArray:
+        n, spacing = self.points, self.size / self.points
+        q = 2.0 * np.pi * np.hypot(np.fft.fftfreq(n, spacing)[:, None], np.fft.rfftfreq(n, spacing)[None, :])
+        q[0, 0] = np.inf
+        return 2.0 / (self.effective_modulus * q)
+
+    def displacement(self, pressure: FloatArray) -> FloatArray:
+        """u [m] of a pressure [Pa], both shape (n, n); the mean of u is zero."""
+        waves = fft.rfft2(pressure)
+        waves *= self._compliance
+        return fft.irfft2(waves, pressure.shape, overwrite_x=True)

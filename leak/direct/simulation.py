@@ -1,0 +1,194 @@
+"""A rough patch loaded and unloaded: contact area, gap and conductivity over the pressure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+from leak.direct.contact import ContactState, press
+from leak.direct.flow import patch_flow, periodic_flow
+from leak.direct.half_space import PeriodicHalfSpace
+from leak.errors import DirectError, positive
+
+
+@dataclass(frozen=True, eq=False)
+class DirectBranch:
+    """What a patch does at each pressure of a path; all arrays have shape (P,).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from leak.direct import simulate
+    >>> flat = simulate(np.zeros((8, 8)), 1e-3, [1e6], effective_modulus=100e9)
+    >>> float(flat.contact_area[0]), float(flat.flow_conductivity(1e-3)[0])
+    (1.0, 0.0)
+    """
+
+    pressure: FloatArray
+    """Mean pressure [Pa]."""
+    contact_area: FloatArray
+    """Fraction of the points with p > 0 [-]."""
+    yielded_area: FloatArray
+    """Fraction of the points at the hardness [-]."""
+    mean_gap: FloatArray
+    """Mean over the whole patch, zero in contact [m]."""
+    gap_cubed_along: FloatArray
+    """u_eff^3 = 12 eta times the conductivity for flow along axis 0 [m^3]."""
+    gap_cubed_across: FloatArray
+    """The same along axis 1 [m^3]."""
+
+    def flow_conductivity(self, viscosity: float) -> FloatArray:
+        """Flow per width over the pressure drop per length, mean of both directions [m^3/(Pa s)].
+
+        Parameters
+        ----------
+        viscosity : float
+            eta [Pa s].
+        """
+        eta = positive(DirectError, "viscosity", viscosity, "Pa s")
+        return 0.5 * (self.gap_cubed_along + self.gap_cubed_across) / (12.0 * eta)
+
+
+@dataclass(frozen=True, eq=False)
+class DirectResult(DirectBranch):
+    """First loading of a patch and, if asked for, unloading from the largest pressure.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from leak.direct import simulate
+    >>> x = np.arange(32) / 32
+    >>> bumps = 1e-6 * np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * x)[None, :]
+    >>> result = simulate(bumps, 1e-3, [2e7, 1e8], effective_modulus=100e9, hardness=1e9, unload=[2e7])
+    >>> bool(result.unloaded.mean_gap[0] < result.mean_gap[0])
+    True
+    """
+
+    unloaded: DirectBranch | None
+    """The pressures of `unload`, after the largest of the path; None without them."""
+
+
+def simulate(
+    heights: ArrayLike,
+    size: float,
+    pressures: ArrayLike,
+    *,
+    effective_modulus: float,
+    hardness: float | None = None,
+    unload: ArrayLike | None = None,
+    periodic: bool = False,
+    tolerance: float = 1e-4,
+) -> DirectResult:
+    """Press a periodic rough square against a rigid flat and let a liquid flow through what stays open.
+
+    Parameters
+    ----------
+    heights : array_like, shape (n, n)
+        Combined heights of both surfaces [m], upwards out of the body; periodic.
+    size : float
+        Side of the square [m].
+    pressures : array_like, shape (P,)
+        Mean pressures in any order [Pa]; each is a point of one path of rising load.
+    effective_modulus : float
+        E* of both bodies together [Pa].
+    hardness : float or None
+        Largest pressure the softer body bears [Pa]. Where it is reached the surfaces overlap, and the overlap is
+        what has yielded: it is taken off the heights.
+    unload : array_like or None
+        Pressures [Pa] below the largest of the path, after it; the map is then the one with the overlap of the
+        largest pressure taken off.
+    periodic : bool
+        Flow through the cell that repeats in both directions under a mean gradient, instead of from edge to edge.
+    tolerance : float
+        Of the contact, see `press`.
+
+    Returns
+    -------
+    DirectResult
+        Arrays in the order of `pressures`.
+
+    Raises
+    ------
+    DirectError
+        The map is not square or not finite, a pressure is not positive or reaches the hardness, an unloading
+        pressure is not below the largest, or the contact does not converge.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=4e5)
+    >>> heights = leak.random_map(spectrum, size=6e-4, points=64, seed=1)
+    >>> result = leak.direct.simulate(heights, 6e-4, [5e6, 2e7], effective_modulus=100e9)
+    >>> bool(result.contact_area[1] > result.contact_area[0] > 0.0)
+    True
+    """
+    h, L = _map(heights), positive(DirectError, "size", size, "m")
+    E = positive(DirectError, "effective_modulus", effective_modulus, "Pa")
+    H = None if hardness is None else positive(DirectError, "hardness", hardness, "Pa")
+    path = _pressures("pressures", pressures)
+    back = None if unload is None else _pressures("unload", unload)
+    if back is not None and back.max() >= path.max():
+        raise DirectError(
+            f"unload = {back.max():g}: must lie below the largest pressure, {path.max():g} [Pa]"
+        )
+    body = PeriodicHalfSpace(h.shape[0], L, E)
+
+    state: ContactState | None = None
+    rows: dict[int, tuple[float, ...]] = {}
+    for i in np.argsort(path):
+        state = press(
+            body, h, path[i], hardness=H, start=None if state is None else state.pressure, tolerance=tolerance
+        )
+        rows[int(i)] = _row(state, H, periodic)
+    unloaded = None
+    if back is not None and state is not None:
+        unloaded = _unload(body, h - state.overlap, back, H, state.pressure, periodic, tolerance)
+    return DirectResult(**vars(_branch(path, rows)), unloaded=unloaded)
+
+
+def _unload(
+    body: PeriodicHalfSpace,
+    heights: FloatArray,
+    pressures: FloatArray,
+    H: float | None,
+    start: FloatArray,
+    periodic: bool,
+    tolerance: float,
+) -> DirectBranch:
+    rows: dict[int, tuple[float, ...]] = {}
+    for i in np.argsort(pressures)[::-1]:
+        state = press(body, heights, pressures[i], hardness=H, start=start, tolerance=tolerance)
+        start = state.pressure
+        rows[int(i)] = _row(state, H, periodic)
+    return _branch(pressures, rows)
+
+
+def _row(state: ContactState, H: float | None, periodic: bool) -> tuple[float, ...]:
+    flow = periodic_flow if periodic else patch_flow
+    p, gap = state.pressure, state.gap
+    yielded = 0.0 if H is None else float(np.mean(p >= H))
+    along, across = flow(gap).gap_cubed, flow(np.ascontiguousarray(gap.T)).gap_cubed
+    return float(np.mean(p > 0.0)), yielded, float(gap.mean()), along, across
+
+
+def _branch(pressures: FloatArray, rows: dict[int, tuple[float, ...]]) -> DirectBranch:
+    return DirectBranch(pressures, *np.array([rows[i] for i in range(pressures.size)]).T)
+
+
+def _map(heights: ArrayLike) -> FloatArray:
+    h = np.asarray(heights, dtype=float)
+    if h.ndim != 2 or h.shape[0] != h.shape[1] or h.shape[0] < 2:
+        raise DirectError(f"heights has shape {h.shape}: must be (n, n), n at least 2")
+    if not np.isfinite(h).all():
+        raise DirectError("heights: every height must be finite [m]")
+    return h
+
+
+def _pressures(name: str, values: ArrayLike) -> FloatArray:
+    p = np.array(values, dtype=float, ndmin=1)
+    if p.ndim != 1 or p.size == 0 or not (np.isfinite(p) & (p > 0.0)).all():
+        raise DirectError(f"{name} = {values!r}: must be positive finite pressures [Pa]")
+    return p
