@@ -41,6 +41,17 @@ from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
 from leak.flow.groove_section import EllipticGroove, GrooveSection, SinusoidalGroove
 from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
 from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
+from leak.flow.particles import (
+    Clogging,
+    GapDistribution,
+    Paths,
+    ShutConductivityTable,
+    cloggings,
+    parallel_paths,
+    shut_conductivity,
+    stopped,
+    throttling_length,
+)
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.flow.scratch import (
     Groove,
@@ -51,6 +62,7 @@ from leak.flow.scratch import (
     gas_scratch_flow,
     scratch_flow,
 )
+from leak.fluids.contamination import Concentration, ParticleCounts
 from leak.fluids.find import gas, is_gas, is_liquid, liquid
 from leak.fluids.library import FLUIDS, GASES
 from leak.fluids.properties import Gas, Liquid
@@ -92,6 +104,8 @@ __all__ = [
     "AreaFractions",
     "AroundFlow",
     "AroundGasFlow",
+    "Clogging",
+    "Concentration",
     "Conductivity",
     "ConductivityError",
     "ConductivityTable",
@@ -101,6 +115,7 @@ __all__ = [
     "EllipticGroove",
     "ExponentialLaw",
     "FluidError",
+    "GapDistribution",
     "Gas",
     "GasConductivity",
     "GasConductivityTable",
@@ -120,6 +135,8 @@ __all__ = [
     "LineScan",
     "Liquid",
     "MeasuredSurface",
+    "ParticleCounts",
+    "Paths",
     "PowerSpectrum",
     "ProfileError",
     "RoughContact",
@@ -128,6 +145,7 @@ __all__ = [
     "ScanSettings",
     "Scratch",
     "SelfAffineContinuation",
+    "ShutConductivityTable",
     "SinusoidalGroove",
     "SpectrumError",
     "SpiralLay",
@@ -138,6 +156,7 @@ __all__ = [
     "area_fractions",
     "around_flow",
     "bubbles_per_minute",
+    "cloggings",
     "coupled_leak_flow",
     "crossover_line",
     "deepest_scratch",
@@ -164,6 +183,7 @@ __all__ = [
     "millibar_litres_per_second",
     "millilitres_per_minute",
     "nominal_size_of_bore",
+    "parallel_paths",
     "profile_density",
     "random_line_scan",
     "random_map",
@@ -173,6 +193,9 @@ __all__ = [
     "relative_contact_area",
     "remaining_fraction",
     "scratch_flow",
+    "shut_conductivity",
+    "stopped",
     "stretched_roughness",
     "stretched_spectrum",
+    "throttling_length",
 ]
