@@ -17,6 +17,7 @@ from fem_seal.output.columns import (
     AROUND_MEANINGS,
     COLUMNS,
     IMPRINT_MEANINGS,
+    PARTICLE_MEANINGS,
     PROFILE_LEAK_COLUMNS,
     PROFILE_MEANINGS,
     VALIDITY_MEANINGS,
@@ -255,6 +256,11 @@ def _other_columns() -> Iterator[str]:
         "variants.csv": (
             "One row per reading of the theory and load, with `leak.variants`.",
             VARIANT_MEANINGS,
+        ),
+        "particles.csv": (
+            "One row per load that leaks and size, where the case has `[fluid.particles]`; an estimate, see "
+            "[particles.md](particles.md).",
+            PARTICLE_MEANINGS,
         ),
     }
     for file, (about, meanings) in tables.items():

@@ -98,6 +98,7 @@ def run(
         show_leak_table(rows, case.title)
         show_leakage(case, result.loads)
         show_form(result)
+        show_particles(result)
         _list_files(folder)
 
 
@@ -513,6 +514,21 @@ def show_form(result: SealSolution) -> None:
     from fem_seal.output.report.form import form_in_words
 
     for line in form_in_words(result):
+        print(line)  # noqa: T201
+
+
+def show_particles(result: SealSolution) -> None:
+    """Print what particles in the fluid do to the leak; nothing without [fluid.particles].
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    if not result.particles:
+        return
+    from fem_seal.output.report.particles import particles_in_words
+
+    for line in particles_in_words(result):
         print(line)  # noqa: T201
 
 

@@ -52,6 +52,10 @@ class SealResult(SealSolution):
         What another housing and another support of its wall do to the strongest load.
     unloaded : Unloaded or None
         Residual stress and imprint after the last load; None if both bodies are elastic.
+    form : FormAnswers or None
+        What the form error means at the highest load; None for a round seal.
+    particles : tuple of ParticleAnswers
+        What particles in the fluid do to the leak of each load that leaks, if the case has [fluid.particles].
 
     Examples
     --------

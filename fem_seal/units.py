@@ -275,6 +275,15 @@ _UNITS = {
     "mass flow": (Unit("g/h", 1e-3 / 3600),),
     "angle": (Unit("°", math.pi / 180),),
     "temperature": (Unit("°C", 1.0, 273.15),),
+    "volume": (Unit("m³", 1.0), Unit("l", 1e-3), Unit("ml", 1e-6), Unit("µl", 1e-9), Unit("nl", 1e-12)),
+    "time": (
+        Unit("years", 365.25 * 86400.0),
+        Unit("days", 86400.0),
+        Unit("h", 3600.0),
+        Unit("min", 60.0),
+        Unit("s", 1.0),
+        Unit("ms", 1e-3),
+    ),
 }
 # Units of columns that have the same one in every table, in letters that every terminal has.
 _FIXED = {
@@ -307,7 +316,7 @@ def unit_for(kind: str, value: float) -> Unit:
     ----------
     kind : str
         "length", "contact pressure", "fluid pressure", "flow", "force", "line load", "viscosity", "throughput",
-        "mass flow", "angle" or "temperature".
+        "mass flow", "angle", "temperature", "volume" or "time".
     value : float
         Usually the largest of those shown together.
     """
@@ -420,6 +429,7 @@ _SI_UNITS = {
     "_m3_per_s_per_rad": "m^3/s/rad",
     "_m3_per_s": "m^3/s",
     "_kg_per_s": "kg/s",
+    "_per_m3": "1/m^3",
     "_N_per_m": "N/m",
     "_Pa": "Pa",
     "_N": "N",

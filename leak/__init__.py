@@ -43,6 +43,17 @@ from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
 from leak.flow.groove_section import EllipticGroove, GrooveSection, SinusoidalGroove
 from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
 from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
+from leak.flow.particles import (
+    Clogging,
+    GapDistribution,
+    Paths,
+    ShutConductivityTable,
+    cloggings,
+    parallel_paths,
+    shut_conductivity,
+    stopped,
+    throttling_length,
+)
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.flow.scratch import (
     Groove,
@@ -53,6 +64,7 @@ from leak.flow.scratch import (
     gas_scratch_flow,
     scratch_flow,
 )
+from leak.fluids.contamination import Concentration, ParticleCounts
 from leak.fluids.find import gas, is_gas, is_liquid, liquid
 from leak.fluids.library import FLUIDS, GASES
 from leak.fluids.properties import Gas, Liquid
@@ -94,6 +106,8 @@ __all__ = [
     "AreaFractions",
     "AroundFlow",
     "AroundGasFlow",
+    "Clogging",
+    "Concentration",
     "Conductivity",
     "ConductivityError",
     "ConductivityTable",
@@ -104,6 +118,7 @@ __all__ = [
     "EllipticGroove",
     "ExponentialLaw",
     "FluidError",
+    "GapDistribution",
     "Gas",
     "GasConductivity",
     "GasConductivityTable",
@@ -123,6 +138,8 @@ __all__ = [
     "LineScan",
     "Liquid",
     "MeasuredSurface",
+    "ParticleCounts",
+    "Paths",
     "PowerSpectrum",
     "ProfileError",
     "RoughContact",
@@ -131,6 +148,7 @@ __all__ = [
     "ScanSettings",
     "Scratch",
     "SelfAffineContinuation",
+    "ShutConductivityTable",
     "SinusoidalGroove",
     "SpectrumError",
     "SpiralLay",
@@ -141,6 +159,7 @@ __all__ = [
     "area_fractions",
     "around_flow",
     "bubbles_per_minute",
+    "cloggings",
     "coupled_leak_flow",
     "crossover_line",
     "deepest_scratch",
@@ -168,6 +187,7 @@ __all__ = [
     "millibar_litres_per_second",
     "millilitres_per_minute",
     "nominal_size_of_bore",
+    "parallel_paths",
     "profile_density",
     "random_line_scan",
     "random_map",
@@ -177,6 +197,9 @@ __all__ = [
     "relative_contact_area",
     "remaining_fraction",
     "scratch_flow",
+    "shut_conductivity",
+    "stopped",
     "stretched_roughness",
     "stretched_spectrum",
+    "throttling_length",
 ]

@@ -16,12 +16,14 @@ from fem_seal.analysis.form_answers import form_answers
 from fem_seal.analysis.left_out import left_out
 from fem_seal.analysis.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.analysis.opening import with_margins
+from fem_seal.analysis.particle_answers import particle_answers
 from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.questions import with_answers
 from fem_seal.analysis.results import (
     Comparison,
     DiscretisationError,
     LoadResult,
+    ParticleAnswers,
     SealSolution,
     highest_load,
     strongest_load,
@@ -109,6 +111,11 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
         with clock.step("form", "what the form error means"):
             ask = partial(form_answers, solver, case, loads[highest_load(loads)], whole.form)
             answers = after.get("answers about the form error", ask, None)
+    particles: tuple[ParticleAnswers, ...] = ()
+    if case.fluid is not None and case.fluid.particles is not None:
+        with clock.step("particles", "what particles in the fluid do to the leak"):
+            ask_for = partial(particle_answers, loads, case.fluid.particles.counts)
+            particles = after.get("answers about particles in the fluid", ask_for, ())
     with clock.step("variants", "comparing elastic and plastic interface law"):
         compare = partial(interface_variants, solver, loads)
         variants = after.get("comparison of elastic and plastic interface law", compare, ())
@@ -128,6 +135,7 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
         far_field=far,
         unloaded=solved.unloaded,
         form=answers,
+        particles=particles,
     )
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)

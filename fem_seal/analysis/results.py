@@ -441,6 +441,74 @@ class FormAnswers:
 
 
 @dataclass(frozen=True)
+class ShutGaps:
+    """A load whose gaps below a size are shut.
+
+    Parameters
+    ----------
+    size : float
+        [m]
+    gaps_below : float
+        Share of the open area at the peak pressure whose gap is narrower.
+    leak_rate : float
+        Of all others [m^3/s].
+    particles : tuple of float
+        Particles of at least this size per volume, as few and as many as the counts allow [1/m^3].
+    """
+
+    size: float
+    gaps_below: float
+    leak_rate: float
+    particles: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class ParticleAnswers:
+    """What particles in the fluid do to the leak of a load, an estimate.
+
+    Parameters
+    ----------
+    fluid_pressure, applied_force : float
+        Of the load [Pa], [N].
+    leak_rate : float
+        Of the clean fluid [m^3/s].
+    narrowest : tuple of float
+        Size from which on a particle finds no way through where the contact pressure is highest [m]: by the effective
+        medium and by the critical junction, the smaller one first.
+    curve : tuple of ShutGaps
+        Over the size of the particles, increasing.
+    stopped : tuple of float
+        Particles that do not get through, per volume, as few and as many as the counts allow [1/m^3].
+    places : tuple of float
+        Places side by side that one particle each can shut: as few and as many as there may be.
+    half_volume : tuple of float
+        Volume that leaks until half of the leak is left, least and most [m^3]; infinite if nothing
+        clogs, and where a filter keeps more than half.
+    half_time : tuple of float
+        Time until then [s].
+    keeping_filter : float or None
+        Largest particles that cannot take more than a tenth of the leak, the rating of an absolute filter [m].
+    filter : float or None
+        The one that there is [m].
+    left : float or None
+        Share of the leak that the particles it lets through cannot shut.
+    """
+
+    fluid_pressure: float
+    applied_force: float
+    leak_rate: float
+    narrowest: tuple[float, float]
+    curve: tuple[ShutGaps, ...]
+    stopped: tuple[float, float]
+    places: tuple[float, float]
+    half_volume: tuple[float, float]
+    half_time: tuple[float, float]
+    keeping_filter: float | None
+    filter: float | None
+    left: float | None
+
+
+@dataclass(frozen=True)
 class SealSolution:
     """Everything that a case gave, as numbers.
 
@@ -462,6 +530,7 @@ class SealSolution:
     far_field: tuple[Comparison, ...] = ()
     unloaded: Unloaded | None = None
     form: FormAnswers | None = None
+    particles: tuple[ParticleAnswers, ...] = ()
 
     @property
     def strongest(self) -> LoadResult:

@@ -205,6 +205,19 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
             "remove it",
             f"{fluid.outlet_pressure:.6g} Pa",
         )
+    if fluid.particles is None:
+        return
+    if case.roughness is None:
+        yield Problem(
+            "fluid.particles",
+            "are stopped by the narrow places between rough surfaces, which are not known without [roughness]; add it",
+        )
+    if fluid.gas is not None and fluid.particles.iso_4406 is not None:
+        yield Problem(
+            "fluid.particles.iso_4406",
+            f"counts particles in a liquid, but {shown(fluid.name)} is a gas; give sizes and per_ml",
+            shown(fluid.particles.iso_4406),
+        )
 
 
 def _mm(length: float) -> str:

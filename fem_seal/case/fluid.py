@@ -2,20 +2,69 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
-from fem_seal.case.fields import Quantity, Table, shown
+from fem_seal.case.fields import Number, Numbers, OneOrMany, Quantity, Table, shown
 from fem_seal.errors import QuantityError
 from fem_seal.units import parse_quantity
 
 if TYPE_CHECKING:
-    from leak import Gas, Liquid
+    from leak import Gas, Liquid, ParticleCounts
 
 _COOLPROP = "CoolProp:"
 _ATMOSPHERE = 101325.0
 _ROOM_TEMPERATURE = 293.15
+
+
+class Particles(Table):
+    """[fluid.particles]: solid particles in the fluid, by a code of ISO 4406 or by counts; see docs/particles.md."""
+
+    iso_4406: str | None = Field(
+        None,
+        description="code of ISO 4406: scale numbers of the particles of at least 4, 6 and 14 um per ml; with a dash "
+        "first, of at least 5 and 15 um under a microscope",
+        examples=["18/16/13"],
+        max_length=20,
+    )
+    sizes: Annotated[tuple[float, ...], OneOrMany("length", "1 nm", "1 mm")] | None = Field(
+        None,
+        description="instead of a code: sizes of the particles that were counted, increasing",
+        examples=[["2 um", "5 um", "15 um"]],
+    )
+    per_ml: Annotated[tuple[float, ...], Numbers(Number(0, 1e15, exclusive_low=True))] | None = Field(
+        None,
+        description="with sizes: particles at least so large in a millilitre of the fluid",
+        examples=[[20000, 1200, 40]],
+    )
+    filter: Annotated[float, Quantity("length", "1 nm", "1 mm")] | None = Field(
+        None,
+        description="rating of a filter before the seal, taken as absolute: all particles above it are gone; the "
+        "counts are those before the filter",
+        examples=["3 um"],
+    )
+
+    @model_validator(mode="after")
+    def _counted(self) -> Particles:
+        if (self.iso_4406 is None) == (self.sizes is None):
+            raise ValueError("give either iso_4406, or sizes and per_ml")
+        if (self.sizes is None) != (self.per_ml is None):
+            raise ValueError("sizes and per_ml go together, one number for each size")
+        _ = self.counts
+        return self
+
+    @property
+    def counts(self) -> ParticleCounts:
+        """Particles over their size."""
+        from leak import ParticleCounts
+
+        largest = math.inf if self.filter is None else self.filter
+        if self.iso_4406 is not None:
+            return ParticleCounts.of_iso_4406(self.iso_4406, largest)
+        assert self.sizes is not None and self.per_ml is not None  # checked when the table was read
+        return ParticleCounts.counted(self.sizes, [1e6 * number for number in self.per_ml], largest)
 
 
 class Fluid(Table):
@@ -47,6 +96,7 @@ class Fluid(Table):
         "The pressure on the high side is this plus load.fluid_pressure",
         examples=["1.01325 bar"],
     )
+    particles: Particles | None = None
 
     @model_validator(mode="before")
     @classmethod

@@ -611,6 +611,16 @@ VARIANT_MEANINGS = {
     "leak_rate_m3_per_s": "with this reading of the theory",
     "ratio_to_case": "ratio to the leak rate of the case; nan where the case is sealed",
 }
-PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, VARIANT_COLUMNS = map(
-    tuple, (PROFILE_MEANINGS, IMPRINT_MEANINGS, AROUND_MEANINGS, VARIANT_MEANINGS)
+PARTICLE_MEANINGS = {
+    "fluid_pressure_Pa": "of the load",
+    "applied_force_N": "of the load",
+    "size_m": "size of the particles",
+    "gaps_below": "share of the open area at the peak pressure whose gap is narrower",
+    "leak_rate_m3_per_s": "leak rate with all gaps narrower than the particles shut",
+    "remaining_share": "the same over the leak rate of the clean fluid",
+    "particles_low_per_m3": "particles of at least this size in the fluid, as few as the counts allow",
+    "particles_high_per_m3": "as many as they allow",
+}
+PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, VARIANT_COLUMNS, PARTICLE_COLUMNS = map(
+    tuple, (PROFILE_MEANINGS, IMPRINT_MEANINGS, AROUND_MEANINGS, VARIANT_MEANINGS, PARTICLE_MEANINGS)
 )

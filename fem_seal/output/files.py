@@ -10,6 +10,7 @@ from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.results import SealSolution
 from fem_seal.folders import replaced_together
 from fem_seal.output.around import write_around_csv
+from fem_seal.output.particles import write_particles_csv
 from fem_seal.output.report.page import write_report
 from fem_seal.output.summary import write_summary
 from fem_seal.output.tables import write_imprint_csv, write_leak_csv, write_profile_csv, write_variants_csv
@@ -71,5 +72,6 @@ _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
     "imprint.csv": lambda result, folder: write_imprint_csv(result, folder / "imprint.csv"),
     "around.csv": lambda result, folder: write_around_csv(result, folder / "around.csv"),
     "variants.csv": _variants,
+    "particles.csv": lambda result, folder: write_particles_csv(result, folder / "particles.csv"),
     "report.html": lambda result, folder: write_report(result, folder / "report.html"),
 }

@@ -80,6 +80,7 @@ def used(result: SealSolution) -> dict[str, bool]:
         "bruggeman": case.leak.conductivity == "bruggeman",
         "fluid in gap": case.leak.fluid_in_gap == "local" and case.fluid is not None,
         "interval": result.uncertainty is not None,
+        "particles": bool(result.particles),
     }
 
 

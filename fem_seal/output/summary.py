@@ -40,7 +40,8 @@ def summary(result: SealSolution) -> dict[str, Any]:
         per load; null for a body that does not pass its yield stress), ``imprint`` (of each body that has yielded;
         null if both bodies are elastic), ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
         (relative changes, and what they say), ``form`` (answers about the form error at the highest load; null for a
-        round seal), ``interface_variants``, ``uncertainty`` (null unless asked for),
+        round seal), ``particles`` (answers about particles in the fluid, one entry per load that leaks),
+        ``interface_variants``, ``uncertainty`` (null unless asked for),
         ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.
     """
     case = result.case
@@ -64,6 +65,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
             "says": far_field_sentence(result),
         },
         "form": None if result.form is None else asdict(result.form),
+        "particles": [asdict(answers) for answers in result.particles],
         "interface_variants": [asdict(variant) for variant in result.interface_variants],
         "uncertainty": None if result.uncertainty is None else interval_numbers(result.uncertainty),
         "theory_variants": variant_rows(result),

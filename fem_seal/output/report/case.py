@@ -14,6 +14,7 @@ from fem_seal.case.tables import curves
 from fem_seal.materials import Material
 from fem_seal.output.case_words import chosen_dimensions, dimensions, section, section_text
 from fem_seal.output.report.form import form_rows
+from fem_seal.output.report.particles import particle_rows
 from fem_seal.output.report.tables import curve_in_words, path_accuracy
 from fem_seal.units import given, number, percent, quantity, trimmed
 
@@ -59,6 +60,8 @@ def _fluid(fluid: Fluid) -> Iterator[tuple[str, str]]:
         yield "molar mass", f"{trimmed(1e3 * fluid.gas.molar_mass)} g/mol"
         outlet = given("fluid pressure", fluid.outlet_pressure) if fluid.outlet_pressure else "vacuum"
         yield "outlet pressure, absolute", outlet
+    if fluid.particles is not None:
+        yield from particle_rows(fluid.particles)
     if fluid.library_entry is not None:
         yield "source", fluid.library_entry.source
 

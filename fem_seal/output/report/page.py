@@ -17,6 +17,7 @@ from fem_seal.output.pictures.around import leak_around_picture, line_load_pictu
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture
 from fem_seal.output.pictures.leak import leak_picture
+from fem_seal.output.pictures.particles import particle_picture
 from fem_seal.output.pictures.sketch import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
@@ -25,6 +26,7 @@ from fem_seal.output.prose import definitions
 from fem_seal.output.report import case, tables, words
 from fem_seal.output.report.around import around_in_words
 from fem_seal.output.report.form import curve_table, form_in_words, waves_table
+from fem_seal.output.report.particles import particle_table, particles_in_words
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
 from fem_seal.version import __version__
@@ -88,6 +90,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
             gap_picture(result),
             law_picture(result),
             leak_picture(result),
+            particle_picture(result),
             unrolled_picture(result),
             line_load_picture(result),
             leak_around_picture(result),
@@ -126,6 +129,8 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "form_curve": curve_table(result),
         "form_waves": waves_table(result),
         "around": [*around_in_words(result), *form_in_words(result)],
+        "particles": particles_in_words(result),
+        "particle_table": particle_table(result),
         "accuracy": case.accuracy(result),
         "far_field": far_field_sentence(result),
         "timings": case.times(result),

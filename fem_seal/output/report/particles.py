@@ -1,0 +1,130 @@
+"""What particles in the fluid do to the leak, in words and a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from fem_seal.analysis.load_names import load_name
+from fem_seal.analysis.particle_answers import KEPT, answers_of_highest
+from fem_seal.analysis.results import ParticleAnswers, SealSolution
+from fem_seal.case.fluid import Particles
+from fem_seal.output.prose import said
+from fem_seal.output.report.tables import ReadableTable
+from fem_seal.units import given, number, percent, quantity, quantity_worth, worth
+
+_PER_ML = 1e-6
+
+
+def particles_in_words(result: SealSolution) -> list[str]:
+    """What is to be expected of particles at the highest load, all of it an estimate; empty without particles.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    answers = answers_of_highest(result)
+    return [] if answers is None else list(_said(result, answers))
+
+
+def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
+    low, high = (quantity("length", one, 2) for one in answers.narrowest)
+    at = load_name(result.highest, result.loads)
+    yield said("particles.narrow", "same" if low == high else "range", load=at, low=low, high=high)
+    yield _filter(answers)
+    few, many = answers.stopped
+    if many == 0:
+        yield said("particles.stopped", "none")
+        return
+    counted = result.case.fluid.particles.counts.sizes[0] if result.case.fluid else math.nan  # type: ignore[union-attr]
+    yield said(
+        "particles.stopped",
+        "same" if _rough(few * _PER_ML) == _rough(many * _PER_ML) else "range",
+        "extrapolated" if answers.narrowest[0] < counted else "",
+        few=_rough(few * _PER_ML),
+        many=_rough(many * _PER_ML),
+        size=given("length", counted),
+    )
+    if math.isfinite(answers.half_volume[0]):
+        (least, most), (soon, late) = answers.half_volume, answers.half_time
+        yield said(
+            "particles.decay",
+            "half",
+            least=quantity_worth("volume", least, 1),
+            most=quantity_worth("volume", most, 1),
+            soon=quantity_worth("time", soon, 1),
+            late=quantity_worth("time", late, 1),
+            fewest=_rough(answers.places[0]),
+            places=_rough(answers.places[1]),
+        )
+    yield said("particles.estimate", "all")
+
+
+def _filter(answers: ParticleAnswers) -> str:
+    lost = percent(1.0 - KEPT)
+    keeps = "none" if answers.keeping_filter is None else "keeps"
+    known = answers.filter is not None and answers.left is not None
+    return said(
+        "particles.filter",
+        keeps,
+        "given" if known else "",
+        size="" if answers.keeping_filter is None else quantity("length", answers.keeping_filter, 2),
+        lost=lost,
+        filter="" if answers.filter is None else given("length", answers.filter),
+        left=percent(answers.left),
+    )
+
+
+def _rough(value: float) -> str:
+    """No more than its size."""
+    return worth(value, 1)
+
+
+def particle_table(result: SealSolution) -> ReadableTable:
+    """Leak rate over the size of the gaps that are shut; no rows without particles.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    answers = answers_of_highest(result)
+    if answers is None:
+        return ReadableTable((), ())
+    rows = [
+        (
+            quantity("length", one.size, 2),
+            f"{worth(one.particles[0] * _PER_ML, 2)} to {worth(one.particles[1] * _PER_ML, 2)}",
+            percent(one.gaps_below),
+            quantity("flow", one.leak_rate, 2),
+            percent(one.leak_rate / answers.leak_rate),
+        )
+        for one in answers.curve
+    ]
+    headings = (
+        "particle size",
+        "particles per ml",
+        "gaps narrower",
+        "leak rate with these shut",
+        "of the leak",
+    )
+    return ReadableTable(headings, tuple(rows))
+
+
+def particle_rows(particles: Particles) -> list[tuple[str, str]]:
+    """The table [fluid.particles] of a case in readable units.
+
+    Parameters
+    ----------
+    particles : Particles
+    """
+    rows = []
+    if particles.iso_4406 is not None:
+        rows.append(("particles, ISO 4406", particles.iso_4406))
+    elif particles.sizes is not None and particles.per_ml is not None:
+        rows += [
+            (f"particles of at least {given('length', size)}", f"{number(count, 3)} per ml")
+            for size, count in zip(particles.sizes, particles.per_ml, strict=True)
+        ]
+    if particles.filter is not None:
+        rows.append(("filter", given("length", particles.filter)))
+    return rows
