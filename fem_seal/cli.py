@@ -96,7 +96,7 @@ def run(
         typer.echo(as_json({"folder": str(folder), "loads": rows, "warnings": warnings}))
     elif not quiet:
         show_leak_table(rows, case.title)
-        show_leakage(case, result.loads)
+        show_leakage(case, result.loads, result.leak_ranges)
         show_form(result)
         show_particles(result)
         _list_files(folder)
@@ -488,17 +488,22 @@ def _digits(row: Mapping[str, Any], name: str) -> int:
     return DIGITS if math.isnan(share) else COLUMNS[name].digits(digits_near_opening(share))
 
 
-def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
+def show_leakage(
+    case: Case, loads: Sequence[LoadResult], ends: Sequence[tuple[float, float] | None] = ()
+) -> None:
     """Print the leak rate of the highest load in the units of leak testing, and its classes.
 
     Parameters
     ----------
     case : Case
     loads : sequence of LoadResult
+    ends : sequence of tuple, optional
+        Ends of the leak rate's interval at each load, where they are more than its two readings [m^3/s].
     """
     from fem_seal.output.report.words import leakage_lines
 
-    for line in leakage_lines(case, loads[highest_load(loads)], loads):
+    highest = highest_load(loads)
+    for line in leakage_lines(case, loads[highest], loads, ends[highest] if ends else None):
         print(line)  # noqa: T201
 
 

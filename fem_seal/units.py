@@ -418,6 +418,58 @@ def leak_rate_text(leak_rate: float, digits: int = 3, *, claimed: bool = True) -
     return quantity_worth("flow", leak_rate, digits)
 
 
+# Digits of the ends of an interval: it says how little the others would be worth.
+_RANGE_DIGITS = 2
+# Smallest figure of a lower end beside the unit of the upper one.
+_READABLE = 0.01
+
+
+def range_text(low: str, high: str) -> str:
+    """Two ends as they are written, or what both of them are written as.
+
+    Examples
+    --------
+    >>> range_text("1.2", "5.6"), range_text("1.2", "1.2")
+    ('1.2 to 5.6', '1.2')
+    """
+    return low if low == high else f"{low} to {high}"
+
+
+def leak_range_text(
+    leak_rate: float | tuple[float, float], digits: int = 3, *, claimed: bool = True, beside: float = 0.0
+) -> str:
+    """A leak rate, or both ends of its interval, with the unit that suits the larger one.
+
+    Parameters
+    ----------
+    leak_rate : float or tuple of float
+        [m^3/s]
+    digits : int
+        That they are worth; two at most of an interval.
+    claimed : bool
+        See `leak_rate_text`.
+    beside : float, optional
+        Larger leak rate beside which it stands, for the unit [m^3/s].
+
+    Examples
+    --------
+    >>> leak_range_text((2e-9, 5.61e-9))
+    '0.12 to 0.34 ml/min'
+    """
+    low, high = leak_rate if isinstance(leak_rate, tuple) else (leak_rate, leak_rate)
+    unit = unit_for("flow", max(high, beside) if math.isfinite(max(high, beside)) else low)
+    if high == 0 or (low == high and not _READABLE <= unit.of(low) < math.inf):
+        return leak_rate_text(low, digits, claimed=claimed)
+    if low == high:
+        return f"{worth(unit.of(low), min(digits, 3))} {unit.name}"
+    digits = min(digits, _RANGE_DIGITS)
+    if not math.isfinite(high):
+        return f"at least {quantity_worth('flow', low, digits)}"
+    if low and unit.of(low) < _READABLE:
+        return f"{quantity_worth('flow', low, digits)} to {quantity_worth('flow', high, digits)}"
+    return f"{range_text(worth(unit.of(low), digits), worth(unit.of(high), digits))} {unit.name}"
+
+
 def percent(share: float | None, digits: int = 2) -> str:
     """A share in per cent."""
     return "–" if share is None or not math.isfinite(share) else f"{number(100 * share, digits)} %"

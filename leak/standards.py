@@ -124,23 +124,30 @@ class LeakageClass:
     ----------
     standard : str
     name : str or None
-        None if it meets no class of those that can be judged.
+        None if it meets no class of those that can be judged. Of an interval: the class that both ends meet.
     limit : float or None
         Largest leak rate of that class [m^3/s].
+    at_best : str or None
+        Of an interval whose lower end meets a tighter class: that class.
 
     Examples
     --------
     >>> import leak
     >>> str(leak.LeakageClass("ISO 5208", "B", 1e-9))
     'ISO 5208 B'
+    >>> str(leak.LeakageClass("ISO 5208", "D", 1e-8, at_best="B"))
+    'ISO 5208 between B and D'
     """
 
     standard: str
     name: str | None
     limit: float | None
+    at_best: str | None = None
 
     def __str__(self) -> str:
         """Standard and class in words."""
+        if self.at_best:
+            return f"{self.standard} between {self.at_best} and {self.name or 'no class'}"
         return f"{self.standard} {self.name}" if self.name else f"{self.standard}: no class met"
 
 
@@ -213,8 +220,9 @@ def leakage_class(
     pressure_drop: float | None = None,
     seat_diameter: float | None = None,
     rated_capacity: float | None = None,
+    highest: float | None = None,
 ) -> tuple[LeakageClass, ...]:
-    """The tightest class of each standard that a leak rate meets.
+    """The tightest class of each standard that a leak rate, or both ends of its interval, meets.
 
     A calculated leak that is not zero is never called "A" of ISO 5208, "no visible leakage": what is seen depends on
     the duration of the test and on the observer.
@@ -223,9 +231,11 @@ def leakage_class(
     ----------
     leak_rate : float
         Volume flow; of a gas at atmospheric pressure (`GasLeakResult.leak_rate`); infinite for a seal that the fluid
-        has blown open, which meets no class [m^3/s].
+        has blown open, which meets no class. Of an interval its lower end [m^3/s].
     nominal_size, gas, pressure_drop, seat_diameter, rated_capacity
         See `leakage_limits`.
+    highest : float, optional
+        Upper end where the leak rate is known as an interval [m^3/s].
 
     Returns
     -------
@@ -236,9 +246,15 @@ def leakage_class(
     --------
     >>> [str(one) for one in leakage_class(1.2e-9, 0.025, gas=False, pressure_drop=20e5)]
     ['ISO 5208 CC', 'API 598: no class met', 'FCI 70-2 V']
+    >>> str(leakage_class(1.2e-9, 0.025, gas=False, highest=8e-9)[0])
+    'ISO 5208 between CC and EE'
     """
     if not leak_rate >= 0.0:
         raise FluidError(f"leak_rate = {leak_rate!r}: must be a number, not negative [m^3/s]")
+    if highest is None:
+        highest = leak_rate
+    if not highest >= leak_rate:
+        raise FluidError(f"highest = {highest!r}: must not be below the leak rate {leak_rate!r} [m^3/s]")
     limits = leakage_limits(
         nominal_size,
         gas=gas,
@@ -247,7 +263,7 @@ def leakage_class(
         rated_capacity=rated_capacity,
     )
     return tuple(
-        _tightest(standard, [one for one in limits if one.standard == standard], leak_rate)
+        _tightest([one for one in limits if one.standard == standard], leak_rate, highest)
         for standard in dict.fromkeys(one.standard for one in limits)
     )
 
@@ -329,12 +345,16 @@ _NPS = {
 }
 
 
-def _tightest(standard: str, limits: list[LeakageLimit], leak_rate: float) -> LeakageClass:
-    met = [one for one in limits if leak_rate <= one.leak_rate]
-    if not met:
-        return LeakageClass(standard, None, None)
-    best = min(met, key=lambda one: one.leak_rate)
-    return LeakageClass(standard, best.name, best.leak_rate)
+def _tightest(limits: list[LeakageLimit], lowest: float, highest: float) -> LeakageClass:
+    """Of the limits of one standard."""
+    at_best, claimed = (
+        min((one for one in limits if rate <= one.leak_rate), key=lambda one: one.leak_rate, default=None)
+        for rate in (lowest, highest)
+    )
+    standard, tighter = limits[0].standard, None if at_best is None or at_best == claimed else at_best.name
+    if claimed is None:
+        return LeakageClass(standard, None, None, tighter)
+    return LeakageClass(standard, claimed.name, claimed.leak_rate, tighter)
 
 
 def _api_limit(dn: float, gas: bool) -> float:

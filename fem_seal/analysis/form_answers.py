@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -52,6 +52,7 @@ def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormEr
     ConvergenceError
     """
     asked = _Formed(load)
+    capped = asked.capped
     waves = sorted(map(asked.alone, asked.form.felt), key=lambda one: one.line_load_min_over_mean)
     filled = None if given.tolerance is None else _filling(given, asked.form)
     return FormAnswers(
@@ -63,7 +64,8 @@ def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormEr
         _closing_force(solver, load),
         _allowed(case, load, asked, given),
         _goes_round(load) if case.form is not None and case.form.flow_around else None,
-        _deepest_scratch(case, load, asked),
+        _shallower([_deepest_scratch(case, load, one) for one in (asked, capped) if one is not None]),
+        None if capped is None else _allowed(case, load, capped, given),
     )
 
 
@@ -96,6 +98,16 @@ class _Formed:
         flow = None if self.load.rough is None else self.load.rough.at(self.load.fluid_pressure)
         return None if flow is None else LeakCurve(self.formed.local, flow)
 
+    @cached_property
+    def capped(self) -> _Formed | None:
+        """In the other reading of yielding asperities; None where there is but one."""
+        return _Formed(self.load.capped) if self.load.yields else None
+
+    def rate_capped(self, formed: Around) -> float | None:
+        """Leak rate in that reading [m^3/s]."""
+        leaks = None if self.capped is None else self.capped.leaks
+        return None if leaks is None else _rate(formed.with_leak(leaks))
+
     def with_form(self, form: FormError) -> Around:
         formed = around(form, self.formed.local)
         return formed if self.leaks is None else formed.with_leak(self.leaks)
@@ -109,12 +121,14 @@ class _Formed:
             except (ConvergenceError, OpenSealError):
                 break
             height = float(np.ptp(formed.gap_change))
-            found.append(FormPoint(factor, height, _rate(formed), formed.least_over_mean))
+            least, capped = formed.least_over_mean, self.rate_capped(formed)
+            found.append(FormPoint(factor, height, _rate(formed), least, capped))
         return found
 
     def alone(self, wave: Wave) -> WaveAlone:
         formed = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
-        return WaveAlone(wave.waves, wave.amplitude, _rate(formed), formed.least_over_mean)
+        least, capped = formed.least_over_mean, self.rate_capped(formed)
+        return WaveAlone(wave.waves, wave.amplitude, _rate(formed), least, capped)
 
     def with_wave(self, number: int, amplitude: float) -> FormError:
         """One wave beside the eccentricity and tilt that there are, widest where they are."""
@@ -181,6 +195,12 @@ def _goes_round(load: LoadResult) -> float | None:
     return rough.flow.goes_round(rough.table, load.contact.profile, pressure, load.fluid_pressure)
 
 
+def _shallower(scratches: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
+    """The one that is allowed in every reading."""
+    found = [one for one in scratches if one is not None]
+    return min(found) if len(found) == len(scratches) else None
+
+
 def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[float, float] | None:
     """In place of the widest one, of its proportions; all others and the lay leak as they do."""
     limit = _limit(case, load)
@@ -192,9 +212,9 @@ def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[floa
         return None
     flow = asked.leaks.flow
     profile = asked.formed.profile_at(place.angle)
-    if load.leak is None:
+    if asked.load.leak is None:
         return None
-    without = load.leak.leak_rate - flow.bounds(profile, [widest]).extra[1]
+    without = asked.load.leak.leak_rate - flow.bounds(profile, [widest]).extra[1]
     found = deepest_scratch(
         lambda scratch: without + flow.bounds(profile, [scratch]).extra[1],
         limit[1],
@@ -224,7 +244,7 @@ def _allowed(case: Case, load: LoadResult, asked: _Formed, given: FormError) -> 
     axial = load.contact.model.touch_normal_z
     radial = math.sqrt(max(1.0 - axial**2, 0.0))
     direction, share = ("radial", radial) if radial > _FLAT else ("axial", axial)
-    round_rate = load.leak_round.leak_rate if load.leak_round is not None else math.inf
+    round_rate = math.inf if asked.load.leak_round is None else asked.load.leak_round.leak_rate
     if round_rate > rate:
         return Allowed(name, rate, None, None, direction, None)
     height = float(np.ptp(asked.formed.gap_change))

@@ -61,23 +61,30 @@ def nominal_size(case: Case) -> NominalSize:
     return NominalSize(nominal_size_of_bore(diameter), diameter, circle, True)
 
 
-def leakage_classes(case: Case, load: LoadResult) -> tuple[LeakageClass, ...]:
+def leakage_classes(
+    case: Case, load: LoadResult, ends: tuple[float, float] | None = None
+) -> tuple[LeakageClass, ...]:
     """The tightest class of each standard that a load meets; empty without a leak rate, and outside the theory.
 
     Parameters
     ----------
     case : Case
     load : LoadResult
+    ends : tuple of float, optional
+        Of the leak rate's interval [m^3/s], both of which have to meet a class; those of both readings of yielding
+        asperities unless given.
     """
     from leak import leakage_class
 
     if load.leak is None or load.validity.outside:
         return ()
     size = nominal_size(case)
+    low, high = ends or load.leak_range or (load.leak.leak_rate, load.leak.leak_rate)
     return leakage_class(
-        load.leak.leak_rate,
+        low,
         size.size,
         gas=load.leak.throughput is not None,
         pressure_drop=load.fluid_pressure,
         seat_diameter=size.diameter,
+        highest=high,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -31,7 +32,9 @@ _ACCURACY = 1e-6
 _MARGIN = (0.7, 1.4)
 
 
-def contacts_at_target(problem: SealProblem, target_leak_rate: float | None = None) -> list[LoadResult]:
+def contacts_at_target(
+    problem: SealProblem, target_leak_rate: float | None = None, *, capped: bool = False
+) -> list[LoadResult]:
     """Loads with the smallest force of spring or actuator at which a seal leaks as a target, at each fluid pressure.
 
     Parameters
@@ -40,6 +43,8 @@ def contacts_at_target(problem: SealProblem, target_leak_rate: float | None = No
         With surface and flow.
     target_leak_rate : float, optional
         [m^3/s], of a gas at 101325 Pa and its temperature; the problem's own target unless given.
+    capped : bool
+        With yielding asperities read as changing the surface only where it touches, on the same contact.
 
     Returns
     -------
@@ -66,6 +71,8 @@ def contacts_at_target(problem: SealProblem, target_leak_rate: float | None = No
         raise target_problem(
             problem, "needs [roughness] and [fluid]: without them there is no leak rate", target
         )
+    if capped:
+        flow = replace(flow, surface=flow.surface.capped)
     if problem.curves:
         raise target_problem(
             problem, "is for elastic bodies, and one has a stress_strain curve; leave it out", target
@@ -133,6 +140,11 @@ def with_answers(
         lambda: _forces_for_target(solver, len(loads)),
         _no_forces(len(loads)),
     )
+    capped, more = after.get(
+        "force for the target leak rate, asperities changing only where they touch",
+        lambda: _forces_capped(solver, len(loads)),
+        ([None] * len(loads), ()),
+    )
     applied = dict.fromkeys(load.applied_force for load in loads) if asked else ()
     opens = {
         force: after.get(
@@ -147,10 +159,11 @@ def with_answers(
             effective_radius=effective_radius(load.contact, load.fluid_pressure) if penetrates else None,
             blow_off_pressure=opens.get(load.applied_force),
             force_for_target=force,
+            force_for_target_capped=force_capped,
             target_validity=verdict,
         )
-        for load, force, verdict in zip(loads, forces, verdicts, strict=True)
-    ), remarks
+        for load, force, force_capped, verdict in zip(loads, forces, capped, verdicts, strict=True)
+    ), (*remarks, *more)
 
 
 Forces = tuple[list[float | None], list[Validity | None], tuple[Caution, ...]]
@@ -175,6 +188,18 @@ def _forces_for_target(solver: LoadSolver, count: int) -> Forces:
     forces: list[float | None] = [one.applied_force for one in found]
     verdicts: list[Validity | None] = [target_validity(problem, surface, one) for one in found]
     return forces, verdicts, tuple(target_cautions(problem, surface, found))
+
+
+def _forces_capped(solver: LoadSolver, count: int) -> tuple[list[float | None], tuple[Caution, ...]]:
+    """The same forces in the other reading of yielding asperities, as far as there is one."""
+    problem, flow = solver.problem, solver.flow
+    if problem.loads.target_leak_rate is None or flow is None or flow.surface.hardness is None:
+        return [None] * count, ()
+    try:
+        return [one.applied_force for one in contacts_at_target(problem, capped=True)], ()
+    except InputError as error:
+        told = (f"if asperities that yield change only where they touch: {one}" for one in error.problems)
+        return [None] * count, tuple(Caution("target", Level.DOUBTFUL, text, text) for text in told)
 
 
 def _on_model(

@@ -14,7 +14,7 @@ from fem_seal.analysis.caution import VALID, Validity
 from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.lazy import Lazy
 from fem_seal.arrays import FloatArray
-from fem_seal.units import given, leak_rate_text, quantity, quantity_worth
+from fem_seal.units import given, leak_range_text, quantity, quantity_worth
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -54,6 +54,8 @@ class LoadResult(Lazy):
         Fluid pressure that lifts the closure off at this applied force [Pa], infinite if none does; None if not asked.
     force_for_target : float or None
         Smallest applied force for which the leak rate stays below the target [N]; None if not asked or not found.
+    force_for_target_capped : float or None
+        The same in the other reading of yielding asperities, see `capped` [N]; None where there is but one.
     validity : Validity
         How far the numbers can be trusted, and why no further; see docs/validity.md.
     target_validity : Validity or None
@@ -73,6 +75,7 @@ class LoadResult(Lazy):
     validity: Validity = VALID
     target_validity: Validity | None = None
     opening: OpeningMargin | None = None
+    force_for_target_capped: float | None = None
 
     def __repr__(self) -> str:
         at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
@@ -89,8 +92,11 @@ class LoadResult(Lazy):
         # a line is not worth working the leak rate out
         leak: LeakResult | None = vars(self).get("leak")
         if leak is not None:
+            known = self.leak_range if vars(self).get("leak_capped") is not None else None
             claimed = not self.validity.outside
-            parts.append(f"leak rate {leak_rate_text(leak.leak_rate, min(self.digits, 3), claimed=claimed)}")
+            parts.append(
+                f"leak rate {leak_range_text(known or leak.leak_rate, min(self.digits, 3), claimed=claimed)}"
+            )
         return ", ".join([*parts, str(self.validity.level)])
 
     @property
@@ -172,11 +178,18 @@ class LoadResult(Lazy):
         return self.rough is not None and self.rough.surface.hardness is not None
 
     @property
+    def leak_ends(self) -> tuple[LeakResult, LeakResult] | None:
+        """Smaller and larger leak of both readings of yielding asperities; None where there is but one reading."""
+        conserved, capped = (self.leak_conserved, self.leak_capped) if self.yields else (None, None)
+        if conserved is None or capped is None:
+            return None
+        return (conserved, capped) if conserved.leak_rate <= capped.leak_rate else (capped, conserved)
+
+    @property
     def leak_range(self) -> tuple[float, float] | None:
-        """Smaller and larger leak rate of both readings of yielding asperities [m^3/s]; None where there is but one."""
-        both = (self.leak_conserved, self.leak_capped) if self.yields else ()
-        rates = [leak.leak_rate for leak in both if leak is not None]
-        return (min(rates), max(rates)) if len(rates) == 2 else None
+        """Leak rates of `leak_ends` [m^3/s]."""
+        ends = self.leak_ends
+        return None if ends is None else (ends[0].leak_rate, ends[1].leak_rate)
 
     @cached_property
     def critical_separation(self) -> float | None:
@@ -348,12 +361,15 @@ class FormPoint:
     leak_rate : float or None
         [m^3/s]; None without roughness or fluid.
     line_load_min_over_mean : float
+    leak_rate_capped : float or None
+        Where asperities yield, in the other reading, see `LoadResult.capped` [m^3/s].
     """
 
     factor: float
     height: float
     leak_rate: float | None
     line_load_min_over_mean: float
+    leak_rate_capped: float | None = None
 
 
 @dataclass(frozen=True)
@@ -368,12 +384,15 @@ class WaveAlone:
     leak_rate : float or None
         [m^3/s]
     line_load_min_over_mean : float
+    leak_rate_capped : float or None
+        Where asperities yield, in the other reading [m^3/s].
     """
 
     waves: int
     amplitude: float
     leak_rate: float | None
     line_load_min_over_mean: float
+    leak_rate_capped: float | None = None
 
 
 @dataclass(frozen=True)
@@ -426,7 +445,10 @@ class FormAnswers:
         Share by which more leaks because fluid goes round tight places; None if not asked.
     deepest_scratch : tuple of float or None
         Depth and width [m] of the deepest scratch in place of the widest, of its proportions, with which the limit
-        still holds beside all others; None without scratches or limit, or if none does.
+        still holds beside all others, in both readings of yielding asperities; None without scratches or limit, or if
+        none does.
+    allowed_capped : Allowed or None
+        What is allowed in the other reading of yielding asperities; None where there is but one.
     """
 
     fluid_pressure: float
@@ -438,6 +460,7 @@ class FormAnswers:
     allowed: Allowed | None
     goes_round: float | None = None
     deepest_scratch: tuple[float, float] | None = None
+    allowed_capped: Allowed | None = None
 
 
 @dataclass(frozen=True)
@@ -672,6 +695,8 @@ class LeakInterval:
 
 # Digits of numbers as they are shown far from opening.
 DIGITS = 4
+# Ratio of leak rates up to which two readings are told as one number.
+AGREE = 1.005
 
 
 @dataclass(frozen=True)

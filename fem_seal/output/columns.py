@@ -311,10 +311,8 @@ COLUMNS = {
             "`[uncertainty]`, of the lower end of the samples in the reading that leaks less; nan where asperities are "
             "elastic and nothing is sampled",
             lambda row: row.end(0),
-            heading="leak rate, from",
             short="low",
             shown_in="mm³/s",
-            unit_like="leak_rate_m3_per_s",
             spare_digits=0,
             needs=_FLOW,
         ),
@@ -323,10 +321,8 @@ COLUMNS = {
             "flow",
             "upper end of the same interval",
             lambda row: row.end(1),
-            heading="to",
             short="high",
             shown_in="mm³/s",
-            unit_like="leak_rate_m3_per_s",
             spare_digits=0,
             needs=_FLOW,
         ),
@@ -510,9 +506,21 @@ COLUMNS = {
             "where asperities yield: leak rate of the same contact if the surface changes only where it touches, under "
             "a pressure that the hardness limits",
             lambda row: _rate(row.load.leak_capped) if row.load.yields else None,
+            heading="leak rate, capped",
             title="leak rate, changed only where it touches",
+            unit_like="leak_rate_m3_per_s",
             spare_digits=0,
             needs=_FLOW,
+        ),
+        Column(
+            "force_for_target_leak_capped_N",
+            "force",
+            "where asperities yield: `force_for_target_leak_N` if the surface changes only where it touches",
+            lambda row: row.load.force_for_target_capped,
+            heading="for the target, capped",
+            short="capped",
+            shown_in="N",
+            unit_like="force_for_target_leak_N",
         ),
     )
 }
@@ -528,6 +536,10 @@ PROFILE_LEAK_COLUMNS = (
     "critical_separation_elastic_m",
     "leak_rate_kg_per_s",
     "leak_rate_Pa_m3_per_s",
+    "leak_rate_low_m3_per_s",
+    "leak_rate_high_m3_per_s",
+    "leak_rate_conserved_m3_per_s",
+    "leak_rate_capped_m3_per_s",
 )
 
 # What the terminal shows of the loads, where a row fills it.
@@ -552,6 +564,7 @@ LEAK_ON_TERMINAL = tuple(
         "effective_seal_radius_m",
         "blow_off_pressure_Pa",
         "force_for_target_leak_N",
+        "force_for_target_leak_capped_N",
         "opening_margin_N",
         "opening_margin_Pa",
     )

@@ -162,19 +162,22 @@ def _write_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float
 def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
     """Units and classes of all loads as plain numbers and texts; empty without a leak rate.
 
-    A load outside the theory has no classes.
+    Of a class both ends of the interval are below the limit; the lower end alone meets the one "at best". A load
+    outside the theory has no classes.
     """
     size = nominal_size(result.case).size if any(load.leak for load in result.loads) else None
     return [
         {
             "fluid_pressure": load.fluid_pressure,
             **{name: getattr(load.leak, name) for name in _LEAKAGE},
-            "classes": {one.standard: one.name for one in leakage_classes(result.case, load)},
+            "classes": {one.standard: one.name for one in classes},
+            "classes_at_best": {one.standard: one.at_best or one.name for one in classes},
             "nominal_size": size,
             "validity": str(load.validity.level),
         }
-        for load in result.loads
+        for load, ends in zip(result.loads, result.leak_ranges, strict=True)
         if load.leak is not None
+        for classes in [leakage_classes(result.case, load, ends)]
     ]
 
 

@@ -134,7 +134,7 @@ def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
     row, *_ = rows_of(result)
     load = row.load
     cautions = load.validity.without("mesh").cautions
-    if "force_for_target_leak_N" in columns and load.target_validity is not None:
+    if any(name.startswith("force_for_target") for name in columns) and load.target_validity is not None:
         # here the force is what the design is judged by
         cautions += load.target_validity.cautions
     return Evaluation(_read(row, columns), Validity.of(cautions))

@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, LoadResult, SealSolution
+from fem_seal.analysis.results import (
+    AGREE,
+    CLOSED,
+    Allowed,
+    FormAnswers,
+    FormPoint,
+    LoadResult,
+    SealSolution,
+    WaveAlone,
+)
 from fem_seal.output.prose import said
 from fem_seal.output.report.tables import ReadableTable
-from fem_seal.units import given, leak_rate_text, number, percent, quantity
+from fem_seal.units import given, leak_range_text, number, percent, quantity
 
 if TYPE_CHECKING:
     from fem_seal.case.form import BodyForm, Form
+    from leak import LeakResult
 
 _DIRECTIONS = {"radial": "roundness", "axial": "flatness"}
 
@@ -32,8 +42,8 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
             "form.leak",
             "round",
             load=at,
-            rate=_rate(load, load.leak.leak_rate),
-            round=_rate(load, load.leak_round.leak_rate),
+            rate=_range(load, [one.leak for one in _readings(load)]),
+            round=_range(load, [one.leak_round for one in _readings(load)]),
         )
     if answers.tolerance_waves is not None:
         yield said("form.tolerance", "worst", waves=answers.tolerance_waves)
@@ -45,13 +55,28 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
     yield from _closing(answers, load)
     if answers.allowed is not None and not load.validity.outside:
         yield from _allowed(answers.allowed, load)
+        if answers.allowed_capped is not None:
+            yield from _allowed_capped(answers.allowed, answers.allowed_capped)
     yield from _scratches(answers, load)
     if answers.goes_round is not None:
         yield said("form.round", "share", share=percent(answers.goes_round), load=at)
 
 
-def _rate(load: LoadResult, leak_rate: float) -> str:
-    return leak_rate_text(leak_rate, min(load.digits, 3), claimed=not load.validity.outside)
+def _readings(load: LoadResult) -> list[LoadResult]:
+    """The load in both readings of yielding asperities, or in the only one."""
+    return [load] if load.leak_range is None else [load.conserved, load.capped]
+
+
+def _range(load: LoadResult, leaks: Sequence[LeakResult | None]) -> str:
+    return _rate(load, *(one.leak_rate for one in leaks if one is not None))
+
+
+def _rate(load: LoadResult, *rates: float | None) -> str:
+    """One leak rate, or the ends of several."""
+    known = [rate for rate in rates if rate is not None]
+    low, high = min(known), max(known)
+    told = low if high <= AGREE * low else (low, high)
+    return leak_range_text(told, min(load.digits, 3), claimed=not load.validity.outside)
 
 
 def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
@@ -103,12 +128,28 @@ def _allowed(allowed: Allowed, load: LoadResult) -> Iterator[str]:
         )
 
 
-def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
-    around = load.around
-    if around is None or around.scratches is None:
+def _allowed_capped(allowed: Allowed, capped: Allowed) -> Iterator[str]:
+    """What the other reading of yielding asperities allows, where it is something else."""
+    if allowed.factor is None:
         return
-    low, high = around.scratches
-    yield said("form.scratches", "both", low=_rate(load, low), high=_rate(load, high))
+    if capped.factor is None:
+        yield said("form.allowed", "capped_round_leaks_more")
+        return
+    sizes = [number(_down(one), 2) for one in (allowed.factor, capped.factor)]
+    if sizes[0] != sizes[1] and math.isfinite(capped.factor):
+        yield said("form.allowed", "capped_size", factor=sizes[1])
+    zones = [quantity("length", _down(one.zone or 0.0), 2) for one in (allowed, capped)]
+    if zones[0] != zones[1] and capped.zone is not None and math.isfinite(capped.zone):
+        yield said("form.allowed", "capped_zone", zone=zones[1])
+
+
+def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
+    added = [one.around.scratches for one in _readings(load) if one.around is not None]
+    known = [bounds for bounds in added if bounds is not None]
+    if not known:
+        return
+    low, high = (_rate(load, *ends) for ends in zip(*known, strict=True))
+    yield said("form.scratches", "both", low=low, high=high)
     if answers.deepest_scratch is not None:
         depth, width = answers.deepest_scratch
         yield said(
@@ -117,6 +158,8 @@ def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
             depth=quantity("length", _down(depth), 2),
             width=quantity("length", _down(width), 2),
         )
+        if len(known) > 1:
+            yield said("form.scratches", "both_readings")
 
 
 def _down(value: float) -> float:
@@ -125,6 +168,10 @@ def _down(value: float) -> float:
         return value
     unit = 10.0 ** (math.floor(math.log10(value) + 1e-12) - 1)
     return math.floor(value / unit + 1e-9) * unit
+
+
+def _of_point(load: LoadResult, point: FormPoint | WaveAlone) -> str:
+    return "–" if point.leak_rate is None else _rate(load, point.leak_rate, point.leak_rate_capped)
 
 
 def curve_table(result: SealSolution) -> ReadableTable:
@@ -138,7 +185,7 @@ def curve_table(result: SealSolution) -> ReadableTable:
             number(point.factor, 3),
             quantity("length", point.height, 3),
             percent(point.line_load_min_over_mean),
-            *((_rate(load, point.leak_rate) if point.leak_rate is not None else "–",) if leaks else ()),
+            *((_of_point(load, point),) if leaks else ()),
         )
         for point in answers.curve
     ]
@@ -156,7 +203,7 @@ def waves_table(result: SealSolution) -> ReadableTable:
             str(wave.waves),
             quantity("length", wave.amplitude, 3),
             percent(wave.line_load_min_over_mean),
-            "–" if wave.leak_rate is None else _rate(load, wave.leak_rate),
+            _of_point(load, wave),
         )
         for wave in answers.waves
     ]

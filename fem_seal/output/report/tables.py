@@ -27,6 +27,7 @@ from fem_seal.units import (
     percent,
     quantity,
     quantity_worth,
+    range_text,
     trimmed,
     unit_for,
     worth,
@@ -59,6 +60,7 @@ _OF_LOADS = (
     "critical_separation_m",
     "critical_separation_elastic_m",
     "leak_rate_m3_per_s",
+    "leak_rate_capped_m3_per_s",
     "leak_rate_elastic_m3_per_s",
     "leak_rate_round_m3_per_s",
     "max_von_mises_Pa",
@@ -70,6 +72,7 @@ _ASKED = (
     "opening_margin_N",
     "opening_margin_Pa",
     "force_for_target_leak_N",
+    "force_for_target_leak_capped_N",
 )
 
 
@@ -252,7 +255,8 @@ def interval_table(result: SealSolution) -> ReadableTable:
     interval = result.uncertainty
     if interval is None:
         return ReadableTable((), ())
-    unit = unit_for("flow", float(interval.high.max()))
+    ends = [one or (math.nan, math.nan) for one in result.leak_ranges]
+    unit = unit_for("flow", max(high for _, high in ends))
     span = percent(interval.confidence)
     headings = (
         "load",
@@ -266,7 +270,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
             load_name(load, result.loads),
             *(
                 number(unit.of(rate))
-                for rate in (load.leak.leak_rate if load.leak else None, interval.low[n], interval.high[n])
+                for rate in (load.leak.leak_rate if load.leak else None, *ends[n])
                 if rate is not None
             ),
             *("–" if np.isnan(share) else f"{100 * share:.0f}" for share in interval.shares[n]),
@@ -362,8 +366,13 @@ def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, s
         )
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
-        force = quantity("force", load.force_for_target, _DIGITS)
-        yield TARGET_FORCE, force, f"applied force for {given('flow', target)}"
+        both = [
+            quantity("force", force, _DIGITS)
+            for force in (load.force_for_target, load.force_for_target_capped)
+            if force is not None
+        ]
+        named = "; the two ends are readings of asperities that yield" if both[0] != both[-1] else ""
+        yield TARGET_FORCE, range_text(both[0], both[-1]), f"applied force for {given('flow', target)}{named}"
 
 
 def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -389,6 +398,8 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
         "force",
         compared,
         "fluid" if force < 0 else "",
+        "capped" if load.force_for_target_capped is not None else "",
+        capped=quantity("force", load.force_for_target_capped, _DIGITS),
         target=given("flow", target),
         pressure=given("fluid pressure", load.fluid_pressure),
         force=quantity("force", force, _DIGITS),

@@ -13,7 +13,7 @@ from fem_seal.analysis.caution import Level, Validity
 from fem_seal.analysis.closed_forms import Derived
 from fem_seal.analysis.leakage import NominalSize, leakage_classes, nominal_size
 from fem_seal.analysis.load_names import load_name, load_values
-from fem_seal.analysis.results import LoadResult, SealSolution, highest_load
+from fem_seal.analysis.results import AGREE, LoadResult, SealSolution, highest_load
 from fem_seal.analysis.warnings import FLUID_OPENS
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.prose import said
@@ -25,7 +25,16 @@ from fem_seal.output.report.tables import (
     what_opens,
     what_yielded,
 )
-from fem_seal.units import leak_rate_text, number, percent, quantity, quantity_worth, unit_for, worth
+from fem_seal.units import (
+    leak_range_text,
+    leak_rate_text,
+    number,
+    percent,
+    quantity,
+    quantity_worth,
+    range_text,
+    worth,
+)
 from leak import (
     CoupledLeakResult,
     LeakResult,
@@ -99,18 +108,15 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     if imprint := imprint_in_words(result):
         found.append(Fact("Permanent imprint", *imprint))
     if load.leak is not None:
-        rate = load.leak.leak_rate
-        told = leak_rate_text(rate, load.digits, claimed=not load.validity.outside)
-        found.insert(0, Fact("Leak rate", told, _least(load) or per_day(rate, load.digits)))
+        told = leak_range_text(rate_of(load), load.digits, claimed=not load.validity.outside)
+        remarks = [_least(load) or per_day(rate_of(load), load.digits), readings_in_words(load)]
+        found.insert(0, Fact("Leak rate", told, "; ".join(filter(None, remarks))))
         if load.leak.leak_rate > 0:
             # the first of these units may be the one that stands there already
-            others = [
-                part
-                for part in leakage_text(load.leak, min(load.digits, 3)).split(" = ")
-                if part != found[0].value
-            ]
+            others = [part for part in leakage_text(load).split(" = ") if part != found[0].value]
             found.insert(1, Fact("In other units", others[0], " = ".join(others[1:])))
-        found.append(_class_fact(nominal_size(result.case), leakage_classes(result.case, load)))
+        ends = result.leak_ranges[result.loads.index(load)]
+        found.append(_class_fact(nominal_size(result.case), leakage_classes(result.case, load, ends)))
     if result.uncertainty is not None:
         found.insert(1, _interval_fact(result, load))
     return found
@@ -120,11 +126,46 @@ def _least(load: LoadResult) -> str:
     """That a leak rate with scratches is the upper of two bounds, and the lower one; empty without scratches."""
     if load.leak is None or load.around is None or load.around.scratches is None:
         return ""
+    read = [load] if load.leak_range is None else [load.conserved, load.capped]
+    rates = [least_with_scratches(one) for one in read]
+    told = leak_range_text((min(rates), max(rates)), load.digits, claimed=not load.validity.outside)
+    return f"upper bound of what scratches add; the lower one gives {told}"
+
+
+def least_with_scratches(load: LoadResult) -> float:
+    """Leak rate of one reading with the lower bound of what scratches add [m^3/s]."""
+    if load.leak is None or load.around is None or load.around.scratches is None:
+        return math.nan
     low, high = load.around.scratches
-    least = leak_rate_text(
-        load.leak.leak_rate - (high - low), min(load.digits, 3), claimed=not load.validity.outside
+    return load.leak.leak_rate - (high - low)
+
+
+def ends_told(load: LoadResult) -> tuple[LeakResult, LeakResult] | None:
+    """Leak of both readings of yielding asperities, the smaller first; None where two digits do not tell them apart."""
+    ends = load.leak_ends
+    return None if ends is None or ends[1].leak_rate <= AGREE * ends[0].leak_rate else ends
+
+
+def rate_of(load: LoadResult) -> float | tuple[float, float]:
+    """The leak rate of a load as it is told: both readings of yielding asperities, or the only one [m^3/s]."""
+    ends = ends_told(load)
+    if ends is None:
+        return math.nan if load.leak is None else load.leak.leak_rate
+    return ends[0].leak_rate, ends[1].leak_rate
+
+
+def readings_in_words(load: LoadResult) -> str:
+    """Which reading of yielding asperities gives which leak rate; empty where there is but one."""
+    if load.leak_ends is None or load.leak_conserved is None or load.leak_capped is None:
+        return ""
+    if ends_told(load) is None:
+        return said("readings.load", "same")
+    digits, claimed = min(load.digits, 2), not load.validity.outside
+    conserved, capped = (
+        leak_rate_text(one.leak_rate, digits, claimed=claimed)
+        for one in (load.leak_conserved, load.leak_capped)
     )
-    return f"upper bound of what scratches add; the lower one gives {least}"
+    return said("readings.load", "both", conserved=conserved, capped=capped)
 
 
 def _peak_fact(load: LoadResult) -> tuple[str, str]:
@@ -147,22 +188,25 @@ def _class_fact(size: NominalSize, classes: Sequence[LeakageClass]) -> Fact:
 def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     assert result.uncertainty is not None
     n = result.loads.index(load)
-    low, high = float(result.uncertainty.low[n]), float(result.uncertainty.high[n])
-    unit = unit_for("flow", high)
+    ends = result.leak_ranges[n]
+    assert ends is not None  # uncertain inputs make one
     return Fact(
         f"{percent(result.uncertainty.confidence)} interval of the leak rate",
-        f"{number(unit.of(low), 2)} to {number(unit.of(high), 2)} {unit.name}",
-        "from the uncertain inputs",
+        leak_range_text(ends, claimed=not load.validity.outside),
+        "from the uncertain inputs" + (", in both readings of asperities that yield" if load.yields else ""),
     )
 
 
-def per_day(leak_rate: float, digits: int = 2) -> str:
-    """A leak rate as what collects in a day, with two digits at most."""
-    litres = leak_rate * 86400e3
+def per_day(leak_rate: float | tuple[float, float], digits: int = 2) -> str:
+    """A leak rate, or both ends of its interval, as what collects in a day, with two digits at most."""
+    ends = leak_rate if isinstance(leak_rate, tuple) else (leak_rate,)
+    litres = [rate * 86400e3 for rate in ends]
     for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
-        if litres >= size:
-            return f"{worth(litres / size, 1) if digits < 2 else number(litres / size, 2)} {unit} per day"
-    return "" if leak_rate == 0 else "less than 1 µl per day"
+        if litres[-1] >= size:
+            shown = (one / size for one in litres)
+            told = [worth(one, 1) if digits < 2 else number(one, 2) for one in shown]
+            return f"{range_text(told[0], told[-1])} {unit} per day"
+    return "" if ends[-1] == 0 else "less than 1 µl per day"
 
 
 def headline(result: SealSolution) -> str:
@@ -211,7 +255,7 @@ def _what_leaks(result: SealSolution) -> str:
     if changed:
         shown.append(last)
     span = load_values(highest, loads)
-    rates = [load.leak.leak_rate for load in shown if load.leak is not None]
+    rates = [rate_of(load) for load in shown if load.leak is not None]
     if not rates:
         missing = "roughness" if result.surface is None else "fluid"
         after = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
@@ -219,15 +263,26 @@ def _what_leaks(result: SealSolution) -> str:
         return said("notes.headline", "contact", load=span, contact=contact, missing=missing)
     if all(load.validity.outside for load in shown):
         return said("notes.headline", "not_claimed", load=span)
-    if all(load.leak and load.leak.leak_rate == 0 and not load.validity.outside for load in loads):
+    if all(load.leak and rate_of(load) in (0, (0, 0)) and not load.validity.outside for load in loads):
         return said("notes.headline", "sealed", load=span)
+    largest = max(rate[1] if isinstance(rate, tuple) else rate for rate in rates)
     told = [
-        ("at an unknown rate" if load.validity.outside else _flow_beside(rate, rates, min(load.digits, 3)))
+        (
+            "at an unknown rate"
+            if load.validity.outside
+            else leak_range_text(rate, load.digits, beside=largest)
+        )
         + f" at {load_values(load, loads)}"
         for rate, load in zip(rates, shown, strict=True)
     ]
     then = f"; after {span}, {told.pop()}" if changed else ""
-    return f"The seal leaks {' and '.join(told)}{then}."
+    claimed = [load for load in shown if ends_told(load) is not None and not load.validity.outside]
+    return f"The seal leaks {' and '.join(told)}{then}." + (f" {ends_in_words()}" if claimed else "")
+
+
+def ends_in_words() -> str:
+    """What the two ends of a leak rate are."""
+    return said("readings.ends", "what")
 
 
 def _contact(load: LoadResult) -> str:
@@ -237,13 +292,6 @@ def _contact(load: LoadResult) -> str:
 
 def _peak(load: LoadResult) -> str:
     return quantity_worth("contact pressure", load.contact.profile.peak_pressure, load.digits)
-
-
-def _flow_beside(leak_rate: float, others: Sequence[float], digits: int) -> str:
-    """A leak rate in a unit that suits others too, as long as it stays readable."""
-    unit = unit_for("flow", max(others))
-    shown = unit.of(leak_rate)
-    return leak_rate_text(leak_rate, digits) if shown < 0.01 else f"{worth(shown, digits)} {unit.name}"
 
 
 def reasons(result: SealSolution, derived: Derived) -> list[str]:
@@ -322,24 +370,32 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
         effect = "never" if factor > _NOTICED else "hardly"
     values = {"area": percent(area), "share": share, "factor": number(factor, 2)}
     yield said("reasons.asperities", "yielded", effect, **values)
+    if load.leak_ends is not None:
+        yield said("readings.load", "why", readings=readings_in_words(load))
 
 
-def leakage_text(found: LeakResult, digits: int = 3) -> str:
-    """The leak rate in the units of its kind: "1.2 ml/min = 19 drops/min = 20 mg/s"."""
+def leakage_text(load: LoadResult) -> str:
+    """The leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min"."""
+    assert load.leak is not None
+    ends = ends_told(load) or (load.leak, load.leak)
+    digits = min(load.digits, 3 if ends[0] is ends[1] else 2)
+    columns = zip(*(_in_units(one) for one in ends), strict=True)
+    return " = ".join(
+        f"{range_text(worth(low, digits), worth(high, digits))} {unit}" for (low, unit), (high, _) in columns
+    )
+
+
+def _in_units(found: LeakResult) -> Iterator[tuple[float, str]]:
     if found.throughput is not None and found.standard_leak_rate is not None:
-        parts = [
-            f"{worth(millibar_litres_per_second(found.throughput), digits)} mbar l/s",
-            f"{worth(found.throughput, digits)} Pa m³/s",
-            f"{worth(millilitres_per_minute(found.standard_leak_rate), digits)} standard ml/min (0 °C, 1.01325 bar)",
-        ]
+        yield millibar_litres_per_second(found.throughput), "mbar l/s"
+        yield found.throughput, "Pa m³/s"
+        standard = millilitres_per_minute(found.standard_leak_rate)
+        yield standard, "standard ml/min (0 °C, 1.01325 bar)"
     else:
-        parts = [
-            f"{worth(millilitres_per_minute(found.leak_rate), digits)} ml/min",
-            f"{worth(drops_per_minute(found.leak_rate), digits)} drops/min",
-        ]
+        yield millilitres_per_minute(found.leak_rate), "ml/min"
+        yield drops_per_minute(found.leak_rate), "drops/min"
     if found.mass_flow is not None:
-        parts.append(f"{worth(found.mass_flow, digits)} kg/s")
-    return " = ".join(parts)
+        yield found.mass_flow, "kg/s"
 
 
 def classes_in_words(classes: Sequence[LeakageClass]) -> str:
@@ -351,8 +407,13 @@ def classes_in_words(classes: Sequence[LeakageClass]) -> str:
     return "; ".join([*([", ".join(met)] if met else []), *missed])
 
 
-def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> list[str]:
-    """Two lines for the command line about one load; none without a leak rate.
+def leakage_lines(
+    case: Case,
+    load: LoadResult,
+    loads: Sequence[LoadResult],
+    ends: tuple[float, float] | None = None,
+) -> list[str]:
+    """A few lines for the command line about one load; none without a leak rate.
 
     Parameters
     ----------
@@ -360,15 +421,19 @@ def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
     load : LoadResult
     loads : sequence
         All of them.
+    ends : tuple of float, optional
+        Of the leak rate's interval, see `leakage_classes` [m^3/s].
     """
     if load.leak is None:
         return []
     found = load.validity
     doubt = f" ({found.level}: {found.reasons[0]})" if found.reasons else ""
     why = ", because the leak rate is outside the theory" if found.outside else ""
+    classes = classes_in_words(leakage_classes(case, load, ends))
     return [
-        f"Leak rate at {load_values(load, loads)}: {leakage_text(load.leak, min(load.digits, 3))}{doubt}",
-        f"Leakage class for {nominal_size(case)}: {classes_in_words(leakage_classes(case, load))}{why}",
+        f"Leak rate at {load_values(load, loads)}: {leakage_text(load)}{doubt}",
+        *([f"  {ends_in_words()}"] if ends_told(load) is not None else []),
+        f"Leakage class for {nominal_size(case)}: {classes}{why}",
     ]
 
 
