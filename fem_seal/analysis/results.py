@@ -173,6 +173,11 @@ class LoadResult(Lazy):
         return self.capped.leak
 
     @property
+    def around_capped(self) -> Around | None:
+        """`around` of `capped`; None for a round seal, and where no asperities yield."""
+        return self.capped.around if self.yields and self.leak_capped is not None else None
+
+    @property
     def yields(self) -> bool:
         """Whether asperities yield, so that the leak rate has two readings."""
         return self.rough is not None and self.rough.surface.hardness is not None

@@ -37,7 +37,10 @@ def around_rows(load: LoadResult) -> list[tuple[float | str, ...]]:
     if around is None:
         return []
     angles = len(around.angle)
-    leak: list[float] | list[str] = [""] * angles if around.leak_rate is None else around.leak_rate.tolist()
+    leak, capped = (
+        [""] * angles if one is None or one.leak_rate is None else one.leak_rate.tolist()
+        for one in (around, load.around_capped)
+    )
     return list(
         zip(
             [load.fluid_pressure] * angles,
@@ -47,6 +50,7 @@ def around_rows(load: LoadResult) -> list[tuple[float | str, ...]]:
             np.where(around.line_load > 0, around.peak_pressure, 0.0).tolist(),
             around.fwhm.tolist(),
             leak,
+            capped,
             strict=True,
         )
     )

@@ -614,6 +614,8 @@ AROUND_MEANINGS = {
     "fwhm_m": "full width at half maximum at this angle",
     "leak_rate_m3_per_s_per_rad": "leak rate per angle; its integral over the turn is that of the seal; empty where "
     "none is calculated",
+    "leak_rate_capped_m3_per_s_per_rad": "the same where yielding asperities change the surface only where it touches; "
+    "empty where none yields",
 }
 VARIANT_MEANINGS = {
     "interface_law": 'p(u): "plastic", "elastic" or "given"',

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from fem_seal.analysis.closed_forms import Derived, derive
 from fem_seal.analysis.problem import exponential_law
@@ -67,7 +70,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
         "form": None if result.form is None else asdict(result.form),
         "particles": [asdict(answers) for answers in result.particles],
         "interface_variants": [asdict(variant) for variant in result.interface_variants],
-        "uncertainty": None if result.uncertainty is None else interval_numbers(result.uncertainty),
+        "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty),
         "theory_variants": variant_rows(result),
         "warnings": list(result.warnings),
         "wall_times_s": dict(result.timings),
@@ -120,17 +123,18 @@ def mesh_numbers(result: SealSolution) -> dict[str, Any]:
     }
 
 
-def interval_numbers(interval: LeakInterval) -> dict[str, Any]:
+def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, Any]:
     """Leak rates with their interval, and what is said about them; one entry per load in each list."""
+    low, high = np.transpose([ends or (math.nan, math.nan) for ends in result.leak_ranges]).tolist()
     return {
         "samples": interval.samples,
         "seed": interval.seed,
         "confidence": interval.confidence,
         "calculated_samples": interval.runs,
         "error_of_the_others": interval.error,
-        "leak_rate_low_m3_per_s": interval.low.tolist(),
+        "leak_rate_low_m3_per_s": low,
         "leak_rate_median_m3_per_s": interval.median.tolist(),
-        "leak_rate_high_m3_per_s": interval.high.tolist(),
+        "leak_rate_high_m3_per_s": high,
         "sealed_share": interval.sealed.tolist(),
         "shares_of_variance": {
             name: interval.shares[:, n].tolist() for n, name in enumerate(interval.inputs)

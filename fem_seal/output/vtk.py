@@ -82,8 +82,8 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
 
     x, y, z in space, z the axis; the angle goes from x to y. Point data: ``x``, arc length from first touch [m],
     ``angle`` [rad], ``contact_pressure`` [Pa], ``gap`` [m], ``gap_change`` [m], what the form error adds to the gap,
-    ``local_line_load`` [N/m] and, where it is known, ``leak_rate_per_radian`` [m^3/s], both the same all along x. The
-    numbers are in single precision.
+    ``local_line_load`` [N/m] and, where it is known, ``leak_rate_per_radian`` [m^3/s], with asperities that yield also
+    ``leak_rate_capped_per_radian``, the same all along x. The numbers are in single precision.
 
     Returns
     -------
@@ -98,7 +98,7 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
             continue
         files.append(file)
         times.append(time)
-        points, quads, data = _around_the_axis(load.around, height)
+        points, quads, data = _around_the_axis(load.around, load.around_capped, height)
         written.append(
             write_surface(folder / file, points, quads, point_data=data, field_data=_load_data(load))
         )
@@ -110,7 +110,7 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
 
 
 def _around_the_axis(
-    around: Around, height: Callable[[FloatArray], FloatArray]
+    around: Around, capped: Around | None, height: Callable[[FloatArray], FloatArray]
 ) -> tuple[NDArray[np.float32], NDArray[np.int64], dict[str, NDArray[np.float32]]]:
     """Points, quadrilaterals and point data of the seat's face, closed around the axis."""
     every = math.ceil(len(around.angle) / _ANGLES)
@@ -133,6 +133,8 @@ def _around_the_axis(
     }
     if around.leak_rate is not None:
         of_angle["leak_rate_per_radian"] = around.leak_rate[::every]
+    if capped is not None and capped.leak_rate is not None:
+        of_angle["leak_rate_capped_per_radian"] = capped.leak_rate[::every]
     data |= {name: values[:, None] for name, values in of_angle.items()}
     with np.errstate(under="ignore"):
         single = {

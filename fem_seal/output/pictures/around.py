@@ -180,6 +180,11 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
         turn, values = _closed(angle / _DEGREE, rate / unit.size, 360.0)
         values = np.where(values > 0, values, np.nan)
         axes.plot(turn, values, color=colour(n), label=over.names[result.loads.index(load)])
+        if load.around_capped is not None and load.around_capped.leak_rate is not None:
+            capped = load.around_capped.leak_rate * _DEGREE
+            _, values = _closed(angle / _DEGREE, capped / unit.size, 360.0)
+            axes.plot(turn, np.where(values > 0, values, np.nan), "--", color=colour(n), linewidth=1.0)
+            rates = np.concatenate([rates, capped])
     if spans_decades(rates):
         logarithmic(axes, "y")
     else:
@@ -193,7 +198,13 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
         "leak_around",
         svg(figure),
         said("captions.leak_around", "alt"),
-        said("captions.leak_around", "lines", "sealed" if sealed else "", "scratches" if scratched else ""),
+        said(
+            "captions.leak_around",
+            "lines",
+            "capped" if any(load.around_capped for load, _, _ in shown) else "",
+            "sealed" if sealed else "",
+            "scratches" if scratched else "",
+        ),
     )
 
 

@@ -11,6 +11,7 @@ from fem_seal.analysis.load_names import load_axis, load_name
 from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.style import (
     BLUE,
+    GREEN,
     INK,
     ORANGE,
     PURPLE,
@@ -50,7 +51,12 @@ def leak_picture(result: SealSolution) -> Picture | None:
     rates = np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
     elastic = np.array([load.leak_elastic.leak_rate if load.leak_elastic else np.nan for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
-    series = [("asperities yield (result)" if plastic else "elastic asperities (result)", rates, BLUE, 2.2)]
+    series = [
+        ("asperities yield, C_pl (result)" if plastic else "elastic asperities (result)", rates, BLUE, 2.2)
+    ]
+    capped = np.array([load.leak_capped.leak_rate if load.leak_capped else np.nan for load in loads])
+    if plastic and np.isfinite(capped).any():
+        series.append(("changed only where they touch", capped, GREEN, 1.5))
     if plastic and np.isfinite(elastic).any():
         series.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
     shown = np.concatenate([rates for _, rates, _, _ in series])
@@ -62,19 +68,19 @@ def leak_picture(result: SealSolution) -> Picture | None:
             unit,
             "zero" if outside[0] else "sealed",
         )
-    both = len(series) == 2 and bool(((rates > 0) & (elastic > 0)).any())
+    both = plastic and bool(((rates > 0) & (elastic > 0)).any())
     figure, axes, factor = _leak_panels(2 if both else 1)
     for name, values, colour, width in series:
         positive = np.where(values > 0, values, np.nan) / unit.size
         thin = 0.8 if over.ordered else width
         axes.plot(over.shown, positive, "o-", color=colour, linewidth=thin, ms=3.8, label=name)
     _mark_outside(axes, over.shown, np.where(rates > 0, rates, np.nan) / unit.size, outside)
-    if result.uncertainty is not None:
-        order = [result.loads.index(load) for load in loads]
-        low, high = result.uncertainty.low[order], result.uncertainty.high[order]
-        name = f"{percent(result.uncertainty.confidence)} interval of the result"
-        band = (low / unit.size, high / unit.size)
-        axes.fill_between(over.shown, *band, color=BLUE, alpha=0.15, linewidth=0, label=name)
+    ends = dict(zip(map(id, result.loads), result.leak_ranges, strict=True))
+    known = np.array([ends[id(load)] or (np.nan, np.nan) for load in loads])
+    if np.isfinite(known).any():
+        sampled = result.uncertainty
+        name = "both readings" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
+        axes.fill_between(over.shown, *known.T / unit.size, color=BLUE, alpha=0.15, linewidth=0, label=name)
     _mark_sealed(axes, over.shown[(rates == 0) & ~outside])
     scales = ["x"] if over.values.min() > 0 and spans_decades(over.values) else []
     scales += ["y"] if spans_decades(shown) else []
