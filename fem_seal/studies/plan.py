@@ -46,6 +46,8 @@ class StudyPlan:
     """What is minimised: the goals of the optimisation, or of the report; large ones with a minus sign."""
     responses: tuple[str, ...]
     """Columns of leak.csv that are calculated."""
+    beside: tuple[str, ...]
+    """Those of them that only stand beside others: no plot and no index is theirs."""
     case: Case
     """The base case with the study's changes."""
 
@@ -168,16 +170,33 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
     return goals
 
 
+# Where asperities yield, a leak rate never stands without its other reading.
+_LEAK_RATE, _BESIDE = "leak_rate_m3_per_s", "leak_rate_capped_m3_per_s"
+
+
 def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[str, ...]:
-    """The responses asked for and those that formulas need, in the order of leak.csv."""
+    """The responses asked for, those that formulas need, and what stands beside them, in the order of leak.csv."""
+    wanted = _asked(study, responses)
+    yields = study.case.leak.plasticity or "leak.plasticity" in study.names
+    if _LEAK_RATE in wanted and yields:
+        wanted.add(_BESIDE)
+    return tuple(name for name in LEAK_COLUMNS if name in wanted)
+
+
+def _asked(study: StudyPlan, responses: Sequence[str]) -> set[str]:
     used = {
         name
         for group in (study.derived, study.constraints, study.goals)
         for one in group.values()
         for name in one.names
     }
-    wanted = set(responses) | used
-    return tuple(name for name in LEAK_COLUMNS if name in wanted)
+    return set(responses) | used
+
+
+def columns_beside(study: StudyPlan, responses: Sequence[str]) -> tuple[str, ...]:
+    """Needed columns that nobody asked for: they are shown beside the others and not studied themselves."""
+    asked = _asked(study, responses)
+    return tuple(name for name in needed_columns(study, responses) if name not in asked)
 
 
 def _texts(value: str | tuple[str, ...] | None) -> tuple[str, ...]:

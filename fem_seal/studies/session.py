@@ -184,6 +184,7 @@ def description(study: StudyPlan) -> dict[str, Any]:
             for one in study.parameters
         ],
         "responses": list(study.responses),
+        "beside": list(study.beside),
         "derived": {name: formula.text for name, formula in study.derived.items()},
         "constraints": {name: one.text for name, one in study.constraints.items()},
         "goals": {name: formula.text for name, formula in study.goals.items()},

@@ -129,11 +129,12 @@ class Display:
     def best(self, count: int) -> tuple[list[int], dict[str, list[str]]]:
         """Numbers of the best designs, and what they are by their labels, as texts.
 
-        Parameters, outputs and goals, and the validity unless all are valid.
+        Parameters, responses, derived columns and goals, and the validity unless all are valid.
         """
         designs = self.designs
         numbers = designs.best(count)
-        names = dict.fromkeys([*designs.parameters, *designs.outputs, *designs.about["goals"]])
+        about = designs.about
+        names = dict.fromkeys([*designs.parameters, *about["responses"], *about["derived"], *about["goals"]])
         rows = designs.done.loc[numbers].index
         told = {self.label(name): self.texts(rows, name) for name in names}
         levels = designs.validity.loc[numbers].tolist()

@@ -13,11 +13,13 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import write_text
+from fem_seal.output.prose import said
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.designs_table import (
     LEAK_RATE,
     Designs,
     Sensitivity,
+    capped_leak_rates,
     class_shares,
     quantiles,
     sensitivities,
@@ -307,12 +309,20 @@ def _distribution(display: Display) -> Iterator[Section]:
         if any(one["distribution"] for one in designs.about["parameters"])
         else "they were chosen and not drawn, so this is no probability"
     )
+    headings: tuple[str, ...] = ("share of the designs below", "leak rate", "[m³/s]")
+    rows = [(f"{100 * share:g} %", leak_rate_text(value), short(value)) for share, value in found.items()]
+    capped, other = capped_leak_rates(designs), ""
+    if len(capped):
+        headings += ("changed only where it touches", "[m³/s]")
+        ends = quantiles(capped).values()
+        rows = [(*row, leak_rate_text(end), short(end)) for row, end in zip(rows, ends, strict=True)]
+        other = f" {said('readings.ends', 'what')}"
     yield Section(
         "Distribution of the leak rate",
-        f"Share {_of_calculated(designs)}; {meaning}.",
+        f"Share {_of_calculated(designs)}; {meaning}.{other}",
         _html(figure),
-        ("share of the designs below", "leak rate", "[m³/s]"),
-        tuple((f"{100 * share:g} %", leak_rate_text(value), short(value)) for share, value in found.items()),
+        headings,
+        tuple(rows),
     )
 
 
@@ -321,6 +331,8 @@ def _classes(designs: Designs) -> Iterator[Section]:
         return
     seal, standard, shares = designs.about["seal"], designs.about["standard"], class_shares(designs)
     unclaimed = " Outside the theory no class is claimed." if designs.outside.any() else ""
+    if len(capped_leak_rates(designs)):
+        unclaimed += " A class is met if both readings of asperities that yield meet it."
     base = f"DN {1e3 * seal['nominal_size']:.4g} and {seal['fluid'] or 'the fluid'} of the base case"
     if not shares:
         yield Section(
