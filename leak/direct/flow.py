@@ -225,9 +225,7 @@ def _solve(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(number.size,) * 2
     )
     factors = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    x = factors.solve(load * scale)
-    x += factors.solve(load * scale - matrix @ x)
-    return x * scale
+    return factors.solve(load * scale) * scale
 
 
 @lru_cache(maxsize=4)
