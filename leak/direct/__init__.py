@@ -15,18 +15,30 @@ True
 """
 
 from leak.direct.contact import ContactState, press
-from leak.direct.flow import Flow, patch_flow, periodic_flow
+from leak.direct.flow import Flow, Streams, patch_flow, periodic_flow, streams
 from leak.direct.half_space import PeriodicHalfSpace
-from leak.direct.simulation import DirectBranch, DirectResult, simulate
+from leak.direct.patch import Patch, periodic_map, refined, smoothed
+from leak.direct.simulation import DirectBranch, DirectResult, PressedPatch, simulate
+from leak.direct.studies import cutoff_study, grid_study, size_study
 
 __all__ = [
     "ContactState",
     "DirectBranch",
     "DirectResult",
     "Flow",
+    "Patch",
     "PeriodicHalfSpace",
+    "PressedPatch",
+    "Streams",
+    "cutoff_study",
+    "grid_study",
     "patch_flow",
     "periodic_flow",
+    "periodic_map",
     "press",
+    "refined",
     "simulate",
+    "size_study",
+    "smoothed",
+    "streams",
 ]

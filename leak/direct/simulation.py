@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +13,51 @@ from leak.direct.contact import ContactState, press
 from leak.direct.flow import patch_flow, periodic_flow
 from leak.direct.half_space import PeriodicHalfSpace
 from leak.errors import DirectError, positive
+
+
+class PressedPatch(NamedTuple):
+    """Numbers of one pressed map.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from leak.direct import PeriodicHalfSpace, PressedPatch, press
+    >>> state = press(PeriodicHalfSpace(8, 1e-3, 100e9), np.zeros((8, 8)), 1e6)
+    >>> PressedPatch.of(state).contact_area
+    1.0
+    """
+
+    contact_area: float
+    """Fraction of the points with p > 0 [-]."""
+    yielded_area: float
+    """Fraction of the points at the hardness [-]."""
+    mean_gap: float
+    """Over the whole patch [m]."""
+    gap_cubed_along: float
+    """u_eff^3 along axis 0 [m^3]."""
+    gap_cubed_across: float
+    """u_eff^3 along axis 1 [m^3]."""
+
+    @classmethod
+    def of(
+        cls, state: ContactState, *, hardness: float | None = None, periodic: bool = False
+    ) -> PressedPatch:
+        """Areas, gap and the flow in both directions.
+
+        Parameters
+        ----------
+        state : ContactState
+            From `press`.
+        hardness : float or None
+            With which it was pressed [Pa].
+        periodic : bool
+            See `simulate`.
+        """
+        flow = periodic_flow if periodic else patch_flow
+        p, gap = state.pressure, state.gap
+        yielded = 0.0 if hardness is None else float(np.mean(p >= hardness))
+        along, across = flow(gap).gap_cubed, flow(np.ascontiguousarray(gap.T)).gap_cubed
+        return cls(float(np.mean(p > 0.0)), yielded, float(gap.mean()), along, across)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,45 +182,25 @@ def simulate(
         )
     body = PeriodicHalfSpace(h.shape[0], L, E)
 
+    def row(state: ContactState) -> PressedPatch:
+        return PressedPatch.of(state, hardness=H, periodic=periodic)
+
     state: ContactState | None = None
-    rows: dict[int, tuple[float, ...]] = {}
+    loaded: dict[int, PressedPatch] = {}
     for i in np.argsort(path):
-        state = press(
-            body, h, path[i], hardness=H, start=None if state is None else state.pressure, tolerance=tolerance
-        )
-        rows[int(i)] = _row(state, H, periodic)
-    unloaded = None
-    if back is not None and state is not None:
-        unloaded = _unload(body, h - state.overlap, back, H, state.pressure, periodic, tolerance)
-    return DirectResult(**vars(_branch(path, rows)), unloaded=unloaded)
+        start = None if state is None else state.pressure
+        state = press(body, h, path[i], hardness=H, start=start, tolerance=tolerance)
+        loaded[int(i)] = row(state)
+    if back is None or state is None:
+        return DirectResult(**vars(_branch(path, loaded)), unloaded=None)
+    flattened, unloaded = h - state.overlap, {}
+    for i in np.argsort(back)[::-1]:
+        state = press(body, flattened, back[i], hardness=H, start=state.pressure, tolerance=tolerance)
+        unloaded[int(i)] = row(state)
+    return DirectResult(**vars(_branch(path, loaded)), unloaded=_branch(back, unloaded))
 
 
-def _unload(
-    body: PeriodicHalfSpace,
-    heights: FloatArray,
-    pressures: FloatArray,
-    H: float | None,
-    start: FloatArray,
-    periodic: bool,
-    tolerance: float,
-) -> DirectBranch:
-    rows: dict[int, tuple[float, ...]] = {}
-    for i in np.argsort(pressures)[::-1]:
-        state = press(body, heights, pressures[i], hardness=H, start=start, tolerance=tolerance)
-        start = state.pressure
-        rows[int(i)] = _row(state, H, periodic)
-    return _branch(pressures, rows)
-
-
-def _row(state: ContactState, H: float | None, periodic: bool) -> tuple[float, ...]:
-    flow = periodic_flow if periodic else patch_flow
-    p, gap = state.pressure, state.gap
-    yielded = 0.0 if H is None else float(np.mean(p >= H))
-    along, across = flow(gap).gap_cubed, flow(np.ascontiguousarray(gap.T)).gap_cubed
-    return float(np.mean(p > 0.0)), yielded, float(gap.mean()), along, across
-
-
-def _branch(pressures: FloatArray, rows: dict[int, tuple[float, ...]]) -> DirectBranch:
+def _branch(pressures: FloatArray, rows: dict[int, PressedPatch]) -> DirectBranch:
     return DirectBranch(pressures, *np.array([rows[i] for i in range(pressures.size)]).T)
 
 
