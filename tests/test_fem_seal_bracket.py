@@ -339,8 +339,6 @@ def test_a_zero_that_may_not_be_claimed_is_not_called_sealed():
 
 def test_a_seal_is_sealed_only_if_it_is_in_both_readings():
     load = rough_result().loads[0]
-    tight = load.knowing(
-        leak=replace(load.leak, leak_rate=0.0), leak_conserved=replace(load.leak, leak_rate=0.0)
-    )
+    tight = load.knowing(leak=replace(load.leak, leak_rate=0.0))
     told = headline(replace(rough_result(), loads=(tight,)))
     assert "Sealed" not in told and re.search(r"leaks 0 to [\d.]+ ml/min", told)

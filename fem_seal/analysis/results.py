@@ -167,7 +167,7 @@ class LoadResult(Lazy):
         rough = self.rough.conserved if self.rough.capped is self.rough else self.rough.capped
         return replace(self, rough=rough)
 
-    @cached_property
+    @property
     def leak_conserved(self) -> LeakResult | None:
         """Leak of `conserved`."""
         return self.conserved.leak
