@@ -45,9 +45,9 @@ An asperity that yields gives way, and the theory does not say where its metal g
 - **Volume conserved everywhere** (C_pl, the default, as in the paper): plastic flow smooths the whole spectrum, valleys
   included; `leak_rate_conserved_m3_per_s`. In direct simulations with the pressure capped at the hardness the valleys
   stay open: where much yields, this reading is too tight there ([verification.md](verification.md)).
-- **Changed only where it touches**, under a pressure that the hardness limits; `leak_rate_capped_m3_per_s`. The channels
-  are those of an elastic contact at a larger pressure (`leak.theory.capped`). Metal that is displaced into the valleys
-  is left out, so that this reading is rather too open.
+- **Changed only where it touches**, under a pressure that the hardness limits; `leak_rate_capped_m3_per_s`. The
+  channels are those of an elastic contact at a larger pressure (`leak.theory.capped`). Metal that is displaced into the
+  valleys is left out, so that this reading is rather too open.
 
 The contact is the same in both: bodies, contact pressure and interface law do not change, also with
 `[interface] plastic = true`, with a form error, and with `closing = "penetration"`, whose fluid pressure between the
@@ -57,13 +57,13 @@ surfaces is that of the first reading. Scratches leak beside both. Without `leak
 
 NOTES = """
 Every leak rate is told as this interval, in the files ([columns.md](columns.md)), on the terminal and in the report.
-`leak_rate_m3_per_s` and what follows from it (mass, pV, standard volume, comparisons, goals of a study) are those of the
-first reading. `leak_rate_low_m3_per_s` and `leak_rate_high_m3_per_s` are the ends, with `[uncertainty]` those of the
-samples in both readings ([uncertainty.md](uncertainty.md)). A leakage class is claimed only if both ends meet it;
+`leak_rate_m3_per_s` and what follows from it (mass, pV, standard volume, comparisons, goals of a study) are those of
+the first reading. `leak_rate_low_m3_per_s` and `leak_rate_high_m3_per_s` are the ends, with `[uncertainty]` those of
+the samples in both readings ([uncertainty.md](uncertainty.md)). A leakage class is claimed only if both ends meet it;
 otherwise it is "between" the two that they meet.
 
-Where little has yielded the two readings agree within some ten per cent, and either may be the smaller one: C_pl smooths
-nothing before a good part of the contact yields, while the capped contact area grows at once.
+Where little has yielded the two readings nearly agree, and either may be the smaller one: C_pl smooths nothing before a
+good part of the contact yields, while the capped contact area grows at once.
 """
 
 

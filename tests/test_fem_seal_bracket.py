@@ -329,6 +329,11 @@ def test_an_interval_in_words(rates, told):
     assert leak_range_text(rates) == told
 
 
+def test_an_interval_has_the_unit_of_what_it_stands_beside_as_long_as_it_is_readable():
+    assert leak_range_text((1e-10, 3e-10), beside=1e-8) == "6.0 to 18 µl/min"
+    assert leak_range_text((1e-8, 3e-8), beside=1e-6) == "0.60 to 1.8 ml/min"
+
+
 def test_a_zero_that_may_not_be_claimed_is_not_called_sealed():
     assert (
         leak_range_text((0.0, 0.0), claimed=False)
