@@ -466,6 +466,8 @@ def leak_range_text(
     if not math.isfinite(high):
         return f"at least {quantity_worth('flow', low, digits)}"
     if low and unit.of(low) < _READABLE:
+        if beside > high:
+            return leak_range_text((low, high), digits, claimed=claimed)
         return f"{quantity_worth('flow', low, digits)} to {quantity_worth('flow', high, digits)}"
     return f"{range_text(worth(unit.of(low), digits), worth(unit.of(high), digits))} {unit.name}"
 

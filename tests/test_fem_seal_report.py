@@ -151,7 +151,8 @@ def test_warnings_stand_at_the_top_and_absence_is_said(page):
 def test_headline_and_table_say_the_same_as_the_result(page):
     result = rough_result()
     highest = result.loads[-1]
-    assert f"{highest.leak.leak_rate * 6e7:.1f} ml/min at 20 bar" in page.text
+    low, high = (rate * 6e7 for rate in highest.leak_range)
+    assert f"{low:.2g} to {high:.2g} ml/min at 20 bar" in page.text
     assert f"{highest.leak.leak_rate * 6e7:.4g}" in page.text
     assert f"{highest.contact.profile.peak_pressure / 1e6:.1f} MPa" in page.text
     factor = highest.leak_elastic.leak_rate / highest.leak.leak_rate
@@ -187,6 +188,7 @@ def sealed(result: SealResult, above: float) -> SealResult:
         loads=tuple(
             load.knowing(
                 leak=replace(load.leak, leak_rate=0.0, resistance=float("inf")),
+                leak_capped=replace(load.leak, leak_rate=0.0, resistance=float("inf")),
                 critical_separation=0.0,
             )
             if load.fluid_pressure > above
@@ -279,7 +281,11 @@ def leakless(result):
     return replace(
         result,
         loads=tuple(
-            load.knowing(leak=replace(load.leak, leak_rate=0.0), critical_separation=0.0)
+            load.knowing(
+                leak=replace(load.leak, leak_rate=0.0),
+                leak_capped=replace(load.leak, leak_rate=0.0),
+                critical_separation=0.0,
+            )
             for load in result.loads
         ),
     )

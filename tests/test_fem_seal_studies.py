@@ -284,7 +284,14 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"design": {"knd": "grid"}}, ["design.knd", "kind"]),
         ({"responses": ["leak_rate"]}, ["responses", "leak_rate_m3_per_s"]),
         ({"responses": ["fwhm_m", "fwhm_m"]}, ["responses", "twice"]),
-        ({"responses": ["leak_rate_low_m3_per_s"]}, ["responses", "[uncertainty]"]),
+        (
+            {"changes": {"leak.plasticity": False}, "responses": ["leak_rate_low_m3_per_s"]},
+            ["responses", "[uncertainty]"],
+        ),
+        (
+            {"changes": {"leak.plasticity": False}, "responses": ["leak_rate_capped_m3_per_s"]},
+            ["responses", "leak.plasticity = true"],
+        ),
         ({"derived": {"fwhm_m": "1"}}, ["derived.fwhm_m", "another column"]),
         ({"derived": {"a": "1", "A": "2"}}, ["derived.A", "another column"]),
         ({"derived": {"a b": "1"}}, ["derived.a b", "word"]),

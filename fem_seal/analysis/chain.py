@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 # What is worked out of each load, and what stands there where the stress could not be calculated.
 _LEAK = {
     "leak": "leak rate",
-    "leak_conserved": "leak rate with the volume of asperities conserved",
     "leak_capped": "leak rate of asperities that change only where they touch",
     "leak_elastic": "leak rate of elastic asperities",
 }

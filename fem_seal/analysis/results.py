@@ -146,23 +146,28 @@ class LoadResult(Lazy):
     @cached_property
     def leak_elastic(self) -> LeakResult | None:
         """The same with asperities that never yield, on the same contact."""
-        return None if self.rough is None else self._read(self.rough.elastic).leak
+        if self.rough is None or self.rough.elastic is self.rough:
+            return self.leak
+        return replace(self, rough=self.rough.elastic).leak
 
-    @cached_property
+    @property
     def conserved(self) -> Self:
         """The same load, its yielding asperities read as conserving their volume everywhere (C_pl)."""
-        return self if self.rough is None else self._read(self.rough.conserved)
+        return self if self.rough is None or self.rough.conserved is self.rough else self._other_reading
 
-    @cached_property
+    @property
     def capped(self) -> Self:
         """The same load, its yielding asperities read as changing the surface only where it touches."""
-        return self if self.rough is None else self._read(self.rough.capped)
-
-    def _read(self, rough: RoughFlow) -> Self:
-        """The same contact with the surfaces read in another way; itself where they are not."""
-        return self if rough is self.rough else replace(self, rough=rough)
+        return self if self.rough is None or self.rough.capped is self.rough else self._other_reading
 
     @cached_property
+    def _other_reading(self) -> Self:
+        """The same contact with the surface read as it is not."""
+        assert self.rough is not None  # of both that ask
+        rough = self.rough.conserved if self.rough.capped is self.rough else self.rough.capped
+        return replace(self, rough=rough)
+
+    @property
     def leak_conserved(self) -> LeakResult | None:
         """Leak of `conserved`."""
         return self.conserved.leak

@@ -172,13 +172,20 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
 
 # Where asperities yield, a leak rate never stands without its other reading.
 _LEAK_RATE, _BESIDE = "leak_rate_m3_per_s", "leak_rate_capped_m3_per_s"
+# Columns that elastic asperities leave empty, and those that uncertain inputs fill all the same.
+_OF_YIELDING = (_BESIDE, "leak_rate_conserved_m3_per_s", "force_for_target_leak_capped_N")
+_SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
+
+
+def _yields(study: StudyPlan) -> bool:
+    """Whether asperities yield in some design."""
+    return study.case.leak.plasticity or "leak.plasticity" in study.names
 
 
 def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[str, ...]:
     """The responses asked for, those that formulas need, and what stands beside them, in the order of leak.csv."""
     wanted = _asked(study, responses)
-    yields = study.case.leak.plasticity or "leak.plasticity" in study.names
-    if _LEAK_RATE in wanted and yields:
+    if _LEAK_RATE in wanted and _yields(study):
         wanted.add(_BESIDE)
     return tuple(name for name in LEAK_COLUMNS if name in wanted)
 
@@ -246,6 +253,10 @@ def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     for table in COLUMNS[name].needs if name in COLUMNS else ():
         if getattr(study.case, table) is None:
             raise InputError(Problem(key, f"{name} needs a table [{table}] in the base case"))
+    sampled = name in _SAMPLED and study.case.uncertainty is not None
+    if name in (*_OF_YIELDING, *_SAMPLED) and not _yields(study) and not sampled:
+        also = " or a table [uncertainty]" if name in _SAMPLED else ""
+        raise InputError(Problem(key, f"{name} needs leak.plasticity = true{also} in the base case"))
 
 
 def _check_name(key: str, name: str, taken: Sequence[str]) -> None:

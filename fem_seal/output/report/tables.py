@@ -65,6 +65,8 @@ _OF_LOADS = (
     "leak_rate_round_m3_per_s",
     "max_von_mises_Pa",
 )
+# The page holds so many columns; where there are more, these go first. leak.csv has them all.
+_WIDEST, _SPARED = 12, ("std_m", "critical_separation_elastic_m")
 _GIVEN = ("fluid_pressure_Pa", "applied_force_N", "axial_force_N")
 _ASKED = (
     "effective_seal_radius_m",
@@ -83,7 +85,11 @@ def load_table(result: SealSolution) -> ReadableTable:
         names.insert(1, "applied_force_N")
     if result.surface is None or result.surface.hardness is None:
         names = [name for name in names if "_elastic_" not in name]
-    table = columns_table([_filled(name, result) for name in names])
+    columns = [one for one in (_filled(name, result) for name in names) if one.some]
+    for name in _SPARED:
+        if len(columns) > _WIDEST:
+            columns = [one for one in columns if one.column.name != name]
+    table = columns_table(columns)
     # with a mark and not a column more: the page is full
     rows = (
         (f"{first} {load.validity.level.mark}".rstrip(), *others)
