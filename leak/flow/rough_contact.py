@@ -19,7 +19,7 @@ from leak.flow.effective_gap import area_argument_at, critical_gap, effective_ga
 from leak.flow.rarefied import flow_factor
 from leak.numerics.curves import spline_slopes
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.capped import equivalent_pressure
+from leak.theory.capped import BEARING_GAP, equivalent_pressure
 from leak.theory.interface_law import RoughSurfaceLaw
 from leak.theory.persson import (
     ElasticRoughness,
@@ -155,12 +155,21 @@ class RoughContact:
         p = _checked(pressure)
         if self.hardness is None or self._smoothed:
             return p
+        bearing, sealing = self._elastic_pressures
         return equivalent_pressure(
             p,
             hardness=self.hardness,
             effective_modulus=self.effective_modulus,
             rms_slope=self.spectrum.rms_slope,
+            bearing_pressure=bearing,
+            sealing_pressure=sealing,
         )
+
+    @cached_property
+    def _elastic_pressures(self) -> tuple[float, float]:
+        """What a capped surface asks of the elastic one: its bearing and its sealing pressure [Pa]."""
+        elastic = self.elastic
+        return float(elastic.pressure(BEARING_GAP * self.spectrum.rms_height)), elastic.sealing_pressure
 
     @cached_property
     def _low_pressure_law(self) -> LowPressureLaw:
