@@ -1,8 +1,9 @@
-"""Rough patches whose pressure is capped at the hardness, loaded and unloaded: the table the capped reading is fitted to.
+"""Rough patches whose pressure is capped at the hardness, loaded and unloaded: what the capped reading is fitted to.
 
-Run: python docs/direct_yielding_campaign.py [file.csv], one process, about half an hour; what the file holds already
-is not calculated again. Box length 1, E* = 1 and rms slope 1, so that pressure and hardness are in units of E* h'.
+Run: python docs/direct_yielding_campaign.py [folder], one process, about half an hour; what the files hold already is
+not calculated again. Box length 1, E* = 1 and rms slope 1, so that pressure and hardness are in units of E* h'.
 Every surface is pressed elastically too: fitted is the elastic pressure that has the same effect on the same surface.
+A second table has the contact area at which nothing flows any more.
 """
 
 from __future__ import annotations
@@ -10,17 +11,18 @@ from __future__ import annotations
 import csv
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import NamedTuple, TextIO
+from typing import NamedTuple
 
 import numpy as np
 
 import leak
 from leak.direct import PeriodicHalfSpace, patch_flow, press
 from leak.direct.contact import ContactState
+from leak.direct.flow import spanning
 
-FILE = Path(__file__).resolve().parents[1] / "tests" / "reference" / "direct_yielding.csv"
+FOLDER = Path(__file__).resolve().parents[1] / "tests" / "reference"
 COLUMNS = (
     "grid_points_per_side",
     "rolloff_wavelengths_per_box",
@@ -36,6 +38,7 @@ COLUMNS = (
     "mean_gap_over_hrms",
     "conductivity",
 )
+THRESHOLD_COLUMNS = (*COLUMNS[:6], "direction", "p_over_Eh", "contact_area", "yielded_area")
 
 
 class Patch(NamedTuple):
@@ -50,6 +53,7 @@ class Patch(NamedTuple):
     hardness: tuple[float, ...] = (0.03, 0.08, 0.2, 0.5)
     loads: tuple[float, ...] = (0.001, 0.004, 0.016, 0.06)
     unload: tuple[float, ...] = (0.5, 0.2, 0.05, 0.01)
+    flow: bool = True
 
     @property
     def label(self) -> tuple[str, ...]:
@@ -81,7 +85,11 @@ def rows(patch: Patch) -> Iterator[tuple[str, ...]]:
         hardness: float | None, branch: str, p_max: float, p: float, state: ContactState, flow: bool
     ) -> tuple[str, ...]:
         yielded = 0.0 if hardness is None else float(np.mean(state.pressure >= hardness))
-        u3 = 0.5 * sum(patch_flow(gap).gap_cubed for gap in (state.gap, state.gap.T)) if flow else None
+        u3 = (
+            0.5 * sum(patch_flow(gap).gap_cubed for gap in (state.gap, state.gap.T))
+            if patch.flow and flow
+            else None
+        )
         numbers = (float(np.mean(state.pressure > 0.0)), yielded, float(state.gap.mean()) / h_rms)
         return (
             *patch.label,
@@ -116,27 +124,61 @@ def rows(patch: Patch) -> Iterator[tuple[str, ...]]:
 
 
 def patches() -> Iterator[Patch]:
-    """Hurst exponent by roll-off, two surfaces each, and broad spectra on a finer grid."""
-    spectra = [(0.7, 8), (0.5, 4), (0.9, 16), (0.5, 16), (0.9, 4), (0.7, 4), (0.7, 16), (0.5, 8), (0.9, 8)]
-    for seed in (0, 1):
+    """Hurst exponent by roll-off, two surfaces each; and the spectrum of the paper's seat, on a finer grid."""
+    even = [(0.7, 8), (0.5, 4), (0.9, 16), (0.5, 16), (0.9, 4), (0.7, 4), (0.7, 16), (0.5, 8)]
+    odd = [(0.7, 8), (0.5, 4), (0.9, 16), (0.9, 8), (0.9, 4), (0.5, 8)]
+    for seed, spectra in ((0, even), (1, odd)):
         for hurst, rolloff in spectra:
             yield Patch(256, rolloff, 32, hurst, seed)
-        # the spectrum of the paper's seat, with its ratio of hardness to E* h'
+    # with the ratio of hardness to E* h' of that seat; contact only
+    for seed in (1, 0):
         yield Patch(
             512,
             4,
             128,
             0.6,
             seed,
-            (0.001, 0.002, 0.004, 0.008, 0.016, 0.06),
-            (0.03, 0.076, 0.2),
-            (0.00125, 0.008),
-            (0.2,),
+            elastic=(0.001, 0.002, 0.004, 0.01, 0.025, 0.06, 0.15),
+            hardness=(0.076, 0.2),
+            loads=(0.00125, 0.004),
+            unload=(0.2,),
+            flow=False,
         )
 
 
-def main(path: Path) -> None:
-    """Add what is missing to the table."""
+def thresholds(patch: Patch) -> Iterator[tuple[str, ...]]:
+    """Where the open area stops spanning the patch, by bisection in the pressure, for flow along either axis."""
+    h = heights(patch)
+    body = PeriodicHalfSpace(patch.grid, 1.0, 1.0)
+    for hardness in (None, 0.5, 0.2, 0.08, 0.03):
+        state = press(body, h, 0.1 if hardness is None else 0.3 * hardness, hardness=hardness)
+        for direction in (0, 1):
+            low, high = (0.1, 0.32) if hardness is None else (0.3 * hardness, min(0.65 * hardness, 0.25))
+            for _ in range(9):
+                p = 0.5 * (low + high)
+                state = press(body, h, p, hardness=hardness, start=state.pressure)
+                opened = state.gap > 0.0
+                low, high = (p, high) if spanning(opened if direction == 0 else opened.T).any() else (low, p)
+            yielded = 0.0 if hardness is None else float(np.mean(state.pressure >= hardness))
+            area = float(np.mean(state.pressure > 0.0))
+            numbers = (f"{x:.5g}" for x in (p, area, yielded))
+            yield (*patch.label, "" if hardness is None else f"{hardness:g}", str(direction), *numbers)
+
+
+def main(folder: Path) -> None:
+    """Add what is missing to both tables."""
+    spectra = [(0.7, 8), (0.5, 16), (0.9, 16), (0.5, 8), (0.9, 8), (0.7, 16)]
+    several = [Patch(256, rolloff, 32, hurst, seed) for seed in (0, 1) for hurst, rolloff in spectra]
+    _complete(folder / "direct_yielding.csv", COLUMNS, patches(), rows)
+    _complete(folder / "direct_threshold.csv", THRESHOLD_COLUMNS, several, thresholds)
+
+
+def _complete(
+    path: Path,
+    columns: tuple[str, ...],
+    wanted: Iterable[Patch],
+    states: Callable[[Patch], Iterator[tuple[str, ...]]],
+) -> None:
     done: set[tuple[str, ...]] = set()
     if path.exists():
         with path.open(newline="") as file:
@@ -144,18 +186,15 @@ def main(path: Path) -> None:
     with path.open("a", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         if not done:
-            writer.writerow(COLUMNS)
-        for patch in patches():
-            if patch.label not in done:
-                _write(writer, file, patch)
-
-
-def _write(writer: object, file: TextIO, patch: Patch) -> None:
-    found = list(rows(patch))
-    writer.writerows(found)  # type: ignore[attr-defined]
-    file.flush()
-    print(", ".join(patch.label), f"{len(found)} states", flush=True)
+            writer.writerow(columns)
+        for patch in wanted:
+            if patch.label in done:
+                continue
+            found = list(states(patch))
+            writer.writerows(found)
+            file.flush()
+            print(path.name, ", ".join(patch.label), f"{len(found)} states", flush=True)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FILE)
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)

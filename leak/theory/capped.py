@@ -24,8 +24,9 @@ from leak.arrays import FloatArray
 _CUT_OFF = 0.25
 BEARING_GAP = 0.8236439
 """Mean gap over rms height of a Gaussian surface flattened over a quarter of its area."""
-YIELDING_THRESHOLD = 0.525
-"""Contact area at which the open area stops percolating where all contact yields; 0.43 where none does."""
+YIELDING_THRESHOLD = 0.52
+"""Contact area at which the open area stops percolating where all of it yields."""
+_ELASTIC_THRESHOLD = 0.43
 
 # what is still missing to the sealing pressure at the threshold comes in with this power of a/(1 - a)
 _CLOSING = 4
@@ -72,8 +73,8 @@ def equivalent_pressure(
 ) -> FloatArray:
     """Nominal pressure at which the elastic surface lets as much through as the one that yields where it touches.
 
-    First loading: p_eq^n = p^n + P_b^n, P_b = s a c(a), a = p/hardness. The share s = exp(-2 H^2), H = hardness/(E* h'),
-    is that of an elastic contact's area whose pressure would exceed the hardness; c(a) rises from the slope that the
+    First loading: p_eq^n = p^n + P_b^n, P_b = s a c(a), a = p/hardness. Of an elastic contact's area the share
+    s = exp(-2 H^2), H = hardness/(E* h'), would bear more than the hardness; c(a) rises from the slope that the
     bearing pressure at a = 1/4 fixes to the sealing pressure at the yielding threshold. Unloading from p_max to
     x p_max: p_eq = p_eq(p_max) exp(-k (1 - x^r)/r), which goes from x (elastic, r = 0 and k = 1) to one (rigid
     and plastic, k = 0). It rises with pressure and with `largest`, and is never below that of first loading.
@@ -161,9 +162,9 @@ def _spring_back(log_x: FloatArray, factor: FloatArray, constants: CappedConstan
 def percolation_threshold(yielded_share: ArrayLike) -> FloatArray:
     """Relative contact area at which a rough contact seals, over the share of its contact area that has yielded.
 
-    From direct simulation of periodic surfaces: 0.43 where all contact is elastic, 0.45 where 60 % has yielded, 0.50
-    at 92 % and 0.525 where all has. Elastic contact patches reach towards each other, as the gap beside them is narrow;
-    cut-off summits do not. The areas of Persson's theory are smaller than these (docs/theory_yielding.md).
+    From direct simulation: 0.430 where all contact is elastic, 0.455 where 59 % of it has yielded, 0.503 at 91 %, 0.514
+    at 97 % and 0.520 at 99 %, each to 0.004. The gap closes beside an elastic contact patch like x^(3/2), beside a
+    flattened summit as steeply as the summit was. The areas of Persson's theory are smaller than these.
 
     Parameters
     ----------
@@ -178,6 +179,7 @@ def percolation_threshold(yielded_share: ArrayLike) -> FloatArray:
     Examples
     --------
     >>> float(percolation_threshold(0.0)), float(percolation_threshold(1.0))
-    (0.43, 0.525)
+    (0.43, 0.52)
     """
-    return np.asarray(0.43 + (YIELDING_THRESHOLD - 0.43) * np.asarray(yielded_share, dtype=float) ** 2)
+    share = np.asarray(yielded_share, dtype=float)
+    return np.asarray(_ELASTIC_THRESHOLD + (YIELDING_THRESHOLD - _ELASTIC_THRESHOLD) * share**2.5)
