@@ -298,13 +298,13 @@ def picture(sets: Sequence[YieldingSet], path: Path) -> Path:
     with matplotlib.rc_context(style):
         figure = Figure(figsize=(9.6, 3.9), layout="constrained")
         loading, unloading = figure.subplots(1, 2, sharey=True)
-        p = np.geomspace(1e-3, 0.05, 40)
+        p = np.geomspace(1e-3, 0.05, 24)
         rest = _states(one, math.inf, p, p)
         loading.plot(p, capped(rest)[1], color="#444", linewidth=1.2, label="elastic")
         at = ~one.yields
         loading.plot(one.pressure[at], one.conductivity[at], "o", color="#444", ms=4)
         for hardness, colour in colours.items():
-            p = np.geomspace(1e-3, min(0.5 * hardness, 0.05), 40)
+            p = np.geomspace(1e-3, min(0.5 * hardness, 0.05), 24)
             states = _states(one, float(hardness), p, p)
             loading.plot(p, capped(states)[1], color=colour, linewidth=1.2, label=f"{hardness:g}")
             loading.plot(p, conserved(states)[1], "--", color=colour, linewidth=1.0)
@@ -314,7 +314,7 @@ def picture(sets: Sequence[YieldingSet], path: Path) -> Path:
             back = (one.hardness == hardness) & one.unloading
             unloading.plot(one.pressure[back], one.conductivity[back], "o", color=colour, ms=4)
             for largest in np.unique(one.largest[back]):
-                p = np.geomspace(5e-4, largest, 25)
+                p = np.geomspace(5e-4, largest, 12)
                 states = _states(one, float(hardness), p, np.full(p.shape, largest))
                 unloading.plot(p, capped(states)[1], color=colour, linewidth=1.2)
                 unloading.plot(p, conserved(states)[1], "--", color=colour, linewidth=1.0)

@@ -168,8 +168,17 @@ class RoughContact:
     @cached_property
     def _elastic_pressures(self) -> tuple[float, float]:
         """What a capped surface asks of the elastic one: its bearing and its sealing pressure [Pa]."""
-        elastic = self.elastic
-        return float(elastic.pressure(BEARING_GAP * self.spectrum.rms_height)), elastic.sealing_pressure
+        elastic, gap = self.elastic, BEARING_GAP * self.spectrum.rms_height
+        # ubar is convex in ln p: from a low pressure Newton's steps stay on one side
+        log_p = np.log(1e-3 * self.effective_modulus * self.spectrum.rms_slope)
+        for _ in range(_NEWTON_STEPS):
+            p = np.exp(np.array([log_p]))
+            found = elastic._mean(p, elastic._seen(p))
+            step = float((found.mean[0, 0] - gap) / found.decay[0, 0])
+            log_p += step
+            if abs(step) < 1e-9:
+                break
+        return float(np.exp(log_p)), elastic.sealing_pressure
 
     @cached_property
     def _low_pressure_law(self) -> LowPressureLaw:
@@ -492,6 +501,8 @@ class RoughContact:
         relative = p / self.effective_modulus
         return critical_gap(self.spectrum, self._seen(p), relative, self.gamma, self.percolation_threshold)
 
+
+_NEWTON_STEPS = 40
 
 # The table's last point below the sealing pressure, as a fraction of it; u_eff is below any molecule's size there.
 _CLOSEST_TO_SEALING = 0.02
