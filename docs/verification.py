@@ -17,6 +17,7 @@ from direct_numerical import compare, picture, read_direct, worst_factor
 from scipy.optimize import brentq
 from verification_page import Figure, Section, markdown
 from verification_shapes import hydrostatic_section, pairs_section, sizes_section
+from verification_yielding import yielding_section
 
 import leak
 from fem_seal.contact.laws import HardContact, Law
@@ -427,7 +428,7 @@ def direct_section(reference: Path) -> Section:
         + ", ".join(f"{everywhere[name]:.1f} with {name}" for name in names[1:])
         + ". Below A/A0 = 0.1, where the choice of P(u) hardly matters, the factors are "
         + ", ".join(f"{far[name]:.2f} ({name})" for name in names)
-        + ". Elastic surfaces only: no direct result with yielding asperities is compared here."
+        + ". Elastic surfaces only; yielding asperities come next."
     )
     return Section(
         "Rough contact and flow: the theory against direct numerical results",
@@ -455,6 +456,7 @@ def sections(reference: Path) -> Iterator[Section]:
     yield rough_contact_section(reference)
     yield leak_section(reference)
     yield direct_section(reference)
+    yield yielding_section(reference, FILE.parent / "images" / "direct_yielding.svg")
     yield paper_section()
     yield sensitivity_section()
 

@@ -19,7 +19,7 @@ from leak.flow.effective_gap import area_argument_at, critical_gap, effective_ga
 from leak.flow.rarefied import flow_factor
 from leak.numerics.curves import spline_slopes
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.capped import equivalent_pressure
+from leak.theory.capped import BEARING_GAP, equivalent_pressure
 from leak.theory.interface_law import RoughSurfaceLaw
 from leak.theory.persson import (
     ElasticRoughness,
@@ -155,12 +155,30 @@ class RoughContact:
         p = _checked(pressure)
         if self.hardness is None or self._smoothed:
             return p
+        bearing, sealing = self._elastic_pressures
         return equivalent_pressure(
             p,
             hardness=self.hardness,
             effective_modulus=self.effective_modulus,
             rms_slope=self.spectrum.rms_slope,
+            bearing_pressure=bearing,
+            sealing_pressure=sealing,
         )
+
+    @cached_property
+    def _elastic_pressures(self) -> tuple[float, float]:
+        """What a capped surface asks of the elastic one: its bearing and its sealing pressure [Pa]."""
+        elastic, gap = self.elastic, BEARING_GAP * self.spectrum.rms_height
+        # ubar is convex in ln p: from a low pressure Newton's steps stay on one side
+        log_p = np.log(1e-3 * self.effective_modulus * self.spectrum.rms_slope)
+        for _ in range(_NEWTON_STEPS):
+            p = np.exp(np.array([log_p]))
+            found = elastic._mean(p, elastic._seen(p))
+            step = float((found.mean[0, 0] - gap) / found.decay[0, 0])
+            log_p += step
+            if abs(step) < 1e-9:
+                break
+        return float(np.exp(log_p)), elastic.sealing_pressure
 
     @cached_property
     def _low_pressure_law(self) -> LowPressureLaw:
@@ -483,6 +501,8 @@ class RoughContact:
         relative = p / self.effective_modulus
         return critical_gap(self.spectrum, self._seen(p), relative, self.gamma, self.percolation_threshold)
 
+
+_NEWTON_STEPS = 40
 
 # The table's last point below the sealing pressure, as a fraction of it; u_eff is below any molecule's size there.
 _CLOSEST_TO_SEALING = 0.02
