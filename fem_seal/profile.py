@@ -28,6 +28,8 @@ class PressureProfile:
         Quadrature weights over x [m] that belong to the points.
     ends : tuple of float or None, optional
         x at which the faces end [m], None where that is not known: the contact does not go on beyond.
+    largest : ndarray, shape (m,), optional
+        Largest pressure that each place has carried before [Pa]; None where none is known, on first loading.
 
     Examples
     --------
@@ -46,6 +48,7 @@ class PressureProfile:
     gap: FloatArray
     arc_weight: FloatArray
     ends: tuple[float | None, float | None] = (None, None)
+    largest: FloatArray | None = None
 
     def moment(self, order: int, centre: float = 0.0) -> float:
         """int p (x - centre)^order dx [Pa m^(order + 1)]."""
@@ -82,6 +85,13 @@ class PressureProfile:
     def peak_pressure(self) -> float:
         """Highest nominal pressure p0 [Pa]."""
         return self.peak[1]
+
+    @property
+    def highest(self) -> float:
+        """Highest pressure that a place carries or has carried [Pa]."""
+        return float(
+            self.pressure.max() if self.largest is None else max(self.pressure.max(), self.largest.max())
+        )
 
     @property
     def fwhm(self) -> float:

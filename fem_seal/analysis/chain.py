@@ -136,6 +136,7 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
         unloaded=solved.unloaded,
         form=answers,
         particles=particles,
+        earlier=solved.earlier,
     )
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)
