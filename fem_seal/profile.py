@@ -29,7 +29,7 @@ class PressureProfile:
     ends : tuple of float or None, optional
         x at which the faces end [m], None where that is not known: the contact does not go on beyond.
     largest : ndarray, shape (m,), optional
-        Largest pressure that each place has carried before [Pa]; None where none is known, on first loading.
+        Largest pressure before that the gap at each place remembers, see `remembered` [Pa]; None on first loading.
 
     Examples
     --------
@@ -127,6 +127,26 @@ class PressureProfile:
         curve = _through(self.x[part], height[part])
         a, b = sorted((self.x[inside], self.x[outside]))
         return _root(curve, a, b)
+
+
+def remembered(pressure: FloatArray, largest: FloatArray) -> FloatArray:
+    """How much of the largest pressure the gap at each place remembers [Pa].
+
+    A place whose pressure has fallen by more than that of the contact as a whole was not unloaded but parted by the
+    bodies, and its gap has opened with them. There p_max counts up to p times the ratio of both peaks.
+
+    Parameters
+    ----------
+    pressure, largest : ndarray, shape (m,)
+        Pressure now, and the largest one before, at the same places [Pa].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> remembered(np.array([10.0, 1.0]), np.array([20.0, 19.0])).tolist()
+    [20.0, 2.0]
+    """
+    return np.minimum(largest, pressure * (largest.max() / pressure.max()))
 
 
 def _through(x: FloatArray, y: FloatArray) -> np.polynomial.Polynomial:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sample_results import case, cone
+from sample_results import SPECTRUM, case, cone
 
 import fem_seal
 from fem_seal.analysis.flow import RoughFlow
@@ -94,6 +94,21 @@ def test_the_earlier_load_acts_without_fluid() -> None:
     again = solved_again(found.contacts, model, problem.law, found.earlier)
     for one, other in zip(again, found.contacts, strict=True):
         assert one.largest == pytest.approx(other.largest, rel=1e-8, abs=1.0)
+
+
+def test_gaps_that_the_bodies_open_are_not_remembered() -> None:
+    smooth = {**SPECTRUM, "rms_height": "0.1 um"}
+    (load,) = solved(steps(("300 N",), "5 kN", roughness={"spectrum": smooth}))
+    profile, before = load.contact.profile, load.contact.largest
+    assert before is not None and profile.largest is not None
+    over = before.max() / profile.pressure.max()
+    # Hertz contact: the earlier one was wider
+    beside = np.flatnonzero(profile.pressure > 1e-6 * profile.pressure.max())[[0, -1]]
+    assert np.all(before[beside] > 10 * over * profile.pressure[beside])
+    np.testing.assert_allclose(profile.largest[beside], over * profile.pressure[beside], rtol=1e-12)
+    # at the peak nothing is taken away
+    peak = int(np.argmax(profile.pressure))
+    assert profile.largest[peak] == pytest.approx(before.max(), rel=1e-3)
 
 
 def test_critical_separation_and_table_know_it() -> None:

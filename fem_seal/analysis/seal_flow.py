@@ -14,7 +14,7 @@ from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow
 from fem_seal.analysis.problem import expected_forces
 from fem_seal.contact.sizing import Opening, contact_width
 from fem_seal.loads import line_load
-from fem_seal.profile import PressureProfile
+from fem_seal.profile import PressureProfile, remembered
 
 if TYPE_CHECKING:
     from fem_seal.analysis.problem import SealProblem
@@ -67,9 +67,10 @@ class SealFlow:
         largest : ndarray, shape (m,)
             Largest pressure that each place has carried before [Pa].
         """
-        table = self._table(replace(profile, largest=largest))
+        before = remembered(profile.pressure, largest)
+        table = self._table(replace(profile, largest=before))
         with np.errstate(divide="ignore"):
-            log_p, most = np.log(profile.pressure), np.log(largest)
+            log_p, most = np.log(profile.pressure), np.log(before)
         return replace(profile, pressure=np.exp(table.first_loading(log_p, np.maximum(most, log_p))))
 
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:

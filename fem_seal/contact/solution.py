@@ -14,7 +14,7 @@ from fem_seal.bodies.elasticity import quadratic_nodes
 from fem_seal.bodies.fields import BodyField
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
-from fem_seal.profile import PressureProfile
+from fem_seal.profile import PressureProfile, remembered
 from fem_seal.units import quantity
 
 
@@ -131,10 +131,9 @@ class ContactSolution:
     @property
     def profile(self) -> PressureProfile:
         """Nominal pressure profile."""
-        line = self.model.line
-        return PressureProfile(
-            line.x, line.radius, self.pressure, self.gap, line.arc_weight, line.reach, self.largest
-        )
+        line, p = self.model.line, self.pressure
+        before = None if self.largest is None else remembered(p, self.largest)
+        return PressureProfile(line.x, line.radius, p, self.gap, line.arc_weight, line.reach, before)
 
     def after(self, earlier: ContactSolution | None) -> Self:
         """The same contact after an earlier one on the same line, and after all that this one remembers.

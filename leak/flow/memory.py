@@ -110,7 +110,8 @@ class LoadMemory:
         found = np.array(x)
         if self.surface.hardness is None:
             return found
-        harder = top > x
+        # what carries nothing is open, whatever it carried before
+        harder = (top > x) & np.isfinite(x)
         log_hardness = np.log(self.surface.hardness)
         # a place that was pressed flat once stays so
         flat = harder & (top >= log_hardness + np.log(_FLAT))
