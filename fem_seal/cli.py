@@ -97,7 +97,6 @@ def run(
     elif not quiet:
         show_leak_table(rows, case.title)
         show_leakage(case, result.loads, result.leak_ranges)
-        show_leakage(case, result.loads)
         show_memory(case)
         show_form(result)
         show_particles(result)

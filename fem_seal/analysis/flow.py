@@ -304,6 +304,22 @@ class Flow:
         )
 
 
+def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressureProfile:
+    """Profile of first loading that lets as much through at every point; itself where nothing larger is remembered.
+
+    Parameters
+    ----------
+    table : ConductivityTable or GasConductivityTable
+    profile : PressureProfile
+    """
+    if profile.largest is None:
+        return profile
+    with np.errstate(divide="ignore"):
+        log_p, before = np.log(profile.pressure), np.log(profile.largest)
+    equal = np.exp(table.first_loading(log_p, np.maximum(before, log_p)))
+    return replace(profile, pressure=equal, largest=None)
+
+
 @dataclass(frozen=True)
 class ProfileFlow:
     """How the fluid of a seal gets through any pressure profile, at one pressure difference.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.around import LeakCurve
-from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow
+from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow, as_first_loaded
 from fem_seal.analysis.problem import expected_forces
 from fem_seal.contact.sizing import Opening, contact_width
 from fem_seal.loads import line_load
@@ -67,11 +67,8 @@ class SealFlow:
         largest : ndarray, shape (m,)
             Largest pressure that each place has carried before [Pa].
         """
-        before = remembered(profile.pressure, largest)
-        table = self._table(replace(profile, largest=before))
-        with np.errstate(divide="ignore"):
-            log_p, most = np.log(profile.pressure), np.log(before)
-        return replace(profile, pressure=np.exp(table.first_loading(log_p, np.maximum(most, log_p))))
+        after = replace(profile, largest=remembered(profile.pressure, largest))
+        return as_first_loaded(self._table(after), after)
 
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
