@@ -97,6 +97,7 @@ def run(
     elif not quiet:
         show_leak_table(rows, case.title)
         show_leakage(case, result.loads, result.leak_ranges)
+        show_memory(case)
         show_form(result)
         show_particles(result)
         _list_files(folder)
@@ -504,6 +505,19 @@ def show_leakage(
 
     highest = highest_load(loads)
     for line in leakage_lines(case, loads[highest], loads, ends[highest] if ends else None):
+        print(line)  # noqa: T201
+
+
+def show_memory(case: Case) -> None:
+    """Print after which larger load the results hold, if one is given.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    from fem_seal.output.report.words import remembered
+
+    for line in remembered(case):
         print(line)  # noqa: T201
 
 

@@ -28,6 +28,8 @@ class PressureProfile:
         Quadrature weights over x [m] that belong to the points.
     ends : tuple of float or None, optional
         x at which the faces end [m], None where that is not known: the contact does not go on beyond.
+    largest : ndarray, shape (m,), optional
+        Largest pressure before that the gap at each place remembers, see `remembered` [Pa]; None on first loading.
 
     Examples
     --------
@@ -46,6 +48,7 @@ class PressureProfile:
     gap: FloatArray
     arc_weight: FloatArray
     ends: tuple[float | None, float | None] = (None, None)
+    largest: FloatArray | None = None
 
     def moment(self, order: int, centre: float = 0.0) -> float:
         """int p (x - centre)^order dx [Pa m^(order + 1)]."""
@@ -84,6 +87,13 @@ class PressureProfile:
         return self.peak[1]
 
     @property
+    def highest(self) -> float:
+        """Highest pressure that a place carries or has carried [Pa]."""
+        return float(
+            self.pressure.max() if self.largest is None else max(self.pressure.max(), self.largest.max())
+        )
+
+    @property
     def fwhm(self) -> float:
         """Full width at half maximum [m]; the flanks are interpolated in (p/p0)^2, exact for an ellipse."""
         height = (self.pressure / self.peak_pressure) ** 2 - 0.25
@@ -117,6 +127,26 @@ class PressureProfile:
         curve = _through(self.x[part], height[part])
         a, b = sorted((self.x[inside], self.x[outside]))
         return _root(curve, a, b)
+
+
+def remembered(pressure: FloatArray, largest: FloatArray) -> FloatArray:
+    """How much of the largest pressure the gap at each place remembers [Pa].
+
+    A place whose pressure has fallen by more than that of the contact as a whole was not unloaded but parted by the
+    bodies, and its gap has opened with them. There p_max counts up to p times the ratio of both peaks.
+
+    Parameters
+    ----------
+    pressure, largest : ndarray, shape (m,)
+        Pressure now, and the largest one before, at the same places [Pa].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> remembered(np.array([10.0, 1.0]), np.array([20.0, 19.0])).tolist()
+    [20.0, 2.0]
+    """
+    return np.minimum(largest, pressure * (largest.max() / pressure.max()))
 
 
 def _through(x: FloatArray, y: FloatArray) -> np.polynomial.Polynomial:

@@ -37,12 +37,19 @@ from leak.flow.around import (
     gas_around_flow,
     rarefied_conductivity,
 )
-from leak.flow.conductivity import Conductivity, ConductivityTable, GasConductivity, GasConductivityTable
+from leak.flow.conductivity import (
+    Conductivity,
+    ConductivityTable,
+    GasConductivity,
+    GasConductivityTable,
+    RemembersLoad,
+)
 from leak.flow.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
 from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
 from leak.flow.groove_section import EllipticGroove, GrooveSection, SinusoidalGroove
 from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
 from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
+from leak.flow.memory import LoadMemory
 from leak.flow.particles import (
     Clogging,
     GapDistribution,
@@ -137,11 +144,13 @@ __all__ = [
     "LineProfile",
     "LineScan",
     "Liquid",
+    "LoadMemory",
     "MeasuredSurface",
     "ParticleCounts",
     "Paths",
     "PowerSpectrum",
     "ProfileError",
+    "RemembersLoad",
     "RoughContact",
     "RoughSurfaceLaw",
     "ScanError",

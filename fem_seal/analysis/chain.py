@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.analysis.accuracy import NOT_ESTIMATED, discretisation_error, far_field, on_coarser_mesh
 from fem_seal.analysis.afterwards import Afterwards
-from fem_seal.analysis.caution import NOT_JUDGED, worst_first
+from fem_seal.analysis.caution import NOT_JUDGED, Caution, Validity, worst_first
 from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.form_answers import form_answers
 from fem_seal.analysis.left_out import left_out
@@ -29,11 +29,12 @@ from fem_seal.analysis.results import (
     strongest_load,
 )
 from fem_seal.analysis.variants import interface_variants, theory_variants
-from fem_seal.analysis.warnings import contact_cautions, load_validity
+from fem_seal.analysis.warnings import contact_cautions, earlier_cautions, load_validity
 from fem_seal.units import given
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
+    from fem_seal.contact.solution import ContactSolution
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
 _LEAK = {
@@ -119,14 +120,17 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
         compare = partial(interface_variants, solver, loads)
         variants = after.get("comparison of elastic and plastic interface law", compare, ())
     check = partial(contact_cautions, problem, model, loads, error, problem.surface)
-    found = (*remarks, *after.get("checks of what the theory allows", check, ()), *of_answers)
+    before = after.get(
+        "checks of the largest earlier load", partial(_of_earlier, problem, solved.earlier), ()
+    )
+    found = (*remarks, *after.get("checks of what the theory allows", check, ()), *before, *of_answers)
     result = SealSolution(
         case.without_loads(missing),
         problem,
         seal_mesh,
         model,
         problem.surface,
-        _judged(after, problem, loads, error),
+        _judged(after, problem, loads, error, before),
         error,
         variants,
         tuple(caution.text for caution in worst_first(found)),
@@ -135,21 +139,36 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
         unloaded=solved.unloaded,
         form=answers,
         particles=particles,
+        earlier=solved.earlier,
     )
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)
     return replace(result, warnings=(*result.warnings, *after.failures))
 
 
+def _of_earlier(problem: SealProblem, earlier: ContactSolution | None) -> tuple[Caution, ...]:
+    if earlier is None or problem.loads.earlier is None:
+        return ()
+    return tuple(earlier_cautions(problem, LoadResult(*problem.loads.earlier, earlier)))
+
+
 def _judged(
-    after: Afterwards, problem: SealProblem, loads: Sequence[LoadResult], error: DiscretisationError
+    after: Afterwards,
+    problem: SealProblem,
+    loads: Sequence[LoadResult],
+    error: DiscretisationError,
+    before: Sequence[Caution] = (),
 ) -> tuple[LoadResult, ...]:
-    """Loads with their validity."""
+    """Loads with their validity, in which stands what is said against the load before them."""
+
+    def validity(load: LoadResult) -> Validity:
+        return Validity.of((*load_validity(problem, load, problem.surface, error).cautions, *before))
+
     return tuple(
         load.knowing(
             validity=after.get(
                 f"validity at {given('fluid pressure', load.fluid_pressure)}",
-                partial(load_validity, problem, load, problem.surface, error),
+                partial(validity, load),
                 NOT_JUDGED,
             )
         )

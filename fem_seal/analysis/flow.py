@@ -127,6 +127,7 @@ class Flow:
         fluid_pressure: float,
         radius: ArrayLike,
         ends: tuple[float | None, float | None] | None = None,
+        largest: ArrayLike | None = None,
     ) -> LeakResult:
         """Leak of a pressure profile.
 
@@ -142,6 +143,9 @@ class Flow:
             [m]
         ends : tuple of float or None, optional
             x at which the faces end, see `leak.leak_flow` [m].
+        largest : array_like, optional
+            Largest pressure that each place has carried before [Pa]; not with fluid_in_gap = "local", of which the
+            theory says nothing then.
 
         Returns
         -------
@@ -150,15 +154,38 @@ class Flow:
         """
         side = self.pressure_side
         if isinstance(table, ConductivityTable):
-            flow = coupled_leak_flow if self.fluid_in_gap == "local" else leak_flow
             sigma = table.at(self.viscosity)
-            found = flow(x, pressure, sigma, fluid_pressure, radius, pressure_side=side, ends=ends)
+            if self.fluid_in_gap == "local":
+                assert largest is None  # the case's own checks refuse it
+                found: LeakResult = coupled_leak_flow(
+                    x, pressure, sigma, fluid_pressure, radius, pressure_side=side, ends=ends
+                )
+            else:
+                found = leak_flow(
+                    x,
+                    pressure,
+                    sigma,
+                    fluid_pressure,
+                    radius,
+                    pressure_side=side,
+                    ends=ends,
+                    largest_pressure=largest,
+                )
             return found.with_density(self.density)
         gas, outlet = self.gas, self.outlet_pressure
         assert gas is not None  # the table is one of a gas
         inlet = outlet + fluid_pressure
         return gas_leak_flow(
-            x, pressure, table, gas, inlet, outlet, radius, pressure_side=side, ends=ends
+            x,
+            pressure,
+            table,
+            gas,
+            inlet,
+            outlet,
+            radius,
+            pressure_side=side,
+            ends=ends,
+            largest_pressure=largest,
         ).above_outlet
 
     def bounds(
@@ -266,7 +293,31 @@ class Flow:
         fluid_pressure : float
             Pressure difference [Pa].
         """
-        return self.leak(table, profile.x, profile.pressure, fluid_pressure, profile.radius, profile.ends)
+        return self.leak(
+            table,
+            profile.x,
+            profile.pressure,
+            fluid_pressure,
+            profile.radius,
+            profile.ends,
+            profile.largest,
+        )
+
+
+def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressureProfile:
+    """Profile of first loading that lets as much through at every point; itself where nothing larger is remembered.
+
+    Parameters
+    ----------
+    table : ConductivityTable or GasConductivityTable
+    profile : PressureProfile
+    """
+    if profile.largest is None:
+        return profile
+    with np.errstate(divide="ignore"):
+        log_p, before = np.log(profile.pressure), np.log(profile.largest)
+    equal = np.exp(table.first_loading(log_p, np.maximum(before, log_p)))
+    return replace(profile, pressure=equal, largest=None)
 
 
 @dataclass(frozen=True)
@@ -286,8 +337,9 @@ class ProfileFlow:
 
 
 def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
-    """Decimal logarithms of the peak pressures of some contacts [Pa]."""
-    return [math.log10(contact.pressure.max()) for contact in contacts]
+    """Decimal logarithms of the peak pressures of some contacts, and of those that they remember [Pa]."""
+    peaks = [peak for contact in contacts for peak in (contact.pressure.max(), contact.profile.highest)]
+    return [math.log10(peak) for peak in dict.fromkeys(peaks)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -373,14 +425,18 @@ class RoughFlow(Lazy):
             lambda profile, grooves: flow.bounds(table, self.surface, profile, fluid_pressure, grooves),
         )
 
-    def critical_separation(self, peak: float) -> float:
-        """u_c at a peak pressure [m].
+    def critical_separation(self, profile: PressureProfile) -> float:
+        """u_c at the peak pressure of one of the contacts [m].
 
         Parameters
         ----------
-        peak : float
-            Best one of `peaks` [Pa].
+        profile : PressureProfile
+            Its peak is best one of `peaks`.
         """
+        at, peak = profile.peak
+        if profile.largest is not None:
+            before = float(np.interp(at, profile.x, profile.largest))
+            return float(self.surface.critical_separation(peak, largest=before))
         known = self._separations.get(peak)
         return float(self.surface.critical_separation(peak)) if known is None else known
 

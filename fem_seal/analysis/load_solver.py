@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 from fem_seal.analysis.afterwards import told
 from fem_seal.analysis.around import Around
@@ -14,7 +14,15 @@ from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
-from fem_seal.contact.load_path import LoadPath, PathLoad, Unloaded, load_path, yielding_bodies
+from fem_seal.contact.laws import Law
+from fem_seal.contact.load_path import (
+    ElastoplasticContact,
+    LoadPath,
+    PathLoad,
+    Unloaded,
+    load_path,
+    yielding_bodies,
+)
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
@@ -58,20 +66,48 @@ class LoadSolver:
     ) -> ContactSolution:
         """Contact under a fluid pressure [Pa] and the force of spring or actuator [N].
 
+        It remembers the largest load before the loads of the problem.
+
         Raises
         ------
         InputError
             If these leave the seal open.
         ConvergenceError
         """
+        return self._solve(self.seal, fluid_pressure, axial_force, start).after(self.earlier)
+
+    @cached_property
+    def earlier(self) -> ContactSolution | None:
+        """Contact under the largest load before those of the problem; None where none is known.
+
+        Raises
+        ------
+        InputError
+            If it leaves the seal open.
+        ConvergenceError
+        """
+        point = self.problem.loads.earlier
+        if point is None:
+            return None
+        fluid_pressure, applied_force = point
+        try:
+            if fluid_pressure == 0.0:
+                return self._sealed_area(applied_force, None)
+            return self._solve(self._first_seal, fluid_pressure, applied_force, None)
+        except ConvergenceError as error:
+            raise ConvergenceError(f"the largest earlier load: {error}") from error
+
+    def _solve(
+        self, seal: FluidAndContact, fluid_pressure: float, axial_force: float, start: ContactSolution | None
+    ) -> ContactSolution:
         if self.problem.loads.closing == "sealed-area":
             return self._sealed_area(axial_force + self._closes(fluid_pressure), start)
         try:
             return solve_penetration(
-                self.seal, closing_force=axial_force, fluid_pressure=fluid_pressure, start=start
+                seal, closing_force=axial_force, fluid_pressure=fluid_pressure, start=start
             )
         except OpenSealError as error:
-            least = least_closing_force(self.seal, fluid_pressure)
+            least = least_closing_force(seal, fluid_pressure)
             allowed = "" if least is None else f"; give an axial_force above {least:.5g} N"
             problem = Problem(
                 "load.axial_force",
@@ -85,10 +121,11 @@ class LoadSolver:
     ) -> tuple[ContactSolution, float]:
         """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N]."""
         if self.problem.loads.closing == "sealed-area":
-            return self._sealed_area(contact_force, start), contact_force - self._closes(fluid_pressure)
+            contact = self._sealed_area(contact_force, start).after(self.earlier)
+            return contact, contact_force - self._closes(fluid_pressure)
         contact = solve_at_contact_force(
             self.seal, contact_force=contact_force, fluid_pressure=fluid_pressure, start=start
-        )
+        ).after(self.earlier)
         return contact, contact.closing_force
 
     def blow_off_pressure(self, axial_force: float) -> float:
@@ -117,6 +154,15 @@ class LoadSolver:
     @cached_property
     def seal(self) -> FluidAndContact:
         """What stays the same at every load."""
+        earlier, path = self.earlier, self._first_seal.path
+        if earlier is None or self.flow is None or not isinstance(path, FlowThrough):
+            return self._first_seal
+        remembers = partial(self.flow.as_first_loaded, largest=earlier.pressure)
+        return replace(self._first_seal, path=replace(path, as_first_loaded=remembers))
+
+    @cached_property
+    def _first_seal(self) -> FluidAndContact:
+        """The same before any load."""
         return FluidAndContact(self.model, self.problem.law, self._path, self.problem.interference)
 
     @cached_property
@@ -158,6 +204,8 @@ class SolvedLoads:
         Why it is not known what is left after the last load, though a body yields.
     formed : sequence of Around
         Each contact around the axis; empty for a round seal.
+    earlier : ContactSolution or None
+        Under the largest load before them; None where none is known.
     """
 
     contacts: Sequence[ContactSolution]
@@ -165,6 +213,7 @@ class SolvedLoads:
     failures: Mapping[int, Exception] = field(default_factory=dict)
     not_unloaded: ConvergenceError | None = None
     formed: Sequence[Around] = ()
+    earlier: ContactSolution | None = None
 
     @property
     def around(self) -> Sequence[Around | None]:
@@ -208,20 +257,21 @@ def solve_loads(solver: LoadSolver) -> SolvedLoads:
         contact, around = found[number]
         contacts.append(contact)
         formed += [] if around is None else [around]
-    return SolvedLoads(contacts, failures=dict(sorted(failures.items())), formed=formed)
+    earlier = solver.earlier if contacts else None
+    return SolvedLoads(contacts, failures=dict(sorted(failures.items())), formed=formed, earlier=earlier)
 
 
 def _solved_path(solver: LoadSolver) -> SolvedLoads:
     """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
     numbers = range(len(solver.problem.loads.points))
     try:
-        path = _path(solver, len(numbers))
+        path, earlier = _path(solver, len(numbers))
     except ConvergenceError as error:
         contacts: tuple[ContactSolution, ...] = error.partial if isinstance(error.partial, tuple) else ()
         failures = {number: error for number in numbers[len(contacts) :]}
         return SolvedLoads(contacts, None, failures, None if failures else error)
     unsolved = {} if path.stopped is None else dict.fromkeys(numbers[len(path.contacts) :], path.stopped)
-    return SolvedLoads(path.contacts, path.unloaded, unsolved)
+    return SolvedLoads(path.contacts, path.unloaded, unsolved, earlier=earlier)
 
 
 def _problem(error: Exception) -> LoadProblem:
@@ -253,24 +303,76 @@ def solve_load(
     ConvergenceError
     """
     if solver.yields:
-        path = _path(solver, number + 1, steps)
+        path, _ = _path(solver, number + 1, steps)
         if path.stopped is not None:
             raise path.stopped
         return path.contacts[-1]
     return solver.solve(*solver.problem.loads.points[number], start=start)
 
 
-def _path(solver: LoadSolver, count: int, steps: int | None = None) -> LoadPath:
-    """The first `count` loads of the case, and the unloading."""
+def _path(
+    solver: LoadSolver, count: int, steps: int | None = None
+) -> tuple[LoadPath, ContactSolution | None]:
+    """The first `count` loads of the case and the unloading; the largest load before them is the first of the path.
+
+    It is returned beside the path, and each contact remembers those before it.
+    """
     problem, settings = solver.problem, PlasticSettings()
     fit = FurtherLoads.press_fit(problem.interference)
+    first = () if problem.loads.earlier is None else (problem.loads.earlier,)
     loads = [
         PathLoad(closing_force(problem.touch_radius, pressure, force, problem.loads.pressure_side), fit)
-        for pressure, force in problem.loads.points[:count]
+        for pressure, force in (*first, *problem.loads.points[:count])
     ]
     if steps is not None:
         settings = replace(settings, steps=steps)
-    return load_path(solver.model, problem.law, loads, at_rest=fit, settings=settings, partial=True)
+    try:
+        path = load_path(solver.model, problem.law, loads, at_rest=fit, settings=settings, partial=True)
+    except ConvergenceError as error:
+        if not (first and isinstance(error.partial, tuple)):
+            raise
+        raise ConvergenceError(str(error), partial=_remembering(error.partial)[1:]) from error
+    if not first:
+        return path, None
+    earlier, *contacts = _remembering(path.contacts)
+    return replace(path, contacts=tuple(contacts)), earlier
+
+
+def _remembering(contacts: Sequence[ElastoplasticContact]) -> tuple[ElastoplasticContact, ...]:
+    """Contacts of a path, each with the largest pressures before it."""
+    found: list[ElastoplasticContact] = []
+    for contact in contacts:
+        found.append(contact.after(found[-1]) if found else contact)
+    return tuple(found)
+
+
+def solved_again(
+    contacts: Sequence[ContactSolution],
+    model: ContactModel,
+    law: Law,
+    earlier: ContactSolution | None = None,
+) -> list[ContactSolution]:
+    """The same loads on other bodies or with another law; what the fluid does between the surfaces stays as it is.
+
+    Parameters
+    ----------
+    contacts : sequence of ContactSolution
+        Of bodies that do not yield.
+    model : ContactModel
+    law : InterfaceLaw or HardContact
+    earlier : ContactSolution, optional
+        The one that they remember; it is solved again, too.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+
+    def again(contact: ContactSolution) -> ContactSolution:
+        return solve(model, law, axial_force=contact.axial_force, loads=contact.loads, start=contact)
+
+    before = None if earlier is None else again(earlier)
+    return [again(contact).after(before) for contact in contacts]
 
 
 Progress = Callable[[str], None]
@@ -340,7 +442,8 @@ def model_and_contacts(
         if not found.contacts:
             raise _no_load_left(problem, found)
         solved.append(found)
-        return [*found.contacts, *(around.most_loaded for around in found.formed)]
+        before = () if found.earlier is None else (found.earlier,)
+        return [*found.contacts, *(around.most_loaded for around in found.formed), *before]
 
     contacts = solve_fitted(sizing(problem), problem.contact, solve_on, size_given=size_given)
     return meshes[-1], contacts[0].model, solved[-1]

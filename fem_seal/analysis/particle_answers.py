@@ -9,8 +9,9 @@ from functools import cache
 
 import numpy as np
 
-from fem_seal.analysis.flow import RoughFlow
+from fem_seal.analysis.flow import Conductivity, RoughFlow, as_first_loaded
 from fem_seal.analysis.results import LoadResult, ParticleAnswers, SealSolution, ShutGaps
+from fem_seal.profile import PressureProfile
 from leak import (
     GapDistribution,
     GasConductivityTable,
@@ -84,8 +85,9 @@ def _shut(rough: RoughFlow) -> Shut:
 
 def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAnswers:
     assert load.leak is not None and load.rough is not None
-    whole, peak = load.leak.leak_rate, load.contact.profile.peak_pressure
-    gaps = GapDistribution.of(load.rough.surface, [peak])
+    assert load.rough.table is not None  # the loads leak
+    whole, profile = load.leak.leak_rate, as_first_loaded(load.rough.table, load.contact.profile)
+    gaps = GapDistribution.of(load.rough.surface, [profile.peak_pressure])
     medium, junction = float(gaps.largest_passing[0]), load.critical_separation or 0.0
     rates: dict[float, float] = {}
     for size in _sizes(_PASSING * medium):
@@ -97,7 +99,9 @@ def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAn
     share, sizes = rate / whole, np.array(list(rates))
     particles = counts.at_least(sizes)
     found = stopped(counts, sizes, share)
-    places = parallel_paths(2.0 * math.pi * load.contact.model.touch_radius, _length(load), medium)
+    places = parallel_paths(
+        2.0 * math.pi * load.contact.model.touch_radius, _length(profile, load.rough.table), medium
+    )
     slow, fast = cloggings(whole, found, places)
     contact = float(gaps.contact[0])
     filter_size = counts.largest if math.isfinite(counts.largest) else None
@@ -143,12 +147,10 @@ def _leak_rate(load: LoadResult, shut: Shut, size: float) -> float:
     return found.leak_rate
 
 
-def _length(load: LoadResult) -> float:
+def _length(profile: PressureProfile, table: Conductivity) -> float:
     """Of the contact along the flow [m]."""
-    assert load.rough is not None and load.rough.table is not None
-    table = load.rough.table
     liquid = table.liquid if isinstance(table, GasConductivityTable) else table
-    return throttling_length(load.contact.profile.x, load.contact.profile.pressure, liquid)
+    return throttling_length(profile.x, profile.pressure, liquid)
 
 
 def _size_that_leaves(kept: float, sizes: np.ndarray, share: np.ndarray) -> float | None:

@@ -114,6 +114,9 @@ class Loads:
         To which the smallest force is asked [m^3/s].
     refused : mapping
         Number of each load of which is known beforehand that it cannot be calculated, with the reason.
+    earlier : tuple or None
+        Fluid pressure [Pa] and force of spring or actuator [N] of the largest load before all of them; None if none is
+        known.
     """
 
     points: tuple[tuple[float, float], ...]
@@ -121,12 +124,20 @@ class Loads:
     closing: Literal["sealed-area", "penetration"] = "sealed-area"
     target_leak_rate: float | None = None
     refused: Mapping[int, LoadProblem] = field(default_factory=dict)
+    earlier: tuple[float, float] | None = None
 
     @classmethod
     def of(cls, case: CaseTables) -> Loads:
         """Those of a case."""
         load = case.load
-        return cls(load.points, load.pressure_side, load.closing, load.target_leak_rate, refused_loads(case))
+        return cls(
+            load.points,
+            load.pressure_side,
+            load.closing,
+            load.target_leak_rate,
+            refused_loads(case),
+            load.earlier,
+        )
 
     @property
     def fluid_pressure(self) -> tuple[float, ...]:
@@ -363,7 +374,7 @@ def build_mesh(problem: SealProblem) -> SealMesh:
 
 
 def sizing(problem: SealProblem, law: Law | None = None, forces: Sequence[float] | None = None) -> Sizing:
-    """Element sizes and contact zone for all loads of a problem.
+    """Element sizes and contact zone for all loads of a problem, and for the largest one before them.
 
     Parameters
     ----------
@@ -379,7 +390,7 @@ def sizing(problem: SealProblem, law: Law | None = None, forces: Sequence[float]
         If [mesh] contact_size is out of range for this contact.
     """
     law = problem.law if law is None else law
-    forces = expected_forces(problem) if forces is None else forces
+    forces = [*(expected_forces(problem) if forces is None else forces), *_expected_earlier(problem)]
     contact, size = problem.contact, problem.contact_size
     line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in forces]
     try:
@@ -415,10 +426,21 @@ def expected_forces(problem: SealProblem) -> list[float]:
     """
     loads = problem.loads
     return [
-        expected_force(problem.touch_radius, pressure, applied_force, loads.pressure_side, loads.closing)
-        for number, (pressure, applied_force) in enumerate(loads.points)
+        _expected_force(problem, *point)
+        for number, point in enumerate(loads.points)
         if number not in loads.refused
     ]
+
+
+def _expected_earlier(problem: SealProblem) -> list[float]:
+    return [] if problem.loads.earlier is None else [_expected_force(problem, *problem.loads.earlier)]
+
+
+def _expected_force(problem: SealProblem, fluid_pressure: float, applied_force: float) -> float:
+    loads = problem.loads
+    return expected_force(
+        problem.touch_radius, fluid_pressure, applied_force, loads.pressure_side, loads.closing
+    )
 
 
 def largest_force(problem: SealProblem) -> float:

@@ -86,7 +86,8 @@ def contacts_at_target(
         solver = LoadSolver(problem, condensed(problem, build_contact(problem.contact, sizing)))
         for pressure, force in expected.items():
             found[pressure] = _on_model(solver, flow, pressure, force, target)
-        return [contact for one in found.values() for contact in one.contacts]
+        before = () if solver.earlier is None else (solver.earlier,)
+        return [*(contact for one in found.values() for contact in one.contacts), *before]
 
     forces = [share * force for force in expected.values() for share in _MARGIN]
     size_given = problem.contact_size is not None

@@ -177,6 +177,12 @@ class LoadResult(Lazy):
         """Leak of `capped`."""
         return self.capped.leak
 
+    @cached_property
+    def first_loading(self) -> Self:
+        """The same load if no place had carried more before; itself where none is known to have."""
+        contact = self.contact.first_loading
+        return self if contact is self.contact else replace(self, contact=contact)
+
     @property
     def around_capped(self) -> Around | None:
         """`around` of `capped`; None for a round seal, and where no asperities yield."""
@@ -204,16 +210,14 @@ class LoadResult(Lazy):
     @cached_property
     def critical_separation(self) -> float | None:
         """u_c at the peak pressure [m]; None without roughness."""
-        return (
-            None if self.rough is None else self.rough.critical_separation(self.contact.profile.peak_pressure)
-        )
+        return None if self.rough is None else self.rough.critical_separation(self.contact.profile)
 
     @cached_property
     def critical_separation_elastic(self) -> float | None:
         """u_c with asperities that never yield [m]."""
         if self.rough is None or self.rough.surface.hardness is None:
             return self.critical_separation
-        return self.rough.elastic.critical_separation(self.contact.profile.peak_pressure)
+        return self.rough.elastic.critical_separation(self.contact.profile)
 
     @cached_property
     def largest_stress(self) -> tuple[float, tuple[str, float, float]]:
@@ -564,6 +568,7 @@ class SealSolution:
     unloaded: Unloaded | None = None
     form: FormAnswers | None = None
     particles: tuple[ParticleAnswers, ...] = ()
+    earlier: ContactSolution | None = None
 
     @property
     def strongest(self) -> LoadResult:

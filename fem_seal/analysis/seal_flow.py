@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.analysis.around import LeakCurve
-from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow
+from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow, as_first_loaded
 from fem_seal.analysis.problem import expected_forces
 from fem_seal.contact.sizing import Opening, contact_width
 from fem_seal.loads import line_load
-from fem_seal.profile import PressureProfile
+from fem_seal.profile import PressureProfile, remembered
 
 if TYPE_CHECKING:
     from fem_seal.analysis.problem import SealProblem
+    from fem_seal.arrays import FloatArray
     from fem_seal.contact.solution import ContactSolution
     from leak import LeakResult, RoughContact
 
@@ -57,6 +58,18 @@ class SealFlow:
         """Flow through a contact at a pressure difference [Pa]."""
         return self.flow.leak_of(self._table(profile), profile, fluid_pressure)
 
+    def as_first_loaded(self, profile: PressureProfile, largest: FloatArray) -> PressureProfile:
+        """Profile of first loading that lets as much through as a contact that was pressed harder before.
+
+        Parameters
+        ----------
+        profile : PressureProfile
+        largest : ndarray, shape (m,)
+            Largest pressure that each place has carried before [Pa].
+        """
+        after = replace(profile, largest=remembered(profile.pressure, largest))
+        return as_first_loaded(self._table(after), after)
+
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
         formed = self.problem.around(contact)
@@ -75,7 +88,7 @@ class SealFlow:
     def _table(self, profile: PressureProfile) -> Conductivity:
         low, high = self._expected_peaks
         # below the range the low-pressure law goes on, above it two more decades at a time
-        top, peak = math.ceil(high + MARGIN), math.log10(profile.pressure.max()) + MARGIN
+        top, peak = math.ceil(high + MARGIN), math.log10(profile.highest) + MARGIN
         above = 2 * max(0, math.ceil((peak - top) / 2))
         return self.flow.table_around(self.surface, (low, high + above))
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.analysis.load_solver import solved_again
 from fem_seal.analysis.response_surface import ResponseSurface, fit
 from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution, leak_rates
 from fem_seal.analysis.sampling import UncertainInput, sobol_points
@@ -293,8 +294,6 @@ class _Study:
 
     def _loads(self, surface: RoughContact, factors: dict[str, float]) -> Sequence[LoadResult]:
         """Every load; those of the case itself where its law and its bodies have not changed."""
-        from fem_seal.contact.newton import solve
-
         result = self.result
         law = result.problem.interface.of_surface(surface)
         stiffness, problem = factors.get("youngs_modulus", 1.0), result.problem
@@ -306,10 +305,7 @@ class _Study:
             return [replace(load, formed=problem.around(load.contact)) for load in result.loads]
         model = _stiffer(result.model, stiffness)
         try:
-            contacts = [
-                solve(model, law, axial_force=load.axial_force, loads=load.contact.loads, start=load.contact)
-                for load in result.loads
-            ]
+            contacts = solved_again(result.contact, model, law, result.earlier)
             return [
                 LoadResult(*load.point, contact, formed=problem.around(contact, law))
                 for load, contact in zip(result.loads, contacts, strict=True)

@@ -8,7 +8,7 @@ from itertools import product
 from typing import Literal
 
 from fem_seal.analysis.flow import Flow, RoughFlow
-from fem_seal.analysis.load_solver import LoadSolver, solve_load, solve_loads
+from fem_seal.analysis.load_solver import LoadSolver, solve_load, solve_loads, solved_again
 from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import (
     Comparison,
@@ -18,7 +18,6 @@ from fem_seal.analysis.results import (
     leak_rates,
     strongest_load,
 )
-from fem_seal.contact.newton import solve
 from leak import RoughContact
 
 # Share of the contact area at which channels close: two-dimensional percolation, and the textbook value.
@@ -65,16 +64,7 @@ def _loads(result: SealSolution, problem: SealProblem) -> Sequence[LoadResult]:
     if result.unloaded is not None:
         contacts = solve_loads(LoadSolver(problem, result.model)).contacts
     else:
-        contacts = [
-            solve(
-                result.model,
-                problem.law,
-                axial_force=load.axial_force,
-                loads=load.contact.loads,
-                start=load.contact,
-            )
-            for load in result.loads
-        ]
+        contacts = solved_again(result.contact, result.model, problem.law, result.earlier)
     return [
         LoadResult(*load.point, contact, formed=problem.around(contact))
         for load, contact in zip(result.loads, contacts, strict=True)
@@ -144,8 +134,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
             if solver.yields:
                 contact = solve_load(replace(solver, problem=changed), strongest)
             else:
-                # what the fluid does between the surfaces stays as it is
-                contact = solve(solver.model, changed.law, axial_force=load.axial_force, loads=contact.loads)
+                (contact,) = solved_again([contact], solver.model, changed.law, solver.earlier)
             formed = changed.around(contact)
             bare = LoadResult(*load.point, contact, formed=formed)
             leak = replace(bare, rough=RoughFlow.of(surface, problem.flow, bare.contacts)).leak

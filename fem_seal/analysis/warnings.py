@@ -177,6 +177,23 @@ def profile_validity(problem: SealProblem, surface: Surface, load: GivenLoad) ->
     )
 
 
+def earlier_cautions(problem: SealProblem, earlier: LoadResult) -> Iterator[Caution]:
+    """What the largest load before all others says against what is remembered of it.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    earlier : LoadResult
+    """
+    for check in (_yielding, _table_left, _cut_off, _above_hardness):
+        for caution in check(problem, earlier.contact.model, [earlier]):
+            reason, text = (
+                f"largest earlier load: {caution.reason}",
+                f"at the largest earlier load: {caution.text}",
+            )
+            yield replace(caution, reason=reason, text=text)
+
+
 def target_cautions(
     problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]
 ) -> Iterator[Caution]:

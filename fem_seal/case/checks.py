@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from fem_seal.case.fields import shown
-from fem_seal.case.load_limits import problems_of_all_loads
+from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.roughness import SelfAffine
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.case.uncertainty import Uncertainty
@@ -26,6 +26,8 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *_hardness(case),
         *(load := list(_load(case))),
         *([] if geometry or load else problems_of_all_loads(case)),
+        *(earlier := list(_earlier(case))),
+        *([] if geometry or load or earlier else filter(None, [problem_of_earlier_load(case)])),
         *_fluid(case),
         *_flow(case),
         *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
@@ -191,6 +193,66 @@ def _load(case: CaseTables) -> Iterator[Problem]:
             "load.target_leak_rate",
             f"needs a leak rate, and there is none without [{missing}]; add it",
             f"{load.target_leak_rate:.4g} m^3/s",
+        )
+
+
+def _earlier(case: CaseTables) -> Iterator[Problem]:
+    """What does not go together with a larger load before all others."""
+    load = case.load
+    if load.earlier is None:
+        return
+    key, given = load.earlier_key, load.largest_earlier_pressure
+    value = f"{load.earlier[1]:.6g} N" if given is None else f"{given:.6g} Pa"
+    if load.largest_earlier_force is not None and given is not None:
+        yield Problem(
+            "load.largest_earlier_pressure",
+            "largest_earlier_force is given as well, and the largest earlier load is one of them; remove the other",
+            f"{given:.6g} Pa",
+        )
+    elif given is not None:
+        yield from _earlier_pressure(case, given)
+    if case.leak.fluid_in_gap == "local":
+        yield Problem(
+            "leak.fluid_in_gap",
+            f"what the fluid pressure takes off asperities that were pressed harder before ({key}) is not known; "
+            f'remove it, or {key}, or take [load] closing = "penetration"',
+            '"local"',
+        )
+    if case.form is not None:
+        yield Problem(
+            key,
+            "what the contact remembers around the axis of a seal that is not round is not calculated; remove it, or "
+            "the table [form]",
+            value,
+        )
+    leaks = case.roughness is not None and case.fluid is not None
+    if not curves(case) and not (leaks and case.leak.plasticity):
+        missing = "fluid" if case.roughness else "roughness"
+        why = "leak.plasticity = false" if leaks else f"no leak rate without [{missing}]"
+        remedy = "set plasticity = true" if leaks else "add the table"
+        yield Problem(
+            key,
+            f"has no effect: elastic bodies come back, and with {why} nothing else remembers it; remove it, {remedy}, "
+            "or give a material stress_strain",
+            value,
+        )
+
+
+def _earlier_pressure(case: CaseTables, pressure: float) -> Iterator[Problem]:
+    load = case.load
+    if load.pressure_side == "inner":
+        yield Problem(
+            "load.largest_earlier_pressure",
+            'with pressure_side = "inner" the fluid lifts the closure, and a higher pressure has pressed nothing '
+            "harder; give the largest_earlier_force of spring or actuator instead",
+            f"{pressure:.6g} Pa",
+        )
+    elif len({force for _, force in load.points}) > 1:
+        yield Problem(
+            "load.largest_earlier_pressure",
+            "axial_force has several values, and which of them acted with it is not said; give largest_earlier_force "
+            "instead, spring and fluid force on the sealed area together",
+            f"{pressure:.6g} Pa",
         )
 
 

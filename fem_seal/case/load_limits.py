@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.errors import LoadProblem
@@ -49,6 +50,21 @@ def problems_of_all_loads(case: CaseTables) -> list[LoadProblem]:
         # the worst of its kind: what is allowed there is allowed to the others as well
         found.setdefault(refused[number].kind, refused[number])
     return list(found.values())
+
+
+def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
+    """Why the largest load before all others cannot be calculated; None if it can or there is none.
+
+    Parameters
+    ----------
+    case : CaseTables
+    """
+    if case.load.earlier is None:
+        return None
+    pressure, force = case.load.earlier
+    open_seal = None if pressure == 0.0 else _open(case, pressure, force)
+    found = open_seal or next(_too_large(case, pressure, force), None)
+    return None if found is None else replace(found, key=case.load.earlier_key)
 
 
 def _force(case: CaseTables, fluid_pressure: float, applied_force: float) -> float:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 SEPARATION = Quantity("length", "1e-3 nm", "1 mm")
 FLUID_PRESSURE = Quantity("pressure", "0 Pa", "10 GPa", exclusive=True)
+EARLIER_FORCE = Quantity("force", "0 N", "1e9 N", exclusive=True)
 
 
 class Interface(Table):
@@ -85,6 +86,18 @@ class Load(Table):
         description='side of the high pressure: "outer" (around the closure, presses it on the seat) or '
         '"inner" (in the bore, lifts it)',
     )
+    largest_earlier_force: Annotated[float, EARLIER_FORCE] | None = Field(
+        None,
+        description="applied force that once closed the seal, without fluid pressure: yielded asperities stay tighter "
+        "than on first loading, and bodies with stress_strain carry it first; see docs/theory_memory.md",
+        examples=["2 kN"],
+    )
+    largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = Field(
+        None,
+        description="fluid pressure that once closed the seal, with the same axial_force, instead of "
+        'largest_earlier_force; with pressure_side = "outer"',
+        examples=["64 bar"],
+    )
     target_leak_rate: Annotated[float, Quantity("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
         None,
         description="also find the smallest axial_force for which the leak rate stays below this at each fluid "
@@ -105,6 +118,20 @@ class Load(Table):
         forces = self.axial_force
         each = forces if isinstance(forces, tuple) else (forces,) * len(self.fluid_pressure)
         return tuple(zip(self.fluid_pressure, each, strict=True))
+
+    @property
+    def earlier(self) -> tuple[float, float] | None:
+        """Fluid pressure [Pa] and axial force [N] of the largest load before all of them; None if none is given."""
+        if self.largest_earlier_force is not None:
+            return 0.0, self.largest_earlier_force
+        if self.largest_earlier_pressure is not None:
+            return self.largest_earlier_pressure, max(force for _, force in self.points)
+        return None
+
+    @property
+    def earlier_key(self) -> str:
+        """Key of that load."""
+        return "load.largest_earlier_" + ("pressure" if self.largest_earlier_force is None else "force")
 
     def without(self, numbers: Collection[int]) -> Load:
         """The same without some of the loads."""

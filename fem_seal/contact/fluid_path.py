@@ -36,6 +36,10 @@ class FluidPath(Protocol):
         ...
 
 
+def _itself(profile: PressureProfile) -> PressureProfile:
+    return profile
+
+
 @dataclass(frozen=True)
 class FlowThrough:
     """A fluid that flows through the rough contact; its pressure falls along the flow resistance.
@@ -47,6 +51,9 @@ class FlowThrough:
     sealing_pressure : float
         Contact pressure from which on nothing flows [Pa].
     side : {"outer", "inner"}
+    as_first_loaded : callable
+        Takes a profile to that of first loading which lets as much through; itself where the contact remembers no
+        larger load.
 
     Notes
     -----
@@ -64,6 +71,7 @@ class FlowThrough:
     pressure_along: Callable[[PressureProfile, float], FloatArray]
     sealing_pressure: float
     side: PressureSide = "outer"
+    as_first_loaded: Callable[[PressureProfile], PressureProfile] = _itself
 
     def bounds(self, line: ContactLine) -> tuple[float, float]:
         """Shares of the pressure difference."""
@@ -75,6 +83,7 @@ class FlowThrough:
 
     def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """Fluid pressure over the pressure difference."""
+        profile = self.as_first_loaded(profile)
         if profile.pressure.max() < self.sealing_pressure:
             return self.pressure_along(profile, fluid_pressure) / fluid_pressure
         inner, outer = _stretch_above(profile, self.sealing_pressure)

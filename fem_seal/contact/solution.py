@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from fem_seal.bodies.elasticity import quadratic_nodes
 from fem_seal.bodies.fields import BodyField
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
-from fem_seal.profile import PressureProfile
+from fem_seal.profile import PressureProfile, remembered
 from fem_seal.units import quantity
 
 
@@ -61,6 +62,8 @@ class ContactSolution:
         Largest gap residual over decay length, before each iteration and at the end.
     loads : FurtherLoads
         What acts on the bodies besides the contact pressure.
+    largest : ndarray, shape (m,), or None
+        Largest pressure that each place has carried before [Pa]; None where nothing is known of it.
 
     Examples
     --------
@@ -85,6 +88,7 @@ class ContactSolution:
     iterations: int
     residuals: tuple[float, ...] = field(repr=False)
     loads: FurtherLoads = NO_LOADS
+    largest: FloatArray | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         profile = self.profile
@@ -127,8 +131,29 @@ class ContactSolution:
     @property
     def profile(self) -> PressureProfile:
         """Nominal pressure profile."""
-        line = self.model.line
-        return PressureProfile(line.x, line.radius, self.pressure, self.gap, line.arc_weight, line.reach)
+        line, p = self.model.line, self.pressure
+        before = None if self.largest is None else remembered(p, self.largest)
+        return PressureProfile(line.x, line.radius, p, self.gap, line.arc_weight, line.reach, before)
+
+    def after(self, earlier: ContactSolution | None) -> Self:
+        """The same contact after an earlier one on the same line, and after all that this one remembers.
+
+        Parameters
+        ----------
+        earlier : ContactSolution or None
+            None: nothing is known of an earlier one.
+        """
+        if earlier is None:
+            return self
+        before = earlier.pressure
+        return replace(
+            self, largest=before if earlier.largest is None else np.maximum(before, earlier.largest)
+        )
+
+    @property
+    def first_loading(self) -> Self:
+        """The same contact if no place had ever carried more."""
+        return self if self.largest is None else replace(self, largest=None)
 
 
 def body_fields(solution: ContactSolution) -> dict[str, BodyField]:

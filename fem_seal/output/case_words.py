@@ -11,6 +11,7 @@ from fem_seal.units import given, trimmed, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
+    from fem_seal.case.tables import Load
 
 # Lengths that are no dimensions of the body.
 _NOT_A_DIMENSION = ("interference", "tolerance")
@@ -49,6 +50,15 @@ def chosen_dimensions(case: Case, name: str) -> dict[str, float]:
         for key, value in values.items()
         if isinstance(value, (int, float)) and value and key not in _NOT_A_DIMENSION
     }
+
+
+def earlier_load(load: Load) -> str:
+    """The largest load before all others in words: "a load of 2 kN", or empty where none is given."""
+    if load.largest_earlier_force is not None:
+        return f"a load of {given('force', load.largest_earlier_force)}"
+    if load.largest_earlier_pressure is not None:
+        return f"a load of {given('fluid pressure', load.largest_earlier_pressure)}"
+    return ""
 
 
 def section(case: Case, name: str) -> dict[str, Any]:

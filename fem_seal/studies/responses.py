@@ -95,8 +95,8 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` cost milliseconds once geometry and surface
         are known; any other (knudsen_number, max_accumulated_plastic_strain, load_steps and, with [uncertainty],
         leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a complete run of the case. So does any column of a
-        case with load.closing = "penetration", load.target_leak_rate, leak.fluid_in_gap = "local",
-        seat.wall = "fixed" or a stress-strain curve.
+        case with load.closing = "penetration", load.target_leak_rate, load.largest_earlier_force or _pressure,
+        leak.fluid_in_gap = "local", seat.wall = "fixed" or a stress-strain curve.
     interpolate : bool
         Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
         see `fem_seal.studies.shared`.
@@ -122,6 +122,7 @@ def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
         or (case.uncertainty is not None and not set(columns).isdisjoint(_SAMPLED))
         or case.load.closing != "sealed-area"
         or case.load.target_leak_rate is not None
+        or case.load.earlier is not None
         or case.leak.fluid_in_gap != "uncoupled"
         or getattr(case.seat, "wall", "free") != "free"
         or case.closure.material.hardening is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
@@ -17,6 +17,23 @@ if TYPE_CHECKING:
     from scipy.interpolate import RectBivariateSpline
 
 METHODS = ("bruggeman", "critical-junction")
+
+
+@runtime_checkable
+class RemembersLoad(Protocol):
+    """What a rough contact, or its conductivity, remembers of its largest pressure.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9, hardness=2e9)
+    >>> isinstance(surface.conductivity_table(1e6, 1e8, num=8), leak.RemembersLoad)
+    True
+    """
+
+    def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
+        """ln p* of first loading that lets as much through as p after p_max, all in ln(p/Pa)."""
 
 
 # u_eff falls to exp(-C/(1 - p/p_seal)) just below the sealing pressure, where 1/u_eff^3 is no number any more. What
@@ -61,6 +78,10 @@ class Conductivity:
         """sigma_eff at ln(p/Pa), where p itself may be too small for a floating-point number."""
         return self.table.at_log_pressure(log_pressure) ** 3 / (12.0 * self.viscosity)
 
+    def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
+        """See `ConductivityTable.first_loading`."""
+        return self.table.first_loading(log_pressure, log_largest)
+
 
 @dataclass(frozen=True, eq=False)
 class ConductivityTable:
@@ -78,6 +99,8 @@ class ConductivityTable:
         Largest pressure that may be asked for [Pa].
     method : str
         "bruggeman" or "critical-junction".
+    memory : LoadMemory or None
+        What the surface remembers of larger pressures, see `leak.flow.memory`; None where nothing is known of it.
 
     Notes
     -----
@@ -100,6 +123,7 @@ class ConductivityTable:
     sealing_pressure: float
     p_max: float
     method: str = "bruggeman"
+    memory: RemembersLoad | None = field(default=None, repr=False)
 
     @cached_property
     def _curve(self) -> MonotoneCurve:
@@ -153,6 +177,21 @@ class ConductivityTable:
         u = np.asarray(self.effective_separation(pressure))
         sigma = u**3 / (12.0 * eta)
         return float(sigma) if sigma.ndim == 0 else sigma
+
+    def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
+        """ln p* of first loading that lets as much through as p after p_max, all in ln(p/Pa).
+
+        Raises
+        ------
+        ConductivityError
+            If nothing is known of what the surface remembers.
+        """
+        if self.memory is None:
+            raise ConductivityError(
+                "memory = None: this conductivity says nothing of a contact that was pressed harder before; leave the "
+                "largest pressure out, or take the table of a RoughContact"
+            )
+        return self.memory.first_loading(log_pressure, log_largest)
 
     def at(self, viscosity: float) -> Conductivity:
         """The conductivity for one fluid viscosity [Pa s], a function of pressure."""
@@ -225,6 +264,10 @@ class GasConductivityTable:
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """u_eff at ln(p/Pa) [m]; zero from the sealing pressure on."""
         return self.liquid.at_log_pressure(log_pressure)
+
+    def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
+        """See `ConductivityTable.first_loading`."""
+        return self.liquid.first_loading(log_pressure, log_largest)
 
     def rarefaction(self, log_pressure: ArrayLike, log_inverse_knudsen: ArrayLike) -> FloatArray:
         """R at contact pressure p and inverse Knudsen number D_eff; beyond the table R - 1 falls like 1/D_eff."""

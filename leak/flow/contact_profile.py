@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError
+from leak.flow.conductivity import RemembersLoad
 from leak.numerics.curves import cubic_spline_slopes
 from leak.numerics.gauss import gauss
 
@@ -57,6 +58,8 @@ class Panels:
     """r [m]."""
     stretch: FloatArray
     """dx/ds, s running from 0 to 1 along the stretch [m]."""
+    first_loading: FloatArray
+    """ln p* of first loading that lets as much through, ln p where nothing larger is remembered."""
 
     def integral(self, values: FloatArray) -> FloatArray:
         """int values dx over each stretch, shape (stretches,)."""
@@ -118,6 +121,8 @@ class ContactProfile:
     """Edges of the cells [m]."""
     radius: Callable[[FloatArray], FloatArray]
     tails: tuple[Tail | None, Tail | None]
+    remembers: Callable[[FloatArray, FloatArray], FloatArray] | None = None
+    """ln p* of first loading over x and ln p, of a contact that was pressed harder before."""
 
     @classmethod
     def through(
@@ -170,6 +175,35 @@ class ContactProfile:
             log_p = np.where((x >= patch.ends[0]) & (x <= patch.ends[1]), patch.log_pressure(x), log_p)
         return log_p
 
+    def log_pressure_anywhere(self, x: FloatArray) -> FloatArray:
+        """ln p inside and in the tails; -inf beyond an edge."""
+        log_p = self.log_pressure(x)
+        for end, outward in ((0, -1.0), (-1, 1.0)):
+            tail, d = self.tails[end], outward * (x - self.x[end])
+            if tail is not None:
+                log_p = np.where(d > 0.0, self.log_p[end] - tail.fall(d), log_p)
+        return log_p
+
+    def after(self, harder: ContactProfile, memory: RemembersLoad) -> ContactProfile:
+        """The same contact after a load that pressed some of its places harder.
+
+        Parameters
+        ----------
+        harder : ContactProfile
+            The largest pressure before.
+        memory : RemembersLoad
+            What it leaves behind.
+        """
+
+        def remembers(x: FloatArray, log_p: FloatArray) -> FloatArray:
+            return memory.first_loading(log_p, np.maximum(harder.log_pressure_anywhere(x), log_p))
+
+        return replace(self, remembers=remembers)
+
+    def first_loading(self, x: FloatArray, log_p: FloatArray) -> FloatArray:
+        """ln p* of first loading that lets as much through as p at x, p itself where nothing larger is remembered."""
+        return log_p if self.remembers is None else self.remembers(x, log_p)
+
     def refined(self, cells: int) -> ContactProfile:
         """The same profile with each cell cut into equal parts, so that there are at least so many."""
         parts = -(-cells // (self.x.size - 1))
@@ -181,7 +215,9 @@ class ContactProfile:
         t = 0.5 * (1.0 + gauss(_CELL_NODES)[0])
         length = np.diff(self.x)[:, None]
         x = self.x[:-1, None] + length * t
-        cells = Panels(self.log_pressure(x), self.radius(x), np.broadcast_to(length, x.shape))
+        log_p = self.log_pressure(x)
+        stretch = np.broadcast_to(length, x.shape)
+        cells = Panels(log_p, self.radius(x), stretch, self.first_loading(x, log_p))
         return self._tail_panel(0, -1.0), cells, self._tail_panel(-1, 1.0)
 
     def _tail_panel(self, end: int, outward: float) -> Panels | None:
@@ -197,8 +233,8 @@ class ContactProfile:
         last = 1.0 / (1.0 + scale / tail.length)
         s = last * 0.5 * (1.0 + gauss(_TAIL_NODES)[0])[None, :: int(outward)]
         d = scale * s / (1.0 - s)
-        log_p = self.log_p[end] - tail.fall(d)
-        return Panels(log_p, self.radius(self.x[end] + outward * d), last * scale / (1.0 - s) ** 2)
+        log_p, x = self.log_p[end] - tail.fall(d), self.x[end] + outward * d
+        return Panels(log_p, self.radius(x), last * scale / (1.0 - s) ** 2, self.first_loading(x, log_p))
 
 
 def _up_to_ends(
@@ -327,6 +363,44 @@ def checked_profile(
             f"radius = {rs[~((rs > 0.0) & np.isfinite(rs))][0]}: must be positive and finite [m]"
         )
     return xs, ps, rs
+
+
+def after_largest(
+    profile: ContactProfile,
+    x: FloatArray,
+    r: FloatArray,
+    largest: ArrayLike | None,
+    ends: tuple[float, float],
+    conductivity: object,
+) -> ContactProfile:
+    """The contact after its largest pressures at the points x; itself where there are none, or none larger.
+
+    Raises
+    ------
+    ProfileError
+        The pressures cannot be used, or nothing is known of what they leave behind.
+    """
+    if largest is None:
+        return profile
+    try:
+        most = np.asarray(largest, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ProfileError(f"largest_pressure must be an array of numbers: {error}") from None
+    if most.shape != x.shape:
+        raise ProfileError(f"largest_pressure has shape {most.shape}: must be {x.shape} like p [Pa]")
+    bad = np.flatnonzero(~(np.isfinite(most) & (most >= 0.0)))
+    if bad.size:
+        raise ProfileError(
+            f"largest_pressure[{bad[0]}] = {most[bad[0]]}: must be finite and not negative [Pa]"
+        )
+    if not isinstance(conductivity, RemembersLoad):
+        raise ProfileError(
+            f"largest_pressure: the conductivity, {conductivity!r}, says nothing of a contact that was pressed harder "
+            "before; take one of a RoughContact, such as surface.conductivity_table(...).at(viscosity)"
+        )
+    if not np.any(most > np.exp(SMALLEST_LOG_PRESSURE)):
+        return profile
+    return profile.after(ContactProfile.through(x, most, r, ends), conductivity)
 
 
 def checked_ends(ends: tuple[float | None, float | None] | None) -> tuple[float, float]:

@@ -157,7 +157,7 @@ class _Path:
         """Steps between the points x."""
         h = np.diff(x)
         stages = np.stack([x[:-1] + _STAGE * h, x[1:]], axis=1)
-        p = np.exp(_log_pressure(profile, stages))
+        p = np.exp(profile.log_pressure_anywhere(stages))
         length = _STAGE * h[:, None] / (2.0 * np.pi * profile.radius(stages))
         return cls(x, list(map(tuple, p.tolist())), list(map(tuple, np.log(length).tolist())))
 
@@ -187,7 +187,7 @@ def _first_steps(
         start = x[0] - tail.reach(excess)
         x = np.concatenate([np.linspace(start, x[0], _FINE_TAIL, endpoint=False), x])
     x = np.append(x, end)
-    log_p = np.maximum(_log_pressure(profile, x), log_cut)
+    log_p = np.maximum(profile.log_pressure_anywhere(x), log_cut)
     x, log_p = (values[max(int(np.argmax(log_p > log_cut)) - 1, 0) :] for values in (x, log_p))
     way = np.diff(x) / (x[-1] - x[0]) + np.abs(np.diff(log_p)) / np.abs(np.diff(log_p)).sum().clip(1e-9)
     return _even(x, way, _FIRST_STEPS)
@@ -240,16 +240,6 @@ def _flow_for(drop: float, path: _Path, curve: ResistanceCurve, guess: float, to
 
 
 # -------------------------------------------------------------------- the profile
-
-
-def _log_pressure(profile: ContactProfile, x: FloatArray) -> FloatArray:
-    """ln p inside and in the tails; -inf beyond an edge."""
-    log_p = profile.log_pressure(x)
-    for end, outward in ((0, -1.0), (-1, 1.0)):
-        tail, d = profile.tails[end], outward * (x - profile.x[end])
-        if tail is not None:
-            log_p = np.where(d > 0.0, profile.log_p[end] - tail.fall(d), log_p)
-    return log_p
 
 
 def _fine_profile(profile: ContactProfile) -> tuple[FloatArray, FloatArray]:

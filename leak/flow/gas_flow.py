@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
 from leak.flow.conductivity import GasConductivity
-from leak.flow.contact_profile import ContactProfile, Panels, checked_ends, checked_profile, checked_side
+from leak.flow.contact_profile import (
+    ContactProfile,
+    Panels,
+    after_largest,
+    checked_ends,
+    checked_profile,
+    checked_side,
+)
 from leak.flow.leak_rate import LeakResult
 from leak.flow.rarefied import poiseuille_flow_rate
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
@@ -108,6 +115,7 @@ def gas_leak_flow(
     pressure_side: str = "outer",
     method: str = "bruggeman",
     ends: tuple[float | None, float | None] | None = None,
+    largest_pressure: ArrayLike | None = None,
 ) -> GasLeakResult:
     """Mass flow of a gas through a contact pressure profile.
 
@@ -134,6 +142,8 @@ def gas_leak_flow(
         See `RoughContact.effective_separation`; for a `RoughContact` only.
     ends : tuple of float or None, optional
         x at which the faces end, see `leak.leak_flow` [m].
+    largest_pressure : array_like, optional
+        Largest nominal pressure that each place has carried before, see `leak.leak_flow` [Pa].
 
     Raises
     ------
@@ -164,8 +174,14 @@ def gas_leak_flow(
     p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
     p_out = checked_outlet(p_in, outlet_pressure)
     checked_side(pressure_side)
-    table = gas_table(surface, ps, method) if isinstance(surface, RoughContact) else surface
-    profile = ContactProfile.through(xs, ps, rs, checked_ends(ends)).refined(_CELLS)
+    if isinstance(surface, RoughContact):
+        highest = ps if largest_pressure is None else np.append(ps, np.max(np.asarray(largest_pressure)))
+        table: GasConductivity = gas_table(surface, highest, method)
+    else:
+        table = surface
+    places = checked_ends(ends)
+    profile = ContactProfile.through(xs, ps, rs, places)
+    profile = after_largest(profile, xs, rs, largest_pressure, places, table).refined(_CELLS)
     path = _Path.along(profile, table, gas)
     if not np.isfinite(path.total):
         fraction = path.sealed_fraction()
@@ -175,7 +191,8 @@ def gas_leak_flow(
     flow, pressure = path.flow(*((p_out, p_in) if pressure_side == "outer" else (p_in, p_out)))
     at_points = np.interp(xs, profile.x, pressure)
     peak = int(np.argmax(ps))
-    narrowest = float(table.at_log_pressure(np.log(ps[peak])))
+    at_peak = profile.first_loading(xs[peak], np.log(ps[peak]))
+    narrowest = float(table.at_log_pressure(at_peak))
     free_path = gas.mean_free_path(max(float(at_points[peak]), 1e-300))
     # next to sealing u_eff may be too small for a floating-point number where the flow still is not
     knudsen = free_path / narrowest if narrowest > 0.0 else float("inf")
@@ -220,7 +237,7 @@ class _Path:
     def along(cls, profile: ContactProfile, table: GasConductivity, gas: Gas) -> _Path:
         panels = profile.panels()
         used = tuple(part for part in panels if part is not None)
-        u = tuple(np.asarray(table.at_log_pressure(part.log_pressure)) for part in used)
+        u = tuple(np.asarray(table.at_log_pressure(part.first_loading)) for part in used)
         # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
         with np.errstate(divide="ignore", over="ignore"):
             resistance = tuple(
@@ -292,7 +309,7 @@ class _Path:
     def _gain(self, n: int, pressure: FloatArray) -> FloatArray:
         """p_f F/(p_f + c), F = 12 eta sigma_eff/u_eff^3."""
         D = pressure * self.separation[n] / self.flight_pressure
-        R = self.table.rarefaction(self.used[n].log_pressure, np.log(np.maximum(D, 1e-300)))
+        R = self.table.rarefaction(self.used[n].first_loading, np.log(np.maximum(D, 1e-300)))
         p_F = 6.0 * poiseuille_flow_rate(D) * R * self.flight_pressure / self.separation[n]
         return p_F / (pressure + self.slip_pressure)
 

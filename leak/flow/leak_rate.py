@@ -15,6 +15,7 @@ from leak.flow.contact_profile import (
     SMALLEST_LOG_PRESSURE,
     ContactProfile,
     Panels,
+    after_largest,
     checked_ends,
     checked_profile,
     checked_side,
@@ -140,6 +141,7 @@ def leak_flow(
     *,
     pressure_side: str = "outer",
     ends: tuple[float | None, float | None] | None = None,
+    largest_pressure: ArrayLike | None = None,
 ) -> LeakResult:
     """Leak rate, flow resistance and fluid pressure along a contact pressure profile.
 
@@ -158,6 +160,10 @@ def leak_flow(
         Side of the high fluid pressure: larger or smaller x.
     ends : tuple of float or None, optional
         x at which the faces end, inner and outer, None where they go on: nothing resists beyond [m].
+    largest_pressure : array_like, optional
+        Largest nominal pressure that each place has carried before, shape (n,) [Pa]; it is interpolated and continued
+        like p, and counts where it exceeds p. The conductivity must know what it leaves behind, as that of a
+        `RoughContact` does (`leak.flow.memory`). None: every place carries more than ever before.
 
     Examples
     --------
@@ -170,11 +176,22 @@ def leak_flow(
     4.96e-11 m^3/s
     >>> found.fluid_pressure.shape
     (101,)
+
+    Asperities that have yielded under twice the pressure:
+
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> surface = leak.RoughContact(spectrum, effective_modulus=115e9, hardness=2e9, yielding="capped")
+    >>> water = surface.conductivity_table(1e3, 1e9).at(viscosity=1e-3)
+    >>> first, after = (leak.leak_flow(x, p, water, 1e5, 0.014, largest_pressure=most) for most in (None, 2 * p))
+    >>> after.leak_rate < first.leak_rate
+    True
     """
     x_all, p_all, r_all = checked_profile(x, p, radius)
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
     checked_side(pressure_side)
-    profile = ContactProfile.through(x_all, p_all, r_all, checked_ends(ends))
+    places = checked_ends(ends)
+    profile = ContactProfile.through(x_all, p_all, r_all, places)
+    profile = after_largest(profile, x_all, r_all, largest_pressure, places, conductivity)
     sigma = by_log_pressure(
         conductivity
         if callable(conductivity) or isinstance(conductivity, LogConductivity)
@@ -201,7 +218,7 @@ def _resistances(
     def over(panels: Panels | None) -> FloatArray:
         if panels is None:
             return np.zeros(1)
-        return panels.integral(_inverse(sigma(panels.log_pressure), panels.radius))
+        return panels.integral(_inverse(sigma(panels.first_loading), panels.radius))
 
     inner, cells, outer = (over(panels) for panels in profile.panels())
     return float(inner[0]), cells, float(outer[0])

@@ -16,6 +16,7 @@ from leak.flow import conductivity as flow
 from leak.flow import medium
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable
 from leak.flow.effective_gap import area_argument_at, critical_gap, effective_gap, effective_gas_gap
+from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import flow_factor
 from leak.numerics.curves import spline_slopes
 from leak.surfaces.spectrum import PowerSpectrum
@@ -150,8 +151,16 @@ class RoughContact:
         """Whether C_pl stands in for C."""
         return self.hardness is not None and self.yielding == "conserved"
 
-    def acting_pressure(self, pressure: ArrayLike) -> FloatArray:
-        """Nominal pressure at which the theory is asked for the gaps: the equivalent one of a capped surface [Pa]."""
+    def acting_pressure(self, pressure: ArrayLike, largest: ArrayLike | None = None) -> FloatArray:
+        """Nominal pressure at which the theory is asked for the gaps: the equivalent one of a capped surface [Pa].
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal pressure [Pa].
+        largest : array_like, optional
+            Largest one that the place has carried, counting where it exceeds `pressure` [Pa].
+        """
         p = _checked(pressure)
         if self.hardness is None or self._smoothed:
             return p
@@ -163,6 +172,7 @@ class RoughContact:
             rms_slope=self.spectrum.rms_slope,
             bearing_pressure=bearing,
             sealing_pressure=sealing,
+            largest=None if largest is None else _largest(p, largest),
         )
 
     @cached_property
@@ -271,13 +281,21 @@ class RoughContact:
 
     # ---------------------------------------------------------------- separations
 
-    def mean_separation(self, pressure: ArrayLike) -> FloatArray | float:
-        """Mean separation ubar(p) [m]; with a hardness that of C_pl at p. Infinite at p = 0."""
+    def mean_separation(self, pressure: ArrayLike, *, largest: ArrayLike | None = None) -> FloatArray | float:
+        """Mean separation ubar(p) [m]; with a hardness that of C_pl at p. Infinite at p = 0.
 
-        def mean(p: FloatArray) -> FloatArray:
-            return self._mean(p, self._seen(p)).mean[:, 0]
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal pressure [Pa].
+        largest : array_like, optional
+            See `effective_separation`.
+        """
 
-        return self._over_pressure(pressure, mean)
+        def mean(p: FloatArray, seen: RoughnessSeen) -> FloatArray:
+            return self._mean(p, seen).mean[:, 0]
+
+        return self._over_pressure(pressure, mean, largest)
 
     def pressure(self, separation: ArrayLike) -> FloatArray | float:
         """Nominal pressure at which the mean separation is u, the inverse of `mean_separation` [Pa]."""
@@ -332,7 +350,12 @@ class RoughContact:
         return self._lost_area(self.acting_pressure(pressure), refinement)
 
     def _lost_area(self, p: FloatArray, refinement: int) -> tuple[LostArea, FloatArray]:
-        relative, seen = p / self.effective_modulus, self._seen(p)
+        return self._lost_area_of(p, self._seen(p), refinement)
+
+    def _lost_area_of(
+        self, p: FloatArray, seen: RoughnessSeen, refinement: int
+    ) -> tuple[LostArea, FloatArray]:
+        relative = p / self.effective_modulus
         lost = lost_area(
             self.spectrum, seen, relative, self.gamma, self.separation_width, refinement=refinement
         )
@@ -340,15 +363,29 @@ class RoughContact:
 
     # ---------------------------------------------------------------- flow
 
-    def critical_separation(self, pressure: ArrayLike) -> FloatArray | float:
+    def critical_separation(
+        self, pressure: ArrayLike, *, largest: ArrayLike | None = None
+    ) -> FloatArray | float:
         """Separation u_c at the critical junction, u1 where A(zeta)/A0 is the percolation threshold [m].
 
         Zero where no magnification opens a path. References: Fischer et al., eq. (12).
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal pressure [Pa].
+        largest : array_like, optional
+            See `effective_separation`.
         """
-        return self._over_pressure(pressure, self._critical_separation)
+        return self._over_pressure(pressure, self._critical_separation, largest)
 
     def effective_separation(
-        self, pressure: ArrayLike, method: str = "bruggeman", *, refinement: int = 1
+        self,
+        pressure: ArrayLike,
+        method: str = "bruggeman",
+        *,
+        refinement: int = 1,
+        largest: ArrayLike | None = None,
     ) -> FloatArray | float:
         """u_eff = (12 eta sigma_eff)^(1/3) along the flow [m]; independent of the fluid, zero where sealed.
 
@@ -361,11 +398,17 @@ class RoughContact:
             and is refused unless peklenik = 1.
         refinement : int
             Every grid of the effective medium has so many times more points, which shows its error.
+        largest : array_like, optional
+            Largest nominal pressure that the place has carried, counting where it exceeds `pressure`; broadcast
+            against it [Pa]. Asperities that yielded then do not come back: "capped" at the equivalent pressure of
+            the elastic surface after it, "conserved" in elastic contact at `pressure` with C_pl of the largest one.
         """
         self._check_method(method)
         if method == "critical-junction":
-            return self.critical_separation(pressure)
-        return self._over_pressure(pressure, partial(self._effective_separation, refinement=refinement))
+            return self.critical_separation(pressure, largest=largest)
+        return self._over_pressure(
+            pressure, partial(self._effective_separation, refinement=refinement), largest
+        )
 
     def flow_conductivity(
         self, pressure: ArrayLike, viscosity: float, method: str = "bruggeman"
@@ -416,11 +459,41 @@ class RoughContact:
             low, high = (low, middle) if sealed else (middle, high)
         return high
 
-    def _reaches(self, acting: float, low: float, high: float) -> float:
+    def sealing_pressure_after(self, largest: ArrayLike) -> FloatArray:
+        """Pressure from which on nothing flows through a place that has carried a larger one.
+
+        Parameters
+        ----------
+        largest : array_like
+            Largest nominal pressure [Pa].
+
+        Returns
+        -------
+        ndarray
+            `sealing_pressure` where that is not reached by `largest`, else below it; zero from the hardness on [Pa].
+        """
+        most = _checked(largest)
+        if self.hardness is None:
+            return np.full(most.shape, self.sealing_pressure)
+        found = np.zeros(most.shape)
+        z = area_argument_at(self.percolation_threshold)
+        for index in np.ndindex(most.shape):
+            p = np.atleast_1d(most[index])
+            if p[0] >= self.hardness * (1.0 - 1e-9):
+                continue
+            if self._smoothed:
+                seen = self._seen(p)
+                rest = float(seen.moment(np.array([[seen.end]]))[0, 0])
+                found[index] = z * np.sqrt(np.pi * rest) * self.effective_modulus
+            else:
+                found[index] = self._reaches(self.elastic.sealing_pressure, 0.0, float(p[0]), float(p[0]))
+        return np.where(found < most, found, self.sealing_pressure)
+
+    def _reaches(self, acting: float, low: float, high: float, largest: float | None = None) -> float:
         """Nominal pressure between `low` and `high` whose equivalent one is `acting` [Pa]."""
         for _ in range(60):
             middle = 0.5 * (low + high)
-            low, high = (low, middle) if self.acting_pressure(middle) >= acting else (middle, high)
+            low, high = (low, middle) if self.acting_pressure(middle, largest) >= acting else (middle, high)
         return high
 
     def conductivity_table(
@@ -461,26 +534,38 @@ class RoughContact:
         return separations(self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=2)
 
     def _over_pressure(
-        self, pressure: ArrayLike, function: Callable[[FloatArray], FloatArray]
+        self,
+        pressure: ArrayLike,
+        function: Callable[[FloatArray, RoughnessSeen], FloatArray],
+        largest: ArrayLike | None = None,
     ) -> FloatArray | float:
         """Apply `function` where 0 < p < hardness; separations are infinite at p = 0, zero from the hardness on."""
         p = _checked(pressure)
-        flat = p.ravel()
+        if largest is not None:
+            p, most = np.broadcast_arrays(p, _largest(p, largest))
+        else:
+            most = p
+        flat, worst = p.ravel(), most.ravel()
+
+        def at(p: FloatArray, most: FloatArray) -> FloatArray:
+            acting = self.acting_pressure(p, None if largest is None else most)
+            return function(acting, self._seen(most))
+
         out = np.full(flat.shape, np.inf)
         least = _LEAST_RELATIVE_PRESSURE * self.effective_modulus
-        usual = flat > least
+        usual, tiny = flat > least, (flat > 0.0) & ~(flat > least)
         if self.hardness is not None:
-            yielded = flat >= self.hardness * (1.0 - 1e-9)
+            yielded = worst >= self.hardness * (1.0 - 1e-9)
             out[yielded] = 0.0
-            usual &= ~yielded
+            usual, tiny = usual & ~yielded, tiny & ~yielded
         index = np.flatnonzero(usual)
         for start in range(0, index.size, _CHUNK):
             part = index[start : start + _CHUNK]
-            out[part] = function(self.acting_pressure(flat[part]))
-        tiny = (flat > 0.0) & ~(flat > least)
-        if np.any(tiny):
-            last, before = function(self.acting_pressure(np.array([least, np.e * least])))
-            out[tiny] = last + (last - before) * np.log(least / flat[tiny])
+            out[part] = at(flat[part], worst[part])
+        for one in np.flatnonzero(tiny):
+            few = np.array([least, np.e * least])
+            last, before = at(few, np.maximum(worst[one], few))
+            out[one] = last + (last - before) * np.log(least / flat[one])
         return _scalar(out.reshape(p.shape))
 
     def _check_method(self, method: str) -> None:
@@ -492,14 +577,14 @@ class RoughContact:
                 "use 'bruggeman'"
             )
 
-    def _effective_separation(self, p: FloatArray, refinement: int) -> FloatArray:
-        lost, mean = self._lost_area(p, refinement)
+    def _effective_separation(self, p: FloatArray, seen: RoughnessSeen, refinement: int) -> FloatArray:
+        lost, mean = self._lost_area_of(p, seen, refinement)
         n = medium.dimension_number(self.percolation_threshold)
         return effective_gap(lost, mean, self.spectrum.rms_height, n, self.peklenik, refinement=refinement)
 
-    def _critical_separation(self, p: FloatArray) -> FloatArray:
+    def _critical_separation(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
         relative = p / self.effective_modulus
-        return critical_gap(self.spectrum, self._seen(p), relative, self.gamma, self.percolation_threshold)
+        return critical_gap(self.spectrum, seen, relative, self.gamma, self.percolation_threshold)
 
 
 _NEWTON_STEPS = 40
@@ -524,7 +609,8 @@ def _conductivity_table(
     log_p = np.concatenate([below[below > np.log(1e-60 * surface.effective_modulus)], log_p])
     u = np.asarray(surface.effective_separation(np.exp(log_p), method))
     flows = u > 0.0
-    return ConductivityTable(np.exp(log_p[flows]), u[flows], sealing, p_max, method)
+    first = ConductivityTable(np.exp(log_p[flows]), u[flows], sealing, p_max, method)
+    return replace(first, memory=LoadMemory(surface, first))
 
 
 # The low-pressure law holds to 1e-9 this far (in ln p) below p_c; above it ubar is tabulated at this spacing.
@@ -563,6 +649,11 @@ def _checked(pressure: ArrayLike) -> FloatArray:
     if np.any(bad):
         raise SurfaceError(f"pressure = {p[bad].flat[0]}: must be finite and not negative [Pa]")
     return p
+
+
+def _largest(pressure: FloatArray, largest: ArrayLike) -> FloatArray:
+    """The largest pressure a place has carried, the one that it carries included [Pa]."""
+    return np.maximum(pressure, _checked(largest))
 
 
 def _scalar(values: ArrayLike) -> FloatArray | float:

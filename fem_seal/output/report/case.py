@@ -12,7 +12,13 @@ from fem_seal.analysis.results import SealSolution
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.tables import curves
 from fem_seal.materials import Material
-from fem_seal.output.case_words import chosen_dimensions, dimensions, section, section_text
+from fem_seal.output.case_words import (
+    chosen_dimensions,
+    dimensions,
+    earlier_load,
+    section,
+    section_text,
+)
 from fem_seal.output.report.form import form_rows
 from fem_seal.output.report.particles import particle_rows
 from fem_seal.output.report.tables import curve_in_words, path_accuracy
@@ -179,6 +185,7 @@ def _load(case: Case) -> list[tuple[str, str]]:
     return [
         ("fluid pressure", shown),
         ("applied force (spring or actuator)", _forces([force for _, force in case.load.points])),
+        *([("largest earlier load", earlier)] if (earlier := earlier_load(case.load)) else []),
         ("high pressure", f"on the {case.load.pressure_side} side"),
         ("fluid acts on", _FLUID_ACTS_ON[case.load.closing]),
         *(

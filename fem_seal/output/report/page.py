@@ -17,6 +17,7 @@ from fem_seal.output.pictures.around import leak_around_picture, line_load_pictu
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture
 from fem_seal.output.pictures.leak import leak_picture
+from fem_seal.output.pictures.memory import memory_picture
 from fem_seal.output.pictures.particles import particle_picture
 from fem_seal.output.pictures.sketch import sketch
 from fem_seal.output.pictures.style import Picture, style
@@ -90,6 +91,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
             gap_picture(result),
             law_picture(result),
             leak_picture(result),
+            memory_picture(result),
             particle_picture(result),
             unrolled_picture(result),
             line_load_picture(result),

@@ -16,6 +16,7 @@ from fem_seal.analysis.load_names import load_name, load_values
 from fem_seal.analysis.results import AGREE, LoadResult, SealSolution, highest_load
 from fem_seal.analysis.warnings import FLUID_OPENS
 from fem_seal.contact.yielding import PlasticZone, yielding_of
+from fem_seal.output.case_words import earlier_load
 from fem_seal.output.prose import said
 from fem_seal.output.report.tables import (
     TARGET_FORCE,
@@ -213,7 +214,15 @@ def headline(result: SealSolution) -> str:
     """The answer in one or two sentences."""
     opens = {opens_at(load) for load in result.loads}
     (only,) = opens if len(opens) == 1 else (None,)
-    return _what_leaks(result) + (f" It opens at {only}." if only else "") + _how_sure(result)
+    opening = f" It opens at {only}." if only else ""
+    before = " ".join(["", *remembered(result.case)])
+    return _what_leaks(result) + opening + before + _how_sure(result)
+
+
+def remembered(case: Case) -> list[str]:
+    """That the results hold after a larger load, in a sentence; empty where none is known."""
+    earlier = earlier_load(case.load)
+    return [said("notes.headline", "remembers", earlier=earlier)] if earlier else []
 
 
 def _how_sure(result: SealSolution) -> str:

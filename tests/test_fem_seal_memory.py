@@ -1,0 +1,249 @@
+"""The largest load before the loads of a case: its contact, what asperities and bodies remember, and the report."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from sample_results import SPECTRUM, case, cone
+
+import fem_seal
+from fem_seal.analysis.flow import RoughFlow
+from fem_seal.analysis.load_solver import model_and_contacts, solved_again
+from fem_seal.analysis.problem import SealProblem
+from fem_seal.analysis.profile_leak import leak_of_profiles
+from fem_seal.analysis.questions import contacts_at_target
+from fem_seal.analysis.results import LoadResult
+from fem_seal.errors import InputError
+from fem_seal.output.pictures.memory import memory_picture
+from fem_seal.output.pictures.style import style
+from fem_seal.output.report import words
+from fem_seal.output.report.page import report
+from fem_seal.result import SealResult
+from fem_seal.studies.responses import takes_complete_run
+
+FORCES = ("300 N", "1 kN", "2 kN")
+
+
+def steps(
+    forces: Any = FORCES, earlier: str | None = None, load: dict[str, Any] | None = None, **tables: Any
+) -> fem_seal.Case:
+    steps = {"fluid_pressure": "5 bar", "axial_force": list(forces), **(load or {})}
+    return case(load=steps if earlier is None else {**steps, "largest_earlier_force": earlier}, **tables)
+
+
+def solved(asked: fem_seal.Case) -> list[LoadResult]:
+    """Loads with their leak, without all that a run adds."""
+    problem = SealProblem.of(asked)
+    _, _, found = model_and_contacts(problem)
+    assert not found.failures
+    rough = RoughFlow.of(problem.surface, problem.flow, found.contacts)
+    points = problem.loads.points
+    return [LoadResult(*point, contact, rough) for point, contact in zip(points, found.contacts, strict=True)]
+
+
+def rates(loads: list[LoadResult]) -> np.ndarray:
+    """Leak rates, shape (loads, 2): C_pl and capped."""
+    return np.array([[one.leak.leak_rate for one in (load.conserved, load.capped)] for load in loads])  # type: ignore[union-attr]
+
+
+@cache
+def after(earlier: str) -> list[LoadResult]:
+    return solved(steps(earlier=earlier))
+
+
+# ------------------------------------------------------------------ bodies that come back
+
+
+def test_leaks_less_than_on_first_loading_and_the_less_the_harder_it_was_closed() -> None:
+    first, proof, harder = rates(solved(steps())), rates(after("3 kN")), rates(after("5 kN"))
+    assert np.all(proof < first) and np.all(harder < proof)
+    # and still less under more force
+    assert np.all(np.diff(harder, axis=0) < 0)
+    # elastic contact is the same: only what leaks differs
+    of_first = rates([load.first_loading for load in after("3 kN")])
+    np.testing.assert_allclose(of_first, first, rtol=2e-3)  # another mesh, wide enough for the earlier load
+
+
+def test_is_first_loading_where_the_earlier_load_was_not_larger() -> None:
+    asked = case(load={"fluid_pressure": ["5 bar", "20 bar"], "largest_earlier_pressure": "20 bar"})
+    low, high = solved(asked)
+    assert low.leak.leak_rate < low.first_loading.leak.leak_rate  # type: ignore[union-attr]
+    assert high.leak.leak_rate == pytest.approx(high.first_loading.leak.leak_rate, rel=1e-12)  # type: ignore[union-attr]
+    smaller = solved(steps(earlier="100 N"))
+    firsts = [load.first_loading for load in smaller]
+    np.testing.assert_allclose(rates(smaller), rates(firsts), rtol=1e-9)
+
+
+def test_the_loads_of_the_list_leave_nothing_to_each_other() -> None:
+    backwards = rates(solved(steps(FORCES[::-1], "3 kN")))[::-1]
+    np.testing.assert_allclose(backwards, rates(after("3 kN")), rtol=1e-12)
+
+
+def test_the_earlier_load_acts_without_fluid() -> None:
+    problem = SealProblem.of(steps(earlier="3 kN"))
+    _, model, found = model_and_contacts(problem)
+    assert found.earlier is not None
+    assert found.earlier.axial_force == 3e3
+    assert found.earlier.largest is None
+    for contact in found.contacts:
+        np.testing.assert_array_equal(contact.largest, found.earlier.pressure)
+    again = solved_again(found.contacts, model, problem.law, found.earlier)
+    for one, other in zip(again, found.contacts, strict=True):
+        assert one.largest == pytest.approx(other.largest, rel=1e-8, abs=1.0)
+
+
+def test_gaps_that_the_bodies_open_are_not_remembered() -> None:
+    smooth = {**SPECTRUM, "rms_height": "0.1 um"}
+    (load,) = solved(steps(("300 N",), "5 kN", roughness={"spectrum": smooth}))
+    profile, before = load.contact.profile, load.contact.largest
+    assert before is not None and profile.largest is not None
+    over = before.max() / profile.pressure.max()
+    # Hertz contact: the earlier one was wider
+    beside = np.flatnonzero(profile.pressure > 1e-6 * profile.pressure.max())[[0, -1]]
+    assert np.all(before[beside] > 10 * over * profile.pressure[beside])
+    np.testing.assert_allclose(profile.largest[beside], over * profile.pressure[beside], rtol=1e-12)
+    # at the peak nothing is taken away
+    peak = int(np.argmax(profile.pressure))
+    assert profile.largest[peak] == pytest.approx(before.max(), rel=1e-3)
+
+
+def test_critical_separation_and_table_know_it() -> None:
+    load = after("5 kN")[0]
+    assert load.rough is not None
+    profile = load.contact.profile
+    assert profile.highest > profile.pressure.max()
+    surface, (x, peak) = load.rough.surface, profile.peak
+    largest = float(np.interp(x, profile.x, profile.largest))  # type: ignore[arg-type]
+    assert load.critical_separation == surface.critical_separation(peak, largest=largest)
+    assert load.capped.critical_separation < load.first_loading.capped.critical_separation  # type: ignore[operator]
+
+
+def test_fluid_between_the_surfaces_follows_what_they_remember() -> None:
+    more = {"closing": "penetration", "pressure_side": "inner"}
+    first, proof = (solved(steps(("1.2 kN",), earlier, more))[0] for earlier in (None, "3 kN"))
+    for load in (first, proof):
+        assert load.contact.closing_force == pytest.approx(1200.0, rel=1e-9)
+    assert rates([proof])[0, 1] < 0.9 * rates([first])[0, 1]
+    # the fluid pressure with which the contact was solved is the one that its leak has
+    found = proof.leak.fluid_pressure / proof.fluid_pressure  # type: ignore[union-attr]
+    assert np.abs(proof.contact.loads.gap_pressure / 5e5 - found).max() < 2e-3  # type: ignore[operator]
+
+
+def test_less_force_meets_a_target_after_a_proof_load() -> None:
+    target = 3e-8
+    forces = []
+    for earlier in (None, "6 kN"):
+        problem = SealProblem.of(steps(("1 kN",), earlier, {"target_leak_rate": "0.03 cm^3/s"}))
+        (found,) = contacts_at_target(problem, target)
+        assert found.leak is not None
+        assert found.leak.leak_rate == pytest.approx(target, rel=1e-4)
+        forces.append(found.applied_force)
+    assert forces[1] < forces[0]
+
+
+# ------------------------------------------------------------------ bodies that yield
+
+SOFT = {
+    "name": "soft steel",
+    "youngs_modulus": "210 GPa",
+    "poissons_ratio": 0.3,
+    "hardness": "1.2 GPa",
+    "stress_strain": {"plastic_strain": [0, 0.2], "stress": ["300 MPa", "500 MPa"]},
+}
+
+
+def yielding(forces: list[str], earlier: str | None = None) -> list[LoadResult]:
+    return solved(steps(forces, earlier, seat=cone(SOFT), mesh={"contact_size": "80 um"}))
+
+
+def test_is_the_first_load_of_the_path_of_a_body_that_yields() -> None:
+    area = np.pi * case().touch_radius ** 2
+    explicit = yielding([f"{4e3 - 5e5 * area} N", "1 kN", "3 kN"])
+    proof = yielding(["1 kN", "3 kN"], "4 kN")
+    for one, other in zip(proof, explicit[1:], strict=True):
+        np.testing.assert_allclose(one.contact.pressure, other.contact.pressure, rtol=1e-9, atol=1.0)
+        assert other.contact.largest is None
+    first, second = (one.contact for one in proof)
+    assert first.largest == pytest.approx(explicit[0].contact.pressure, rel=1e-9, abs=1.0)
+    np.testing.assert_array_equal(second.largest, np.maximum(first.pressure, first.largest))
+    assert np.all(rates(proof) <= rates(explicit[1:]))
+    assert np.all(rates(proof)[:, 1] < 0.95 * rates(explicit[1:])[:, 1])
+
+
+# ------------------------------------------------------------------ what is refused
+
+
+FORCE, PRESSURE = "load.largest_earlier_force", "load.largest_earlier_pressure"
+OVAL = {"seat": {"direction": "radial", "harmonics": [{"waves": 2, "amplitude": "1 um"}]}}
+
+
+def load(**more: Any) -> dict[str, Any]:
+    return {"load": {"fluid_pressure": "5 bar", "axial_force": "1 kN", **more}}
+
+
+def after_3_kN(**tables: Any) -> dict[str, Any]:
+    return {**load(largest_earlier_force="3 kN"), **tables}
+
+
+@pytest.mark.parametrize(
+    ("tables", "key", "said"),
+    [
+        (load(largest_earlier_force="3 kN", largest_earlier_pressure="9 bar"), PRESSURE, "one of them"),
+        (load(largest_earlier_pressure="9 bar", pressure_side="inner"), PRESSURE, "lifts"),
+        (load(largest_earlier_pressure="9 bar", axial_force=["1 kN", "2 kN"]), PRESSURE, "several values"),
+        (load(largest_earlier_pressure="1 bar", axial_force="-200 N"), PRESSURE, "open"),
+        (load(largest_earlier_force="9e7 N"), FORCE, "small strains"),
+        (load(largest_earlier_force="-1 N"), FORCE, "out of range"),
+        (after_3_kN(leak={"fluid_in_gap": "local"}), "leak.fluid_in_gap", "penetration"),
+        (after_3_kN(leak={"plasticity": False}), FORCE, "has no effect"),
+        (after_3_kN(fluid=None), FORCE, "has no effect"),
+        (after_3_kN(form=OVAL), FORCE, "not round"),
+    ],
+)
+def test_refuses_what_cannot_be_said(tables: dict[str, Any], key: str, said: str) -> None:
+    with pytest.raises(InputError) as raised:
+        case(**tables)
+    (problem,) = [one for one in raised.value.problems if one.key == key]
+    assert said in problem.message
+
+
+def test_says_nothing_of_profiles_from_elsewhere_and_nothing_fast_in_studies() -> None:
+    asked = steps(("1 kN",), "3 kN")
+    with pytest.raises(InputError, match="largest_earlier"):
+        leak_of_profiles(SealProblem.of(asked), [])
+    assert takes_complete_run(asked, ["leak_rate_m3_per_s"])
+    assert not takes_complete_run(steps(("1 kN",)), ["leak_rate_m3_per_s"])
+
+
+# ------------------------------------------------------------------ the whole case
+
+
+@cache
+def result() -> SealResult:
+    return fem_seal.run(steps(("300 N", "2 kN"), "3 kN"))
+
+
+def test_a_run_knows_it_everywhere() -> None:
+    loads = list(result().loads)
+    np.testing.assert_allclose(rates(loads), rates(after("3 kN"))[[0, 2]], rtol=2e-3)
+    # other interface laws are compared on contacts that remember, too
+    elastic, plastic = result().interface_variants
+    assert elastic.leak_rate == pytest.approx(loads[1].leak.leak_rate, rel=1e-9)  # type: ignore[union-attr]
+    assert plastic.leak_rate is not None
+
+
+def test_the_report_shows_the_loop_and_names_the_load() -> None:
+    with style():
+        picture = memory_picture(result())
+    assert picture is not None
+    text = picture.svg.decode()
+    assert ">after a load of 3000 N<" in text and ">first loading<" in text
+    assert "a load of 3000 N" in words.headline(result())
+    page = report(result())
+    assert 'id="picture-memory"' in page
+    assert "largest earlier load" in page
+    assert memory_picture(replace(result(), earlier=None)) is None
