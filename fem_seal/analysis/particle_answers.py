@@ -102,7 +102,8 @@ def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAn
     contact = float(gaps.contact[0])
     filter_size = counts.largest if math.isfinite(counts.largest) else None
     left = None if filter_size is None else min(_leak_rate(load, shut, filter_size) / whole, 1.0)
-    halved = left is None or left < 0.5
+    # a scratch stays open, whatever is shut beside it
+    halved = max(left or 0.0, share[-1]) < 0.5
     return ParticleAnswers(
         load.fluid_pressure,
         load.applied_force,

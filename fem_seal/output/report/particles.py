@@ -57,7 +57,9 @@ def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
             fewest=_rough(answers.places[0]),
             places=_rough(answers.places[1]),
         )
-    yield said("particles.estimate", "all")
+    around = result.highest.around
+    scratched = around is not None and around.scratches is not None
+    yield said("particles.estimate", "all", "scratches" if scratched else "")
 
 
 def _filter(answers: ParticleAnswers) -> str:
