@@ -122,10 +122,11 @@ def particle_rows(particles: Particles) -> list[tuple[str, str]]:
     rows = []
     if particles.iso_4406 is not None:
         rows.append(("particles, ISO 4406", particles.iso_4406))
-    elif particles.sizes is not None and particles.per_ml is not None:
+    else:
+        counts = particles.counts
         rows += [
-            (f"particles of at least {given('length', size)}", f"{number(count, 3)} per ml")
-            for size, count in zip(particles.sizes, particles.per_ml, strict=True)
+            (f"particles of at least {given('length', size)}", f"{number(count * _PER_ML, 3)} per ml")
+            for size, count in zip(counts.sizes, counts.low, strict=True)
         ]
     if particles.filter is not None:
         rows.append(("filter", given("length", particles.filter)))
