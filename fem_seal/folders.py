@@ -115,7 +115,7 @@ _DRAFT = ".fem-seal-draft"
 
 # All files that a run may write: those that the last one did not write are of an earlier one.
 _OF_A_RUN = re.compile(
-    r"(leak|profile|imprint|variants|around)\.csv|summary\.json|report\.html|mesh\.msh"
+    r"(leak|profile|imprint|variants|around|particles)\.csv|summary\.json|report\.html|mesh\.msh"
     r"|(contact|contact_line|around)\.pvd|contact_\d{3,}\.vtu|(contact_line|around)_\d{3,}\.vtp|unloaded\.vtu"
 )
 

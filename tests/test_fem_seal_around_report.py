@@ -191,6 +191,27 @@ def test_what_is_allowed_is_rounded_down():
     assert "No roundness tolerance on the drawing keeps the target" in told
 
 
+@pytest.mark.parametrize("fluid", ["water", "helium"])
+def test_a_scratch_leaks_where_the_roughness_is_sealed(fluid):
+    """Asperities in contact over more than the threshold: what leaks is what flows along the scratch, and no more."""
+    spectrum = {"kind": "self-affine", "rms_height": "20 nm", "hurst": 0.8}
+    spectrum |= {"q_low": "5e3 1/m", "q_rolloff": "1e5 1/m", "q_high": "5e6 1/m"}
+    form = {"scratches": [{"depth": "5 um", "width": "30 um"}]}
+    tables = {"roughness": {"spectrum": spectrum}, "fluid": {"name": fluid}}
+    load = {"fluid_pressure": "20 bar", "axial_force": "10 kN"}
+    (found,) = fem_seal.run(case(form=form, load=load, **tables)).loads
+    assert found.leak_round.leak_rate == 0.0
+    low, high = found.around.scratches
+    # nothing to exchange fluid with at the sealed middle of the contact
+    assert 0 < low < found.leak.leak_rate == high < 3 * low
+    assert found.leak.resistance == pytest.approx(20e5 / high, rel=1e-9)
+    density = (
+        998.2 if fluid == "water" else 0.1663
+    )  # kg/m^3 at 20 degC and 101325 Pa, steam and ideal gas tables
+    assert found.leak.mass_flow == pytest.approx(density * high, rel=2e-3)
+    assert (found.leak.throughput is None) == (fluid == "water")
+
+
 def test_the_deepest_scratch_leaks_the_target_beside_the_others_and_the_lay():
     """The answer put back into the case. The search ends at 1e-6 of the depth, of which the leak is the third power."""
     scratches = [{"depth": "2 um", "width": "60 um", "angle": "200 deg"}, {"depth": "2 um", "width": "20 um"}]

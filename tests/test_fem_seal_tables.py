@@ -147,6 +147,7 @@ def test_summary_is_valid_json_and_complete(tmp_path):
         "discretisation_error",
         "far_field",
         "form",
+        "particles",
         "interface_variants",
         "uncertainty",
         "theory_variants",

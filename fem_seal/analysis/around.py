@@ -18,7 +18,7 @@ from fem_seal.contact.waves import Stiffening
 from fem_seal.errors import OpenSealError
 from fem_seal.form import FormError
 from fem_seal.profile import PressureProfile
-from leak import LeakResult
+from leak import GasLeakResult, LeakResult
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64
@@ -122,17 +122,18 @@ class Around:
                 '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "persson"'
             )
         each, most = curve.leak_rates(self.line_load)
-        scratches = self._scratches(curve) if self.form.grooves else None
-        total = float(each.mean()) + (0.0 if scratches is None else scratches[1])
+        total, scratches = float(each.mean()), None
+        if self.form.grooves:
+            found = [
+                curve.flow.bounds(self.profile_at(placed.angle), [placed.groove])
+                for placed in self.form.grooves
+            ]
+            least, largest = (sum(ends) for ends in zip(*(one.extra for one in found), strict=True))
+            total, scratches = total + largest, (least, largest)
+            if not most.leak_rate > 0:
+                # nothing flows through the roughness, but along the grooves
+                most = _above_outlet(max((one.upper for one in found), key=lambda one: one.leak_rate))
         return replace(self, leak_rate=each / (2 * math.pi), leak=_scaled(most, total), scratches=scratches)
-
-    def _scratches(self, curve: LeakCurve) -> tuple[float, float]:
-        """Least and largest leak rate that grooves add, each under the pressure where it lies [m^3/s]."""
-        least = largest = 0.0
-        for placed in self.form.grooves:
-            low, high = curve.flow.bounds(self.profile_at(placed.angle), [placed.groove]).extra
-            least, largest = least + low, largest + high
-        return least, largest
 
     def profile_at(self, angle: float | None) -> PressureProfile:
         """Pressure profile at an angle around the axis [rad], or at the mean line load."""
@@ -208,6 +209,10 @@ def _between(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
     curve, last = interpolator(rungs[leaks], np.log(rates[leaks])), rungs[leaks][-1]
     with np.errstate(under="ignore"):
         return np.where(v <= last, np.exp(curve(np.minimum(v, last))), 0.0)
+
+
+def _above_outlet(flow: LeakResult | GasLeakResult) -> LeakResult:
+    return flow.above_outlet if isinstance(flow, GasLeakResult) else flow
 
 
 def _scaled(most: LeakResult, leak_rate: float) -> LeakResult:

@@ -211,7 +211,7 @@ class Flow:
         x, p, radius = profile.x, profile.pressure, profile.radius
         side, ends, modulus = self.pressure_side, profile.ends, surface.effective_modulus
         if isinstance(table, ConductivityTable):
-            return scratch_flow(
+            found = scratch_flow(
                 x,
                 p,
                 grooves,
@@ -223,6 +223,7 @@ class Flow:
                 pressure_side=side,
                 ends=ends,
             )
+            return replace(found, upper=found.upper.with_density(self.density))
         assert self.gas is not None  # the table is one of a gas
         return gas_scratch_flow(
             x,

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import cache
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from fem_seal.analysis.flow import Conductivity, RoughFlow, as_first_loaded
+from fem_seal.analysis.flow import RoughFlow, as_first_loaded
 from fem_seal.analysis.results import LoadResult, ParticleAnswers, SealSolution, ShutGaps
+from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
 from leak import (
     GapDistribution,
     GasConductivityTable,
     ParticleCounts,
+    Paths,
     cloggings,
     parallel_paths,
     shut_conductivity,
@@ -34,7 +36,7 @@ _NEVER = (math.inf, math.inf)
 # Share of the leak that a filter is to keep.
 KEPT = 0.9
 
-Shut = Callable[[float], RoughFlow]
+Shut = Callable[[RoughFlow, float], RoughFlow]
 
 
 def particle_answers(loads: Sequence[LoadResult], counts: ParticleCounts) -> tuple[ParticleAnswers, ...]:
@@ -47,13 +49,9 @@ def particle_answers(loads: Sequence[LoadResult], counts: ParticleCounts) -> tup
     counts : ParticleCounts
         Particles in its fluid.
     """
-    rough = next((load.rough for load in loads if load.rough is not None), None)
-    if rough is None:
-        return ()
-    shut = _shut(rough)
-    return tuple(
-        _answers(load, counts, shut) for load in loads if load.leak is not None and load.leak.leak_rate > 0
-    )
+    shut = _shut()
+    found = (_answers(load, counts, shut) for load in loads)
+    return tuple(one for one in found if one is not None)
 
 
 def answers_of_highest(result: SealSolution) -> ParticleAnswers | None:
@@ -71,64 +69,135 @@ def answers_of_highest(result: SealSolution) -> ParticleAnswers | None:
     )
 
 
-def _shut(rough: RoughFlow) -> Shut:
-    """The rough surfaces with all gaps below a size shut, made once for each size."""
+def _shut() -> Shut:
+    """Rough surfaces with all gaps below a size shut, made once for each surface and size."""
+    known: dict[tuple[RoughFlow, float], RoughFlow] = {}
 
-    @cache
-    def shut(size: float) -> RoughFlow:
-        table = rough.table
-        assert table is not None  # the loads leak
-        return replace(rough, make=lambda flow, surface: shut_conductivity(table, surface, size))
+    def shut(rough: RoughFlow, size: float) -> RoughFlow:
+        if (rough, size) not in known:
+            table = rough.table
+            assert table is not None  # the load leaks
+            known[rough, size] = replace(
+                rough, make=lambda flow, surface: shut_conductivity(table, surface, size)
+            )
+        return known[rough, size]
 
     return shut
 
 
-def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAnswers:
-    assert load.leak is not None and load.rough is not None
-    assert load.rough.table is not None  # the loads leak
-    whole, profile = load.leak.leak_rate, as_first_loaded(load.rough.table, load.contact.profile)
-    gaps = GapDistribution.of(load.rough.surface, [profile.peak_pressure])
-    medium, junction = float(gaps.largest_passing[0]), load.critical_separation or 0.0
-    rates: dict[float, float] = {}
-    for size in _sizes(_PASSING * medium):
-        if rates and (rates[max(rates)] < _NOTHING * whole or len(rates) > _MOST_BEYOND):
-            break
-        rates[size] = _leak_rate(load, shut, size)
-    # a few parts in a million of interpolation may not make a leak grow
-    rate = np.minimum.accumulate(np.minimum(list(rates.values()), whole))
-    share, sizes = rate / whole, np.array(list(rates))
+@dataclass(frozen=True)
+class _Reading:
+    """A load with one reading of its asperities, which leaks."""
+
+    load: LoadResult
+    rough: RoughFlow
+    leak_rate: float
+    shut: Shut
+
+    @classmethod
+    def of(cls, load: LoadResult, shut: Shut) -> list[_Reading]:
+        """Those of both readings that leak."""
+        both = (load.conserved, load.capped) if load.yields else (load,)
+        return [
+            cls(one, one.rough, one.leak.leak_rate, shut)
+            for one in both
+            if one.rough is not None and one.leak is not None and 0 < one.leak.leak_rate < math.inf
+        ]
+
+    @cached_property
+    def profile(self) -> PressureProfile:
+        """At the pressures of first loading that leave the same gaps."""
+        assert self.rough.table is not None  # the load leaks
+        return as_first_loaded(self.rough.table, self.load.contact.profile)
+
+    @cached_property
+    def gaps(self) -> GapDistribution:
+        return GapDistribution.of(self.rough.surface, [self.profile.peak_pressure])
+
+    @property
+    def largest_passing(self) -> float:
+        return float(self.gaps.largest_passing[0])
+
+    @property
+    def narrowest(self) -> tuple[float, float]:
+        return self.largest_passing, self.load.critical_separation or 0.0
+
+    def below(self, size: float) -> float:
+        """Share of the open area."""
+        contact = float(self.gaps.contact[0])
+        return (float(self.gaps.below(size)[0]) - contact) / (1.0 - contact)
+
+    def remaining(self, size: float) -> float:
+        """Share of the leak that is left with all gaps below a size shut."""
+        found = replace(self.load, rough=self.shut(self.rough, size)).leak
+        assert found is not None  # that of the open surfaces is there
+        return min(found.leak_rate / self.leak_rate, 1.0)
+
+    def places(self) -> Paths:
+        table, profile = self.rough.table, self.profile
+        liquid = table.liquid if isinstance(table, GasConductivityTable) else table
+        assert liquid is not None  # the load leaks
+        length = throttling_length(profile.x, profile.pressure, liquid)
+        around = 2.0 * math.pi * self.load.contact.model.touch_radius
+        return parallel_paths(around, length, self.largest_passing)
+
+
+def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAnswers | None:
+    readings = _Reading.of(load, shut)
+    # a scratch leaks where nothing else does, and is open to particles
+    if not readings or not all(one.largest_passing > 0.0 for one in readings):
+        return None
+    sizes, shares = _curve(readings)
     particles = counts.at_least(sizes)
-    found = stopped(counts, sizes, share)
-    places = parallel_paths(
-        2.0 * math.pi * load.contact.model.touch_radius, _length(profile, load.rough.table), medium
-    )
-    slow, fast = cloggings(whole, found, places)
-    contact = float(gaps.contact[0])
+    each = [stopped(counts, sizes, share) for share in shares]
+    places = [one.places() for one in readings]
+    decays = [cloggings(*one) for one in zip((r.leak_rate for r in readings), each, places, strict=True)]
     filter_size = counts.largest if math.isfinite(counts.largest) else None
-    left = None if filter_size is None else min(_leak_rate(load, shut, filter_size) / whole, 1.0)
-    halved = left is None or left < 0.5
+    left = None if filter_size is None else _range(one.remaining(filter_size) for one in readings)
+    # a scratch stays open, whatever is shut beside it
+    halved = max(0.0 if left is None else left[1], *(share[-1] for share in shares)) < 0.5
+    keeping = [_size_that_leaves(KEPT, sizes, share) for share in shares]
     return ParticleAnswers(
         load.fluid_pressure,
         load.applied_force,
-        whole,
-        (min(medium, junction), max(medium, junction)),
+        _range(one.leak_rate for one in readings),
+        _range(size for one in readings for size in one.narrowest),
         tuple(
             ShutGaps(
                 float(size),
-                float((gaps.below(float(size))[0] - contact) / (1.0 - contact)),
-                float(left),
-                (float(few), float(many)),
+                _range(one.below(float(size)) for one in readings),
+                _range(one.leak_rate * share[n] for one, share in zip(readings, shares, strict=True)),
+                _range(share[n] for share in shares),
+                (float(particles.low[n]), float(particles.high[n])),
             )
-            for size, left, few, many in zip(sizes, rate, particles.low, particles.high, strict=True)
+            for n, size in enumerate(sizes)
         ),
-        (float(found.low[0]), float(found.high[0])),
-        (places.fewest, places.most),
-        (fast.volume_to(0.5), slow.volume_to(0.5)) if halved else _NEVER,
-        (fast.time_to(0.5), slow.time_to(0.5)) if halved else _NEVER,
-        _size_that_leaves(KEPT, sizes, share),
+        _range(float(end[0]) for one in each for end in (one.low, one.high)),
+        _range(count for one in places for count in one),
+        _range(decay.volume_to(0.5) for both in decays for decay in both) if halved else _NEVER,
+        _range(decay.time_to(0.5) for both in decays for decay in both) if halved else _NEVER,
+        _range(size for size in keeping if size is not None) if any(keeping) else None,
         filter_size,
         left,
     )
+
+
+def _curve(readings: Sequence[_Reading]) -> tuple[FloatArray, list[FloatArray]]:
+    """Round sizes, and the share of the leak that is left of each reading."""
+    sizes: list[float] = []
+    shares: list[list[float]] = []
+    for size in _sizes(_PASSING * min(one.largest_passing for one in readings)):
+        if sizes and (max(shares[-1]) < _NOTHING or len(sizes) > _MOST_BEYOND):
+            break
+        sizes.append(size)
+        shares.append([one.remaining(size) for one in readings])
+    # a few parts in a million of interpolation may not make a leak grow
+    return np.array(sizes), list(np.minimum.accumulate(shares, axis=0).T)
+
+
+def _range(values: Iterable[float]) -> tuple[float, float]:
+    numbers = [float(value) for value in values]
+    return min(numbers), max(numbers)
 
 
 def _sizes(smallest: float) -> list[float]:
@@ -141,19 +210,7 @@ def _sizes(smallest: float) -> list[float]:
     ]
 
 
-def _leak_rate(load: LoadResult, shut: Shut, size: float) -> float:
-    found = replace(load, rough=shut(size)).leak
-    assert found is not None  # that of the open surfaces is there
-    return found.leak_rate
-
-
-def _length(profile: PressureProfile, table: Conductivity) -> float:
-    """Of the contact along the flow [m]."""
-    liquid = table.liquid if isinstance(table, GasConductivityTable) else table
-    return throttling_length(profile.x, profile.pressure, liquid)
-
-
-def _size_that_leaves(kept: float, sizes: np.ndarray, share: np.ndarray) -> float | None:
+def _size_that_leaves(kept: float, sizes: FloatArray, share: FloatArray) -> float | None:
     """Size below which gaps may be shut for a share of the leak; None if it is not among them."""
     lost = 1.0 - share
     if not lost[0] < 1.0 - kept < lost[-1]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, TypeAlias
 
 import numpy as np
 
@@ -477,72 +477,78 @@ class FormAnswers:
     allowed_capped: Allowed | None = None
 
 
+Range: TypeAlias = tuple[float, float]
+
+
 @dataclass(frozen=True)
 class ShutGaps:
-    """A load whose gaps below a size are shut.
+    """A load whose gaps below a size are shut; the ranges are those of both readings of yielding asperities.
 
     Parameters
     ----------
     size : float
         [m]
-    gaps_below : float
-        Share of the open area at the peak pressure whose gap is narrower.
-    leak_rate : float
-        Of all others [m^3/s].
+    gaps_below : tuple of float
+        Share of the open area at the peak pressure whose gap is narrower, least and most.
+    leak_rate : tuple of float
+        Of all others, least and most [m^3/s].
+    remaining : tuple of float
+        The same over the leak rate of the clean fluid in the same reading.
     particles : tuple of float
         Particles of at least this size per volume, as few and as many as the counts allow [1/m^3].
     """
 
     size: float
-    gaps_below: float
-    leak_rate: float
-    particles: tuple[float, float]
+    gaps_below: Range
+    leak_rate: Range
+    remaining: Range
+    particles: Range
 
 
 @dataclass(frozen=True)
 class ParticleAnswers:
-    """What particles in the fluid do to the leak of a load, an estimate.
+    """What particles in the fluid do to the leak of a load, an estimate; least and most of both readings everywhere.
 
     Parameters
     ----------
     fluid_pressure, applied_force : float
         Of the load [Pa], [N].
-    leak_rate : float
+    leak_rate : tuple of float
         Of the clean fluid [m^3/s].
     narrowest : tuple of float
-        Size from which on a particle finds no way through where the contact pressure is highest [m]: by the effective
-        medium and by the critical junction, the smaller one first.
+        Size from which on a particle finds no way through where the contact pressure is highest [m], by the effective
+        medium and by the critical junction.
     curve : tuple of ShutGaps
         Over the size of the particles, increasing.
     stopped : tuple of float
-        Particles that do not get through, per volume, as few and as many as the counts allow [1/m^3].
+        Particles that do not get through, per volume [1/m^3].
     places : tuple of float
-        Places side by side that one particle each can shut: as few and as many as there may be.
+        Places side by side that one particle each can shut.
     half_volume : tuple of float
-        Volume that leaks until half of the leak is left, least and most [m^3]; infinite if nothing
-        clogs, and where a filter keeps more than half.
+        Volume that leaks until half of the leak is left [m^3]; infinite if nothing clogs, and where a filter keeps more
+        than half.
     half_time : tuple of float
         Time until then [s].
-    keeping_filter : float or None
+    keeping_filter : tuple of float or None
         Largest particles that cannot take more than a tenth of the leak, the rating of an absolute filter [m].
     filter : float or None
         The one that there is [m].
-    left : float or None
+    left : tuple of float or None
         Share of the leak that the particles it lets through cannot shut.
     """
 
     fluid_pressure: float
     applied_force: float
-    leak_rate: float
-    narrowest: tuple[float, float]
+    leak_rate: Range
+    narrowest: Range
     curve: tuple[ShutGaps, ...]
-    stopped: tuple[float, float]
-    places: tuple[float, float]
-    half_volume: tuple[float, float]
-    half_time: tuple[float, float]
-    keeping_filter: float | None
+    stopped: Range
+    places: Range
+    half_volume: Range
+    half_time: Range
+    keeping_filter: Range | None
     filter: float | None
-    left: float | None
+    left: Range | None
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ class Particles(Table):
         examples=["18/16/13"],
         max_length=20,
     )
-    sizes: Annotated[tuple[float, ...], OneOrMany("length", "1 nm", "1 mm")] | None = Field(
+    sizes: Annotated[float | tuple[float, ...], OneOrMany("length", "1 nm", "1 mm")] | None = Field(
         None,
         description="instead of a code: sizes of the particles that were counted, increasing",
         examples=[["2 um", "5 um", "15 um"]],

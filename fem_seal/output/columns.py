@@ -630,9 +630,13 @@ PARTICLE_MEANINGS = {
     "fluid_pressure_Pa": "of the load",
     "applied_force_N": "of the load",
     "size_m": "size of the particles",
-    "gaps_below": "share of the open area at the peak pressure whose gap is narrower",
-    "leak_rate_m3_per_s": "leak rate with all gaps narrower than the particles shut",
-    "remaining_share": "the same over the leak rate of the clean fluid",
+    "gaps_below_low": "share of the open area at the peak pressure whose gap is narrower, the smaller of both readings "
+    "of yielding asperities",
+    "gaps_below_high": "the larger one",
+    "leak_rate_low_m3_per_s": "leak rate with all gaps narrower than the particles shut, the smaller of both readings",
+    "leak_rate_high_m3_per_s": "the larger one",
+    "remaining_share_low": "the same over the leak rate of the clean fluid in the same reading",
+    "remaining_share_high": "the larger one",
     "particles_low_per_m3": "particles of at least this size in the fluid, as few as the counts allow",
     "particles_high_per_m3": "as many as they allow",
 }

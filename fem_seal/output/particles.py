@@ -36,9 +36,9 @@ def particle_rows(answers: ParticleAnswers) -> list[tuple[float, ...]]:
             answers.fluid_pressure,
             answers.applied_force,
             one.size,
-            one.gaps_below,
-            one.leak_rate,
-            one.leak_rate / answers.leak_rate,
+            *one.gaps_below,
+            *one.leak_rate,
+            *one.remaining,
             *one.particles,
         )
         for one in answers.curve

@@ -107,8 +107,8 @@ class ParticleCounts:
         largest : float, optional
             See `ParticleCounts`.
         """
-        number = tuple(np.asarray(counts, dtype=float).tolist())
-        return cls(tuple(np.asarray(sizes, dtype=float).tolist()), number, number, largest)
+        at, number = (tuple(np.atleast_1d(np.asarray(one, dtype=float)).tolist()) for one in (sizes, counts))
+        return cls(at, number, number, largest)
 
     @classmethod
     def of_iso_4406(cls, code: str, largest: float = np.inf) -> ParticleCounts:

@@ -25,15 +25,22 @@ def particle_picture(result: SealSolution) -> Picture | None:
     if answers is None:
         return None
     sizes = np.array([one.size for one in answers.curve])
-    left = np.array([one.leak_rate for one in answers.curve]) / answers.leak_rate
-    below = np.array([one.gaps_below for one in answers.curve])
+    left = np.array([one.remaining for one in answers.curve]).T
+    below = np.array([one.gaps_below for one in answers.curve]).T
     unit = unit_for("length", float(sizes.max()))
     figure, (share, counts) = panels(2, height=3.5)
     share.axvspan(
         *(one / unit.size for one in answers.narrowest), color=FILL, label="no way through from here on"
     )
-    share.plot(sizes / unit.size, 100 * left, "o-", color=BLUE, ms=3.8, label="leak with narrower gaps shut")
-    share.plot(sizes / unit.size, 100 * below, "--", color=ORANGE, label="area with narrower gaps")
+    for both, colour, style, name in (
+        (left, BLUE, "o-", "leak with narrower gaps shut"),
+        (below, ORANGE, "--", "area with narrower gaps"),
+    ):
+        share.fill_between(sizes / unit.size, *(100 * both), color=colour, alpha=0.15, linewidth=0)
+        for n, end in enumerate(both):
+            # both ends are one line of the legend
+            label_once = None if n else name
+            share.plot(sizes / unit.size, 100 * end, style, color=colour, ms=3.2, label=label_once)
     if answers.filter is not None:
         share.axvline(answers.filter / unit.size, color=GREY, linewidth=1.1, label="filter")
     share.set_ylim(0.0, 105.0)

@@ -28,9 +28,9 @@ def particles_in_words(result: SealSolution) -> list[str]:
 
 
 def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
-    low, high = (quantity("length", one, 2) for one in answers.narrowest)
     at = load_name(result.highest, result.loads)
-    yield said("particles.narrow", "same" if low == high else "range", load=at, low=low, high=high)
+    sizes = _span(*(quantity("length", one, 2) for one in answers.narrowest))
+    yield said("particles.narrow", "from", load=at, sizes=sizes)
     yield _filter(answers)
     few, many = answers.stopped
     if many == 0:
@@ -39,10 +39,9 @@ def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
     counted = result.case.fluid.particles.counts.sizes[0] if result.case.fluid else math.nan  # type: ignore[union-attr]
     yield said(
         "particles.stopped",
-        "same" if _rough(few * _PER_ML) == _rough(many * _PER_ML) else "range",
+        "count",
         "extrapolated" if answers.narrowest[0] < counted else "",
-        few=_rough(few * _PER_ML),
-        many=_rough(many * _PER_ML),
+        count=_span(_rough(few * _PER_ML), _rough(many * _PER_ML)),
         size=given("length", counted),
     )
     if math.isfinite(answers.half_volume[0]):
@@ -57,22 +56,30 @@ def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
             fewest=_rough(answers.places[0]),
             places=_rough(answers.places[1]),
         )
-    yield said("particles.estimate", "all")
+    around = result.highest.around
+    scratched = around is not None and around.scratches is not None
+    yield said("particles.estimate", "all", "scratches" if scratched else "")
 
 
 def _filter(answers: ParticleAnswers) -> str:
-    lost = percent(1.0 - KEPT)
-    keeps = "none" if answers.keeping_filter is None else "keeps"
     known = answers.filter is not None and answers.left is not None
+    low, high = answers.keeping_filter or (math.nan, math.nan)
+    both = _span(quantity("length", low, 2), quantity("length", high, 2))
     return said(
         "particles.filter",
-        keeps,
+        "none" if answers.keeping_filter is None else "keeps",
+        "safe" if " to " in both else "",
         "given" if known else "",
-        size="" if answers.keeping_filter is None else quantity("length", answers.keeping_filter, 2),
-        lost=lost,
+        size=both,
+        lost=percent(1.0 - KEPT),
         filter="" if answers.filter is None else given("length", answers.filter),
-        left=percent(answers.left),
+        left="" if answers.left is None else _span(*map(percent, answers.left)),
     )
+
+
+def _span(low: str, high: str) -> str:
+    """Both ends of a range, or one where they read alike."""
+    return low if low == high else f"{low} to {high}"
 
 
 def _rough(value: float) -> str:
@@ -93,10 +100,10 @@ def particle_table(result: SealSolution) -> ReadableTable:
     rows = [
         (
             quantity("length", one.size, 2),
-            f"{worth(one.particles[0] * _PER_ML, 2)} to {worth(one.particles[1] * _PER_ML, 2)}",
-            percent(one.gaps_below),
-            quantity("flow", one.leak_rate, 2),
-            percent(one.leak_rate / answers.leak_rate),
+            _span(*(worth(count * _PER_ML, 2) for count in one.particles)),
+            _span(*map(percent, one.gaps_below)),
+            _span(*(quantity("flow", rate, 2) for rate in one.leak_rate)),
+            _span(*map(percent, one.remaining)),
         )
         for one in answers.curve
     ]
@@ -120,10 +127,11 @@ def particle_rows(particles: Particles) -> list[tuple[str, str]]:
     rows = []
     if particles.iso_4406 is not None:
         rows.append(("particles, ISO 4406", particles.iso_4406))
-    elif particles.sizes is not None and particles.per_ml is not None:
+    else:
+        counts = particles.counts
         rows += [
-            (f"particles of at least {given('length', size)}", f"{number(count, 3)} per ml")
-            for size, count in zip(particles.sizes, particles.per_ml, strict=True)
+            (f"particles of at least {given('length', size)}", f"{number(count * _PER_ML, 3)} per ml")
+            for size, count in zip(counts.sizes, counts.low, strict=True)
         ]
     if particles.filter is not None:
         rows.append(("filter", given("length", particles.filter)))
