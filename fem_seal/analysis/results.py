@@ -173,8 +173,14 @@ class LoadResult(Lazy):
 
     @property
     def leak_range(self) -> tuple[float, float] | None:
-        """Smaller and larger leak rate of both readings of yielding asperities [m^3/s]; None where there is but one."""
+        """Smaller and larger leak rate of both readings of yielding asperities [m^3/s]; None where there is but one.
+
+        With a direct simulation instead of the theory they are the ends of its interval.
+        """
+        both: tuple[LeakResult | None, ...]
         both = (self.leak_conserved, self.leak_capped) if self.yields else ()
+        if self.rough is not None and self.rough.ends:
+            both = tuple(self._read(end).leak for end in self.rough.ends)
         rates = [leak.leak_rate for leak in both if leak is not None]
         return (min(rates), max(rates)) if len(rates) == 2 else None
 
