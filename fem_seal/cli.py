@@ -210,6 +210,53 @@ def leak(
 
 
 @app.command()
+def direct(
+    case_file: CaseFile,
+    output: Annotated[Path | None, _folder_option("[direct] folder of the case, CASE.direct")] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", min=1, show_default="one per core", help="Processes that calculate."),
+    ] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
+    import os
+    from dataclasses import replace
+
+    from fem_seal.analysis.direct import DirectSettings
+    from fem_seal.analysis.problem import direct_settings, rough_contact
+    from fem_seal.case.case import load_case
+    from fem_seal.folders import alone
+    from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows, shown_rows, write_direct
+
+    case = load_case(case_file)
+    rough = rough_contact(case)
+    if rough is None:
+        raise InputError(
+            Problem("roughness", "there is no surface to simulate; add the table"), file=case_file
+        )
+    settings = direct_settings(case) or DirectSettings()
+    folder = _made(output or settings.folder or case_file.with_suffix(".direct"))
+    viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
+    with alone(folder), _progress(quiet) as progress:
+        table = replace(settings, folder=folder).table(
+            rough, jobs=jobs or os.cpu_count() or 1, progress=progress
+        )
+        progress("drawing")
+        write_direct(table, folder, viscosity)
+    rows = direct_rows(table, viscosity)
+    if json:
+        typer.echo(as_json({"folder": str(folder), **direct_numbers(table), "pressures": rows}))
+    elif not quiet:
+        for line in direct_lines(table):
+            typer.echo(line)
+        show_table(f"Direct simulation: {case.title}", *shown_rows(rows), keys=2)
+        _list_files(folder)
+
+
+@app.command()
 def surface(
     files: Annotated[
         list[Path],

@@ -84,6 +84,9 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
             LoadResult(*point, contact, formed=formed)
             for point, contact, formed in zip(problem.loads.points, contacts, solved.around, strict=True)
         ]
+        if problem.surface is not None and problem.flow is not None and problem.flow.simulated is not None:
+            with after.going_on("direct simulation"):
+                problem.flow.simulated.table(problem.surface, progress=clock.progress)
         shown = [contact for load in bare for contact in load.contacts]
         rough = _with_tables(after, RoughFlow.of(problem.surface, problem.flow, shown))
         loads = tuple(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fem_seal.analysis.direct import DirectSettings
 from fem_seal.analysis.lazy import Lazy
 from fem_seal.arrays import FloatArray
 from fem_seal.loads import PressureSide
@@ -60,12 +61,16 @@ class Flow:
         None for a liquid.
     outlet_pressure : float
         Of a gas: absolute pressure on the low side [Pa].
-    conductivity : {"bruggeman", "critical-junction"}
-        Effective medium of all channels, or the narrowest junction alone.
+    conductivity : {"bruggeman", "critical-junction", "direct"}
+        Effective medium of all channels, the narrowest junction alone, or direct simulation.
     fluid_in_gap : {"uncoupled", "local"}
         Whether the pressure of a liquid is taken off the load of the asperities, place by place.
     pressure_side : {"outer", "inner"}
         Side of the high pressure.
+    direct : DirectSettings or None
+        Of the simulation, with conductivity "direct".
+    end : {-1, 0, 1}
+        Of the interval that a simulation gives.
     """
 
     fluid: str
@@ -73,9 +78,16 @@ class Flow:
     density: float | None = None
     gas: Gas | None = None
     outlet_pressure: float = 0.0
-    conductivity: Literal["bruggeman", "critical-junction"] = "bruggeman"
+    conductivity: Literal["bruggeman", "critical-junction", "direct"] = "bruggeman"
     fluid_in_gap: Literal["uncoupled", "local"] = "uncoupled"
     pressure_side: PressureSide = "outer"
+    direct: DirectSettings | None = None
+    end: int = 0
+
+    @property
+    def simulated(self) -> DirectSettings | None:
+        """How the conductivity is simulated; None where it is the theory's."""
+        return self.direct if self.conductivity == "direct" else None
 
     def table(self, surface: RoughContact, p_min: float, p_max: float, num: int = 64) -> Conductivity:
         """Flow conductivity of a surface over a range of contact pressures.
@@ -88,6 +100,8 @@ class Flow:
         num : int
             Number of pressures.
         """
+        if self.simulated is not None:
+            return self.simulated.table(surface).conductivity_table(p_min, p_max, num, self.end)
         if self.gas is not None:
             return gas_conductivity_table(surface, p_min, p_max, num, self.conductivity)
         return surface.conductivity_table(p_min, p_max, num, method=self.conductivity)
@@ -394,6 +408,13 @@ class RoughFlow(Lazy):
     def capped(self) -> RoughFlow:
         """The same where yielding changes the surface only where it touches."""
         return self._between(self.surface.capped)
+
+    @cached_property
+    def ends(self) -> tuple[RoughFlow, ...]:
+        """The same at either end of the interval that a direct simulation gives; none without one."""
+        if self.flow is None or self.flow.simulated is None:
+            return ()
+        return tuple(replace(self, flow=replace(self.flow, end=end)) for end in (-1, 1))
 
     def _between(self, surface: RoughContact) -> RoughFlow:
         return self if surface is self.surface else replace(self, surface=surface)

@@ -22,13 +22,16 @@ from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import element_sizes, for_yielding
-from fem_seal.errors import InputError, LoadProblem
+from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.form import FormError
 from fem_seal.loads import PressureSide, expected_force, line_load
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.direct import DirectSettings
+    from fem_seal.arrays import FloatArray
+    from fem_seal.case.direct import Direct
     from fem_seal.case.tables import CaseTables
     from fem_seal.contact.solution import ContactSolution
     from leak import RoughContact
@@ -330,7 +333,50 @@ def flow_of(case: CaseTables) -> Flow | None:
         case.leak.conductivity,
         case.leak.fluid_in_gap,
         case.load.pressure_side,
+        direct_settings(case),
     )
+
+
+def direct_settings(case: CaseTables) -> DirectSettings | None:
+    """How the case's surface is simulated directly; None without a table [direct].
+
+    Parameters
+    ----------
+    case : CaseTables
+    """
+    from fem_seal.analysis.direct import DirectSettings
+
+    given = case.direct
+    if given is None:
+        return None
+    return DirectSettings(
+        points=given.points,
+        samples=given.samples,
+        seed=given.seed,
+        waves=given.waves,
+        points_per_wave=given.points_per_wave,
+        amplitudes=given.amplitudes,
+        size=given.size,
+        pressures=given.pressure or (),
+        unload=given.unload or (),
+        direction=given.direction,
+        map=None if given.file is None else partial(_periodic_map, given.file, given.unit, given),
+        folder=None if given.folder is None else Path(given.folder),
+    )
+
+
+def _periodic_map(file: str, unit: tuple[str, ...] | None, given: Direct) -> tuple[FloatArray, float]:
+    """A measured map on no more points than the table says, and its side [m]."""
+    from leak import HeightMap, read_topography
+    from leak.direct import periodic_map
+
+    scan = read_topography(file, unit=unit)
+    if not isinstance(scan, HeightMap):
+        raise InputError(Problem("direct.file", "is a line scan; a map of heights is needed", file))
+    heights, size = periodic_map(scan, continuation=given.continuation)
+    if heights.shape[0] > given.points:
+        heights, size = periodic_map(scan, points=given.points, continuation=given.continuation)
+    return heights, size
 
 
 _LARGER = 2.0

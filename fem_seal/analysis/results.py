@@ -193,13 +193,18 @@ class LoadResult(Lazy):
         """Whether asperities yield, so that the leak rate has two readings."""
         return self.rough is not None and self.rough.surface.hardness is not None
 
-    @property
+    @cached_property
     def leak_ends(self) -> tuple[LeakResult, LeakResult] | None:
-        """Smaller and larger leak of both readings of yielding asperities; None where there is but one reading."""
-        conserved, capped = (self.leak_conserved, self.leak_capped) if self.yields else (None, None)
-        if conserved is None or capped is None:
-            return None
-        return (conserved, capped) if conserved.leak_rate <= capped.leak_rate else (capped, conserved)
+        """Smaller and larger leak of both readings of yielding asperities; None where there is but one reading.
+
+        With a direct simulation instead of the theory they are the ends of its interval.
+        """
+        both: tuple[LeakResult | None, ...]
+        both = (self.leak_conserved, self.leak_capped) if self.yields else ()
+        if self.rough is not None and self.rough.ends:
+            both = tuple(replace(self, rough=end).leak for end in self.rough.ends)
+        found = sorted((leak for leak in both if leak is not None), key=lambda leak: leak.leak_rate)
+        return (found[0], found[1]) if len(found) == 2 else None
 
     @property
     def leak_range(self) -> tuple[float, float] | None:

@@ -19,6 +19,7 @@ from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.units import number
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.direct import DirectTable
     from fem_seal.analysis.problem import SealProblem
     from fem_seal.analysis.results import DiscretisationError, GivenLoad, LoadResult
     from leak import PowerSpectrum
@@ -44,6 +45,8 @@ _DIRECT_END = 0.39
 # where the fluid crosses the lay, and where it flows along it. Direct results for ratios of 2 and 5, up to A/A0 = 0.16.
 _LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 0.3), (0.07, 0.5), (1.0, 1.35)), 0.3, 0.16
 _WORTH_SAYING = 1.3
+# Factor by which a simulated conductivity may be off without a word.
+_UNSURE = 2.0
 # Share of the height variance in waves too long to be roughness of this contact.
 _LONG_WAVES = 0.1
 # Fluid pressure over peak contact pressure from which on it opens the gap noticeably: a fifth more leaks at 0.1.
@@ -442,6 +445,9 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
     if not leaky:
         return
     load = max(leaky, key=lambda load: load.contact.profile.peak_pressure)
+    if problem.flow is not None and problem.flow.simulated is not None and problem.surface is not None:
+        yield from _simulated(problem.flow.simulated.table(problem.surface), load, loads)
+        return
     area = float(surface.contact_area(load.contact.profile.peak_pressure))
     factor = next(factor for limit, factor in _FACTORS if area <= limit) if area > _FEW_CHANNELS else 1.0
     lay = _lay_factor(area, surface.peklenik)
@@ -473,6 +479,32 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. "
             f"Above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
             f"numerical results by up to a factor {factor:g} either way",
+        )
+
+
+def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    """What a direct simulation says against the conductivity that was taken from it."""
+    peak, (low, high) = load.contact.profile.peak_pressure, table.range
+    at, simulated = f"{peak / 1e6:.4g} MPa", f"{low / 1e6:.4g} to {high / 1e6:.4g} MPa"
+    if not low <= peak <= high:
+        side = "above" if peak > high else "below"
+        yield Caution(
+            "direct range",
+            Level.DOUBTFUL,
+            f"peak pressure {side} those of the direct simulation, {simulated}",
+            f"the peak pressure {at} at {load_name(load, loads)} is {side} the pressures of the direct simulation that "
+            f"let something through, {simulated}; the conductivity goes on by the slope of the theory",
+        )
+    row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
+    down, up = (math.exp(one) for one in table.log_error(row))
+    if max(down, up) > _UNSURE:
+        yield Caution(
+            "direct scatter",
+            Level.DOUBTFUL,
+            f"conductivity of the direct simulation uncertain by a factor {down:.2g} down and {up:.2g} up",
+            f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
+            f"a factor {down:.2g} smaller or {up:.2g} larger: {row.samples} samples, and waves too short for the grid, "
+            f"of which the last octave that it holds changes the conductivity by a factor {1.0 / row.cutoff_ratio:.2g}",
         )
 
 

@@ -13,6 +13,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from fem_seal.case.bodies import place_body_files
 from fem_seal.case.checks import contradictions
+from fem_seal.case.direct import place_direct_files
 from fem_seal.case.form import place_trace_files
 from fem_seal.case.messages import problems
 from fem_seal.case.roughness import place_files
@@ -193,6 +194,7 @@ def _place_files(tables: dict[str, Any], path: Path) -> None:
     for body in ("closure", "seat"):
         place_body_files(tables.get(body), folder)
     place_trace_files(tables.get("form"), folder)
+    place_direct_files(tables.get("direct"), folder, path.stem)
     output = tables.setdefault("output", {})
     if isinstance(output, dict) and isinstance(output.get("folder", ""), str):
         output["folder"] = str(folder / output.get("folder", f"{path.stem}.out"))

@@ -30,6 +30,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *([] if geometry or load or earlier else filter(None, [problem_of_earlier_load(case)])),
         *_fluid(case),
         *_flow(case),
+        *_direct(case),
         *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
         *_yielding(case),
         *_form(case),
@@ -52,6 +53,40 @@ def _flow(case: CaseTables) -> Iterator[Problem]:
             "a single junction has no direction, but the roughness has one (peklenik, or along and across); use "
             '"bruggeman"',
             '"critical-junction"',
+        )
+
+
+def _direct(case: CaseTables) -> Iterator[Problem]:
+    if case.direct is not None and case.roughness is None:
+        yield Problem("direct", "simulates the surface of [roughness], and there is none; add it")
+    hardness = case.hardness if case.leak.plasticity else None
+    if case.direct is not None and case.direct.pressure is not None and hardness is not None:
+        highest = max(case.direct.pressure)
+        if highest >= hardness:
+            yield Problem(
+                "direct.pressure",
+                f"reaches the hardness, {hardness / 1e6:.4g} MPa, at which everything yields; give smaller ones",
+                f"{highest / 1e6:.4g} MPa",
+            )
+    if case.leak.conductivity != "direct":
+        return
+    key, value = "leak.conductivity", '"direct"'
+    if case.direct is None:
+        yield Problem(
+            key, "takes its numbers from a direct simulation; add a table [direct], which may be empty", value
+        )
+    if case.fluid is not None and case.fluid.gas is not None:
+        yield Problem(
+            key,
+            "is for liquids: of a gas the flow would have to be simulated at each of its pressures; use "
+            f'"bruggeman" for {shown(case.fluid.name)}',
+            value,
+        )
+    if case.uncertainty is not None:
+        yield Problem(
+            key,
+            "simulates one surface, but [uncertainty] samples hundreds; remove one of them",
+            value,
         )
 
 

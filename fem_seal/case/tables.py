@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 from pydantic import Field, PrivateAttr, model_validator
 
 from fem_seal.case import closures, seats
+from fem_seal.case.direct import Direct
 from fem_seal.case.drawn import ClosureProfile, SeatProfile
 from fem_seal.case.fields import NominalSizeEntry, Number, OneOrMany, Pressures, Quantity, Table
 from fem_seal.case.fluid import Fluid
@@ -150,8 +151,10 @@ class Leak(Table):
     percolation_threshold: Annotated[float, Number(0.05, 0.95)] = Field(
         0.42, description="relative contact area above which no channel is open"
     )
-    conductivity: Literal["bruggeman", "critical-junction"] = Field(
-        "bruggeman", description="effective medium of all channels, or the narrowest junction alone"
+    conductivity: Literal["bruggeman", "critical-junction", "direct"] = Field(
+        "bruggeman",
+        description="effective medium of all channels, the narrowest junction alone, or the direct simulation of "
+        "[direct]; that one is for liquids and takes minutes, see docs/direct.md",
     )
     fluid_in_gap: Literal["uncoupled", "local"] = Field(
         "uncoupled",
@@ -223,6 +226,7 @@ class CaseTables(Table):
     fluid: Fluid | None = None
     load: Load
     leak: Leak = Leak()
+    direct: Direct | None = None
     form: Form | None = None
     uncertainty: Uncertainty | None = None
     mesh: Mesh = Mesh()

@@ -231,7 +231,7 @@ def family_table(flow: Flow, surface: RoughContact, contact: ContactSolution) ->
     surface : RoughContact
     contact : ContactSolution
     """
-    if flow.gas is not None:
+    if flow.gas is not None or flow.simulated is not None:
         return None
     method = flow.conductivity
     member, height, pressure = _member(surface)

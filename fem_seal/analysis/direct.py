@@ -1,0 +1,650 @@
+"""Direct simulation of a case's surface: samples over pressures, kept on disk as they are done, beside the theory."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from fem_seal.arrays import FloatArray
+from fem_seal.errors import InputError, Problem
+from fem_seal.files import as_json, read_text, write_text
+from leak import ConductivityTable, DirectError, RoughContact
+from leak.direct import Patch, PeriodicHalfSpace, PressedPatch, press, smoothed
+
+if TYPE_CHECKING:
+    from leak.direct import ContactState
+
+Branch = Literal["load", "unload", "cutoff"]
+# Raised when a finished piece would come out differently.
+_VERSION = 1
+# Contact areas, in the theory, from which to which the pressures go unless they are given.
+_LEAST_AREA, _MOST_AREA, _PRESSURES = 0.003, 0.30, 8
+# The gaps are counted in so many classes up to so many rms heights.
+_CLASSES, _WIDEST = 60, 6.0
+QUANTILES = (0.25, 0.5, 0.75, 0.9)
+# Standard errors of the mean on either side of the interval: 95 % of many samples.
+_SIGMAS = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class DirectSettings:
+    """How the surfaces of a problem are simulated; see [direct] of the case file.
+
+    Parameters
+    ----------
+    points, samples, seed, waves, points_per_wave, amplitudes
+        Of random patches.
+    size : float or None
+        Side of a patch [m]; from the spectrum unless given.
+    pressures, unload : tuple of float
+        [Pa]; the usual ones if `pressures` is empty.
+    direction : {"both", "x", "y"} or None
+        None: as the surface has it.
+    map : callable or None
+        Gives a measured, periodic map and its side [m]; None for random patches.
+    folder : Path or None
+        Where finished pieces are kept.
+    """
+
+    points: int = 256
+    samples: int = 3
+    seed: int = 1
+    waves: float = 8.0
+    points_per_wave: float = 4.0
+    amplitudes: Literal["exact", "gaussian"] = "exact"
+    size: float | None = None
+    pressures: tuple[float, ...] = ()
+    unload: tuple[float, ...] = ()
+    direction: Literal["both", "x", "y"] | None = None
+    map: Callable[[], tuple[FloatArray, float]] | None = None
+    folder: Path | None = None
+
+    def of(self, surface: RoughContact) -> DirectSimulation:
+        """What is simulated of a surface.
+
+        Parameters
+        ----------
+        surface : RoughContact
+
+        Raises
+        ------
+        InputError
+            The grid holds no wave of the surface.
+        LeakError
+            The map cannot be used.
+        """
+        heights, size = (None, self.size) if self.map is None else self.map()
+        points = self.points if heights is None else heights.shape[0]
+        per_wave = self.points_per_wave if heights is None else 2.0
+        try:
+            patch = Patch.of(
+                surface.spectrum,
+                points=points,
+                size=size,
+                waves=self.waves,
+                points_per_wave=per_wave,
+                peklenik=surface.peklenik,
+            )
+        except DirectError as error:
+            raise InputError(Problem("direct", str(error))) from None
+        found = DirectSimulation(
+            surface,
+            patch,
+            self.pressures,
+            self.unload,
+            samples=self.samples if heights is None else 1,
+            seed=self.seed,
+            amplitudes=self.amplitudes,
+            direction=self.direction or ("both" if surface.peklenik == 1.0 else "x"),
+            heights=heights,
+            folder=self.folder,
+        )
+        return found if self.pressures else replace(found, pressures=usual_pressures(found.held))
+
+    def table(
+        self, surface: RoughContact, *, jobs: int = 1, progress: Callable[[str], None] = lambda text: None
+    ) -> DirectTable:
+        """The simulation of a surface, done once.
+
+        Parameters
+        ----------
+        surface : RoughContact
+        jobs, progress
+            See `simulate_surface`.
+        """
+        known = self._known
+        # the reading of asperities that yield is the theory's, not the simulation's
+        of = surface.capped
+        if of not in known:
+            known[of] = simulate_surface(self.of(of), jobs=jobs, progress=progress)
+        return known[of]
+
+    @cached_property
+    def _known(self) -> dict[RoughContact, DirectTable]:
+        return {}
+
+
+@dataclass(frozen=True, eq=False)
+class DirectSimulation:
+    """What is simulated: patches of a surface, or one map, at some pressures.
+
+    Parameters
+    ----------
+    surface : RoughContact
+        The whole surface, as the theory takes it.
+    patch : Patch
+        The piece of it; of a measured map its grid and side.
+    pressures, unload : tuple of float
+        Of loading, and after the largest of them [Pa].
+    samples, seed : int
+    amplitudes : {"exact", "gaussian"}
+    direction : {"both", "x", "y"}
+        Of the flow.
+    heights : ndarray or None
+        A measured map, periodic, shape (n, n) [m]; None for random patches.
+    folder : Path or None
+        Where finished pieces are kept.
+    """
+
+    surface: RoughContact
+    patch: Patch
+    pressures: tuple[float, ...]
+    unload: tuple[float, ...] = ()
+    samples: int = 3
+    seed: int = 1
+    amplitudes: Literal["exact", "gaussian"] = "exact"
+    direction: Literal["both", "x", "y"] = "both"
+    heights: FloatArray | None = None
+    folder: Path | None = None
+
+    @property
+    def held(self) -> RoughContact:
+        """The surface with the waves that the patch holds, for the theory of the very same thing."""
+        return replace(self.surface, spectrum=self.patch.held)
+
+    def map(self, sample: int) -> FloatArray:
+        """Heights of a sample, from 0 on [m]."""
+        return (
+            self.heights
+            if self.heights is not None
+            else self.patch.heights(self.seed + sample, self.amplitudes)
+        )
+
+    @cached_property
+    def rms_height(self) -> float:
+        """Of the patch [m]."""
+        return float(np.std(self.heights)) if self.heights is not None else self.patch.held.rms_height
+
+    @cached_property
+    def gap_edges(self) -> FloatArray:
+        """Between which gaps are counted together [m]."""
+        return np.linspace(0.0, _WIDEST * self.rms_height, _CLASSES + 1)
+
+    def pieces(self) -> list[Piece]:
+        """All that is to be calculated, each on its own.
+
+        The first sample is also pressed without its shorter half of the waves, to see what the cutoff does.
+        """
+        found = [Piece(sample, "load", (p,)) for p in self.pressures for sample in range(self.samples)]
+        found += [Piece(0, "cutoff", (p,)) for p in self.pressures]
+        if self.unload:
+            found += [Piece(sample, "unload", self.unload) for sample in range(self.samples)]
+        return found
+
+    def key(self, piece: Piece) -> str:
+        """Hash of everything that a piece depends on."""
+        surface, spectrum = self.surface, self.patch.held
+        about = [
+            _VERSION, surface.effective_modulus, surface.hardness, self.patch.points, self.patch.size,
+            self.patch.peklenik, self.gap_edges[-1], piece.branch, piece.pressures,
+        ]  # fmt: skip
+        if piece.branch == "unload":
+            about.append(max(self.pressures))
+        if piece.branch == "cutoff":
+            about.append(self.second_cutoff)
+        digest = hashlib.sha256(repr(about).encode())
+        if self.heights is not None:
+            digest.update(self.heights.tobytes())
+        else:
+            digest.update(repr((self.seed + piece.sample, self.amplitudes)).encode())
+            digest.update(spectrum.wavenumber.tobytes() + spectrum.density.tobytes())
+        return digest.hexdigest()[:20]
+
+    @property
+    def second_cutoff(self) -> float:
+        """Shortest wave of the map that is compared [m]."""
+        return 2.0 * self.patch.shortest_wavelength
+
+    def state(self, sample: int, pressure: float) -> ContactState:
+        """A sample pressed, first loading.
+
+        Parameters
+        ----------
+        sample : int
+        pressure : float
+            [Pa]
+        """
+        return press(self.body, self.map(sample), pressure, hardness=self.surface.hardness)
+
+    @cached_property
+    def body(self) -> PeriodicHalfSpace:
+        """The half-space under the patch."""
+        return PeriodicHalfSpace(self.patch.points, self.patch.size, self.surface.effective_modulus)
+
+    def cubed(self, record: PieceRecord) -> float:
+        """u_eff^3 in the direction of the flow [m^3]."""
+        x, y = record.gap_cubed_along, record.gap_cubed_across
+        return {"both": 0.5 * (x + y), "x": x, "y": y}[self.direction]
+
+
+class Piece(NamedTuple):
+    """What is calculated in one go: a sample at a pressure, or all of its unloading."""
+
+    sample: int
+    branch: Branch
+    pressures: tuple[float, ...]
+
+
+class PieceRecord(NamedTuple):
+    """What is kept of a pressed sample."""
+
+    contact_area: float
+    yielded_area: float
+    mean_gap: float
+    gap_cubed_along: float
+    gap_cubed_across: float
+    gap_quantiles: tuple[float, ...]
+    gap_counts: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class DirectRow:
+    """The samples at one pressure, and the theory there.
+
+    Parameters
+    ----------
+    branch : {"load", "unload"}
+    pressure, largest_pressure : float
+        Now, and the largest before [Pa].
+    contact_area, contact_area_scatter, yielded_area : float
+        Means and standard deviation over the samples [-].
+    mean_gap, mean_gap_scatter : float
+        [m]
+    gap_quantiles : tuple of float
+        Gaps that `QUANTILES` of the area, contact included, stay below [m].
+    effective_gap : float
+        u_eff, of the geometric mean of the conductivities; 0 if no sample lets anything through [m].
+    log_scatter : float
+        Standard deviation of ln conductivity over the samples that let something through [-].
+    blocked : int
+        Samples that let nothing through.
+    samples : int
+    cutoff_ratio : float
+        Conductivity without the shorter half of the waves over that with it, first sample; nan for unloading.
+    theory : TheoryRow or None
+        None for unloading.
+    """
+
+    branch: Branch
+    pressure: float
+    largest_pressure: float
+    contact_area: float
+    contact_area_scatter: float
+    yielded_area: float
+    mean_gap: float
+    mean_gap_scatter: float
+    gap_quantiles: tuple[float, ...]
+    effective_gap: float
+    log_scatter: float
+    blocked: int
+    samples: int
+    cutoff_ratio: float
+    theory: TheoryRow | None
+
+    @property
+    def log_error(self) -> float:
+        """Two standard errors of the mean of ln conductivity [-].
+
+        With one sample the scatter is unknown: nan.
+        """
+        if self.samples < 2:
+            return math.nan
+        return _SIGMAS * self.log_scatter / math.sqrt(max(self.samples - self.blocked, 1))
+
+
+@dataclass(frozen=True)
+class TheoryRow:
+    """What the theory says at one pressure.
+
+    Parameters
+    ----------
+    contact_area, mean_gap
+        Of the waves that the patch holds, asperities that yield in the reading "capped" [-], [m].
+    conserved, capped : float
+        u_eff of the waves that the patch holds, in both readings of asperities that yield [m].
+    whole_conserved, whole_capped : float
+        The same of the whole spectrum [m].
+    """
+
+    contact_area: float
+    mean_gap: float
+    conserved: float
+    capped: float
+    whole_conserved: float
+    whole_capped: float
+
+    @property
+    def cut(self) -> float:
+        """Conductivity of the whole spectrum over that of the patch's waves, in the reading "capped" [-]."""
+        return (self.whole_capped / self.capped) ** 3 if self.capped > 0.0 else math.nan
+
+    @property
+    def cut_conserved(self) -> float:
+        """The same in the reading "conserved" [-]."""
+        return (self.whole_conserved / self.conserved) ** 3 if self.conserved > 0.0 else math.nan
+
+
+@dataclass(frozen=True, eq=False)
+class DirectTable:
+    """What a direct simulation found.
+
+    Parameters
+    ----------
+    simulation : DirectSimulation
+    rows : tuple of DirectRow
+        Loading over rising pressure, then unloading over falling.
+    gap_density : ndarray, shape (rows, classes)
+        Share of the area per gap, samples together, contact left out [1/m].
+    """
+
+    simulation: DirectSimulation
+    rows: tuple[DirectRow, ...]
+    gap_density: FloatArray
+
+    @property
+    def loading(self) -> tuple[DirectRow, ...]:
+        """Rows of first loading that let something through."""
+        return tuple(row for row in self.rows if row.branch == "load" and row.effective_gap > 0.0)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and largest pressure of loading at which something flows [Pa].
+
+        Raises
+        ------
+        InputError
+            Nothing flows at any of them.
+        """
+        rows = self.loading
+        if not rows:
+            raise InputError(
+                Problem(
+                    "direct.pressure",
+                    "the patch is tight at all of them; give smaller ones, or larger patches",
+                )
+            )
+        return rows[0].pressure, rows[-1].pressure
+
+    def log_error(self, row: DirectRow) -> tuple[float, float]:
+        """By how much ln conductivity may lie lower and higher [-].
+
+        Two standard errors of the mean of the samples, and to one side what the waves may change that the patch cuts:
+        as much as the shorter half of those that it holds, since each further octave changes less than the last, and
+        for asperities that do not yield as much as the theory says.
+
+        Parameters
+        ----------
+        row : DirectRow
+            Of first loading.
+        """
+        scatter = row.log_error if math.isfinite(row.log_error) else 0.0
+        changes = [0.0]
+        if row.cutoff_ratio > 0.0:
+            changes.append(-math.log(row.cutoff_ratio))
+        if self.simulation.surface.hardness is None and row.theory is not None and row.theory.cut > 0.0:
+            changes.append(math.log(row.theory.cut))
+        return scatter - min(changes), scatter + max(changes)
+
+    def conductivity_table(
+        self, p_min: float, p_max: float, num: int = 64, end: int = 0
+    ) -> ConductivityTable:
+        """u_eff over pressure: as simulated, and outside the pressures simulated by the slope of the theory.
+
+        Between the pressures, and beyond them, the theory of the whole spectrum in the reading "capped" is followed,
+        by the factor that the simulation found.
+
+        Parameters
+        ----------
+        p_min, p_max : float
+            [Pa]
+        num : int
+            Number of pressures.
+        end : {-1, 0, 1}
+            Of the interval `log_error`, 0 for what was simulated.
+        """
+        from scipy.interpolate import PchipInterpolator
+
+        theory = self.simulation.surface.capped.conductivity_table(p_min, p_max, num)
+        low, high = self.range
+        p = np.array([row.pressure for row in self.loading])
+        u = np.array([row.effective_gap for row in self.loading])
+        if end:
+            side = 0 if end < 0 else 1
+            u = u * np.exp([end * self.log_error(row)[side] / 3.0 for row in self.loading])
+        factor = np.log(u / np.asarray(self.simulation.surface.capped.effective_separation(p)))
+        at = np.log(np.clip(theory.pressure, low, high))
+        # with one pressure the factor is the same everywhere
+        correction = PchipInterpolator(np.log(p), factor)(at) if p.size > 1 else factor[0]
+        separation = theory.separation * np.exp(correction)
+        # samples scatter, but no more flows at a higher pressure
+        falling = np.minimum.accumulate(separation) * (1.0 - 1e-9 * np.arange(separation.size))
+        return replace(theory, separation=falling, method="direct")
+
+
+def simulate_surface(
+    simulation: DirectSimulation,
+    *,
+    jobs: int = 1,
+    progress: Callable[[str], None] = lambda text: None,
+) -> DirectTable:
+    """Do what is missing of a simulation and put it together.
+
+    Each piece is written to the simulation's folder, whole, as soon as it is done.
+
+    Parameters
+    ----------
+    simulation : DirectSimulation
+    jobs : int
+        Processes; 1 calculates in this one.
+    progress : callable
+        Told how far it is.
+
+    Raises
+    ------
+    LeakError
+        A pressure reaches the hardness, or a contact does not converge.
+    """
+    pieces = simulation.pieces()
+    known = {piece: found for piece in pieces if (found := _read(simulation, piece)) is not None}
+    missing = [piece for piece in pieces if piece not in known]
+    if known and missing:
+        progress(f"{len(known)} of {len(pieces)} pieces are there already")
+    for done, (piece, records) in enumerate(_calculated(simulation, missing, jobs), start=len(known) + 1):
+        _write(simulation, piece, records)
+        known[piece] = records
+        progress(f"direct simulation: {done} of {len(pieces)} pieces")
+    return _together(simulation, known)
+
+
+def _calculated(
+    simulation: DirectSimulation, pieces: Sequence[Piece], jobs: int
+) -> Iterator[tuple[Piece, list[PieceRecord]]]:
+    if jobs < 2 or len(pieces) < 2:
+        for piece in pieces:
+            yield piece, calculate(simulation, piece)
+        return
+    from multiprocessing import get_context
+
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        waiting = {pool.submit(calculate, simulation, piece): piece for piece in pieces}
+        try:
+            for future in as_completed(waiting):
+                yield waiting[future], future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def calculate(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord]:
+    """A piece, one record for each of its pressures.
+
+    Parameters
+    ----------
+    simulation : DirectSimulation
+    piece : Piece
+    """
+    H, body, heights = simulation.surface.hardness, simulation.body, simulation.map(piece.sample)
+    if piece.branch == "cutoff":
+        heights = smoothed(heights, simulation.patch.size, simulation.second_cutoff)
+    if piece.branch != "unload":
+        states = [press(body, heights, p, hardness=H) for p in piece.pressures]
+        return [_record(simulation, state) for state in states]
+    state = press(body, heights, max(simulation.pressures), hardness=H)
+    flattened, records = heights - state.overlap, []
+    for p in piece.pressures:
+        state = press(body, flattened, p, hardness=H, start=state.pressure)
+        records.append(_record(simulation, state))
+    return records
+
+
+def _record(simulation: DirectSimulation, state: ContactState) -> PieceRecord:
+    numbers = PressedPatch.of(state, hardness=simulation.surface.hardness)
+    counts, _ = np.histogram(state.gap[state.gap > 0.0], simulation.gap_edges)
+    quantiles = np.quantile(state.gap, QUANTILES)
+    return PieceRecord(*numbers, tuple(quantiles.tolist()), tuple(counts.tolist()))
+
+
+def _file(simulation: DirectSimulation, piece: Piece) -> Path | None:
+    return (
+        None if simulation.folder is None else simulation.folder / "pieces" / f"{simulation.key(piece)}.json"
+    )
+
+
+def _write(simulation: DirectSimulation, piece: Piece, records: list[PieceRecord]) -> None:
+    path = _file(simulation, piece)
+    if path is not None:
+        write_text(path, as_json([record._asdict() for record in records]))
+
+
+def _read(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord] | None:
+    """None if it is not there, or is no whole piece."""
+    path = _file(simulation, piece)
+    if path is None or not path.is_file():
+        return None
+    with suppress(ValueError, TypeError, KeyError):
+        found: list[dict[str, Any]] = json.loads(read_text(path))
+        lists = ("gap_quantiles", "gap_counts")
+        records = [PieceRecord(**{**one, **{name: tuple(one[name]) for name in lists}}) for one in found]
+        if len(records) == len(piece.pressures):
+            return records
+    return None
+
+
+def _together(simulation: DirectSimulation, known: dict[Piece, list[PieceRecord]]) -> DirectTable:
+    theory = partial(_theory, simulation)
+    largest = max(simulation.pressures)
+    rows, densities = [], []
+    for p in sorted(simulation.pressures):
+        records = [known[Piece(sample, "load", (p,))][0] for sample in range(simulation.samples)]
+        cut = simulation.cubed(known[Piece(0, "cutoff", (p,))][0])
+        whole = simulation.cubed(records[0])
+        ratio = cut / whole if whole > 0.0 else math.nan
+        rows.append(_row(simulation, "load", p, p, records, ratio, theory(p)))
+        densities.append(_density(simulation, records))
+    for n, p in sorted(enumerate(simulation.unload), key=lambda one: -one[1]):
+        records = [
+            known[Piece(sample, "unload", simulation.unload)][n] for sample in range(simulation.samples)
+        ]
+        rows.append(_row(simulation, "unload", p, largest, records, math.nan, None))
+        densities.append(_density(simulation, records))
+    return DirectTable(simulation, tuple(rows), np.array(densities))
+
+
+def _row(
+    simulation: DirectSimulation,
+    branch: Branch,
+    pressure: float,
+    largest: float,
+    records: Sequence[PieceRecord],
+    cutoff_ratio: float,
+    theory: TheoryRow | None,
+) -> DirectRow:
+    area, gap = (np.array([getattr(one, name) for one in records]) for name in ("contact_area", "mean_gap"))
+    cubed = np.array([simulation.cubed(one) for one in records])
+    logs = np.log(cubed[cubed > 0.0])
+    several = len(records) > 1
+    return DirectRow(
+        branch=branch,
+        pressure=pressure,
+        largest_pressure=largest,
+        contact_area=float(area.mean()),
+        contact_area_scatter=float(area.std(ddof=1)) if several else math.nan,
+        yielded_area=float(np.mean([one.yielded_area for one in records])),
+        mean_gap=float(gap.mean()),
+        mean_gap_scatter=float(gap.std(ddof=1)) if several else math.nan,
+        gap_quantiles=tuple(np.mean([one.gap_quantiles for one in records], axis=0).tolist()),
+        effective_gap=float(np.exp(logs.mean() / 3.0)) if logs.size else 0.0,
+        log_scatter=float(logs.std(ddof=1)) if logs.size > 1 else math.nan,
+        blocked=int(np.count_nonzero(cubed == 0.0)),
+        samples=len(records),
+        cutoff_ratio=cutoff_ratio,
+        theory=theory,
+    )
+
+
+def _density(simulation: DirectSimulation, records: Sequence[PieceRecord]) -> FloatArray:
+    counts = np.sum([one.gap_counts for one in records], axis=0)
+    cells = len(records) * simulation.patch.points**2
+    return counts / cells / np.diff(simulation.gap_edges)
+
+
+def _theory(simulation: DirectSimulation, pressure: float) -> TheoryRow:
+    held, whole = simulation.held, simulation.surface
+    return TheoryRow(
+        contact_area=float(held.capped.contact_area(pressure)),
+        mean_gap=float(held.capped.mean_separation(pressure)),
+        conserved=float(held.conserved.effective_separation(pressure)),
+        capped=float(held.capped.effective_separation(pressure)),
+        whole_conserved=float(whole.conserved.effective_separation(pressure)),
+        whole_capped=float(whole.capped.effective_separation(pressure)),
+    )
+
+
+def usual_pressures(surface: RoughContact) -> tuple[float, ...]:
+    """Pressures from a contact area of 0.3 % to one of 30 %, in the theory, in equal ratios [Pa].
+
+    Parameters
+    ----------
+    surface : RoughContact
+        With the waves that are simulated.
+    """
+    low, high = (_pressure_of_area(surface, area) for area in (_LEAST_AREA, _MOST_AREA))
+    return tuple(float(f"{p:.4g}") for p in np.geomspace(low, high, _PRESSURES))
+
+
+def _pressure_of_area(surface: RoughContact, area: float) -> float:
+    low, high = 1e-12 * surface.effective_modulus, surface.hardness or surface.effective_modulus
+    for _ in range(100):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if float(surface.contact_area(middle)) < area else (low, middle)
+    return low

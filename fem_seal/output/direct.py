@@ -1,0 +1,220 @@
+"""What `fem-seal direct` writes and shows: tables of the samples beside the theory, pictures of contact and flow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem_seal.analysis.direct import QUANTILES, DirectRow, DirectTable
+from fem_seal.files import as_json, write_bytes, write_text
+from fem_seal.output.prose import said
+from fem_seal.output.tables import write_rows_csv
+from fem_seal.units import number, percent, quantity
+
+TABLE, GAPS, ABOUT = "direct.csv", "direct_gaps.csv", "direct.json"
+
+
+def direct_rows(table: DirectTable, viscosity: float | None = None) -> list[dict[str, Any]]:
+    """Rows of direct.csv: names with units, numbers in SI.
+
+    Parameters
+    ----------
+    table : DirectTable
+    viscosity : float or None
+        Of the liquid [Pa s]; without it there are effective gaps only, which belong to the surface.
+    """
+    return [_row(table, row, viscosity) for row in table.rows]
+
+
+def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[str, Any]:
+    theory, nan = row.theory, math.nan
+    low, high = table.log_error(row) if row.branch == "load" else (nan, nan)
+    sigma = nan if viscosity is None else row.effective_gap**3 / (12.0 * viscosity)
+
+    def conductivity(gap: float) -> float:
+        return nan if viscosity is None else gap**3 / (12.0 * viscosity)
+
+    return {
+        "branch": row.branch,
+        "pressure_Pa": row.pressure,
+        "largest_pressure_Pa": row.largest_pressure,
+        "samples": row.samples,
+        "contact_area": row.contact_area,
+        "contact_area_scatter": row.contact_area_scatter,
+        "yielded_area": row.yielded_area,
+        "mean_gap_m": row.mean_gap,
+        "mean_gap_scatter_m": row.mean_gap_scatter,
+        **{f"gap_q{100 * q:.0f}_m": gap for q, gap in zip(QUANTILES, row.gap_quantiles, strict=True)},
+        "effective_gap_m": row.effective_gap,
+        "conductivity_m3_per_Pa_s": sigma,
+        "conductivity_low_m3_per_Pa_s": sigma * math.exp(-low),
+        "conductivity_high_m3_per_Pa_s": sigma * math.exp(high),
+        "conductivity_log_scatter": row.log_scatter,
+        "blocked_samples": row.blocked,
+        "conductivity_ratio_half_cutoff": row.cutoff_ratio,
+        "theory_contact_area": nan if theory is None else theory.contact_area,
+        "theory_mean_gap_m": nan if theory is None else theory.mean_gap,
+        "theory_conductivity_conserved_m3_per_Pa_s": nan
+        if theory is None
+        else conductivity(theory.conserved),
+        "theory_conductivity_capped_m3_per_Pa_s": nan if theory is None else conductivity(theory.capped),
+        "theory_effective_gap_conserved_m": nan if theory is None else theory.conserved,
+        "theory_effective_gap_capped_m": nan if theory is None else theory.capped,
+        "theory_conductivity_ratio_all_waves_conserved": nan if theory is None else theory.cut_conserved,
+        "theory_conductivity_ratio_all_waves_capped": nan if theory is None else theory.cut,
+    }
+
+
+def gap_rows(table: DirectTable) -> Iterator[dict[str, Any]]:
+    """Rows of direct_gaps.csv: share of the area per gap in classes of equal width.
+
+    Parameters
+    ----------
+    table : DirectTable
+    """
+    edges = table.simulation.gap_edges
+    for row, density in zip(table.rows, table.gap_density, strict=True):
+        for low, high, value in zip(edges[:-1], edges[1:], density, strict=True):
+            yield {
+                "branch": row.branch,
+                "pressure_Pa": row.pressure,
+                "gap_from_m": float(low),
+                "gap_to_m": float(high),
+                "density_per_m": float(value),
+            }
+
+
+def direct_numbers(table: DirectTable) -> dict[str, Any]:
+    """What was simulated, for direct.json and `--json`.
+
+    Parameters
+    ----------
+    table : DirectTable
+    """
+    simulation, patch = table.simulation, table.simulation.patch
+    measured = simulation.heights is not None
+    return {
+        "points": patch.points,
+        "size_m": patch.size,
+        "shortest_wavelength_m": patch.shortest_wavelength,
+        "samples": simulation.samples,
+        "seed": None if measured else simulation.seed,
+        "measured_map": measured,
+        "direction": simulation.direction,
+        "rms_height_m": simulation.rms_height,
+        "rms_height_of_surface_m": simulation.surface.spectrum.rms_height,
+        "height_variance_cut": None if measured else patch.height_cut,
+        "slope_variance_cut": None if measured else patch.slope_cut,
+        "effective_modulus_Pa": simulation.surface.effective_modulus,
+        "hardness_Pa": simulation.surface.hardness,
+    }
+
+
+def direct_lines(table: DirectTable) -> list[str]:
+    """The same in sentences.
+
+    Parameters
+    ----------
+    table : DirectTable
+    """
+    simulation, patch = table.simulation, table.simulation.patch
+    values = {
+        "size": quantity("length", patch.size),
+        "points": patch.points,
+        "shortest": quantity("length", patch.shortest_wavelength),
+        "samples": simulation.samples,
+        "rms": quantity("length", simulation.rms_height),
+        "of": quantity("length", simulation.surface.spectrum.rms_height),
+    }
+    if simulation.heights is not None:
+        return [said("direct.patch", "map", **values)]
+    lines = [
+        said(
+            "direct.patch",
+            "random",
+            "held",
+            height=percent(patch.height_cut),
+            slope=percent(patch.slope_cut),
+            **values,
+        )
+    ]
+    theory = [row.theory for row in table.loading if row.theory is not None]
+    readings = {"capped": [one.cut for one in theory], "conserved": [one.cut_conserved for one in theory]}
+    if simulation.surface.hardness is None:
+        readings = {"elastic": readings["capped"]}
+    for reading, found in readings.items():
+        cuts = [one for one in found if math.isfinite(one)]
+        if cuts:
+            lines.append(said("direct.cost", reading, low=number(min(cuts), 2), high=number(max(cuts), 2)))
+    halves = [row.cutoff_ratio for row in table.loading if math.isfinite(row.cutoff_ratio)]
+    if halves:
+        lines.append(said("direct.cost", "half", low=number(min(halves), 2), high=number(max(halves), 2)))
+    return lines
+
+
+def write_direct(table: DirectTable, folder: Path, viscosity: float | None) -> None:
+    """Write tables and pictures.
+
+    Parameters
+    ----------
+    table : DirectTable
+    folder : Path
+    viscosity : float or None
+        Of the liquid [Pa s].
+    """
+    from fem_seal.output.pictures.direct import curves_picture, map_picture
+    from fem_seal.output.pictures.style import style
+
+    _write(folder / TABLE, direct_rows(table, viscosity))
+    _write(folder / GAPS, list(gap_rows(table)))
+    write_text(folder / ABOUT, as_json({**direct_numbers(table), "sentences": direct_lines(table)}))
+    with style():
+        write_bytes(folder / "direct.svg", curves_picture(table).svg)
+        rows = [row for row in table.rows if row.branch == "load"]
+        for name, n in zip(
+            ("low", "middle", "high"), np.linspace(0, len(rows) - 1, 3).round().astype(int), strict=True
+        ):
+            write_bytes(folder / f"direct_map_{name}.svg", map_picture(table, rows[n].pressure).svg)
+
+
+def _write(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    write_rows_csv(path, tuple(rows[0]), [list(row.values()) for row in rows])
+
+
+def shown_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    """Headings and cells for the terminal.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        From `direct_rows`.
+    """
+    headings = [
+        "branch", "p\nMPa", "A/A0", "yielded", "mean gap\num", "u_eff\num", "scatter\nof ln", "tight", "A/A0\ntheory",
+        "mean gap\ntheory, um", "u_eff\nconserved", "u_eff\ncapped",
+    ]  # fmt: skip
+    return headings, [
+        [
+            row["branch"],
+            number(row["pressure_Pa"] / 1e6, 4),
+            _shown(row["contact_area"]),
+            _shown(row["yielded_area"]),
+            _shown(1e6 * row["mean_gap_m"]),
+            _shown(1e6 * row["effective_gap_m"]),
+            _shown(row["conductivity_log_scatter"], 2),
+            f"{row['blocked_samples']}/{row['samples']}",
+            _shown(row["theory_contact_area"]),
+            _shown(1e6 * row["theory_mean_gap_m"]),
+            _shown(1e6 * row["theory_effective_gap_conserved_m"]),
+            _shown(1e6 * row["theory_effective_gap_capped_m"]),
+        ]
+        for row in rows
+    ]
+
+
+def _shown(value: float, digits: int = 3) -> str:
+    return "-" if math.isnan(value) else number(value, digits)

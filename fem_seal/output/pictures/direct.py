@@ -1,0 +1,161 @@
+"""Pictures of a direct simulation: curves over the pressure beside the theory, and maps of contact and flow."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_seal.analysis.direct import DirectTable
+from fem_seal.arrays import FloatArray
+from fem_seal.output.pictures.style import (
+    BLUE,
+    FILL,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    Picture,
+    label,
+    logarithmic,
+    panels,
+    svg,
+)
+from fem_seal.output.prose import said
+from fem_seal.units import quantity, unit_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.image import AxesImage
+
+# A drawing shows no more cells along a side.
+_MOST_CELLS = 512
+# Flux below this share of the largest one is drawn as none.
+_FAINT = 1e-3
+
+
+def curves_picture(table: DirectTable) -> Picture:
+    """Contact area, mean gap and effective gap over the pressure, loading and unloading, beside the theory.
+
+    Parameters
+    ----------
+    table : DirectTable
+    """
+    load = [row for row in table.rows if row.branch == "load"]
+    back = [row for row in table.rows if row.branch == "unload"]
+    pressure = unit_for("contact pressure", load[-1].pressure)
+    length = unit_for("length", max(load[0].mean_gap, load[0].effective_gap))
+    figure, (areas, gaps, flow) = panels(3, height=3.6)
+    p, q = (np.array([row.pressure for row in rows]) / pressure.size for rows in (load, back))
+    theory = [row.theory for row in load if row.theory is not None]
+
+    def error(axes: Axes, values: list[float], scatter: list[float], factor: float = 1.0) -> None:
+        spread = np.nan_to_num(np.array(scatter)) / factor
+        axes.errorbar(
+            p, np.array(values) / factor, spread, fmt="o", color=BLUE, ms=3.8, label="simulated", capsize=2
+        )
+
+    error(areas, [row.contact_area for row in load], [row.contact_area_scatter for row in load])
+    areas.plot(p, [one.contact_area for one in theory], color=ORANGE, label="theory")
+    if any(row.yielded_area > 0.0 for row in load):
+        areas.plot(
+            p, [row.yielded_area for row in load], "s", mfc="none", color=PURPLE, ms=3.8, label="yielded"
+        )
+    areas.plot(
+        q, [row.contact_area for row in back], "v", color=GREEN, ms=4.2, label="unloading" if back else None
+    )
+    logarithmic(areas, "x", "y")
+    label(areas, "Contact area", f"pressure  [{pressure.name}]", "share of the nominal area")
+
+    error(gaps, [row.mean_gap for row in load], [row.mean_gap_scatter for row in load], length.size)
+    gaps.plot(p, np.array([one.mean_gap for one in theory]) / length.size, color=ORANGE, label="theory")
+    gaps.plot(q, np.array([row.mean_gap for row in back]) / length.size, "v", color=GREEN, ms=4.2)
+    logarithmic(gaps, "x")
+    gaps.set_ylim(0.0)
+    label(gaps, "Mean gap", f"pressure  [{pressure.name}]", f"gap  [{length.name}]")
+
+    u = np.array([row.effective_gap for row in load]) / length.size
+    ends = np.array([table.log_error(row) for row in load]).T / 3.0
+    flows = u > 0.0
+    flow.fill_between(p[flows], (u * np.exp(-ends[0]))[flows], (u * np.exp(ends[1]))[flows], color=FILL, lw=0)
+    flow.plot(p[flows], u[flows], "o", color=BLUE, ms=3.8, label="simulated")
+    for name, values, colour, line in (
+        ("theory, conserved", [one.conserved for one in theory], PURPLE, "-"),
+        ("theory, capped", [one.capped for one in theory], ORANGE, "-"),
+    ):
+        shown = np.array(values) / length.size
+        flow.plot(p, np.where(shown > 0.0, shown, np.nan), line, color=colour, label=name)
+    after = np.array([row.effective_gap for row in back]) / length.size
+    flow.plot(
+        q, np.where(after > 0.0, after, np.nan), "v", color=GREEN, ms=4.2, label="unloading" if back else None
+    )
+    logarithmic(flow, "x", "y")
+    label(flow, "Effective gap", f"pressure  [{pressure.name}]", f"u_eff  [{length.name}]")
+    areas.legend(loc="best")
+    flow.legend(loc="best")
+    return Picture("direct", svg(figure), said("captions.direct", "alt"), said("captions.direct", "curves"))
+
+
+def map_picture(table: DirectTable, pressure: float) -> Picture:
+    """Contact and gap of the first sample at a pressure, and where the fluid goes; the flow is from left to right.
+
+    The mark is the critical junction, the cell in which most of the pressure is lost.
+
+    Parameters
+    ----------
+    table : DirectTable
+    pressure : float
+        One of those of loading [Pa].
+    """
+    from matplotlib.colors import ListedColormap, LogNorm
+
+    from leak.direct import patch_flow, streams
+
+    simulation = table.simulation
+    state = simulation.state(0, pressure)
+    turned = simulation.direction == "y"
+    gap, p = (one.T.copy() if turned else one for one in (state.gap, state.pressure))
+    flow = patch_flow(gap)
+    found = streams(gap, flow)
+    size = unit_for("length", simulation.patch.size)
+    height = unit_for("length", float(gap.max()) or 1e-6)
+    figure, (left, right) = panels(2, height=5.0, width=10.4, side=0.3)
+    side = simulation.patch.size / size.size
+    # rows of the array are positions along the flow: they go to the right
+    extent = (0.0, side, 0.0, side)
+
+    def show(axes: Axes, values: FloatArray, **how: Any) -> AxesImage:
+        every = max(1, values.shape[0] // _MOST_CELLS)
+        axes.grid(False)
+        return axes.imshow(
+            values[::every, ::every].T, origin="lower", extent=extent, interpolation="nearest", **how
+        )
+
+    image = show(left, np.where(p > 0.0, np.nan, gap / height.size), cmap="Blues", vmin=0.0)
+    figure.colorbar(image, ax=left, shrink=0.8, label=f"gap  [{height.name}]")
+    H = simulation.surface.hardness
+    show(left, np.where(p > 0.0, 1.0, np.nan), cmap=ListedColormap([GREY]))
+    if H is not None:
+        show(left, np.where(p >= H, 1.0, np.nan), cmap=ListedColormap([ORANGE]))
+    show(right, np.where(p > 0.0, 1.0, np.nan), cmap=ListedColormap(["#d9dde3"]))
+    if flow.gap_cubed > 0.0:
+        most = float(found.flux.max())
+        flux = np.where(found.flux > _FAINT * most, found.flux, np.nan)
+        image = show(right, flux, cmap="viridis", norm=LogNorm(_FAINT * most, most))
+        figure.colorbar(image, ax=right, shrink=0.8, label="flow over its mean")
+        i, j = np.unravel_index(int(np.argmax(found.loss)), found.loss.shape)
+        x, y = ((k + 0.5) * side / gap.shape[0] for k in (i, j))
+        for axes in (left, right):
+            axes.plot(x, y, "o", mfc="none", mec=INK, ms=11, mew=1.6)
+    at = quantity("contact pressure", pressure)
+    label(left, f"Contact and gap at {at}", f"along the flow  [{size.name}]", f"across  [{size.name}]")
+    label(right, "Flow" if flow.gap_cubed > 0.0 else "Tight", f"along the flow  [{size.name}]", "")
+    spans = "open" if flow.gap_cubed > 0.0 else "tight"
+    yields = "yielded" if H is not None else "elastic"
+    return Picture(
+        "direct_map",
+        svg(figure),
+        said("captions.direct", "alt_map", pressure=at),
+        said("captions.direct", "map", yields, spans, pressure=at),
+    )
