@@ -310,7 +310,9 @@ def _distribution(display: Display) -> Iterator[Section]:
         else "they were chosen and not drawn, so this is no probability"
     )
     headings: tuple[str, ...] = ("share of the designs below", "leak rate", "[m³/s]")
-    rows = [(f"{100 * share:g} %", leak_rate_text(value), short(value)) for share, value in found.items()]
+    rows: list[tuple[str, ...]] = [
+        (f"{100 * share:g} %", leak_rate_text(value), short(value)) for share, value in found.items()
+    ]
     capped, other = capped_leak_rates(designs), ""
     if len(capped):
         headings += ("changed only where it touches", "[m³/s]")
