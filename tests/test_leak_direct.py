@@ -300,3 +300,116 @@ def test_bad_input_is_named(change, words):
     with pytest.raises(leak.DirectError) as error:
         simulate(arguments.pop("heights"), arguments.pop("size"), arguments.pop("pressures"), **arguments)
     assert words in str(error.value)
+
+
+# ---------------------------------------------------------------- patches and maps
+
+
+def paper(high=3.1416e6):
+    return leak.PowerSpectrum.self_affine(
+        rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.727e4, q_high=high
+    )
+
+
+def test_patch_holds_the_waves_it_says():
+    patch = leak.direct.Patch.of(paper(), points=128, points_per_wave=4.0)
+    h = patch.heights(3)
+    n, size = 128, patch.size
+    q = 2.0 * np.pi * np.hypot(np.fft.fftfreq(n, size / n)[:, None], np.fft.fftfreq(n, size / n)[None, :])
+    power = np.abs(np.fft.fft2(h) / n**2) ** 2
+    held = (q > 0.0) & (q <= 2.0 * np.pi / patch.shortest_wavelength * 1.000001)
+    assert power[~held].sum() < 1e-20 * power.sum()
+    # amplitudes are the spectrum itself: C(q) (2 pi/L)^2 in each wave
+    assert power[held] == pytest.approx(np.asarray(paper()(q[held])) * (2.0 * np.pi / size) ** 2, rel=1e-9)
+    assert patch.shortest_wavelength == pytest.approx(4.0 * size / n)
+    # the sum over the waves of the grid is the integral over the spectrum, up to the coarse ring of the first ones
+    assert h.std() == pytest.approx(patch.held.rms_height, rel=0.02)
+    assert patch.height_cut == pytest.approx(1.0 - (patch.held.rms_height / 1.9e-6) ** 2, rel=1e-12)
+    assert 0.0 < patch.height_cut < 0.15
+    assert patch.slope_cut > 0.8
+
+
+def test_patch_larger_than_the_surface_cuts_nothing():
+    patch = leak.direct.Patch(paper(1e5), 512, 2.0 * np.pi / 1e3)
+    assert patch.height_cut == pytest.approx(0.0, abs=1e-9)
+    assert patch.slope_cut == pytest.approx(0.0, abs=1e-9)
+    assert patch.shortest_wavelength == pytest.approx(2.0 * np.pi / 1e5)
+
+
+def test_exact_amplitudes_are_alike_and_gaussian_ones_scatter():
+    patch = leak.direct.Patch.of(paper(), points=64)
+    exact = [patch.heights(seed).std() for seed in range(4)]
+    gaussian = [patch.heights(seed, "gaussian").std() for seed in range(4)]
+    assert np.ptp(exact) < 1e-9 * exact[0]
+    assert np.ptp(gaussian) > 1e-3 * gaussian[0]
+    assert np.mean(gaussian) == pytest.approx(exact[0], rel=0.1)
+
+
+def test_patch_without_waves_is_refused():
+    with pytest.raises(leak.DirectError, match="the spectrum has"):
+        leak.direct.Patch(paper(), 64, 1e-7)
+
+
+def test_refined_map_is_the_same_surface():
+    h = rough(64, 16)
+    fine = leak.direct.refined(h, 160)
+    assert fine.std() == pytest.approx(h.std(), rel=1e-12)
+    assert leak.direct.refined(fine, 64) == pytest.approx(h, abs=1e-12 * h.std())
+    coarse, finer = leak.direct.grid_study(h, 1.0, [0.03], [64, 128], effective_modulus=1.0)
+    # grids of 4 and 8 points per shortest wave: areas fall by some per cent, gaps by one (the reference's own grids)
+    assert 0.90 < finer.contact_area[0] / coarse.contact_area[0] < 1.0
+    assert finer.mean_gap[0] == pytest.approx(coarse.mean_gap[0], rel=0.03)
+
+
+def test_shorter_waves_hold_the_surfaces_apart():
+    h = rough(128, 32)
+    whole, half = leak.direct.cutoff_study(h, 1.0, [0.01], [1 / 32, 1 / 16], effective_modulus=1.0)
+    assert half.contact_area[0] > 1.15 * whole.contact_area[0]
+    assert half.mean_gap[0] < whole.mean_gap[0]
+
+
+def test_mirrored_map_meets_itself_and_keeps_all_heights():
+    rng = np.random.default_rng(2)
+    x, y = np.arange(40) * 2e-6, np.arange(30) * 2e-6
+    heights = 1e-7 * rng.standard_normal((40, 30)) + 0.01 * x[:, None] - 0.02 * y[None, :]
+    h, size = leak.direct.periodic_map(leak.height_map(heights, (2e-6, 2e-6)))
+    assert h.shape == (60, 60)
+    assert size == pytest.approx(120e-6)
+    # the plane is gone, and each edge is beside its own image
+    assert h.std() == pytest.approx(1e-7, rel=0.05)
+    assert h[0] == pytest.approx(h[-1])
+    assert h[:, 29] == pytest.approx(h[:, 30])
+
+
+def test_windowed_map_is_flat_at_its_border_and_as_rough():
+    heights = rough(64, 16)
+    h, size = leak.direct.periodic_map(leak.height_map(1e-6 * heights, (1e-6, 2e-6)), continuation="window")
+    # 64 um by 128 um: the square in the middle, on the coarser of both spacings
+    assert h.shape == (32, 32)
+    assert size == pytest.approx(64e-6)
+    assert np.abs(h[0] - h[0].mean()).max() < 0.1 * h.std()
+    coarse, _ = leak.direct.periodic_map(leak.height_map(1e-6 * heights, (1e-6, 2e-6)), points=16)
+    assert coarse.shape == (16, 16)
+
+
+def test_streams_add_up():
+    gap = np.where(np.random.default_rng(5).random((48, 48)) < 0.3, 0.0, 1e-6)
+    gap *= 1.0 + 0.5 * np.random.default_rng(6).random((48, 48))
+    flow = patch_flow(gap)
+    found = leak.direct.streams(gap, flow)
+    assert found.loss.sum() == pytest.approx(1.0)
+    assert found.loss.min() >= 0.0
+    assert not np.any(found.flux[gap == 0.0])
+    # one narrow place in a wide channel loses nearly everything
+    channel = np.zeros((16, 16))
+    channel[:, 7] = 1.0
+    channel[9, 7] = 0.1
+    found = leak.direct.streams(channel, patch_flow(channel))
+    assert found.loss[9, 7] > 0.9
+    assert found.flux[:, 7] == pytest.approx(16.0)
+
+
+def test_lay_along_the_flow_opens_it():
+    patch = leak.direct.Patch.of(paper(), points=128, peklenik=4.0)
+    result = simulate(patch.heights(1), patch.size, [5e7], effective_modulus=115e9, hardness=3.5e9)
+    assert result.gap_cubed_along[0] > 2.0 * result.gap_cubed_across[0]

@@ -420,8 +420,8 @@ class DirectTable:
     ) -> ConductivityTable:
         """u_eff over pressure: as simulated, and outside the pressures simulated by the slope of the theory.
 
-        Between the pressures, and beyond them, the theory of the whole spectrum in the reading "capped" is followed,
-        by the factor that the simulation found.
+        Between the pressures, and beyond them, the theory of the waves that the patch holds is followed, in the
+        reading "capped", by the factor that the simulation found.
 
         Parameters
         ----------
@@ -434,14 +434,15 @@ class DirectTable:
         """
         from scipy.interpolate import PchipInterpolator
 
-        theory = self.simulation.surface.capped.conductivity_table(p_min, p_max, num)
+        held = self.simulation.held.capped
+        theory = held.conductivity_table(p_min, p_max, num)
         low, high = self.range
         p = np.array([row.pressure for row in self.loading])
         u = np.array([row.effective_gap for row in self.loading])
         if end:
             side = 0 if end < 0 else 1
             u = u * np.exp([end * self.log_error(row)[side] / 3.0 for row in self.loading])
-        factor = np.log(u / np.asarray(self.simulation.surface.capped.effective_separation(p)))
+        factor = np.log(u / np.asarray(held.effective_separation(p)))
         at = np.log(np.clip(theory.pressure, low, high))
         # with one pressure the factor is the same everywhere
         correction = PchipInterpolator(np.log(p), factor)(at) if p.size > 1 else factor[0]

@@ -78,6 +78,7 @@ def used(result: SealSolution) -> dict[str, bool]:
         "stretched roughness": surface is not None and surface.peklenik != 1.0,
         "gas": case.fluid is not None and case.fluid.gas is not None,
         "bruggeman": case.leak.conductivity == "bruggeman",
+        "direct": case.leak.conductivity == "direct",
         "fluid in gap": case.leak.fluid_in_gap == "local" and case.fluid is not None,
         "interval": result.uncertainty is not None,
         "particles": bool(result.particles),

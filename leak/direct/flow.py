@@ -171,12 +171,14 @@ def streams(gap: FloatArray, flow: Flow) -> Streams:
     drop = np.concatenate([[1.0 - p[0]], -np.diff(p, axis=0), [p[-1]]])
     sideways = p - np.roll(p, -1, 1)
     s = _faces(k, np.roll(k, -1, 1)) * sideways
-    # a face between two cells loses half in each; the half face at an edge belongs to its cell
-    along = 0.5 * q * drop
-    along[0] *= 2.0
-    along[-1] *= 2.0
-    across = 0.5 * s * sideways
-    loss = along[:-1] + along[1:] + across + np.roll(across, 1, 1)
+    # what a face loses, its two cells lose in the ratio of their resistances; the half face at an edge is its cell's
+    beside = np.roll(k, -1, 1)
+    along, across, share, sideways_share = q * drop, s * sideways, _share(k[:-1], k[1:]), _share(k, beside)
+    loss = across * sideways_share + np.roll(across * (1.0 - sideways_share), 1, 1)
+    loss[0] += along[0]
+    loss[-1] += along[-1]
+    loss[:-1] += along[1:-1] * share
+    loss[1:] += along[1:-1] * (1.0 - share)
     flux = np.hypot(0.5 * (q[:-1] + q[1:]), 0.5 * (s + np.roll(s, 1, 1)))
     mean = flow.gap_cubed / scale**3 / gap.shape[0]
     return Streams(flux / mean, loss / loss.sum())
@@ -236,6 +238,12 @@ def _faces(k: FloatArray, beyond: FloatArray) -> FloatArray:
     """Harmonic means; zero beside a closed cell."""
     both = k + beyond
     return np.divide(2.0 * k * beyond, both, out=np.zeros_like(both), where=both > 0.0)
+
+
+def _share(k: FloatArray, beyond: FloatArray) -> FloatArray:
+    """Share of a face's resistance that is the first cell's."""
+    both = k + beyond
+    return np.divide(beyond, both, out=np.zeros_like(both), where=both > 0.0)
 
 
 def _numbered(cells: BoolArray) -> tuple[IntArray, int]:

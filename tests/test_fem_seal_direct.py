@@ -1,0 +1,285 @@
+"""`fem-seal direct` and [leak] conductivity = "direct": from the case file to tables, pictures and the leak rate."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+
+import numpy as np
+import pandas as pd
+import pytest
+from sample_results import case
+
+import fem_seal
+from fem_seal import cli
+from fem_seal.analysis.direct import DirectSettings, simulate_surface
+from fem_seal.analysis.problem import direct_settings, rough_contact
+from fem_seal.errors import InputError
+from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows
+from leak import RoughContact
+
+SMALL = {"points": 64, "samples": 2, "pressure": ["40 MPa", "150 MPa", "500 MPa"]}
+CASE = """
+[closure]
+shape = "ball"
+radius = "20 mm"
+material = "steel"
+
+[seat]
+shape = "cone"
+angle = "45 deg"
+material = { youngs_modulus = "210 GPa", poissons_ratio = 0.3, hardness = "3.5 GPa" }
+
+[roughness.spectrum]
+kind = "self-affine"
+rms_height = "1.9 um"
+hurst = 0.6
+q_low = "1e3 1/m"
+q_rolloff = "3.7268e4 1/m"
+q_high = "3.14159e6 1/m"
+
+[fluid]
+name = "water"
+
+[load]
+fluid_pressure = "20 bar"
+
+[direct]
+points = 64
+samples = 2
+pressure = ["40 MPa", "150 MPa", "500 MPa"]
+unload = ["40 MPa"]
+"""
+
+
+def simulated(**more):
+    given = case(direct={**SMALL, **more})
+    return direct_settings(given), rough_contact(given)
+
+
+@cache
+def table():
+    settings, surface = simulated(unload=["40 MPa"])
+    return settings.table(surface)
+
+
+def wrong(**tables):
+    with pytest.raises(InputError) as caught:
+        case(**tables)
+    return str(caught.value)
+
+
+def test_rows_are_means_of_the_samples():
+    from leak.direct import simulate
+
+    found = table()
+    simulation = found.simulation
+    runs = [
+        simulate(
+            simulation.map(sample),
+            simulation.patch.size,
+            simulation.pressures,
+            effective_modulus=simulation.surface.effective_modulus,
+            hardness=simulation.surface.hardness,
+            unload=simulation.unload,
+        )
+        for sample in range(2)
+    ]
+    area = np.mean([run.contact_area for run in runs], axis=0)
+    sigma = np.exp(np.mean([np.log(run.flow_conductivity(1e-3)) for run in runs], axis=0))
+    rows = pd.DataFrame(direct_rows(found, 1e-3))
+    load = rows[rows.branch == "load"]
+    # other starting points of the same contacts: tolerance of the contact, and a point at an edge of it
+    assert load.contact_area.to_numpy() == pytest.approx(area, abs=3.0 / 64**2)
+    assert load.conductivity_m3_per_Pa_s.to_numpy() == pytest.approx(sigma, rel=5e-3)
+    back = rows[rows.branch == "unload"].iloc[0]
+    assert back.contact_area == pytest.approx(
+        np.mean([run.unloaded.contact_area[0] for run in runs]), abs=1e-3
+    )
+    assert back.largest_pressure_Pa == 5e8
+    assert back.effective_gap_m < load.effective_gap_m.iloc[0]
+    assert (load.conductivity_low_m3_per_Pa_s < load.conductivity_m3_per_Pa_s).all()
+    assert (load.conductivity_high_m3_per_Pa_s > load.conductivity_m3_per_Pa_s).all()
+
+
+def test_gaps_are_all_counted():
+    found = table()
+    widths = np.diff(found.simulation.gap_edges)
+    for row, density in zip(found.rows, found.gap_density, strict=True):
+        assert np.sum(density * widths) == pytest.approx(1.0 - row.contact_area, abs=2e-3)
+        middle = 0.5 * (found.simulation.gap_edges[1:] + found.simulation.gap_edges[:-1])
+        assert np.sum(density * widths * middle) == pytest.approx(row.mean_gap, rel=0.02)
+
+
+def test_theory_stands_beside_it():
+    found = table()
+    first = found.rows[0]
+    held = found.simulation.held
+    assert first.theory.capped == pytest.approx(float(held.capped.effective_separation(first.pressure)))
+    assert first.theory.conserved == pytest.approx(float(held.conserved.effective_separation(first.pressure)))
+    # elastic asperities, most of those of this smooth patch: the theory's area is 20 to 40 % below direct ones, and
+    # four points per wave add some 6 %
+    for row in found.loading:
+        assert 1.0 < row.contact_area / row.theory.contact_area < 1.8
+    assert "of the slope variance are cut" in " ".join(direct_lines(found))
+    assert direct_numbers(found)["slope_variance_cut"] > 0.8
+
+
+def test_finished_pieces_are_not_done_again(tmp_path):
+    settings, surface = simulated()
+    settings = DirectSettings(**{**vars(settings), "folder": tmp_path})
+    simulation = settings.of(surface)
+    said: list[str] = []
+
+    class Interrupted(Exception):
+        pass
+
+    def interrupt(text):
+        said.append(text)
+        if "4 of" in text:
+            raise Interrupted
+
+    with pytest.raises(Interrupted):
+        simulate_surface(simulation, progress=interrupt)
+    assert len(list((tmp_path / "pieces").iterdir())) == 4
+    said.clear()
+    # a piece that is damaged is done again, the others are kept
+    damaged = sorted((tmp_path / "pieces").iterdir())[0]
+    damaged.write_text("[{")
+    found = simulate_surface(simulation, progress=said.append)
+    assert said[0] == "3 of 9 pieces are there already"
+    assert len(said) == 1 + 6
+    plain = simulate_surface(DirectSettings(**{**vars(settings), "folder": None}).of(surface))
+    assert [row.effective_gap for row in found.rows] == [row.effective_gap for row in plain.rows]
+    said.clear()
+    simulate_surface(simulation, progress=said.append)
+    assert said == []
+
+
+def test_another_surface_is_another_piece():
+    settings, surface = simulated()
+    keys = set()
+    for one in (
+        surface,
+        surface.elastic,
+        RoughContact(surface.spectrum, effective_modulus=1e11, hardness=3.5e9),
+    ):
+        simulation = settings.of(one)
+        keys |= {simulation.key(piece) for piece in simulation.pieces()}
+    assert len(keys) == 3 * len(simulation.pieces())
+    # in which way the theory reads asperities that yield is nothing to the simulation
+    capped, conserved = settings.of(surface.capped), settings.of(surface.conserved)
+    assert [capped.key(piece) for piece in capped.pieces()] == [
+        conserved.key(piece) for piece in conserved.pieces()
+    ]
+
+
+def test_usual_pressures_span_the_contact_areas():
+    simulation = DirectSettings(points=64).of(rough_contact(case()))
+    areas = [float(simulation.held.contact_area(p)) for p in simulation.pressures]
+    assert len(areas) == 8
+    assert areas[0] == pytest.approx(0.003, rel=0.01)
+    assert areas[-1] == pytest.approx(0.3, rel=0.01)
+
+
+def test_table_follows_the_simulation_and_goes_on_like_the_theory():
+    found = table()
+    conductivity = found.conductivity_table(1e2, 1e9, 80)
+    for row in found.loading:
+        assert conductivity.effective_separation(row.pressure) == pytest.approx(row.effective_gap, rel=0.02)
+    theory = found.simulation.held.capped
+    low = found.range[0]
+    slope = [np.diff(np.asarray(one([1e-3 * low, 1e-2 * low])))[0] for one in (
+        conductivity.effective_separation, theory.effective_separation,
+    )]  # fmt: skip
+    factor = found.rows[0].effective_gap / float(theory.effective_separation(low))
+    assert slope[0] == pytest.approx(factor * slope[1], rel=1e-3)
+    ends = [found.conductivity_table(1e2, 1e9, 80, end).effective_separation(1.5e8) for end in (-1, 1)]
+    assert ends[0] < conductivity.effective_separation(1.5e8) < ends[1]
+
+
+@cache
+def result():
+    return fem_seal.run(case(leak={"conductivity": "direct"}, direct=SMALL))
+
+
+def test_leak_rate_of_a_case_comes_from_the_simulation():
+    load = result().loads[-1]
+    p = load.contact.profile
+    # Q = integral by hand: 1/Q = int dx/(2 pi r sigma(p) dp)
+    settings, surface = simulated()
+    sigma = settings.table(surface).conductivity_table(1e-2, 1e10, 80).at(result().problem.flow.viscosity)
+    resistance = np.trapezoid(1.0 / (2.0 * np.pi * p.radius * sigma(p.pressure)), p.x)
+    assert load.leak.leak_rate == pytest.approx(load.fluid_pressure / resistance, rel=0.02)
+    low, high = load.leak_range
+    assert low < load.leak.leak_rate < high
+    assert load.leak_elastic.leak_rate > load.leak.leak_rate
+
+
+def test_pressure_beyond_the_simulated_ones_is_doubtful():
+    reasons = " ".join(result().loads[0].validity.reasons)
+    assert "peak pressure below those of the direct simulation, 40 to 500 MPa" in reasons
+    assert result().loads[0].validity.level == "doubtful"
+
+
+def test_what_does_not_go_with_it():
+    assert "leak.conductivity" in wrong(leak={"conductivity": "direct"})
+    gas = {"name": "helium", "outlet_pressure": "1 bar"}
+    assert "is for liquids" in wrong(leak={"conductivity": "direct"}, direct=SMALL, fluid=gas)
+    assert "[uncertainty] samples hundreds" in wrong(
+        leak={"conductivity": "direct"}, direct=SMALL, uncertainty={"hardness": {"relative": 0.1}}
+    )
+    assert "reaches the hardness" in wrong(direct={"pressure": "4 GPa"})
+    assert "only smaller ones come after it" in wrong(direct={"pressure": "1 GPa", "unload": "2 GPa"})
+    assert "has unload, which needs pressure" in wrong(direct={"unload": "2 GPa"})
+    assert "remove size" in wrong(direct={"file": "map.x3p", "size": "1 mm"})
+
+
+def test_command_writes_tables_and_pictures(tmp_path, capsys):
+    file = tmp_path / "seal.toml"
+    file.write_text(CASE)
+    assert cli.main(["direct", str(file), "--jobs", "2"]) == 0
+    out, said = capsys.readouterr()
+    assert "of the height variance" in out
+    assert "direct simulation: 11 of 11 pieces" in said
+    folder = tmp_path / "seal.direct"
+    assert {path.name for path in folder.iterdir()} == {
+        "direct.csv", "direct_gaps.csv", "direct.json", "direct.svg", "direct_map_low.svg",
+        "direct_map_middle.svg", "direct_map_high.svg", "pieces",
+    }  # fmt: skip
+    written = pd.read_csv(folder / "direct.csv")
+    assert list(written.branch) == ["load", "load", "load", "unload"]
+    assert written.conductivity_m3_per_Pa_s[0] == pytest.approx(
+        written.effective_gap_m[0] ** 3 / (12 * 1.0016e-3), rel=0.01
+    )
+    # two processes find what one does
+    assert written.effective_gap_m.to_numpy() == pytest.approx(
+        [row.effective_gap for row in table().rows], rel=1e-9
+    )
+    # everything is there: the second call only shows it
+    assert cli.main(["direct", str(file), "--json"]) == 0
+    out, said = capsys.readouterr()
+    assert "pieces" not in said
+    shown = json.loads(out)
+    assert shown["points"] == 64
+    assert shown["pressures"][0]["effective_gap_m"] == pytest.approx(written.effective_gap_m[0], rel=1e-9)
+
+
+def test_measured_map_is_simulated(tmp_path, monkeypatch):
+    import leak
+
+    _, surface = simulated()
+    heights = leak.random_map(surface.spectrum, size=5e-4, points=48, seed=4)
+    scan = leak.height_map(heights, (5e-4 / 48, 5e-4 / 48))
+    monkeypatch.setattr(leak, "read_topography", lambda path, unit=None: scan)
+    given = case(direct={"file": "map.x3p", "pressure": "100 MPa", "points": 64})
+    found = direct_settings(given).table(rough_contact(given))
+    assert found.simulation.patch.points == 64  # 96 after mirroring, no more than the table says
+    assert found.simulation.patch.size == pytest.approx(1e-3)
+    assert found.rows[0].samples == 1
+    assert np.isnan(found.rows[0].contact_area_scatter)
+    assert "Measured map" in direct_lines(found)[0]
+    line = leak.line_scan(np.arange(64) * 1e-6, 1e-7 * np.sin(np.arange(64)))
+    monkeypatch.setattr(leak, "read_topography", lambda path, unit=None: line)
+    with pytest.raises(InputError, match="line scan"):
+        direct_settings(given).of(rough_contact(given))
