@@ -96,16 +96,17 @@ def yielding_section(reference: Path, image: Path) -> Section:
         f"surface's elastic results: within a factor {worst_factor(np.exp(loaded)):.2f} on first loading "
         f"(rms {100 * np.sqrt(np.mean(loaded**2)):.0f} %), {worst_factor(np.exp(unloaded)):.2f} on unloading down to a "
         f"hundredth of the largest pressure (rms {100 * np.sqrt(np.mean(unloaded**2)):.0f} %).\n\n"
-        "What to believe: if the metal that yields stays where it is pressed, the capped reading is right, and no "
-        "worse than the elastic theory is for elastic surfaces: within a factor "
+        "What to believe: if the metal that is pressed down leaves the valleys as they are, the capped reading is "
+        "right, and no worse than the elastic theory is for elastic surfaces: within a factor "
         f"{flows[0]:.1f} while less than a fifth of the area touches, {flows[2]:.1f} after a larger load. If it flows "
         "aside and fills the valleys, as volume conservation demands, the leak rate is lower: C_pl gives "
         f"{1 / hard.max():.0f} to {1 / hard.min():.0f} times less than these simulations on the same surfaces. They "
         "cannot say whether real metal does that, since they let the overlap vanish; the paper's measured seats agree "
         "with C_pl. So the leak rate is an interval between both. Judge a limit by its upper end. A seal that was "
-        "closed harder before leaks far less than on first loading, in both readings; after a return to a small share "
-        "of the largest load C_pl may be the more open one. Where more than some 40 % of the area touches a single "
-        "junction decides, and neither is to be trusted to better than a factor of a few."
+        "closed harder before leaks far less than on first loading, which only the capped reading knows: C_pl has "
+        "hardly any memory, and at a small share of the largest load it may be the more open of the two. Where more "
+        "than some 40 % of the area touches a single junction decides, and neither is to be trusted to better than a "
+        "factor of a few."
     )
     return Section(
         "Rough contact and flow with yielding asperities: the readings against direct simulation",
