@@ -29,7 +29,17 @@ from leak.theory.capped import (
 sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
 
 from direct_numerical import worst_factor
-from direct_yielding import capped, conserved, fit, halves, misfit, picture, read_averages, read_campaign
+from direct_yielding import (
+    at_largest,
+    capped,
+    conserved,
+    fit,
+    halves,
+    misfit,
+    picture,
+    read_averages,
+    read_campaign,
+)
 
 # pressures and hardness in units of E* h', from far below what any seal carries to far above the softest metal
 RELATIVE = st.floats(-9.0, 0.5).map(lambda e: 10.0**e)
@@ -233,7 +243,10 @@ def test_independent_averages_are_met_as_well_as_the_elastic_ones(averages):
         assert worst_factor((gap / one.gap)[one.yields]) < 1.16
         assert worst_factor((flow / one.conductivity)[loading & (one.area < 0.25)]) < 1.5
         assert worst_factor((flow / one.conductivity)[loading]) < 1.6
-        assert worst_factor((flow / one.conductivity)[one.unloading]) < 1.7
+        # unloaded from where a third of the area and more touched, the samples themselves scatter
+        back = one.unloading & (at_largest(one, one.area) < 0.3)
+        assert worst_factor((flow / one.conductivity)[back]) < 1.35
+        assert worst_factor((flow / one.conductivity)[one.unloading]) < 1.8
 
 
 def test_conserved_reading_is_far_below_the_direct_one(averages):
