@@ -193,16 +193,16 @@ def misfit(sets: Sequence[YieldingSet], constants: CappedConstants, *, unloading
         for direct in one.equivalent:
             ratio = np.log(model / direct)
             if unloading:
-                ratio = ratio - _at_largest(one, ratio)
+                ratio = ratio - at_largest(one, ratio)
             parts.append(ratio[chosen & np.isfinite(ratio)])
     return np.concatenate(parts)
 
 
-def _at_largest(one: YieldingSet, ratio: FloatArray) -> FloatArray:
-    """The value of the first loading from which each state of unloading began."""
+def at_largest(one: YieldingSet, values: FloatArray) -> FloatArray:
+    """Of each state, the value at the first loading to its largest pressure."""
     first = {
         (h, round(p, 9)): value
-        for h, p, value, back in zip(one.hardness, one.pressure, ratio, one.unloading, strict=True)
+        for h, p, value, back in zip(one.hardness, one.pressure, values, one.unloading, strict=True)
         if not back
     }
     return np.array(

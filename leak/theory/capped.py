@@ -42,15 +42,15 @@ class CappedConstants(NamedTuple):
     True
     """
 
-    total: float = 1.38
+    total: float = 1.39
     """n, the power in which hard and soft limit add up."""
-    bearing: float = 0.94
+    bearing: float = 0.95
     """Bearing pressure over the theory's."""
-    growth: float = 0.78
+    growth: float = 0.72
     """By how much c grows with a/(1 - a)."""
-    spring: float = 1.66
+    spring: float = 1.8
     """How fast the spring-back of unloading is lost with the excess of p_eq over p."""
-    bend: float = 0.23
+    bend: float = 0.22
     """r, the power of p/p_max in the spring-back."""
     few: float = 0.02
     """Excess from which on yielding bends the spring-back."""
