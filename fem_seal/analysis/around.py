@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
@@ -17,7 +18,7 @@ from fem_seal.contact.solution import ContactSolution
 from fem_seal.contact.waves import Stiffening
 from fem_seal.errors import OpenSealError
 from fem_seal.form import FormError
-from fem_seal.profile import PressureProfile
+from fem_seal.profile import PressureProfile, remembered
 from leak import GasLeakResult, LeakResult
 
 # Angles for each wave of the highest harmonic.
@@ -29,6 +30,9 @@ _PERIODS, _HARMONICS, _STRONG = 3, 12, 0.05
 # Leak rates are interpolated between line loads with these steps in ln f, the coarse one far below the mean, where the
 # surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
 _STEP, _COARSE_STEP, _FINE, _BEYOND = 0.125, 2.0, 48, 2
+# What is left of a leak rate after a larger load is interpolated between line loads with these steps in ln f; less than
+# so much of it is none.
+_LATTICE, _SHUT = 0.25, 1e-30
 # What counts as no line load, and as an even one, in ln f over the mean.
 _NOTHING, _EVEN = -500.0, 1e-12
 
@@ -60,6 +64,8 @@ class Around:
         leaks.
     scratches : tuple of float or None
         Least and largest leak rate that scratches and lay add [m^3/s]; None without any.
+    before : Around or None
+        The same form under the largest load before; None where none is known.
     """
 
     form: FormError
@@ -72,6 +78,17 @@ class Around:
     leak_rate: FloatArray | None = field(default=None, repr=False)
     leak: LeakResult | None = field(default=None, repr=False)
     scratches: tuple[float, float] | None = None
+    before: Around | None = field(default=None, repr=False)
+
+    @property
+    def first_loading(self) -> Around:
+        """The same if no place had carried more before."""
+        return self if self.before is None else replace(self, before=None)
+
+    @property
+    def extremes(self) -> tuple[ContactSolution, ...]:
+        """The contacts at the largest line load, now and under the largest load before."""
+        return (self.most_loaded,) if self.before is None else (self.most_loaded, self.before.most_loaded)
 
     @property
     def most_loaded(self) -> ContactSolution:
@@ -102,6 +119,15 @@ class Around:
         """Pressure [Pa] and gap [m], (angles, points), at every `step`-th angle."""
         return self.local.pressure_and_gap(self.line_load[::step], self.approach[::step])
 
+    def profiles(self, step: int = 1) -> list[PressureProfile]:
+        """Profile at every `step`-th angle, with what it remembers."""
+        pressures, gaps = self.pressure_and_gap(step)
+        mean = replace(self.local.mean.profile, largest=None)
+        found = [replace(mean, pressure=p, gap=gap) for p, gap in zip(pressures, gaps, strict=True)]
+        if self.before is None:
+            return found
+        return [_after(one, before) for one, before in zip(found, self.before.profiles(step), strict=True)]
+
     def with_leak(self, curve: LeakCurve) -> Around:
         """The same with its leak.
 
@@ -121,7 +147,7 @@ class Around:
                 f"the form error parts the surfaces over {100 * apart:.2g} % of the circumference, and with "
                 '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "persson"'
             )
-        each, most = curve.leak_rates(self.line_load)
+        each, most = curve.leak_rates(self.line_load, self.before)
         total, scratches = float(each.mean()), None
         if self.form.grooves:
             found = [
@@ -142,7 +168,8 @@ class Around:
             if angle is None
             else np.interp(angle, self.angle, self.line_load, period=2 * math.pi)
         )
-        return _profile(self.local, float(f))
+        now = _profile(self.local, float(f))
+        return now if self.before is None else _after(now, self.before.profile_at(angle))
 
 
 @dataclass(eq=False)
@@ -158,15 +185,61 @@ class LeakCurve:
     local: LocalContact
     flow: ProfileFlow
     _known: dict[float, LeakResult] = field(default_factory=dict, repr=False)
+    _later: dict[tuple[float, float], LeakResult] = field(default_factory=dict, repr=False)
 
-    def leak_rates(self, line_load: FloatArray) -> tuple[FloatArray, LeakResult]:
+    def leak_rates(
+        self, line_load: FloatArray, before: Around | None = None
+    ) -> tuple[FloatArray, LeakResult]:
         """Leak rate of the whole circumference at line loads [N/m], (m,) [m^3/s], and the flow where most leaks.
 
         Parameters
         ----------
         line_load : ndarray, shape (m,)
             [N/m]
+        before : Around, optional
+            Under the largest load before, at the same angles; always the same mean line load.
         """
+        first, most = self._first_loading(line_load)
+        if before is None:
+            return first, most
+        share, most = self._left(line_load, before)
+        return first * share, most
+
+    def _left(self, line_load: FloatArray, before: Around) -> tuple[FloatArray, LeakResult]:
+        """What is left of the leak rate of first loading at each angle, and the flow where most leaks.
+
+        It is a smooth function of the line loads now and before, interpolated on a lattice in both logarithms.
+        """
+        loads = ((line_load, self.local.mean), (before.line_load, before.local.mean))
+        with np.errstate(divide="ignore"):
+            v = np.stack([np.log(load / mean.line_load) for load, mean in loads])
+        v = np.maximum(v, -_FINE * _STEP) / _LATTICE
+        below = np.floor(v)
+        log_share, flows = np.zeros(line_load.shape), []
+        for corner in product((0.0, 1.0), repeat=2):
+            step = np.array(corner)[:, None]
+            weight = np.prod(np.where(step == 1.0, v - below, 1.0 - (v - below)), axis=0)
+            places, which = np.unique((below + step) * _LATTICE, axis=1, return_inverse=True)
+            found = [self._at_both(float(now), float(then), before.local) for now, then in places.T]
+            firsts = [self._at(float(now)).leak_rate for now in places[0]]
+            left = [
+                flow.leak_rate / first if first > 0 else 1.0
+                for flow, first in zip(found, firsts, strict=True)
+            ]
+            log_share += weight * np.log(np.maximum(left, _SHUT))[which.ravel()]
+            flows += found
+        return np.exp(log_share), max(flows, key=lambda flow: flow.leak_rate)
+
+    def _at_both(self, log_share: float, log_before: float, before: LocalContact) -> LeakResult:
+        if (log_share, log_before) not in self._later:
+            now, then = (
+                _profile(local, local.mean.line_load * math.exp(v))
+                for local, v in ((self.local, log_share), (before, log_before))
+            )
+            self._later[log_share, log_before] = self.flow.leak(_after(now, then))
+        return self._later[log_share, log_before]
+
+    def _first_loading(self, line_load: FloatArray) -> tuple[FloatArray, LeakResult]:
         mean = self.local.mean.line_load
         with np.errstate(divide="ignore"):
             v = np.maximum(np.log(line_load / mean), _NOTHING)
@@ -188,7 +261,12 @@ class LeakCurve:
 def _profile(local: LocalContact, line_load: float) -> PressureProfile:
     f = np.array([line_load])
     pressure, gap = local.pressure_and_gap(f, local.approach(f)[0])
-    return replace(local.mean.profile, pressure=pressure[0], gap=gap[0])
+    return replace(local.mean.profile, pressure=pressure[0], gap=gap[0], largest=None)
+
+
+def _after(now: PressureProfile, before: PressureProfile) -> PressureProfile:
+    """A profile that remembers another one on the same line."""
+    return replace(now, largest=remembered(now.pressure, before.pressure))
 
 
 def _rungs(lowest: float, highest: float) -> list[float]:
@@ -232,6 +310,24 @@ def _scaled(most: LeakResult, leak_rate: float) -> LeakResult:
         throughput=times(most.throughput),
         standard_leak_rate=times(most.standard_leak_rate),
     )
+
+
+def around_after(form: FormError, local: LocalContact, before: LocalContact | None) -> Around:
+    """`around`, and with it the same form under the largest load before.
+
+    Parameters
+    ----------
+    form : FormError
+    local : LocalContact
+    before : LocalContact or None
+        Under the larger load; None where none is known.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    found = around(form, local)
+    return found if before is None else replace(found, before=around(found.form, before))
 
 
 def around(form: FormError, local: LocalContact) -> Around:

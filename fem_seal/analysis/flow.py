@@ -236,6 +236,7 @@ class Flow:
                 effective_modulus=modulus,
                 pressure_side=side,
                 ends=ends,
+                largest_pressure=profile.largest,
             )
             return replace(found, upper=found.upper.with_density(self.density))
         assert self.gas is not None  # the table is one of a gas
@@ -251,6 +252,7 @@ class Flow:
             effective_modulus=modulus,
             pressure_side=side,
             ends=ends,
+            largest_pressure=profile.largest,
         )
 
     def goes_round(

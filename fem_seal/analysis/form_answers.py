@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.around import Around, LeakCurve, around
+from fem_seal.analysis.around import Around, LeakCurve, around_after
+from fem_seal.analysis.flow import as_first_loaded
 from fem_seal.analysis.leakage import leakage_classes
 from fem_seal.analysis.problem import largest_force
 from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
@@ -109,7 +110,8 @@ class _Formed:
         return None if leaks is None else _rate(formed.with_leak(leaks))
 
     def with_form(self, form: FormError) -> Around:
-        formed = around(form, self.formed.local)
+        before = None if self.formed.before is None else self.formed.before.local
+        formed = around_after(form, self.formed.local, before)
         return formed if self.leaks is None else formed.with_leak(self.leaks)
 
     def curve(self) -> list[FormPoint]:
@@ -191,8 +193,9 @@ def _goes_round(load: LoadResult) -> float | None:
     if formed is None or rough is None or rough.flow is None or rough.table is None:
         return None
     step = max(len(formed.angle) // _ANGLES, 1)
-    pressure, _ = formed.pressure_and_gap(step)
-    return rough.flow.goes_round(rough.table, load.contact.profile, pressure, load.fluid_pressure)
+    table = rough.table
+    pressure = np.array([as_first_loaded(table, profile).pressure for profile in formed.profiles(step)])
+    return rough.flow.goes_round(table, load.contact.profile, pressure, load.fluid_pressure)
 
 
 def _shallower(scratches: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:

@@ -443,7 +443,7 @@ def model_and_contacts(
             raise _no_load_left(problem, found)
         solved.append(found)
         before = () if found.earlier is None else (found.earlier,)
-        return [*found.contacts, *(around.most_loaded for around in found.formed), *before]
+        return [*found.contacts, *(one for around in found.formed for one in around.extremes), *before]
 
     contacts = solve_fitted(sizing(problem), problem.contact, solve_on, size_given=size_given)
     return meshes[-1], contacts[0].model, solved[-1]

@@ -13,7 +13,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from fem_seal.analysis.around import Around, around
+from fem_seal.analysis.around import Around, around_after
 from fem_seal.analysis.flow import Flow
 from fem_seal.bodies.held_body import Supports
 from fem_seal.case.load_limits import refused_loads
@@ -280,7 +280,11 @@ class SealProblem:
         ------
         ConvergenceError
         """
-        return None if self.form is None else around(self.form, LocalContact(contact, law or self.law))
+        if self.form is None:
+            return None
+        own = law or self.law
+        before = None if contact.earlier is None else LocalContact(contact.earlier, own)
+        return around_after(self.form, LocalContact(contact, own), before)
 
     @property
     def leaks(self) -> bool:

@@ -107,7 +107,7 @@ class LoadResult(Lazy):
     @property
     def contacts(self) -> tuple[ContactSolution, ...]:
         """The contact at the mean line load and, of a seal that is not round, at the largest."""
-        return (self.contact,) if self.formed is None else (self.contact, self.formed.most_loaded)
+        return (self.contact,) if self.formed is None else (self.contact, *self.formed.extremes)
 
     @property
     def point(self) -> tuple[float, float]:
@@ -181,7 +181,8 @@ class LoadResult(Lazy):
     def first_loading(self) -> Self:
         """The same load if no place had carried more before; itself where none is known to have."""
         contact = self.contact.first_loading
-        return self if contact is self.contact else replace(self, contact=contact)
+        formed = None if self.formed is None else self.formed.first_loading
+        return self if contact is self.contact else replace(self, contact=contact, formed=formed)
 
     @property
     def around_capped(self) -> Around | None:

@@ -253,12 +253,12 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
             f'remove it, or {key}, or take [load] closing = "penetration"',
             '"local"',
         )
-    if case.form is not None:
+    if case.leak.conductivity == "direct":
         yield Problem(
-            key,
-            "what the contact remembers around the axis of a seal that is not round is not calculated; remove it, or "
-            "the table [form]",
-            value,
+            "leak.conductivity",
+            f"is simulated for first loading, and {key} asks what is left after a larger load; use "
+            f'"bruggeman", or remove {key} ([direct] unload shows the simulation after a larger pressure)',
+            '"direct"',
         )
     leaks = case.roughness is not None and case.fluid is not None
     if not curves(case) and not (leaks and case.leak.plasticity):

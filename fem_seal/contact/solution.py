@@ -64,6 +64,8 @@ class ContactSolution:
         What acts on the bodies besides the contact pressure.
     largest : ndarray, shape (m,), or None
         Largest pressure that each place has carried before [Pa]; None where nothing is known of it.
+    earlier : ContactSolution or None
+        The contact that carried it last.
 
     Examples
     --------
@@ -89,6 +91,7 @@ class ContactSolution:
     residuals: tuple[float, ...] = field(repr=False)
     loads: FurtherLoads = NO_LOADS
     largest: FloatArray | None = field(default=None, repr=False)
+    earlier: ContactSolution | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         profile = self.profile
@@ -146,14 +149,13 @@ class ContactSolution:
         if earlier is None:
             return self
         before = earlier.pressure
-        return replace(
-            self, largest=before if earlier.largest is None else np.maximum(before, earlier.largest)
-        )
+        largest = before if earlier.largest is None else np.maximum(before, earlier.largest)
+        return replace(self, largest=largest, earlier=earlier)
 
     @property
     def first_loading(self) -> Self:
         """The same contact if no place had ever carried more."""
-        return self if self.largest is None else replace(self, largest=None)
+        return self if self.largest is None else replace(self, largest=None, earlier=None)
 
 
 def body_fields(solution: ContactSolution) -> dict[str, BodyField]:

@@ -175,8 +175,7 @@ def gas_leak_flow(
     p_out = checked_outlet(p_in, outlet_pressure)
     checked_side(pressure_side)
     if isinstance(surface, RoughContact):
-        highest = ps if largest_pressure is None else np.append(ps, np.max(np.asarray(largest_pressure)))
-        table: GasConductivity = gas_table(surface, highest, method)
+        table: GasConductivity = gas_table(surface, highest_pressures(ps, largest_pressure), method)
     else:
         table = surface
     places = checked_ends(ends)
@@ -211,6 +210,11 @@ def checked_outlet(inlet_pressure: float, outlet_pressure: float) -> float:
             f"{inlet_pressure} [Pa], both absolute"
         )
     return p_out
+
+
+def highest_pressures(p: FloatArray, largest: ArrayLike | None) -> FloatArray:
+    """Pressures for which a table must hold: those of the contact, and the largest that it remembers [Pa]."""
+    return p if largest is None else np.append(p, np.max(np.asarray(largest, dtype=float)))
 
 
 def gas_table(surface: RoughContact, p: FloatArray, method: str) -> GasConductivity:

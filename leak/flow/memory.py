@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 # the square of it with which conserved asperities remember; beyond the last fall ln p* is a straight line, as the
 # theory is at low pressure. The capped reading costs nothing; the conserved one takes an effective medium for each
 # node, and its memory is small: 1e-4 of u_eff at a twentieth of the hardness.
-_CAPPED_SHARES = np.exp(np.append(np.arange(-14.0, -0.1, 0.15), -1e-4))
-_CAPPED_FALLS = np.concatenate([[0.0, 0.02, 0.05], 0.1 * 1.25 ** np.arange(25.0)])
+_CAPPED_SHARES = np.exp(
+    np.concatenate([np.arange(-14.0, -2.01, 0.25), np.arange(-2.0, -0.01, 0.04), [-1e-4]])
+)
+_CAPPED_FALLS = np.concatenate([[0.0, 0.02, 0.05], 0.1 * 1.25 ** np.arange(29.0)])
 _CONSERVED_SHARES = np.array([0.1, 0.35, 0.6, 0.8, 1.0])
 _CONSERVED_FALLS = np.array([0.0, 0.05, 0.2, 0.5, 1.0, 2.0, 4.5, 9.0])
 # Of the largest pressure of the table, or of the hardness, close to which next to nothing is left of a surface.

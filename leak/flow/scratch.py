@@ -16,11 +16,12 @@ from leak.flow.contact_profile import (
     SMALLEST_LOG_PRESSURE,
     ContactProfile,
     Panels,
+    after_largest,
     checked_ends,
     checked_profile,
     checked_side,
 )
-from leak.flow.gas_flow import GasLeakResult, checked_outlet, gas_table
+from leak.flow.gas_flow import GasLeakResult, checked_outlet, gas_table, highest_pressures
 from leak.flow.groove_section import EllipticGroove, GrooveSection
 from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure
 from leak.flow.network import Line, NetworkFlow, network_flow
@@ -199,13 +200,14 @@ def scratch_flow(
     effective_modulus: float,
     pressure_side: str = "outer",
     ends: tuple[float | None, float | None] | None = None,
+    largest_pressure: ArrayLike | None = None,
 ) -> LeakBounds[LeakResult]:
     """Flow of a liquid through a contact with scratches or a spiral lay.
 
     Parameters
     ----------
-    x, p, pressure_drop, radius, pressure_side, ends
-        See `leak.leak_flow`; p is the pressure far from the scratch.
+    x, p, pressure_drop, radius, pressure_side, ends, largest_pressure
+        See `leak.leak_flow`; p is the pressure far from the scratch, which closes elastically and remembers nothing.
     scratches : Groove or sequence of Groove
         `Scratch`, `SpiralLay`, or several; what they add adds up.
     conductivity : callable or None
@@ -258,7 +260,8 @@ def scratch_flow(
             "scratches leak"
         )
     grooves = _checked_grooves(scratches)
-    contact, deeper = _Contact.through(xs, ps, rs, ends, _liquid_gap(conductivity, eta)).cut(grooves, modulus)
+    profile = _profile(xs, ps, rs, ends, largest_pressure, conductivity)
+    contact, deeper = _Contact.through(profile, _liquid_gap(conductivity, eta)).cut(grooves, modulus)
     rough = 2.0 * np.pi * contact.radius * contact.gap**3 / (12.0 * eta)
     nominal = contact.pressure
 
@@ -301,12 +304,13 @@ def gas_scratch_flow(
     pressure_side: str = "outer",
     method: str = "bruggeman",
     ends: tuple[float | None, float | None] | None = None,
+    largest_pressure: ArrayLike | None = None,
 ) -> LeakBounds[GasLeakResult]:
     """Mass flow of a gas through a contact with scratches or a spiral lay.
 
     Parameters
     ----------
-    x, p, gas, inlet_pressure, outlet_pressure, radius, pressure_side, method, ends
+    x, p, gas, inlet_pressure, outlet_pressure, radius, pressure_side, method, ends, largest_pressure
         See `leak.gas_leak_flow`.
     scratches, effective_modulus
         See `scratch_flow`.
@@ -346,9 +350,13 @@ def gas_scratch_flow(
     modulus = positive(ProfileError, "effective_modulus", effective_modulus, "Pa")
     checked_side(pressure_side)
     grooves = _checked_grooves(scratches)
-    table = gas_table(surface, ps, method) if isinstance(surface, RoughContact) else surface
+    if isinstance(surface, RoughContact):
+        table: GasConductivity | None = gas_table(surface, highest_pressures(ps, largest_pressure), method)
+    else:
+        table = surface
     gap_at = None if table is None else table.at_log_pressure
-    contact, deeper = _Contact.through(xs, ps, rs, ends, gap_at).cut(grooves, modulus)
+    profile = _profile(xs, ps, rs, ends, largest_pressure, table)
+    contact, deeper = _Contact.through(profile, gap_at).cut(grooves, modulus)
     gap, nominal = contact.gap, contact.pressure
     flight = gas.viscosity * gas.molecular_speed
     per_density = gas.specific_gas_constant * gas.temperature
@@ -358,7 +366,7 @@ def gas_scratch_flow(
             return np.zeros(pressure.shape)
         p_f = np.maximum(pressure, _VACUUM)
         D = np.maximum(p_f * gap[at] / flight, 1e-100)
-        R = table.rarefaction(np.broadcast_to(contact.log_pressure[at], D.shape), np.log(D))
+        R = table.rarefaction(np.broadcast_to(contact.first_loading[at], D.shape), np.log(D))
         sigma = gap[at] ** 3 * flow_factor(D) * R / (12.0 * gas.viscosity)
         return np.asarray(2.0 * np.pi * contact.radius[at] * sigma * p_f / per_density)
 
@@ -374,7 +382,7 @@ def gas_scratch_flow(
 
     peak = int(np.argmax(ps))
     if table is not None:
-        narrowest = float(table.at_log_pressure(np.log(ps[peak])))
+        narrowest = float(table.at_log_pressure(profile.first_loading(xs[peak], np.log(ps[peak]))))
     else:
         narrowest = max(float(groove.section.open_depth(ps[peak], modulus)) for groove in grooves)
 
@@ -497,6 +505,8 @@ class _Contact:
 
     log_pressure: FloatArray
     """ln(p/Pa), shape (n,)."""
+    first_loading: FloatArray
+    """ln p* of first loading at which the roughness lets as much through, shape (n,)."""
     radius: FloatArray
     length: FloatArray
     """That a slice stands for, shape (n,) [m]."""
@@ -508,26 +518,21 @@ class _Contact:
     """Number of slices before them, shape (m,)."""
 
     @classmethod
-    def through(
-        cls,
-        x: FloatArray,
-        p: FloatArray,
-        r: FloatArray,
-        ends: tuple[float | None, float | None] | None,
-        gap_at: GapOfLogPressure | None,
-    ) -> _Contact:
+    def through(cls, profile: ContactProfile, gap_at: GapOfLogPressure | None) -> _Contact:
         """Slices of a profile; without roughness only between its points, where a groove would have no end."""
-        profile = ContactProfile.through(x, p, r, checked_ends(ends)).refined(_CELLS)
+        profile = profile.refined(_CELLS)
         inner, cells, outer = profile.panels()
         parts = [cells] if gap_at is None else [part for part in (inner, cells, outer) if part is not None]
         before = 0 if gap_at is None or inner is None else inner.log_pressure.size
         count, per_cell = cells.log_pressure.shape
         log_p = np.concatenate([part.log_pressure.ravel() for part in parts])
+        seen = np.concatenate([part.first_loading.ravel() for part in parts])
         contact = cls(
             log_p,
+            seen,
             np.concatenate([part.radius.ravel() for part in parts]),
             np.concatenate([_lengths(part).ravel() for part in parts]),
-            np.zeros(log_p.shape) if gap_at is None else np.asarray(gap_at(log_p)),
+            np.zeros(log_p.shape) if gap_at is None else np.asarray(gap_at(seen)),
             profile.x,
             before + per_cell * np.arange(count + 1),
         )
@@ -578,7 +583,22 @@ class _Contact:
         return self._of(old, length, np.searchsorted(new, edges)[self.nodes]), masks
 
     def _of(self, old: NDArray[np.intp], length: FloatArray, nodes: NDArray[np.intp]) -> _Contact:
-        return _Contact(self.log_pressure[old], self.radius[old], length, self.gap[old], self.x, nodes)
+        log_p, first = self.log_pressure[old], self.first_loading[old]
+        return _Contact(log_p, first, self.radius[old], length, self.gap[old], self.x, nodes)
+
+
+def _profile(
+    x: FloatArray,
+    p: FloatArray,
+    r: FloatArray,
+    ends: tuple[float | None, float | None] | None,
+    largest: ArrayLike | None,
+    conductivity: object,
+) -> ContactProfile:
+    """The contact, after its largest pressures; without roughness there is nothing that remembers them."""
+    places = checked_ends(ends)
+    profile = ContactProfile.through(x, p, r, places)
+    return profile if conductivity is None else after_largest(profile, x, r, largest, places, conductivity)
 
 
 def _lengths(part: Panels) -> FloatArray:
