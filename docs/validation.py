@@ -1,0 +1,164 @@
+"""Write docs/validation.md: what experiments measured, beside what the program predicts for them.
+
+Run: python docs/validation.py [--all] for the page; python docs/validation.py FILE.toml ... for files of your own.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import tomllib
+from collections.abc import Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from validation_page import Experiment, Prediction, page, verdict
+
+from fem_seal import Case, InputError
+from fem_seal.analysis.problem import SealProblem
+from fem_seal.output.columns import COLUMNS
+from fem_seal.studies.expressions import Expression
+from fem_seal.studies.responses import evaluate
+
+HERE = Path(__file__).parent
+FOLDER, FILE = HERE / "validation", HERE / "validation.md"
+# What was predicted for the files as they were: calculating takes minutes, writing the page does not.
+PREDICTIONS = FOLDER / "predictions.json"
+TEMPLATE = "template.toml"
+_READINGS = ("conserved", "capped")
+
+
+def read(path: Path) -> Experiment:
+    """The experiment of a file."""
+    return Experiment.of(path.name, tomllib.loads(path.read_text(encoding="utf-8")))
+
+
+def files() -> list[Path]:
+    """All experiments of the page."""
+    return [path for path in sorted(FOLDER.glob("*.toml")) if path.name != TEMPLATE]
+
+
+def digest(path: Path) -> str:
+    """By which a file is known to have changed."""
+    return sha256(path.read_bytes()).hexdigest()
+
+
+def predict(experiment: Experiment) -> list[Prediction]:
+    """The interval of each observation over all corners and readings.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    """
+    values = [Expression(one.value) for one in experiment.observed]
+    found: list[list[float]] = [[] for _ in values]
+    refused = ""
+    for corner in experiment.corners():
+        try:
+            case = Case(**experiment.case).replace(corner)
+        except InputError as error:
+            return [Prediction(None, None, f"this version cannot read the case: {error}") for _ in values]
+        readings, reasons = _numbers(case, values, experiment.surface_only)
+        refused = refused or (f"outside the theory with {_told(corner)}: {reasons}" if reasons else "")
+        for numbers in readings:
+            for one, value in zip(found, values, strict=True):
+                one.append(value(numbers))
+    return [Prediction(*_ends(one), refused) for one in found]
+
+
+def _ends(numbers: Sequence[float]) -> tuple[float | None, float | None]:
+    known = [one for one in numbers if not math.isnan(one)]
+    return (min(known), max(known)) if len(known) == len(numbers) else (None, None)
+
+
+def _told(corner: dict[str, Any]) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in corner.items()) or "the case as it is"
+
+
+def _numbers(
+    case: Case, values: Sequence[Expression], surface_only: bool
+) -> tuple[list[dict[str, float]], str]:
+    """What expressions may use, in each reading, and why nothing may be claimed."""
+    if surface_only:
+        return _of_surfaces(case), ""
+    asked = {name for value in values for name in value.names}
+    columns = {name.rpartition("_at_")[0] for name in asked}
+    wanted = tuple(columns | {f"leak_rate_{one}_m3_per_s" for one in _READINGS})
+    both: list[dict[str, float]] = [{}, {}]
+    reasons: list[str] = []
+    for number, (pressure, force) in enumerate(case.load.points, start=1):
+        one = case.replace({"load.fluid_pressure": pressure, "load.axial_force": force})
+        row = evaluate(one, [name for name in wanted if name in COLUMNS], interpolate=False)
+        reasons += [f"load {number}, {reason}" for reason in row.validity.reasons if row.validity.outside]
+        for reading, numbers in zip(_READINGS, both, strict=True):
+            read_so = row.values[f"leak_rate_{reading}_m3_per_s"]
+            chosen = dict(row.values)
+            if not math.isnan(read_so):
+                chosen["leak_rate_m3_per_s"] = read_so
+            numbers.update({f"{name}_at_{number}": value for name, value in chosen.items()})
+    return both, "; ".join(reasons)
+
+
+def _of_surfaces(case: Case) -> list[dict[str, float]]:
+    """What follows from the surfaces alone, in both readings."""
+    surface = SealProblem.of(case).surface
+    if surface is None:
+        raise ValueError("the case has no roughness")
+    yields = [
+        body.material.yield_stress
+        for body in (case.closure, case.seat)
+        if body.material.yield_stress is not None
+    ]
+    common = {"hardness_Pa": surface.hardness or math.nan, "yield_stress_Pa": min(yields, default=math.nan)}
+    return [
+        {**common, "sealing_pressure_Pa": getattr(surface, reading).sealing_pressure} for reading in _READINGS
+    ]
+
+
+def stored() -> dict[str, dict[str, Any]]:
+    """Predictions of the files as they were."""
+    found: dict[str, dict[str, Any]] = json.loads(PREDICTIONS.read_text(encoding="utf-8"))
+    return found
+
+
+def rendered(known: dict[str, dict[str, Any]]) -> str:
+    """The page from stored predictions."""
+    predictions = {name: [Prediction(**one) for one in entry["predictions"]] for name, entry in known.items()}
+    return page([read(path) for path in files()], predictions)
+
+
+def update(everything: bool) -> None:
+    """Calculate files that have changed, or all, and write the page."""
+    known = stored() if PREDICTIONS.exists() and not everything else {}
+    fresh = {}
+    for path in files():
+        entry = known.get(path.name)
+        # what an earlier version could not calculate this one perhaps can
+        refused = entry is not None and any(one["refused"] for one in entry["predictions"])
+        if entry is None or entry["sha256"] != digest(path) or refused:
+            print(path.name, flush=True)
+            found = [one.__dict__ for one in predict(read(path))]
+            entry = {"sha256": digest(path), "predictions": found}
+        fresh[path.name] = entry
+        PREDICTIONS.write_text(json.dumps({**known, **fresh}, indent=1) + "\n", encoding="utf-8")
+    PREDICTIONS.write_text(json.dumps(fresh, indent=1) + "\n", encoding="utf-8")
+    FILE.write_text(rendered(fresh), encoding="utf-8")
+
+
+def show(path: Path) -> None:
+    """Print the verdict on a file of the user's own."""
+    experiment = read(path)
+    print(experiment.title)
+    for observed, prediction in zip(experiment.observed, predict(experiment), strict=True):
+        word, why = verdict(observed, prediction)
+        print(f"  {observed.what}: predicted {prediction.low} to {prediction.high}; {word}: {why}")
+
+
+if __name__ == "__main__":
+    asked = [Path(one) for one in sys.argv[1:] if one != "--all"]
+    for one in asked:
+        show(one)
+    if not asked:
+        update("--all" in sys.argv)
