@@ -80,6 +80,9 @@ class Surface(Protocol):
     def sealing_pressure(self) -> float:
         """Nominal pressure at which it is reached [Pa]."""
 
+    def sealing_pressure_by(self, method: str, /) -> float:
+        """The same in a reading of the flow conductivity [Pa]."""
+
     @property
     def peklenik(self) -> float:
         """Correlation length along the flow over that across it."""
@@ -423,8 +426,13 @@ def _above_hardness(
     )
 
 
+def _sealing_pressure(problem: SealProblem, surface: Surface) -> float:
+    return surface.sealing_pressure if problem.flow is None else problem.flow.sealing_pressure(surface)
+
+
 def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    tight = [load for load in loads if load.contact.profile.peak_pressure >= surface.sealing_pressure]
+    sealing = _sealing_pressure(problem, surface)
+    tight = [load for load in loads if load.contact.profile.peak_pressure >= sealing]
     if tight:
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
         peak = load.contact.profile.peak_pressure
@@ -434,14 +442,15 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
             Level.DOUBTFUL,
             f"sealed by the percolation threshold, A/A0 = {surface.percolation_threshold:.2g}",
             f"sealed: at {load_name(load, loads)} the peak pressure {peak / 1e6:.4g} MPa is above "
-            f"{surface.sealing_pressure / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
+            f"{sealing / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
             f"touches and no leak path is open (from {first} on, of the loads calculated). A leak rate of "
             "zero is only as certain as this percolation threshold",
         )
 
 
 def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    leaky = [load for load in loads if load.contact.profile.peak_pressure < surface.sealing_pressure]
+    sealing = _sealing_pressure(problem, surface)
+    leaky = [load for load in loads if load.contact.profile.peak_pressure < sealing]
     if not leaky:
         return
     load = max(leaky, key=lambda load: load.contact.profile.peak_pressure)

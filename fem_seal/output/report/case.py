@@ -202,7 +202,11 @@ def _forces(forces: list[float]) -> str:
 
 
 def _leak(case: Case) -> list[tuple[str, str]]:
-    conductivity = {"bruggeman": "effective medium (Bruggeman)", "critical-junction": "critical junction"}
+    conductivity = {
+        "bruggeman": "effective medium (Bruggeman)",
+        "critical-junction": "critical junction",
+        "percolation": "effective medium, closed law near the threshold",
+    }
     return [
         ("asperities", "yield at the hardness" if case.leak.plasticity else "elastic"),
         ("no open path above", f"{percent(case.leak.percolation_threshold)} real contact"),
