@@ -71,14 +71,18 @@ class Patch:
         waves = np.arange(-self.cutoff, self.cutoff + 1)
         i, j = np.meshgrid(waves, waves, indexing="ij")
         q = np.hypot(i, j)
-        C = np.where(q < self.rolloff, 1.0, (np.maximum(q, 1.0) / self.rolloff) ** (-2.0 * (1.0 + self.hurst)))
+        C = np.where(
+            q < self.rolloff, 1.0, (np.maximum(q, 1.0) / self.rolloff) ** (-2.0 * (1.0 + self.hurst))
+        )
         C[(q == 0) | (q > self.cutoff)] = 0.0
         random = np.random.default_rng(self.seed)
         amplitude = np.sqrt(C) * (random.standard_normal(q.shape) + 1j * random.standard_normal(q.shape))
         # the real part of the sum over all waves is a real field of the same spectrum
         amplitude = 0.5 * (amplitude + amplitude[::-1, ::-1].conj())
         (long, short), (n, m) = self.sides, (round(self.peklenik * self.points), self.points)
-        slope = np.sqrt(np.sum(np.abs(amplitude) ** 2 * (2.0 * np.pi) ** 2 * ((i / long) ** 2 + (j / short) ** 2)))
+        slope = np.sqrt(
+            np.sum(np.abs(amplitude) ** 2 * (2.0 * np.pi) ** 2 * ((i / long) ** 2 + (j / short) ** 2))
+        )
         field = np.zeros((n, m), dtype=complex)
         field[i, j] = amplitude / slope
         return np.fft.ifft2(field).real * n * m

@@ -20,7 +20,9 @@ from verification_page import Figure, Section
 import leak
 from leak.flow.effective_gap import effective_gap
 
-ELASTIC, STRETCHED = "direct_elastic.csv", "anisotropic_direct.csv"
+# The campaign belongs to this repository; the other results may stand in a folder of their own.
+CAMPAIGN = Path(__file__).resolve().parents[1] / "tests" / "reference" / "direct_elastic.csv"
+STRETCHED = "anisotropic_direct.csv"
 # Direct A/A0 between which ratios are compared.
 BINS = ((0.0, 0.15), (0.15, 0.19), (0.19, 0.25), (0.25, 0.32), (0.32, 0.39))
 
@@ -83,7 +85,7 @@ def _rows(file: Path) -> Iterator[tuple[Kind, float, tuple[float, float, float]]
             numbers = [
                 float(row[name]) for name in ("contact_area", "conductivity_along", "conductivity_across")
             ]
-            yield kind, float(row.get("p_over_Eh") or row["p_over_Eh"]), (numbers[0], numbers[1], numbers[2])
+            yield kind, float(row["p_over_Eh"]), (numbers[0], numbers[1], numbers[2])
 
 
 def read(file: Path) -> list[Direct]:
@@ -137,20 +139,20 @@ METHODS = ("bruggeman", "percolation")
 
 
 def thresholds(reference: Path) -> list[Threshold]:
-    """All isotropic direct results; every second of the campaign's spectra, and set A512, were fitted to."""
-    own = [direct for direct in read(reference / ELASTIC) if direct.kind.peklenik == 1.0]
+    """All isotropic direct results of two surfaces at least; the closed law was fitted to sets A512, A and B alone."""
     found = []
-    for n, direct in enumerate(own):
-        kind = direct.kind
-        name = f"H {kind.hurst:g}, {kind.rolloff} to {kind.cutoff}, grid {kind.points}"
-        found.append(
-            _threshold(name, n % 2 == 0, kind.spectrum, direct.pressure, direct.area, direct.area, direct.mean)
-        )
+    for file, note in ((CAMPAIGN, ""), (reference / STRETCHED, "*")):
+        for direct in read(file):
+            kind = direct.kind
+            if kind.peklenik == 1.0 and direct.surfaces > 1:
+                name = f"H {kind.hurst:g}, {kind.rolloff} to {kind.cutoff}{note} ({direct.surfaces})"
+                area, flow = direct.area, direct.mean
+                found.append(_threshold(name, False, kind.spectrum, direct.pressure, area, area, flow))
     for shared in read_direct(reference):
         found.append(
             _threshold(
-                f"set {shared.name}",
-                shared.name == "A512",
+                f"set {shared.name} ({shared.surfaces})",
+                True,
                 shared.spectrum,
                 shared.pressure,
                 shared.area,
@@ -197,30 +199,38 @@ def threshold_section(reference: Path) -> Section:
     """Effective medium and closed law where few channels are left."""
     sets = thresholds(reference)
     judged = [one for one in sets if not one.fitted]
-    rows = []
-    for one in sets:
-        cells = []
-        for low, high in BINS:
-            for method in METHODS:
-                ratios = joined([one], method, low, high)
-                cells.append(" to ".join(f"{end:.2f}" for end in _ends(ratios)))
-        rows.append((one.name, "fitted" if one.fitted else "judges", *cells))
+    rows = [
+        (
+            one.name,
+            "fitted" if one.fitted else "judges",
+            f"{np.exp(np.log(one.corrected).mean()):.2f}",
+            *(
+                " to ".join(f"{end:.2f}" for end in _ends(joined([one], method, *bin)))
+                for bin in BINS
+                for method in METHODS
+            ),
+        )
+        for one in sets
+    ]
     table = {(method, bin): joined(judged, method, *bin) for method in METHODS for bin in BINS}
     words = "; ".join(
-        f"A/A0 {low:g} to {high:g}: "
-        + ", ".join(
-            f"{method} {worst_factor(table[method, (low, high)]):.2f} ({spread(table[method, (low, high)]):.2f})"
-            for method in METHODS
-        )
+        f"{low:g} to {high:g}: effective medium "
+        f"{worst_factor(table['bruggeman', (low, high)]):.1f} ({spread(table['bruggeman', (low, high)]):.2f}), closed law "
+        f"{worst_factor(table['percolation', (low, high)]):.1f} ({spread(table['percolation', (low, high)]):.2f})"
         for low, high in BINS[1:]
     )
     return Section(
         "Near the percolation threshold: effective medium and closed law",
         TEXT_THRESHOLD.format(words=words),
-        ("surfaces", "", *(f"{low:g} to {high:g}, {method}" for low, high in BINS for method in METHODS)),
+        (
+            "surfaces (number)",
+            "closed law",
+            "corrected area",
+            *(f"{low:g} to {high:g}, {method}" for low, high in BINS for method in METHODS),
+        ),
         tuple(rows),
         tuple(
-            Figure(f"{method} at A/A0 {low:g} to {high:g}", worst_factor(table[method, (low, high)]) - 1.0, goal)
+            Figure(f"{method} at A/A0 {low:g} to {high:g}", spread(table[method, (low, high)]) - 1.0, goal)
             for method, goals in GOALS.items()
             for (low, high), goal in zip(BINS, goals, strict=True)
         ),
@@ -233,12 +243,25 @@ def _ends(ratios: FloatArray) -> tuple[float, ...]:
     return (ratios[0],) if ratios.size == 1 else (ratios.min(), ratios.max())
 
 
-# What each reading is held to on the judging half, by bin: worst factor less one.
+# What each reading is held to on surfaces that it was not fitted to, by bin: rms of ln as a factor, less one. Two to four
+# surfaces of four correlation lengths scatter by a factor of 1.3 at A/A0 = 0.2 and 2 at 0.35 themselves.
 GOALS = {
-    "bruggeman": (0.6, 0.6, 0.7, 1.3, 2.3),
-    "percolation": (0.6, 0.6, 0.7, 1.3, 2.3),
+    "bruggeman": (0.3, 0.3, 0.4, 0.5, 1.2),
+    "percolation": (0.3, 0.3, 0.3, 0.5, 0.9),
 }
-TEXT_THRESHOLD = "{words}"
+TEXT_THRESHOLD = (
+    "Conductivity of the theory over the direct one, between direct contact areas: Bruggeman's effective medium, the "
+    'default, and `conductivity = "percolation"`, which goes over into 12 eta sigma = 0.80 ubar^3 (1 - A/(0.42 A0))^2.85 '
+    "with a corrected contact area between A/A0 = 0.15 and 0.25. Surfaces are named by Hurst exponent and by their waves "
+    "per side at roll-off and cutoff (* Peklenik number 1 of `anisotropic_direct.csv`; the others are those of "
+    "`docs/direct_elastic_campaign.py`). The closed law was fitted to sets A512, A and B; everything else judges it. "
+    "Largest factor on the judging surfaces, and in brackets the root mean square, at A/A0 {words}.\n\n"
+    "So the closed law is the better one beyond A/A0 = 0.32 and hardly better or worse below: on surfaces with roll-off at 8 "
+    "and cutoff at 32 waves it falls too early, on those with roll-off at 16 waves, and on set B, the effective "
+    "medium is off by more. Neither knows the bandwidth of the roughness; the closed law lies above the effective medium by 3 "
+    "where the waves span two decades. It is therefore a further reading, not the default, and the difference of both, in "
+    "the variants of a run, says how well a leak rate in this range is known."
+)
 
 # -------------------------------------------------------------------- with a lay
 
@@ -270,7 +293,7 @@ class Lay:
 
 def lays(reference: Path) -> list[Lay]:
     """All stretched direct results; the constant was fitted to every second spectrum."""
-    found = [*read(reference / ELASTIC), *read(reference / STRETCHED)]
+    found = [*read(CAMPAIGN), *read(reference / STRETCHED)]
     stretched = sorted((one for one in found if one.kind.peklenik != 1.0), key=lambda one: one.kind)
     return [_lay(direct, n % 2 == 0) for n, direct in enumerate(stretched)]
 
@@ -307,7 +330,8 @@ def lay_section(reference: Path) -> Section:
     ]
     judged = [one for one in all_of_them if not one.fitted]
     factors = {
-        name: worst_factor(_known(judged, name)) for name in ("along", "across", "plain_along", "plain_across")
+        name: worst_factor(_known(judged, name))
+        for name in ("along", "across", "plain_along", "plain_across")
     }
     spreads = {name: spread(_known(judged, name)) for name in factors}
     text = TEXT_LAY.format(
@@ -320,7 +344,18 @@ def lay_section(reference: Path) -> Section:
     return Section(
         "Roughness with a lay: along and across",
         text,
-        ("Peklenik", "Hurst", "waves", "", "p/(E* h')", "direct A/A0", "along", "across", "plain along", "plain across"),
+        (
+            "Peklenik",
+            "Hurst",
+            "waves",
+            "",
+            "p/(E* h')",
+            "direct A/A0",
+            "along",
+            "across",
+            "plain along",
+            "plain across",
+        ),
         tuple(rows),
         (
             Figure("along the lay, Peklenik number to 5", factors["along"] - 1.0, 0.5),
@@ -342,7 +377,7 @@ TEXT_LAY = (
     "(`anisotropic_direct.csv`, Hurst exponent 0.8, and the campaign of `docs/direct_elastic_campaign.py`). The theory's "
     "one constant for a lay was fitted to half of the spectra. On the other half, Peklenik numbers of 2 to 5, it is off by "
     "at most {along:.2f} along and {across:.2f} across (root mean square {along_spread:.2f} and {across_spread:.2f}); "
-    "patches as long as the roughness (\"plain\", the textbook reading) by {plain_along:.2f} and {plain_across:.2f} "
+    'patches as long as the roughness ("plain", the textbook reading) by {plain_along:.2f} and {plain_across:.2f} '
     "({plain_along_spread:.2f} and {plain_across_spread:.2f}). At a number of 10, on patches that hold four correlation "
     "lengths, the factors are {ten_along:.2f} and {ten_across:.2f} (plain across: {ten_plain:.1f}), the theory being too "
     "tight: beyond 5 the lay is less well known than below."

@@ -17,11 +17,13 @@ from leak.numerics.gauss import gauss
 
 # g in dG -> [g + (1 - g) A^2] dG: at small pressure the area is 1/sqrt(g) times Persson's.
 _G = 5.0 / 9.0
-# Prefactor and exponent of the closed law, fitted to half of the direct results (docs/verification.md).
+# Prefactor and exponent of the closed law: fitted to the sets A512, A and B of direct results, and judged by others
+# (docs/verification.md).
 _PREFACTOR, _EXPONENT = 0.80, 2.85
 # Corrected A/A0 over which the effective medium goes over into the closed law.
 _FROM, _TO = 0.15, 0.25
-# The closed law is not believed to lie above the effective medium by much more than direct results have shown: 3.
+# ln of the most that the closed law may lie above the effective medium. Direct results reach a factor 3; where the waves
+# span three decades it would be 50, and what rises from one law to the other would rise with the pressure.
 _MOST_ABOVE = np.log(5.0)
 # ln of the variance G/p^2 over which the corrected one is tabulated: full contact below, proportional above.
 _TABLE = np.linspace(-5.0, 25.0, 601)

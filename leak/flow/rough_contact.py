@@ -227,7 +227,9 @@ class RoughContact:
 
         p = _checked(pressure)
         found = np.where(p > 0.0, self._over_pressure(p, self._corrected_area), 0.0)
-        return _scalar(found if self.hardness is None else np.where(p >= self.hardness * (1.0 - 1e-9), 1.0, found))
+        return _scalar(
+            found if self.hardness is None else np.where(p >= self.hardness * (1.0 - 1e-9), 1.0, found)
+        )
 
     def elastic_area(self, pressure: ArrayLike, wavenumber: ArrayLike | None = None) -> FloatArray | float:
         """Relative area A_el/A0 in elastic contact; all of the contact area without a hardness."""
@@ -515,7 +517,9 @@ class RoughContact:
                 rest = float(_remaining_moment(p, self._seen(p))[0])
                 found[index] = z * np.sqrt(np.pi * rest) * self.effective_modulus
             else:
-                found[index] = self._reaches(self.elastic.sealing_pressure_by(method), 0.0, float(p[0]), float(p[0]))
+                found[index] = self._reaches(
+                    self.elastic.sealing_pressure_by(method), 0.0, float(p[0]), float(p[0])
+                )
         return np.where(found < most, found, first)
 
     def _reaches(self, acting: float, low: float, high: float, largest: float | None = None) -> float:
