@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+import verification_medium
 from direct_numerical import compare, picture, read_direct, worst_factor
 from scipy.optimize import brentq
 from verification_page import Figure, Section, markdown
@@ -457,6 +458,7 @@ def sections(reference: Path) -> Iterator[Section]:
     yield leak_section(reference)
     yield direct_section(reference)
     yield yielding_section(reference, FILE.parent / "images" / "direct_yielding.svg")
+    yield from verification_medium.sections(reference)
     yield paper_section()
     yield sensitivity_section()
 

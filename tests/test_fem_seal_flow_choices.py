@@ -61,7 +61,7 @@ def test_peklenik_reaches_the_surface_and_the_leak_rate():
     ratio = turned.table.leak_rate_m3_per_s / plain.table.leak_rate_m3_per_s
     # tighter, and the more so the closer the contact
     assert (ratio.diff().dropna() < 0).all()
-    assert ratio.iloc[-1] == pytest.approx(0.51, abs=0.05)
+    assert ratio.iloc[-1] == pytest.approx(0.38, abs=0.04)
     assert {one.conductivity for one in turned.theory_variants} == {"bruggeman"}
     assert len(theory_variants(plain)) > len(turned.theory_variants) > 0
 

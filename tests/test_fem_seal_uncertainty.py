@@ -427,7 +427,7 @@ def test_result_files_hold_the_interval_and_the_variants(tmp_path):
     assert words["input"]["uncertainty"]["viscosity"] == {"distribution": "lognormal", "relative": 0.1}
     variants = pd.read_csv(folder / "variants.csv")
     # 2 P(u) x 2 thresholds, 2 critical junctions, 3 loads
-    assert len(variants) == len(words["theory_variants"]) == 18
+    assert len(variants) == len(words["theory_variants"]) == 24
     page = (folder / "report.html").read_text()
     assert "How sure is the leak rate?" in page
     assert "90 %" in page
@@ -445,7 +445,8 @@ def test_result_files_hold_the_interval_and_the_variants(tmp_path):
 def test_readings_of_the_theory_are_those_of_cases_that_ask_for_them():
     result = rough_result()
     variants = theory_variants(result)
-    assert len(variants) == 12
+    # two laws; three media of channels and two widths of one of them at two thresholds
+    assert len(variants) == 16
     used = [variant for variant in variants if variant.used]
     assert len(used) == 1
     np.testing.assert_allclose(used[0].leak_rate, rates(result), rtol=1e-12)
@@ -517,8 +518,8 @@ def test_variants_on_the_command_line(tmp_path, capsys):
     )
     assert main(["run", str(file), "--variants", "--quiet"]) == 0
     variants = pd.read_csv(tmp_path / "seal.out" / "variants.csv")
-    # the law is given: 2 P(u) x 2 thresholds and 2 critical junctions
-    assert list(variants["interface_law"]) == ["given"] * 6
+    # the law is given: at 2 thresholds 2 P(u), a closed law and a critical junction
+    assert list(variants["interface_law"]) == ["given"] * 8
     assert variants["ratio_to_case"].iloc[0] == 1.0
     assert capsys.readouterr().out == ""
 

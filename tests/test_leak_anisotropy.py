@@ -189,16 +189,85 @@ def test_isotropic_surface_is_unchanged_to_the_last_bit():
 
 @pytest.mark.parametrize("hardness", [None, HARDNESS])
 def test_more_flows_along_the_lay_than_across(hardness):
-    p = surface(hardness=hardness).sealing_pressure * np.array([1e-6, 1e-3, 0.05, 0.5, 0.9])
+    p = surface(hardness=hardness).sealing_pressure * np.array([1e-6, 1e-3, 0.05, 0.25, 0.5, 0.9])
     u = np.array(
         [surface(hardness=hardness, peklenik=g).effective_separation(p) for g in (0.1, 0.5, 1, 2, 10)]
     )
-    assert np.all(np.diff(u, axis=0) > 0)
-    # from nearly nothing where the gap is wide to gamma^2 where it closes
+    assert np.all(np.diff(u[:4], axis=0) > 0)
+    # more along a longer lay only while little touches: direct results at p/(E* h') = 0.1, a third of the sealing
+    # pressure, show less along one of 10 than along one of 3, since more of it touches
+    assert np.all(u[4, :4] > u[3, :4])
+    assert np.all(u[4] > u[0])
+    # from nearly nothing where the gap is wide to gamma^4 where it closes
     ratio = (u[-1] / u[0]) ** 3
     assert np.all(np.diff(ratio) > 0)
     assert 1 < ratio[0] < 1.3
-    assert ratio[-1] < 100**2
+    assert ratio[-1] < 100**4
+
+
+@settings(max_examples=6, deadline=None)
+@given(
+    log_gamma=st.floats(-4.5, 4.5),
+    hurst=st.floats(0.3, 1.0),
+    log_width=st.floats(0.7, 4.6),
+    ratio=st.one_of(st.none(), st.floats(0.03, 1.0)),
+)
+def test_flow_falls_with_pressure_whatever_the_lay(log_gamma, hurst, log_width, ratio):
+    rough = leak.PowerSpectrum.self_affine(
+        rms_height=1e-6, hurst=hurst, q_low=1e4, q_rolloff=3e4, q_high=3e4 * np.exp(log_width)
+    )
+    hardness = None if ratio is None else ratio * 1e11 * rough.rms_slope
+    contact = leak.RoughContact(rough, effective_modulus=1e11, hardness=hardness, peklenik=np.exp(log_gamma))
+    p = contact.sealing_pressure * np.array([1e-6, 1e-3, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.88])
+    u = np.asarray(contact.effective_separation(p))
+    assert np.all(np.diff(u) < 0)
+    assert np.all(u > 0)
+
+
+def test_scale_of_a_stretched_surface_does_not_matter():
+    """All lengths times three, and pressures with modulus and hardness times seven."""
+    small = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.7, q_low=1e4, q_rolloff=3e4, q_high=1e6)
+    large = leak.PowerSpectrum(small.wavenumber / 3, small.density * 3**4)
+    first = leak.RoughContact(small, effective_modulus=1e11, hardness=3e9, peklenik=0.2)
+    second = leak.RoughContact(large, effective_modulus=7e11, hardness=2.1e10, peklenik=0.2)
+    p = np.geomspace(1e5, 1e9, 7)
+    np.testing.assert_allclose(
+        np.asarray(second.effective_separation(7 * p)),
+        3 * np.asarray(first.effective_separation(p)),
+        rtol=1e-6,
+    )
+
+
+def test_longer_patches_and_more_of_them():
+    from leak.flow.lay import inclusion_aspect, touching_pressure
+
+    for share in (0.0, 0.3, 1.0):
+        assert inclusion_aspect(1.0, share) == touching_pressure(1.0, share) == 1.0
+        assert inclusion_aspect(0.2, share) * inclusion_aspect(5.0, share) == pytest.approx(1.0, rel=1e-14)
+        assert touching_pressure(0.2, share) == pytest.approx(float(touching_pressure(5.0, share)), rel=1e-14)
+    # nothing touches: heights alone; nothing is open: the sealing pressure of the theory
+    assert inclusion_aspect(7.0, 0.0) == 7.0
+    assert touching_pressure(7.0, 1.0) == 1.0
+
+
+def test_gas_meets_the_same_patches():
+    """A gas so dense that its molecules do not matter flows like a liquid."""
+    contact, p = surface(peklenik=0.2), np.array([1e7, 1e9])
+    u = np.asarray(contact.effective_separation(p))
+    gas = contact.effective_gas_separation(p, 1e-9 * u[:, None])
+    np.testing.assert_allclose(gas[:, 0], u, rtol=1e-6)
+
+
+def test_aspects_on_both_sides_of_one_are_refused():
+    u, weight = np.vstack([lognormal()[0]] * 2), np.vstack([lognormal()[1]] * 2)
+    both = np.array([0.5, 2.0])
+    with pytest.raises(leak.ConductivityError, match="one side of 1"):
+        leak.anisotropic_medium(u, weight, np.zeros(2), np.zeros(2), 2.0, both)
+    # an array is each of its numbers
+    found = leak.anisotropic_medium(u, weight, np.zeros(2), np.zeros(2), 2.0, both + 1.0)
+    for n, gamma in enumerate(both + 1.0):
+        alone = leak.anisotropic_medium(u[:1], weight[:1], NONE, NONE, 2.0, gamma)
+        assert found.along[n] == pytest.approx(alone.along[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("gamma", [0.05, 0.3, 4.0, 100.0])

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,6 +45,17 @@ MARGIN = 0.3
 Conductivity: TypeAlias = ConductivityTable | GasConductivityTable
 
 
+class Seals(Protocol):
+    """What is asked of a surface that may be tight."""
+
+    @property
+    def sealing_pressure(self) -> float:
+        """Contact pressure at which no path is open [Pa]."""
+
+    def sealing_pressure_by(self, method: str, /) -> float:
+        """The same in a reading of the flow conductivity [Pa]."""
+
+
 @dataclass(frozen=True)
 class Flow:
     """A liquid or a gas, and how its way between rough surfaces is calculated.
@@ -61,8 +72,9 @@ class Flow:
         None for a liquid.
     outlet_pressure : float
         Of a gas: absolute pressure on the low side [Pa].
-    conductivity : {"bruggeman", "critical-junction", "direct"}
-        Effective medium of all channels, the narrowest junction alone, or direct simulation.
+    conductivity : {"bruggeman", "critical-junction", "percolation", "direct"}
+        Effective medium of all channels, the narrowest junction alone, the closed law near the threshold, or direct
+        simulation.
     fluid_in_gap : {"uncoupled", "local"}
         Whether the pressure of a liquid is taken off the load of the asperities, place by place.
     pressure_side : {"outer", "inner"}
@@ -78,7 +90,7 @@ class Flow:
     density: float | None = None
     gas: Gas | None = None
     outlet_pressure: float = 0.0
-    conductivity: Literal["bruggeman", "critical-junction", "direct"] = "bruggeman"
+    conductivity: Literal["bruggeman", "critical-junction", "percolation", "direct"] = "bruggeman"
     fluid_in_gap: Literal["uncoupled", "local"] = "uncoupled"
     pressure_side: PressureSide = "outer"
     direct: DirectSettings | None = None
@@ -88,6 +100,17 @@ class Flow:
     def simulated(self) -> DirectSettings | None:
         """How the conductivity is simulated; None where it is the theory's."""
         return self.direct if self.conductivity == "direct" else None
+
+    def sealing_pressure(self, surface: Seals) -> float:
+        """Contact pressure from which nothing flows; of a simulation that of the theory's default [Pa].
+
+        Parameters
+        ----------
+        surface : RoughContact
+        """
+        if self.conductivity == "direct":
+            return surface.sealing_pressure
+        return surface.sealing_pressure_by(self.conductivity)
 
     def table(self, surface: RoughContact, p_min: float, p_max: float, num: int = 64) -> Conductivity:
         """Flow conductivity of a surface over a range of contact pressures.

@@ -172,7 +172,7 @@ class LoadSolver:
             return HeldFluid(side)
         return FlowThrough(
             lambda profile, pressure: flow.leak(profile, pressure).fluid_pressure,
-            flow.surface.sealing_pressure,
+            flow.flow.sealing_pressure(flow.surface),
             side,
         )
 

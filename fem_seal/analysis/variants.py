@@ -81,7 +81,7 @@ def _laws(problem: SealProblem, surface: RoughContact) -> tuple[bool | None, ...
 class _Reading:
     """How the flow through a rough contact is read: conductivity, width in P(u) and threshold."""
 
-    conductivity: Literal["bruggeman", "critical-junction"]
+    conductivity: Literal["bruggeman", "critical-junction", "percolation"]
     width: Literal["effective", "plain"] | None
     threshold: float
 
@@ -98,8 +98,9 @@ def _readings(flow: Flow, surface: RoughContact) -> list[_Reading]:
     thresholds = sorted({*_THRESHOLDS, surface.percolation_threshold})
     channels = [_Reading("bruggeman", width, threshold) for width, threshold in product(_WIDTHS, thresholds)]
     if surface.peklenik != 1.0:
-        return channels  # one junction knows no direction
-    return [*channels, *(_Reading("critical-junction", None, threshold) for threshold in thresholds)]
+        return channels  # the others know no direction
+    near = [_Reading("percolation", "effective", threshold) for threshold in thresholds]
+    return [*channels, *near, *(_Reading("critical-junction", None, threshold) for threshold in thresholds)]
 
 
 def _leak_rates(

@@ -41,9 +41,11 @@ _FEW_CHANNELS = 0.15
 _FACTORS = ((0.2, 1.7), (1.0, 3.3))
 # ... where they end; from there to the percolation threshold the conductivity falls to nothing.
 _DIRECT_END = 0.39
-# With a lay the conductivity is too high by up to (longer over shorter correlation length)^exponent: up to some A/A0
-# where the fluid crosses the lay, and where it flows along it. Direct results for ratios of 2 and 5, up to A/A0 = 0.16.
-_LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 0.3), (0.07, 0.5), (1.0, 1.35)), 0.3, 0.16
+# With a lay it differs by up to these factors, up to some A/A0, where the fluid crosses the lay and where it flows along
+# it: direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to 0.16. For a lay
+# 10 times longer the factors rise by 10/5 to this power.
+_LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 1.4), (0.1, 1.5), (1.0, 2.5)), 1.4, 0.16
+_LAY_LONG, _LAY_LONGEST, _LAY_POWER = 5.0, 10.0, 0.7
 _WORTH_SAYING = 1.3
 # Factor by which a simulated conductivity may be off without a word.
 _UNSURE = 2.0
@@ -79,6 +81,9 @@ class Surface(Protocol):
     @property
     def sealing_pressure(self) -> float:
         """Nominal pressure at which it is reached [Pa]."""
+
+    def sealing_pressure_by(self, method: str, /) -> float:
+        """The same in a reading of the flow conductivity [Pa]."""
 
     @property
     def peklenik(self) -> float:
@@ -423,8 +428,13 @@ def _above_hardness(
     )
 
 
+def _sealing_pressure(problem: SealProblem, surface: Surface) -> float:
+    return surface.sealing_pressure if problem.flow is None else problem.flow.sealing_pressure(surface)
+
+
 def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    tight = [load for load in loads if load.contact.profile.peak_pressure >= surface.sealing_pressure]
+    sealing = _sealing_pressure(problem, surface)
+    tight = [load for load in loads if load.contact.profile.peak_pressure >= sealing]
     if tight:
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
         peak = load.contact.profile.peak_pressure
@@ -434,14 +444,15 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
             Level.DOUBTFUL,
             f"sealed by the percolation threshold, A/A0 = {surface.percolation_threshold:.2g}",
             f"sealed: at {load_name(load, loads)} the peak pressure {peak / 1e6:.4g} MPa is above "
-            f"{surface.sealing_pressure / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
+            f"{sealing / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
             f"touches and no leak path is open (from {first} on, of the loads calculated). A leak rate of "
             "zero is only as certain as this percolation threshold",
         )
 
 
 def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    leaky = [load for load in loads if load.contact.profile.peak_pressure < surface.sealing_pressure]
+    sealing = _sealing_pressure(problem, surface)
+    leaky = [load for load in loads if load.contact.profile.peak_pressure < sealing]
     if not leaky:
         return
     load = max(leaky, key=lambda load: load.contact.profile.peak_pressure)
@@ -451,15 +462,19 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
     area = float(surface.contact_area(load.contact.profile.peak_pressure))
     factor = next(factor for limit, factor in _FACTORS if area <= limit) if area > _FEW_CHANNELS else 1.0
     lay = _lay_factor(area, surface.peklenik)
-    if lay > max(factor, _WORTH_SAYING):
-        beyond = f"; beyond A/A0 = {_LAY_KNOWN:g} there are none" if area > _LAY_KNOWN else ""
+    if lay > _WORTH_SAYING and area <= _DIRECT_END:
+        lay = max(lay, factor)
+        unknown = [f"A/A0 = {_LAY_KNOWN:g}"] if area > _LAY_KNOWN else []
+        if max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST:
+            unknown.append(f"a ratio of {_LAY_LONGEST:g} of the correlation lengths")
+        beyond = f"; beyond {' and '.join(unknown)} there are none" if unknown else ""
         yield Caution(
             "lay",
             Level.DOUBTFUL,
-            f"roughness with a lay: leak rate up to a factor {lay:.2g} too large",
+            f"roughness with a lay: leak rate up to a factor {lay:.2g} off",
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. The roughness "
-            f"has a lay (peklenik = {surface.peklenik:.3g}), for which the theory's flow conductivity is above "
-            f"direct numerical results by up to a factor {lay:.2g}, on the safe side{beyond}",
+            f"has a lay (peklenik = {surface.peklenik:.3g}), for which the theory's flow conductivity differs from "
+            f"direct numerical results with elastic asperities by up to a factor {lay:.2g} either way{beyond}",
         )
     elif area > _DIRECT_END:
         yield Caution(
@@ -509,10 +524,11 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
 
 
 def _lay_factor(area: float, peklenik: float) -> float:
-    """Largest factor by which the theory's flow conductivity is above direct numerical results because of a lay."""
-    if peklenik >= 1.0:
-        return float(peklenik**_LAY_ALONG)
-    return float(peklenik ** -next(exponent for limit, exponent in _LAY_ACROSS if area <= limit))
+    """Largest factor by which the theory's flow conductivity differs from direct numerical results because of a lay."""
+    ratio = max(peklenik, 1.0 / peklenik)
+    across = next(factor for limit, factor in _LAY_ACROSS if area <= limit)
+    known = _LAY_ALONG if peklenik >= 1.0 else across
+    return float(known ** min(1.0, math.log2(ratio)) * max(1.0, ratio / _LAY_LONG) ** _LAY_POWER)
 
 
 def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:

@@ -47,12 +47,14 @@ def _flow(case: CaseTables) -> Iterator[Problem]:
     directed = case.roughness is not None and (
         case.roughness.peklenik != 1 or case.roughness.along is not None
     )
-    if directed and case.leak.conductivity == "critical-junction":
+    reading = case.leak.conductivity
+    if directed and reading in ("critical-junction", "percolation"):
+        what = "a single junction" if reading == "critical-junction" else "the closed law of the threshold"
         yield Problem(
             "leak.conductivity",
-            "a single junction has no direction, but the roughness has one (peklenik, or along and across); use "
+            f"{what} has no direction, but the roughness has one (peklenik, or along and across); use "
             '"bruggeman"',
-            '"critical-junction"',
+            f'"{reading}"',
         )
 
 

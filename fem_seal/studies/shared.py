@@ -190,6 +190,10 @@ class TabulatedSurface:
     surface: RoughContact
     sealing_pressure: float
 
+    def sealing_pressure_by(self, method: str) -> float:
+        """The same: the table is that of the reading in use [Pa]."""
+        return self.sealing_pressure
+
     @property
     def spectrum(self) -> PowerSpectrum:
         """Of the surface."""
@@ -307,7 +311,7 @@ def _interpolated(surface: RoughContact, first: int, t: float, method: str) -> C
 def _lattice_table(surface: RoughContact, place: int, method: str) -> ConductivityTable:
     """Table of a surface with the hardness of one lattice point, at fixed fractions of its sealing pressure."""
     plastic = replace(surface, hardness=_MODULUS * math.exp(_SPACING * place))
-    sealing = plastic.sealing_pressure
+    sealing = plastic.sealing_pressure_by(method)
     return plastic.conductivity_table(_RANGE * sealing, sealing, _NODES, method=method)
 
 

@@ -16,7 +16,9 @@ from leak.numerics.curves import MonotoneCurve, spline_slopes
 if TYPE_CHECKING:
     from scipy.interpolate import RectBivariateSpline
 
-METHODS = ("bruggeman", "critical-junction")
+METHODS = ("bruggeman", "critical-junction", "percolation")
+# ... of them those that know no direction of the roughness.
+WITHOUT_DIRECTION = ("critical-junction", "percolation")
 
 
 @runtime_checkable
@@ -44,13 +46,16 @@ _SMALLEST_SEPARATION = 1e-60
 _SEALING_WEIGHT = 0.5
 
 
-def table_abscissa(log_pressure: FloatArray, log_sealing_pressure: float) -> FloatArray:
+def table_abscissa(
+    log_pressure: FloatArray, log_sealing_pressure: float, method: str = "bruggeman"
+) -> FloatArray:
     """Variable in which ln u_eff is smooth: ln p at low pressure, 1/(1 - p/p_seal) toward sealing.
 
     The last open paths are at the smallest scales, where u1 vanishes like exp(-a^2/Y^2), so that ln u_eff goes like
-    -1/(1 - p/p_seal).
+    -1/(1 - p/p_seal). The closed law of the threshold falls with a power of 1 - p/p_seal instead: its logarithm.
     """
-    return log_pressure + _SEALING_WEIGHT / -np.expm1(log_pressure - log_sealing_pressure)
+    left = -np.expm1(log_pressure - log_sealing_pressure)
+    return log_pressure + (-np.log(left) if method == "percolation" else _SEALING_WEIGHT / left)
 
 
 @dataclass(frozen=True)
@@ -98,7 +103,7 @@ class ConductivityTable:
     p_max : float
         Largest pressure that may be asked for [Pa].
     method : str
-        "bruggeman" or "critical-junction".
+        "bruggeman", "critical-junction" or "percolation".
     memory : LoadMemory or None
         What the surface remembers of larger pressures, see `leak.flow.memory`; None where nothing is known of it.
 
@@ -127,7 +132,7 @@ class ConductivityTable:
 
     @cached_property
     def _curve(self) -> MonotoneCurve:
-        x = table_abscissa(np.log(self.pressure), self._log_sealing)
+        x = table_abscissa(np.log(self.pressure), self._log_sealing, self.method)
         # Linear in u where u is large, logarithmic where it is small: the ways it depends on the abscissa there.
         ratio = self.separation / self._decay_length
         y = ratio + np.log(-np.expm1(-ratio))
@@ -167,7 +172,8 @@ class ConductivityTable:
                 f"pressure = {worst:.6g} Pa is above the table's p_max = {self.p_max:.6g} Pa: make the table wider"
             )
         sealed = x >= self._log_sealing
-        abscissa = table_abscissa(np.where(sealed, -1.0 + self._log_sealing, x), self._log_sealing)
+        inside = np.where(sealed, -1.0 + self._log_sealing, x)
+        abscissa = table_abscissa(inside, self._log_sealing, self.method)
         u = self._decay_length * np.logaddexp(0.0, self._curve.value(abscissa))
         return np.where(sealed | (u < _SMALLEST_SEPARATION), 0.0, u)
 
@@ -259,7 +265,7 @@ class GasConductivityTable:
         return RectBivariateSpline(x, self.log_inverse_knudsen, self.log_rarefaction)
 
     def _abscissa(self, log_pressure: FloatArray) -> FloatArray:
-        return table_abscissa(log_pressure, float(np.log(self.liquid.sealing_pressure)))
+        return table_abscissa(log_pressure, float(np.log(self.liquid.sealing_pressure)), self.liquid.method)
 
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """u_eff at ln(p/Pa) [m]; zero from the sealing pressure on."""

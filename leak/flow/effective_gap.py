@@ -23,20 +23,21 @@ def effective_gap(
     mean_separation: FloatArray,
     rms_height: float,
     n: float,
-    peklenik: float = 1.0,
+    aspect: float | FloatArray = 1.0,
     *,
     refinement: int = 1,
 ) -> FloatArray:
     """u_eff of Bruggeman's effective medium over P(u), shape (P,) [m].
 
-    See `leak.flow.medium.effective_medium` and, for peklenik != 1, `leak.flow.medium.anisotropic_medium`.
+    See `leak.flow.medium.effective_medium` and, for inclusions of an aspect other than one, one number or shape (P,),
+    `leak.flow.medium.anisotropic_medium`.
 
     References
     ----------
     B. Lorenz, B. N. J. Persson, Eur. Phys. J. E 31, 159 (2010); W. B. Dapp et al., Phys. Rev. Lett. 108, 244301
     (2012).
     """
-    return anisotropic_medium(*_gaps(lost, mean_separation, rms_height, refinement), n, peklenik).along
+    return anisotropic_medium(*_gaps(lost, mean_separation, rms_height, refinement), n, aspect).along
 
 
 def effective_gas_gap(
@@ -44,7 +45,7 @@ def effective_gas_gap(
     mean_separation: FloatArray,
     rms_height: float,
     n: float,
-    peklenik: float,
+    aspect: float | FloatArray,
     flight: FloatArray,
 ) -> FloatArray:
     """u of the uniform gap without rarefaction that lets as much of a rarefied gas through as P(u), shape (P, m) [m].
@@ -56,7 +57,7 @@ def effective_gas_gap(
     out = np.empty(flight.shape)
     for j in range(flight.shape[1]):
         wider = gaps.separation * np.cbrt(flow_factor(gaps.separation / flight[:, j, None]))
-        out[:, j] = anisotropic_medium(*gaps._replace(separation=wider), n, peklenik).along
+        out[:, j] = anisotropic_medium(*gaps._replace(separation=wider), n, aspect).along
     return out
 
 

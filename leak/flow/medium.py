@@ -40,7 +40,7 @@ def anisotropic_medium(
     contact: FloatArray,
     wide_open: FloatArray,
     n: float,
-    peklenik: float,
+    peklenik: float | FloatArray,
 ) -> DirectionalGap:
     """Separations of the uniform gaps that let as much through as P(u) in the two principal directions.
 
@@ -57,8 +57,9 @@ def anisotropic_medium(
     ----------
     separation, weight, contact, wide_open, n
         See `leak.flow.medium.effective_medium`.
-    peklenik : float
-        Tripp (Peklenik) number gamma_T: correlation length along x over that along y [-].
+    peklenik : float or ndarray
+        gamma_T, length of the inclusions along x over that along y, one number or shape (P,), all of them on the same
+        side of one: the Tripp (Peklenik) number of a field, `inclusion_aspect` where surfaces touch [-].
 
     Returns
     -------
@@ -89,13 +90,16 @@ def anisotropic_medium(
     >>> print(f"{through[0] ** 3 * 1e18:.4f} {crossed[0] ** 3 * 1e18:.4f}")
     3.1000 1.3559
     """
-    if peklenik == 1.0:
+    gamma = np.asarray(peklenik, dtype=float)
+    if np.all(gamma == 1.0):
         same = effective_medium(separation, weight, contact, wide_open, n)
         return DirectionalGap(same, same)
-    if peklenik < 1.0:
-        across, along = anisotropic_medium(separation, weight, contact, wide_open, n, 1.0 / peklenik)
+    if np.any(gamma < 1.0):
+        if np.any(gamma > 1.0):
+            raise ConductivityError(f"peklenik = {peklenik}: must lie on one side of 1 at all pressures [-]")
+        across, along = anisotropic_medium(separation, weight, contact, wide_open, n, 1.0 / gamma)
         return DirectionalGap(along, across)
-    medium, k, log_gamma = _Medium.of(separation, weight, contact, wide_open), n - 1.0, np.log(peklenik)
+    medium, k, log_gamma = _Medium.of(separation, weight, contact, wide_open), n - 1.0, np.log(gamma)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # s_y is positive below this ln m, s_x above its negative; no room between them is percolation.
         room = np.log(k * (weight.sum(axis=-1) + wide_open) / contact)

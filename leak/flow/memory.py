@@ -60,7 +60,7 @@ class YieldingContact(Protocol):
     ) -> FloatArray | float:
         """u_eff at p after a larger pressure [m]."""
 
-    def sealing_pressure_after(self, largest: ArrayLike) -> FloatArray:
+    def sealing_pressure_after(self, largest: ArrayLike, method: str = "bruggeman") -> FloatArray:
         """From which pressure on nothing flows after a larger one [Pa]."""
 
 
@@ -188,7 +188,7 @@ def _conserved(surface: YieldingContact, first: ConductivityTable) -> _Rise:
     pressure, largest = _nodes(shares, falls, hardness)
     gap = np.asarray(surface.effective_separation(pressure, first.method, largest=largest))
     # beyond sealing, as far beyond as the surface that is left
-    past = np.log(pressure / surface.sealing_pressure_after(largest))
+    past = np.log(pressure / surface.sealing_pressure_after(largest, first.method))
     flows = gap > _NO_GAP
     after = np.where(
         flows,
@@ -204,7 +204,7 @@ def _pressure_of_gap(table: ConductivityTable) -> Callable[[FloatArray], FloatAr
     """ln p of first loading over u_eff."""
     low, high = np.log([table.pressure[0], (1.0 - 1e-3) * min(table.sealing_pressure, table.p_max)])
     fine = np.linspace(low, high, 50 * _INVERSE_NODES)
-    even = table_abscissa(fine, float(np.log(table.sealing_pressure)))
+    even = table_abscissa(fine, float(np.log(table.sealing_pressure)), table.method)
     log_p = np.interp(np.linspace(even[0], even[-1], _INVERSE_NODES), even, fine)
     gap = np.asarray(table.at_log_pressure(log_p))
     flows = gap > _NO_GAP

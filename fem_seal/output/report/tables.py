@@ -247,7 +247,11 @@ _NAMES = {
     "scan_length": "length of the scans",
     "form": "form error",
 }
-_CHANNELS = {"bruggeman": "effective medium", "critical-junction": "critical junction"}
+_CHANNELS = {
+    "bruggeman": "effective medium",
+    "critical-junction": "critical junction",
+    "percolation": "closed law near the threshold",
+}
 
 
 def _named(name: str) -> str:

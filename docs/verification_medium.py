@@ -1,0 +1,390 @@
+"""The readings of the flow conductivity beside direct simulations of elastic contacts: near the threshold, with a lay.
+
+`direct_elastic.csv` is made by docs/direct_elastic_campaign.py; `direct_numerical.csv` and `anisotropic_direct.csv` by
+others. Half of the surfaces served to fit constants, the other half judges them.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from direct_numerical import FloatArray, periodic_spectrum, read_direct, worst_factor
+from verification_page import Figure, Section
+
+import leak
+from leak.flow.effective_gap import effective_gap
+
+# The campaign belongs to this repository; the other results may stand in a folder of their own.
+CAMPAIGN = Path(__file__).resolve().parents[1] / "tests" / "reference" / "direct_elastic.csv"
+STRETCHED = "anisotropic_direct.csv"
+# Direct A/A0 between which ratios are compared.
+BINS = ((0.0, 0.15), (0.15, 0.19), (0.19, 0.25), (0.25, 0.32), (0.32, 0.39))
+
+
+class Kind(NamedTuple):
+    """Surfaces of one spectrum on one grid."""
+
+    peklenik: float
+    hurst: float
+    rolloff: int
+    cutoff: int
+    points: int
+
+    @property
+    def spectrum(self) -> leak.PowerSpectrum:
+        """Its angular average; box 1, rms slope 1."""
+        stretched = leak.stretched_spectrum(
+            periodic_spectrum(self.rolloff, self.cutoff, self.hurst), self.peklenik
+        )
+        return leak.PowerSpectrum(stretched.wavenumber, stretched.density / stretched.rms_slope**2)
+
+
+@dataclass(frozen=True)
+class Direct:
+    """Direct results of one kind of surface, each array one value per pressure.
+
+    Parameters
+    ----------
+    kind : Kind
+    surfaces : int
+    pressure : ndarray
+        p/(E* h').
+    area : ndarray
+        A/A0 on the grid as it is.
+    along, across : ndarray
+        12 eta sigma over rms height cubed along and across the lay, geometric means over the surfaces.
+    mean : ndarray
+        The same of the mean of both directions.
+    """
+
+    kind: Kind
+    surfaces: int
+    pressure: FloatArray
+    area: FloatArray
+    along: FloatArray
+    across: FloatArray
+    mean: FloatArray
+
+
+def _rows(file: Path) -> Iterator[tuple[Kind, float, tuple[float, float, float]]]:
+    with file.open(encoding="utf-8") as opened:
+        for row in csv.DictReader(opened):
+            kind = Kind(
+                float(row["peklenik"]),
+                float(row.get("hurst", 0.8)),
+                int(row["rolloff_waves"]),
+                int(row["cutoff_waves"]),
+                int(row.get("grid_points", 512)),
+            )
+            numbers = [
+                float(row[name]) for name in ("contact_area", "conductivity_along", "conductivity_across")
+            ]
+            yield kind, float(row["p_over_Eh"]), (numbers[0], numbers[1], numbers[2])
+
+
+def read(file: Path) -> list[Direct]:
+    """All kinds of a file, sorted."""
+    found: dict[Kind, dict[float, list[tuple[float, float, float]]]] = defaultdict(lambda: defaultdict(list))
+    for kind, pressure, numbers in _rows(file):
+        found[kind][pressure].append(numbers)
+    return [_direct(kind, found[kind]) for kind in sorted(found)]
+
+
+def _direct(kind: Kind, by_pressure: dict[float, list[tuple[float, float, float]]]) -> Direct:
+    pressure = sorted(by_pressure)
+    parts = [np.array(by_pressure[p]) for p in pressure]
+    with np.errstate(divide="ignore"):
+        along, across, both = (
+            np.exp([np.log(column(part)).mean() for part in parts])
+            for column in (lambda t: t[:, 1], lambda t: t[:, 2], lambda t: 0.5 * (t[:, 1] + t[:, 2]))
+        )
+    area = np.array([part[:, 0].mean() for part in parts])
+    return Direct(kind, len(parts[0]), np.array(pressure), area, along, across, both)
+
+
+# -------------------------------------------------------------------- near the threshold
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """Theory over direct result of one spectrum without a lay.
+
+    Parameters
+    ----------
+    name : str
+    fitted : bool
+        Whether constants were fitted to it.
+    area : ndarray
+        Direct A/A0.
+    corrected : ndarray
+        The theory's corrected A/A0 over the direct one.
+    ratios : dict of ndarray
+        Conductivity by method.
+    """
+
+    name: str
+    fitted: bool
+    area: FloatArray
+    corrected: FloatArray
+    ratios: dict[str, FloatArray]
+
+
+METHODS = ("bruggeman", "percolation")
+
+
+def thresholds(reference: Path) -> list[Threshold]:
+    """All isotropic direct results of two surfaces at least; the closed law was fitted to sets A512, A and B alone."""
+    found = []
+    for file, note in ((CAMPAIGN, ""), (reference / STRETCHED, "*")):
+        for direct in read(file):
+            kind = direct.kind
+            if kind.peklenik == 1.0 and direct.surfaces > 1:
+                name = f"H {kind.hurst:g}, {kind.rolloff} to {kind.cutoff}{note} ({direct.surfaces})"
+                area, flow = direct.area, direct.mean
+                found.append(_threshold(name, False, kind.spectrum, direct.pressure, area, area, flow))
+    for shared in read_direct(reference):
+        found.append(
+            _threshold(
+                f"set {shared.name} ({shared.surfaces})",
+                True,
+                shared.spectrum,
+                shared.pressure,
+                shared.area,
+                shared.area_corrected,
+                shared.conductivity,
+            )
+        )
+    return found
+
+
+def _threshold(
+    name: str,
+    fitted: bool,
+    spectrum: leak.PowerSpectrum,
+    pressure: FloatArray,
+    area: FloatArray,
+    true_area: FloatArray,
+    conductivity: FloatArray,
+) -> Threshold:
+    surface = leak.RoughContact(spectrum, effective_modulus=1.0)
+    ratios = {
+        method: (np.asarray(surface.effective_separation(pressure, method)) / spectrum.rms_height) ** 3
+        / conductivity
+        for method in METHODS
+    }
+    return Threshold(
+        name, fitted, area, np.asarray(surface.corrected_contact_area(pressure)) / true_area, ratios
+    )
+
+
+def joined(sets: Iterable[Threshold], method: str, low: float, high: float) -> FloatArray:
+    """Ratios of all sets at direct A/A0 between two values; contacts that direct flow found blocked are left out."""
+    parts = [one.ratios[method][(one.area >= low) & (one.area < high)] for one in sets]
+    ratios = np.concatenate(parts) if parts else np.empty(0)
+    return ratios[np.isfinite(ratios)]
+
+
+def spread(ratios: FloatArray) -> float:
+    """Root mean square of ln, as a factor."""
+    return float(np.exp(np.sqrt(np.mean(np.log(ratios) ** 2)))) if ratios.size else 1.0
+
+
+def threshold_section(reference: Path) -> Section:
+    """Effective medium and closed law where few channels are left."""
+    sets = thresholds(reference)
+    judged = [one for one in sets if not one.fitted]
+    rows = [
+        (
+            one.name,
+            "fitted" if one.fitted else "judges",
+            f"{np.exp(np.log(one.corrected).mean()):.2f}",
+            *(
+                " to ".join(f"{end:.2f}" for end in _ends(joined([one], method, *bin)))
+                for bin in BINS
+                for method in METHODS
+            ),
+        )
+        for one in sets
+    ]
+    table = {(method, bin): joined(judged, method, *bin) for method in METHODS for bin in BINS}
+    words = "; ".join(
+        f"{low:g} to {high:g}: effective medium "
+        f"{worst_factor(table['bruggeman', (low, high)]):.1f} ({spread(table['bruggeman', (low, high)]):.2f}), closed law "
+        f"{worst_factor(table['percolation', (low, high)]):.1f} ({spread(table['percolation', (low, high)]):.2f})"
+        for low, high in BINS[1:]
+    )
+    return Section(
+        "Near the percolation threshold: effective medium and closed law",
+        TEXT_THRESHOLD.format(words=words),
+        (
+            "surfaces (number)",
+            "closed law",
+            "corrected area",
+            *(f"{low:g} to {high:g}, {method}" for low, high in BINS for method in METHODS),
+        ),
+        tuple(rows),
+        tuple(
+            Figure(f"{method} at A/A0 {low:g} to {high:g}", spread(table[method, (low, high)]) - 1.0, goal)
+            for method, goals in GOALS.items()
+            for (low, high), goal in zip(BINS, goals, strict=True)
+        ),
+    )
+
+
+def _ends(ratios: FloatArray) -> tuple[float, ...]:
+    if not ratios.size:
+        return ()
+    return (ratios[0],) if ratios.size == 1 else (ratios.min(), ratios.max())
+
+
+# What each reading is held to on surfaces that it was not fitted to, by bin: rms of ln as a factor, less one. Two to four
+# surfaces of four correlation lengths scatter by a factor of 1.3 at A/A0 = 0.2 and 2 at 0.35 themselves.
+GOALS = {
+    "bruggeman": (0.3, 0.3, 0.4, 0.5, 1.2),
+    "percolation": (0.3, 0.3, 0.3, 0.5, 0.9),
+}
+TEXT_THRESHOLD = (
+    "Conductivity of the theory over the direct one, between direct contact areas: Bruggeman's effective medium, the "
+    'default, and `conductivity = "percolation"`, which goes over into 12 eta sigma = 0.80 ubar^3 (1 - A/(0.42 A0))^2.85 '
+    "with a corrected contact area between A/A0 = 0.15 and 0.25. Surfaces are named by Hurst exponent and by their waves "
+    "per side at roll-off and cutoff (* Peklenik number 1 of `anisotropic_direct.csv`; the others are those of "
+    "`docs/direct_elastic_campaign.py`). The closed law was fitted to sets A512, A and B; everything else judges it. "
+    "Largest factor on the judging surfaces, and in brackets the root mean square, at A/A0 {words}.\n\n"
+    "So the closed law is the better one beyond A/A0 = 0.32 and hardly better or worse below: on surfaces with roll-off at 8 "
+    "and cutoff at 32 waves it falls too early, on those with roll-off at 16 waves, and on set B, the effective "
+    "medium is off by more. Neither knows the bandwidth of the roughness; the closed law lies above the effective medium by 3 "
+    "where the waves span two decades. It is therefore a further reading, not the default, and the difference of both, in "
+    "the variants of a run, says how well a leak rate in this range is known."
+)
+
+# -------------------------------------------------------------------- with a lay
+
+
+@dataclass(frozen=True)
+class Lay:
+    """Theory over direct result of one stretched spectrum: the reading in use, and patches as long as the roughness.
+
+    Parameters
+    ----------
+    direct : Direct
+    fitted : bool
+    theory_area : ndarray
+        The theory's own A/A0.
+    along, across : ndarray
+        Conductivity of the theory over the direct one.
+    plain_along, plain_across : ndarray
+        The same with inclusions of the aspect of the heights and as much contact as without a lay.
+    """
+
+    direct: Direct
+    fitted: bool
+    theory_area: FloatArray
+    along: FloatArray
+    across: FloatArray
+    plain_along: FloatArray
+    plain_across: FloatArray
+
+
+def lays(reference: Path) -> list[Lay]:
+    """All stretched direct results; the constant was fitted to every second spectrum."""
+    found = [*read(CAMPAIGN), *read(reference / STRETCHED)]
+    stretched = sorted((one for one in found if one.kind.peklenik != 1.0), key=lambda one: one.kind)
+    return [_lay(direct, n % 2 == 0) for n, direct in enumerate(stretched)]
+
+
+def _lay(direct: Direct, fitted: bool) -> Lay:
+    spectrum, p = direct.kind.spectrum, direct.pressure
+    numbers, directs = (direct.kind.peklenik, 1.0 / direct.kind.peklenik), (direct.along, direct.across)
+    used, plain = [], []
+    for number, measured in zip(numbers, directs, strict=True):
+        contact = leak.RoughContact(spectrum, effective_modulus=1.0, peklenik=number)
+        u = np.asarray(contact.effective_separation(p))
+        used.append((u / spectrum.rms_height) ** 3 / measured)
+        lost, mean = contact.lost_area(p)
+        u = effective_gap(lost, mean, spectrum.rms_height, leak.dimension_number(0.42), number)
+        plain.append((u / spectrum.rms_height) ** 3 / measured)
+    return Lay(direct, fitted, np.asarray(contact.contact_area(p)), *used, *plain)
+
+
+def lay_section(reference: Path) -> Section:
+    """Stretched surfaces, along and across."""
+    all_of_them = lays(reference)
+    rows = [
+        (
+            f"{one.direct.kind.peklenik:g}",
+            f"{one.direct.kind.hurst:g}",
+            f"{one.direct.kind.rolloff} to {one.direct.kind.cutoff}",
+            "fitted" if one.fitted else "judges",
+            f"{one.direct.pressure[n]:g}",
+            f"{one.direct.area[n]:.3f}",
+            *(f"{values[n]:.2f}" for values in (one.along, one.across, one.plain_along, one.plain_across)),
+        )
+        for one in all_of_them
+        for n in range(one.direct.pressure.size)
+    ]
+    judged = [one for one in all_of_them if not one.fitted]
+    factors = {
+        name: worst_factor(_known(judged, name))
+        for name in ("along", "across", "plain_along", "plain_across")
+    }
+    spreads = {name: spread(_known(judged, name)) for name in factors}
+    text = TEXT_LAY.format(
+        **factors,
+        **{f"{name}_spread": value for name, value in spreads.items()},
+        ten_along=worst_factor(_beyond(all_of_them, "along")),
+        ten_across=worst_factor(_beyond(all_of_them, "across")),
+        ten_plain=worst_factor(_beyond(all_of_them, "plain_across")),
+    )
+    return Section(
+        "Roughness with a lay: along and across",
+        text,
+        (
+            "Peklenik",
+            "Hurst",
+            "waves",
+            "",
+            "p/(E* h')",
+            "direct A/A0",
+            "along",
+            "across",
+            "plain along",
+            "plain across",
+        ),
+        tuple(rows),
+        (
+            Figure("along the lay, Peklenik number to 5", factors["along"] - 1.0, 0.5),
+            Figure("across the lay, Peklenik number to 5", factors["across"] - 1.0, 1.5),
+        ),
+    )
+
+
+def _known(sets: Sequence[Lay], name: str) -> FloatArray:
+    return np.concatenate([getattr(one, name) for one in sets if one.direct.kind.peklenik <= 5.0])
+
+
+def _beyond(sets: Sequence[Lay], name: str) -> FloatArray:
+    return np.concatenate([getattr(one, name) for one in sets if one.direct.kind.peklenik > 5.0])
+
+
+TEXT_LAY = (
+    "Conductivity of the theory over that of direct simulations of stretched surfaces, along and across their lay "
+    "(`anisotropic_direct.csv`, Hurst exponent 0.8, and the campaign of `docs/direct_elastic_campaign.py`). The theory's "
+    "one constant for a lay was fitted to half of the spectra. On the other half, Peklenik numbers of 2 to 5, it is off by "
+    "at most {along:.2f} along and {across:.2f} across (root mean square {along_spread:.2f} and {across_spread:.2f}); "
+    'patches as long as the roughness ("plain", the textbook reading) by {plain_along:.2f} and {plain_across:.2f} '
+    "({plain_along_spread:.2f} and {plain_across_spread:.2f}). At a number of 10, on patches that hold four correlation "
+    "lengths, the factors are {ten_along:.2f} and {ten_across:.2f} (plain across: {ten_plain:.1f}), the theory being too "
+    "tight: beyond 5 the lay is less well known than below."
+)
+
+
+def sections(reference: Path) -> Iterator[Section]:
+    """Both parts."""
+    yield threshold_section(reference)
+    yield lay_section(reference)
