@@ -90,7 +90,7 @@ class YieldingSet:
     def equivalent(self) -> tuple[FloatArray, FloatArray]:
         """Elastic pressures with the same mean gap and with the same conductivity on the same surface.
 
-        Cubic splines in ln p through the elastic states; nan beyond them.
+        Cubic splines in ln p through the elastic states; nan beyond them, and where no flow was calculated.
         """
         from scipy.interpolate import make_interp_spline
 
@@ -99,6 +99,8 @@ class YieldingSet:
         fine = np.linspace(log_p[0], log_p[-1], 4000)
 
         def inverse(values: FloatArray, wanted: FloatArray) -> FloatArray:
+            if np.isnan(values).any():
+                return np.full(wanted.shape, np.nan)
             curve = make_interp_spline(log_p, values, k=3)(fine)
             found = np.interp(wanted, curve[::-1], fine[::-1], left=np.nan, right=np.nan)
             return np.exp(np.where(np.isnan(wanted), np.nan, found))

@@ -46,7 +46,7 @@ class CappedConstants(NamedTuple):
     """n, the power in which hard and soft limit add up."""
     bearing: float = 0.95
     """Bearing pressure over the theory's."""
-    growth: float = 0.72
+    growth: float = 0.7
     """By how much c grows with a/(1 - a)."""
     spring: float = 1.8
     """How fast the spring-back of unloading is lost with the excess of p_eq over p."""
