@@ -205,7 +205,7 @@ def _leak(case: Case) -> list[tuple[str, str]]:
     conductivity = {
         "bruggeman": "effective medium (Bruggeman)",
         "critical-junction": "critical junction",
-        "percolation": "effective medium, closed law near the threshold",
+        "threshold-law": "effective medium, closed law near the threshold",
     }
     return [
         ("asperities", "yield at the hardness" if case.leak.plasticity else "elastic"),
