@@ -10,6 +10,7 @@ import csv
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -296,25 +297,27 @@ class Lay:
     plain_across: FloatArray
 
 
-def lays(reference: Path) -> list[Lay]:
+@lru_cache(maxsize=1)
+def lays(reference: Path) -> tuple[Lay, ...]:
     """All stretched direct results; the constant was fitted to every second spectrum."""
     found = [*read(CAMPAIGN), *read(reference / STRETCHED)]
     stretched = sorted((one for one in found if one.kind.peklenik != 1.0), key=lambda one: one.kind)
-    return [_lay(direct, n % 2 == 0) for n, direct in enumerate(stretched)]
+    return tuple(_lay(direct, n % 2 == 0) for n, direct in enumerate(stretched))
 
 
 def _lay(direct: Direct, fitted: bool) -> Lay:
     spectrum, p = direct.kind.spectrum, direct.pressure
     numbers, directs = (direct.kind.peklenik, 1.0 / direct.kind.peklenik), (direct.along, direct.across)
     used, plain = [], []
+    isotropic = leak.RoughContact(spectrum, effective_modulus=1.0)
+    lost, mean = isotropic.lost_area(p)
     for number, measured in zip(numbers, directs, strict=True):
         contact = leak.RoughContact(spectrum, effective_modulus=1.0, peklenik=number)
         u = np.asarray(contact.effective_separation(p))
         used.append((u / spectrum.rms_height) ** 3 / measured)
-        lost, mean = contact.lost_area(p)
         u = effective_gap(lost, mean, spectrum.rms_height, leak.dimension_number(0.42), number)
         plain.append((u / spectrum.rms_height) ** 3 / measured)
-    return Lay(direct, fitted, np.asarray(contact.contact_area(p)), *used, *plain)
+    return Lay(direct, fitted, np.asarray(isotropic.contact_area(p)), *used, *plain)
 
 
 def lay_section(reference: Path) -> Section:

@@ -20,7 +20,7 @@ from verification_medium import BINS, CAMPAIGN, GOALS, Lay, Threshold, joined, l
 
 
 @pytest.fixture(scope="module")
-def stretched(reference_folder) -> list[Lay]:
+def stretched(reference_folder) -> tuple[Lay, ...]:
     return lays(reference_folder)
 
 
@@ -29,7 +29,7 @@ def isotropic(reference_folder) -> list[Threshold]:
     return thresholds(reference_folder)
 
 
-def judged(sets: list[Lay], name: str) -> np.ndarray:
+def judged(sets: tuple[Lay, ...], name: str) -> np.ndarray:
     return np.concatenate(
         [getattr(one, name) for one in sets if not one.fitted and one.direct.kind.peklenik <= 5.0]
     )
