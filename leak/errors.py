@@ -89,7 +89,7 @@ class ConductivityError(LeakError):
     >>> surface.conductivity_table(1e6, 1e8, method="guess")
     Traceback (most recent call last):
         ...
-    leak.errors.ConductivityError: method = 'guess': must be one of ('bruggeman', 'critical-junction', 'percolation')
+    leak.errors.ConductivityError: method = 'guess': must be one of ('bruggeman', 'critical-junction', 'threshold-law')
     """
 
 

@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
 
 from direct_numerical import read_direct
 
-NEAR = "percolation"
+NEAR = "threshold-law"
 
 
 def test_corrected_area_solves_its_equation():

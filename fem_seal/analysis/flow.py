@@ -72,7 +72,7 @@ class Flow:
         None for a liquid.
     outlet_pressure : float
         Of a gas: absolute pressure on the low side [Pa].
-    conductivity : {"bruggeman", "critical-junction", "percolation", "direct"}
+    conductivity : {"bruggeman", "critical-junction", "threshold-law", "direct"}
         Effective medium of all channels, the narrowest junction alone, the closed law near the threshold, or direct
         simulation.
     fluid_in_gap : {"uncoupled", "local"}
@@ -90,7 +90,7 @@ class Flow:
     density: float | None = None
     gas: Gas | None = None
     outlet_pressure: float = 0.0
-    conductivity: Literal["bruggeman", "critical-junction", "percolation", "direct"] = "bruggeman"
+    conductivity: Literal["bruggeman", "critical-junction", "threshold-law", "direct"] = "bruggeman"
     fluid_in_gap: Literal["uncoupled", "local"] = "uncoupled"
     pressure_side: PressureSide = "outer"
     direct: DirectSettings | None = None

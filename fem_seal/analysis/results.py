@@ -631,7 +631,7 @@ class TheoryVariant:
     ----------
     plastic : bool or None
         p(u) of the plastically smoothed (True) or of the elastic surface; None if the case gives the law itself.
-    conductivity : {"bruggeman", "critical-junction", "percolation"}
+    conductivity : {"bruggeman", "critical-junction", "threshold-law"}
     separation_width : {"effective", "plain"} or None
         Width of the Gaussians in P(u); None for the critical junction, which needs no P(u).
     percolation_threshold : float

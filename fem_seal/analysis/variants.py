@@ -81,7 +81,7 @@ def _laws(problem: SealProblem, surface: RoughContact) -> tuple[bool | None, ...
 class _Reading:
     """How the flow through a rough contact is read: conductivity, width in P(u) and threshold."""
 
-    conductivity: Literal["bruggeman", "critical-junction", "percolation"]
+    conductivity: Literal["bruggeman", "critical-junction", "threshold-law"]
     width: Literal["effective", "plain"] | None
     threshold: float
 
@@ -99,7 +99,7 @@ def _readings(flow: Flow, surface: RoughContact) -> list[_Reading]:
     channels = [_Reading("bruggeman", width, threshold) for width, threshold in product(_WIDTHS, thresholds)]
     if surface.peklenik != 1.0:
         return channels  # the others know no direction
-    near = [_Reading("percolation", "effective", threshold) for threshold in thresholds]
+    near = [_Reading("threshold-law", "effective", threshold) for threshold in thresholds]
     return [*channels, *near, *(_Reading("critical-junction", None, threshold) for threshold in thresholds)]
 
 

@@ -41,9 +41,9 @@ _FEW_CHANNELS = 0.15
 _FACTORS = ((0.2, 1.7), (1.0, 3.3))
 # ... where they end; from there to the percolation threshold the conductivity falls to nothing.
 _DIRECT_END = 0.39
-# With a lay it differs by up to these factors, up to some A/A0, where the fluid crosses the lay and where it flows along
-# it: direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to 0.16. For a lay
-# 10 times longer the factors rise by 10/5 to this power.
+# With a lay it differs by up to these factors, up to some A/A0, where the fluid crosses the lay and where it flows
+# along it: direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to 0.16.
+# For a lay 10 times longer the factors rise by 10/5 to this power.
 _LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 1.4), (0.1, 1.5), (1.0, 2.5)), 1.4, 0.16
 _LAY_LONG, _LAY_LONGEST, _LAY_POWER = 5.0, 10.0, 0.7
 _WORTH_SAYING = 1.3

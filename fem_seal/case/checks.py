@@ -48,7 +48,7 @@ def _flow(case: CaseTables) -> Iterator[Problem]:
         case.roughness.peklenik != 1 or case.roughness.along is not None
     )
     reading = case.leak.conductivity
-    if directed and reading in ("critical-junction", "percolation"):
+    if directed and reading in ("critical-junction", "threshold-law"):
         what = "a single junction" if reading == "critical-junction" else "the closed law of the threshold"
         yield Problem(
             "leak.conductivity",

@@ -151,12 +151,12 @@ class Leak(Table):
     percolation_threshold: Annotated[float, Number(0.05, 0.95)] = Field(
         0.42, description="relative contact area above which no channel is open"
     )
-    conductivity: Literal["bruggeman", "critical-junction", "percolation", "direct"] = Field(
+    conductivity: Literal["bruggeman", "critical-junction", "threshold-law", "direct"] = Field(
         "bruggeman",
-        description="effective medium of all channels; the narrowest junction alone; the effective medium that goes over "
-        "into a closed law of the percolation threshold where more than 0.15 of the area touches (docs/theory.md); these "
-        "two for roughness without a lay; or the direct simulation of [direct], which is for liquids and takes minutes "
-        "(docs/direct.md)",
+        description="effective medium of all channels; the narrowest junction alone; the effective medium that goes "
+        "over into a closed law of the percolation threshold where more than 0.15 of the area touches "
+        "(docs/theory.md), these two for roughness without a lay; or the direct simulation of [direct], which is for "
+        "liquids and takes minutes (docs/direct.md)",
     )
     fluid_in_gap: Literal["uncoupled", "local"] = Field(
         "uncoupled",

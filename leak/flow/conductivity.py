@@ -16,9 +16,9 @@ from leak.numerics.curves import MonotoneCurve, spline_slopes
 if TYPE_CHECKING:
     from scipy.interpolate import RectBivariateSpline
 
-METHODS = ("bruggeman", "critical-junction", "percolation")
+METHODS = ("bruggeman", "critical-junction", "threshold-law")
 # ... of them those that know no direction of the roughness.
-WITHOUT_DIRECTION = ("critical-junction", "percolation")
+WITHOUT_DIRECTION = ("critical-junction", "threshold-law")
 
 
 @runtime_checkable
@@ -55,7 +55,7 @@ def table_abscissa(
     -1/(1 - p/p_seal). The closed law of the threshold falls with a power of 1 - p/p_seal instead: its logarithm.
     """
     left = -np.expm1(log_pressure - log_sealing_pressure)
-    return log_pressure + (-np.log(left) if method == "percolation" else _SEALING_WEIGHT / left)
+    return log_pressure + (-np.log(left) if method == "threshold-law" else _SEALING_WEIGHT / left)
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class ConductivityTable:
     p_max : float
         Largest pressure that may be asked for [Pa].
     method : str
-        "bruggeman", "critical-junction" or "percolation".
+        "bruggeman", "critical-junction" or "threshold-law".
     memory : LoadMemory or None
         What the surface remembers of larger pressures, see `leak.flow.memory`; None where nothing is known of it.
 

@@ -138,7 +138,7 @@ def gas_leak_flow(
         Distance from the axis r, one number or one per point [m].
     pressure_side : {"outer", "inner"}
         Side of the inlet: larger or smaller x.
-    method : {"bruggeman", "critical-junction", "percolation"}
+    method : {"bruggeman", "critical-junction", "threshold-law"}
         See `RoughContact.effective_separation`; for a `RoughContact` only.
     ends : tuple of float or None, optional
         x at which the faces end, see `leak.leak_flow` [m].

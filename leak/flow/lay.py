@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 
-# Fitted to half of the direct results: how much more of endless ridges touches where little does. The fit of the exponent
-# of the aspect is 1.05 sqrt(A/(A0 a_c)).
+# Fitted to half of the direct results: how much more of endless ridges touches where little does. The fit gives an
+# exponent of the aspect of 1 + 1.05 sqrt(A/(A0 a_c)).
 _MORE = 0.35
 
 

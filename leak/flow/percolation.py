@@ -1,7 +1,7 @@
 """Flow near the percolation threshold: a closed law of the mean gap and of a corrected contact area.
 
-Persson's contact area is 15 to 30 % too small, and Bruggeman's medium too open where few channels are left: two errors that
-cancel in the effective medium, as far as they do. Here each is taken for itself. All of it is for isotropic surfaces.
+Persson's contact area is 15 to 30 % too small, and Bruggeman's medium too tight where few channels are left: two errors
+that cancel in part. Here each is taken for itself. All of it is for isotropic surfaces.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ _G = 5.0 / 9.0
 _PREFACTOR, _EXPONENT = 0.80, 2.85
 # Corrected A/A0 over which the effective medium goes over into the closed law.
 _FROM, _TO = 0.15, 0.25
-# ln of the most that the closed law may lie above the effective medium. Direct results reach a factor 3; where the waves
-# span three decades it would be 50, and what rises from one law to the other would rise with the pressure.
+# ln of the most that the closed law may lie above the effective medium. Direct results reach a factor 3; where the
+# waves span three decades it would be 50, and going over into it would rise with the pressure.
 _MOST_ABOVE = np.log(5.0)
 # ln of the variance G/p^2 over which the corrected one is tabulated: full contact below, proportional above.
 _TABLE = np.linspace(-5.0, 25.0, 601)

@@ -206,7 +206,7 @@ def _leak(case: Case) -> list[tuple[str, str]]:
         "bruggeman": "effective medium (Bruggeman)",
         "critical-junction": "critical junction",
         "direct": "direct simulation of rough patches",
-        "percolation": "effective medium, closed law near the threshold",
+        "threshold-law": "effective medium, closed law near the threshold",
     }
     return [
         ("asperities", "yield at the hardness" if case.leak.plasticity else "elastic"),

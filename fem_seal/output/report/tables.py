@@ -250,7 +250,7 @@ _NAMES = {
 _CHANNELS = {
     "bruggeman": "effective medium",
     "critical-junction": "critical junction",
-    "percolation": "closed law near the threshold",
+    "threshold-law": "closed law near the threshold",
 }
 
 
