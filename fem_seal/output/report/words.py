@@ -129,7 +129,8 @@ def _least(load: LoadResult) -> str:
         return ""
     read = [load.conserved, load.capped] if load.yields else [load]
     rates = [least_with_scratches(one) for one in read]
-    told = leak_range_text((min(rates), max(rates)), load.digits, claimed=not load.validity.outside)
+    ends = rates[0] if max(rates) <= AGREE * min(rates) else (min(rates), max(rates))
+    told = leak_range_text(ends, min(load.digits, 3), claimed=not load.validity.outside)
     return f"upper bound of what scratches add; the lower one gives {told}"
 
 
