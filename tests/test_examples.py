@@ -57,6 +57,12 @@ def test_case_runs_and_is_resolved(path, tmp_path):
     for load in result.loads:
         assert abs(load.contact.force_error) < 1e-9
         assert load.leak is None or 0 <= load.leak.leak_rate < float("inf")
+        # both readings of asperities that yield lie around the one that is told as a single number
+        assert (load.leak_range is not None) == (
+            load.leak is not None and result.surface.hardness is not None
+        )
+    for load, ends in zip(result.loads, result.leak_ranges, strict=True):
+        assert ends is None or ends[0] <= load.leak.leak_rate <= ends[1]
     # the load steps of a body that yields leave a per cent, elements a few parts in ten thousand
     assert result.discretisation_error.peak_pressure < (1e-2 if result.unloaded else 5e-4)
     assert (result.write(tmp_path) / "report.html").exists()

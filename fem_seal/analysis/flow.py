@@ -441,6 +441,11 @@ class RoughFlow(Lazy):
             return ()
         return tuple(replace(self, flow=replace(self.flow, end=end)) for end in (-1, 1))
 
+    @property
+    def two_readings(self) -> bool:
+        """Whether asperities yield and the theory says how; a simulation has one reading with its own interval."""
+        return self.surface.hardness is not None and not self.ends
+
     def _between(self, surface: RoughContact) -> RoughFlow:
         return self if surface is self.surface else replace(self, surface=surface)
 

@@ -194,7 +194,8 @@ def _forces_for_target(solver: LoadSolver, count: int) -> Forces:
 def _forces_capped(solver: LoadSolver, count: int) -> tuple[list[float | None], tuple[Caution, ...]]:
     """The same forces in the other reading of yielding asperities, as far as there is one."""
     problem, flow = solver.problem, solver.flow
-    if problem.loads.target_leak_rate is None or flow is None or flow.surface.hardness is None:
+    single = flow is None or flow.surface.hardness is None or flow.flow.simulated is not None
+    if problem.loads.target_leak_rate is None or single:
         return [None] * count, ()
     try:
         return [one.applied_force for one in contacts_at_target(problem, capped=True)], ()

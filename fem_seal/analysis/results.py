@@ -191,8 +191,8 @@ class LoadResult(Lazy):
 
     @property
     def yields(self) -> bool:
-        """Whether asperities yield, so that the leak rate has two readings."""
-        return self.rough is not None and self.rough.surface.hardness is not None
+        """Whether asperities yield by the theory, so that the leak rate has two readings."""
+        return self.rough is not None and self.rough.two_readings
 
     @property
     def leak_ends(self) -> tuple[LeakResult, LeakResult] | None:
@@ -200,15 +200,12 @@ class LoadResult(Lazy):
 
         With a direct simulation instead of the theory they are the ends of its interval.
         """
-        both: tuple[LeakResult | None, ...]
-        both = (self.leak_conserved, self.leak_capped) if self.yields else ()
-        if self.rough is not None and self.rough.ends:
-            both = self._leak_of_ends
+        both = self._simulated_ends or ((self.leak_conserved, self.leak_capped) if self.yields else ())
         found = sorted((leak for leak in both if leak is not None), key=lambda leak: leak.leak_rate)
         return (found[0], found[1]) if len(found) == 2 else None
 
     @cached_property
-    def _leak_of_ends(self) -> tuple[LeakResult | None, ...]:
+    def _simulated_ends(self) -> tuple[LeakResult | None, ...]:
         return () if self.rough is None else tuple(replace(self, rough=end).leak for end in self.rough.ends)
 
     @property

@@ -203,7 +203,7 @@ class _Study:
     @property
     def readings(self) -> int:
         """Leak rates of each sample and load: that of the case's own reading first, then the capped one, if any."""
-        return 2 if self.result.surface is not None and self.result.surface.hardness is not None else 1
+        return 2 if self.result.loads[0].yields else 1
 
     @property
     def last_load(self) -> slice:

@@ -51,11 +51,11 @@ def leak_picture(result: SealSolution) -> Picture | None:
     rates = np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
     elastic = np.array([load.leak_elastic.leak_rate if load.leak_elastic else np.nan for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
-    series = [
-        ("asperities yield, C_pl (result)" if plastic else "elastic asperities (result)", rates, BLUE, 2.2)
-    ]
+    two = any(load.yields for load in loads)
+    yielded = "asperities yield, C_pl (result)" if two else "asperities yield (result)"
+    series = [(yielded if plastic else "elastic asperities (result)", rates, BLUE, 2.2)]
     capped = np.array([load.leak_capped.leak_rate if load.leak_capped else np.nan for load in loads])
-    if plastic and np.isfinite(capped).any():
+    if two and np.isfinite(capped).any():
         series.append(("changed only where they touch", capped, GREEN, 1.5))
     if plastic and np.isfinite(elastic).any():
         series.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
@@ -79,7 +79,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
     known = np.array([ends[id(load)] or (np.nan, np.nan) for load in loads])
     if np.isfinite(known).any():
         sampled = result.uncertainty
-        name = "both readings" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
+        name = "its interval" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
         axes.fill_between(over.shown, *known.T / unit.size, color=BLUE, alpha=0.15, linewidth=0, label=name)
     _mark_sealed(axes, over.shown[(rates == 0) & ~outside])
     scales = ["x"] if over.values.min() > 0 and spans_decades(over.values) else []

@@ -64,7 +64,7 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
 
 def _readings(load: LoadResult) -> list[LoadResult]:
     """The load in both readings of yielding asperities, or in the only one."""
-    return [load] if load.leak_range is None else [load.conserved, load.capped]
+    return [load.conserved, load.capped] if load.yields else [load]
 
 
 def _range(load: LoadResult, leaks: Sequence[LeakResult | None]) -> str:

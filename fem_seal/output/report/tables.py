@@ -230,9 +230,8 @@ def variant_table(result: SealSolution) -> ReadableTable:
         )
         for variant in result.interface_variants
     ]
-    return ReadableTable(
-        ("interface law", "peak pressure", "FWHM", "std. deviation", "leak rate"), tuple(rows)
-    )
+    leak_rate = "leak rate (C_pl)" if result.strongest.yields else "leak rate"
+    return ReadableTable(("interface law", "peak pressure", "FWHM", "std. deviation", leak_rate), tuple(rows))
 
 
 _NAMES = {
@@ -351,6 +350,7 @@ def theory_note(result: SealSolution) -> str:
     return said(
         "notes.theory",
         "tight" if tight else "factor",
+        "yields" if result.highest.yields else "",
         load=load_name(result.loads[load], result.loads),
         factor="" if tight else number(max(rates) / min(rates), 2),
     )

@@ -127,9 +127,10 @@ def _least(load: LoadResult) -> str:
     """That a leak rate with scratches is the upper of two bounds, and the lower one; empty without scratches."""
     if load.leak is None or load.around is None or load.around.scratches is None:
         return ""
-    read = [load] if load.leak_range is None else [load.conserved, load.capped]
+    read = [load.conserved, load.capped] if load.yields else [load]
     rates = [least_with_scratches(one) for one in read]
-    told = leak_range_text((min(rates), max(rates)), load.digits, claimed=not load.validity.outside)
+    ends = rates[0] if max(rates) <= AGREE * min(rates) else (min(rates), max(rates))
+    told = leak_range_text(ends, min(load.digits, 3), claimed=not load.validity.outside)
     return f"upper bound of what scratches add; the lower one gives {told}"
 
 
@@ -157,7 +158,7 @@ def rate_of(load: LoadResult) -> float | tuple[float, float]:
 
 def readings_in_words(load: LoadResult) -> str:
     """Which reading of yielding asperities gives which leak rate; empty where there is but one."""
-    if load.leak_ends is None or load.leak_conserved is None or load.leak_capped is None:
+    if not load.yields or load.leak_conserved is None or load.leak_capped is None:
         return ""
     if ends_told(load) is None:
         return said("readings.load", "same")
@@ -286,12 +287,14 @@ def _what_leaks(result: SealSolution) -> str:
     ]
     then = f"; after {span}, {told.pop()}" if changed else ""
     claimed = [load for load in shown if ends_told(load) is not None and not load.validity.outside]
-    return f"The seal leaks {' and '.join(told)}{then}." + (f" {ends_in_words()}" if claimed else "")
+    return f"The seal leaks {' and '.join(told)}{then}." + (
+        f" {ends_in_words(claimed[0])}" if claimed else ""
+    )
 
 
-def ends_in_words() -> str:
+def ends_in_words(load: LoadResult) -> str:
     """What the two ends of a leak rate are."""
-    return said("readings.ends", "what")
+    return said("readings.ends", "what" if load.yields else "simulated")
 
 
 def _contact(load: LoadResult) -> str:
@@ -379,7 +382,7 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
         effect = "never" if factor > _NOTICED else "hardly"
     values = {"area": percent(area), "share": share, "factor": number(factor, 2)}
     yield said("reasons.asperities", "yielded", effect, **values)
-    if load.leak_ends is not None:
+    if load.yields and load.leak_ends is not None:
         yield said("readings.load", "why", readings=readings_in_words(load))
 
 
@@ -441,7 +444,7 @@ def leakage_lines(
     classes = classes_in_words(leakage_classes(case, load, ends))
     return [
         f"Leak rate at {load_values(load, loads)}: {leakage_text(load)}{doubt}",
-        *([f"  {ends_in_words()}"] if ends_told(load) is not None else []),
+        *([f"  {ends_in_words(load)}"] if ends_told(load) is not None else []),
         f"Leakage class for {nominal_size(case)}: {classes}{why}",
     ]
 
