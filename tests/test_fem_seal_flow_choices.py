@@ -100,12 +100,60 @@ def test_directions_that_are_no_stretch_are_remarked_on():
             },
             "has no direction",
         ),
+        (
+            {
+                "roughness": {"spectrum": SPECTRUM, "peklenik": 2},
+                "leak": {"conductivity": "threshold-law"},
+            },
+            "the closed law of the threshold has no direction",
+        ),
         ({"leak": {"fluid_in_gap": "lokal"}}, '"uncoupled" or "local"'),
         ({"leak": {"fluid_in_gap": "local"}, "fluid": {"name": "helium"}}, "only for liquids"),
     ],
 )
 def test_what_is_refused(tables, says):
     assert says in wrong(**tables)
+
+
+@pytest.mark.parametrize("fluid", ["water", "helium"])
+def test_the_law_of_the_threshold_is_the_effective_medium_where_little_touches(fluid):
+    medium, near = (
+        fem_seal.run(
+            case(
+                fluid={"name": fluid},
+                load={"fluid_pressure": "20 bar"},
+                leak={"plasticity": False, "conductivity": reading},
+            )
+        )
+        for reading in ("bruggeman", "threshold-law")
+    )
+    # A/A0 = 0.002 under the peak; the points of the two tables differ
+    assert near.table.leak_rate_m3_per_s[0] == pytest.approx(medium.table.leak_rate_m3_per_s[0], rel=2e-3)
+
+
+def test_each_reading_seals_at_its_own_pressure():
+    """A rms slope of 0.004: the sealing pressure lies within the contact pressures."""
+    fine = {**SPECTRUM, "rms_height": "0.019 um"}
+    surface = rough_contact(case(roughness={"spectrum": fine}, leak={"plasticity": False}))
+    assert surface.sealing_pressure_by("threshold-law") < surface.sealing_pressure
+    results = [
+        fem_seal.run(
+            case(
+                roughness={"spectrum": fine},
+                load={"fluid_pressure": "20 bar"},
+                leak={"plasticity": False, "conductivity": reading},
+            )
+        )
+        for reading in ("bruggeman", "threshold-law")
+    ]
+    peak = results[0].table.peak_pressure_Pa[0]
+    assert peak > surface.sealing_pressure
+    for result in results:
+        assert result.table.leak_rate_m3_per_s[0] == 0.0
+    # each warning states the sealing pressure of its own reading
+    words = [" ".join(caution.text for caution in result.loads[0].validity.cautions) for result in results]
+    for text, reading in zip(words, ("bruggeman", "threshold-law"), strict=True):
+        assert f"{surface.sealing_pressure_by(reading) / 1e6:.4g} MPa" in text
 
 
 def test_coupled_columns():
