@@ -8,16 +8,21 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sample_results import SPECTRUM, case, cone
+from sample_results import SPECTRUM, STEEL, case, cone
 
 import fem_seal
 import leak
+from fem_seal.analysis import chain
+from fem_seal.analysis.accuracy import NOT_ESTIMATED
+from fem_seal.analysis.afterwards import Afterwards
+from fem_seal.analysis.caution import Caution, Validity
 from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.load_solver import model_and_contacts, solved_again
 from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.profile_leak import leak_of_profiles
 from fem_seal.analysis.questions import contacts_at_target
 from fem_seal.analysis.results import LoadResult
+from fem_seal.analysis.warnings import earlier_cautions, load_validity
 from fem_seal.errors import InputError
 from fem_seal.output.pictures.memory import memory_picture
 from fem_seal.output.pictures.style import style
@@ -144,6 +149,40 @@ def test_less_force_meets_a_target_after_a_proof_load() -> None:
         assert found.leak.leak_rate == pytest.approx(target, rel=1e-4)
         forces.append(found.applied_force)
     assert forces[1] < forces[0]
+
+
+def test_a_body_that_would_have_yielded_under_the_earlier_load_is_doubtful_at_every_load() -> None:
+    soft = {**STEEL, "yield_stress": "60 MPa"}
+    problem = SealProblem.of(steps(("300 N",), "5 kN", seat=cone(soft)))
+    _, _, found = model_and_contacts(problem)
+    assert found.earlier is not None and problem.loads.earlier is not None
+    now = list(load_validity(problem, LoadResult(*problem.loads.points[0], found.contacts[0])).cautions)
+    assert not [one for one in now if one.kind == "yield stress"]
+    (caution,) = earlier_cautions(problem, LoadResult(*problem.loads.earlier, found.earlier))
+    assert caution.kind == "yield stress"
+    assert caution.reason.startswith("largest earlier load: seat: von Mises stress")
+    assert _judged(problem, found, [caution]).level == caution.level
+
+
+def _judged(problem: SealProblem, found: Any, before: list[Caution]) -> Validity:
+    load = LoadResult(*problem.loads.points[0], found.contacts[0])
+    (judged,) = chain._judged(Afterwards(), problem, [load], NOT_ESTIMATED, before)
+    return judged.validity
+
+
+def test_the_fluid_pressure_that_once_closed_it_acts_between_the_surfaces_too() -> None:
+    load = {
+        "fluid_pressure": ["5 bar", "30 bar"],
+        "closing": "penetration",
+        "largest_earlier_pressure": "30 bar",
+    }
+    problem = SealProblem.of(case(load=load))
+    _, _, found = model_and_contacts(problem)
+    low, high = found.contacts
+    assert found.earlier is not None
+    # first loading at the pressure itself, although it was solved as a contact that remembers
+    np.testing.assert_allclose(high.pressure, found.earlier.pressure, rtol=1e-6, atol=10.0)
+    assert low.profile.largest is not None and low.profile.highest > 3 * low.pressure.max()
 
 
 # ------------------------------------------------------------------ seals that are not round
