@@ -152,19 +152,14 @@ class RoughContact:
         """Whether C_pl stands in for C."""
         return self.hardness is not None and self.yielding == "conserved"
 
-    def acting_pressure(self, pressure: ArrayLike, largest: ArrayLike | None = None) -> FloatArray:
-        """Nominal pressure at which the theory is asked for the gaps: the equivalent one of a capped surface [Pa].
-
-        Parameters
-        ----------
-        pressure : array_like
-            Nominal pressure [Pa].
-        largest : array_like, optional
-            Largest one that the place has carried, counting where it exceeds `pressure` [Pa].
-        """
+    def acting_pressure(self, pressure: ArrayLike) -> FloatArray:
+        """Nominal pressure at which the theory is asked for the gaps: the equivalent one of a capped surface [Pa]."""
         p = _checked(pressure)
-        if self.hardness is None or self._smoothed:
-            return p
+        return p if self.hardness is None or self._smoothed else self._equivalent(p)
+
+    def _equivalent(self, p: FloatArray, largest: FloatArray | None = None) -> FloatArray:
+        """Pressure at which the elastic surface has the gaps of the capped one."""
+        assert self.hardness is not None  # of all who ask
         bearing, sealing = self._elastic_pressures
         return equivalent_pressure(
             p,
@@ -173,8 +168,45 @@ class RoughContact:
             rms_slope=self.spectrum.rms_slope,
             bearing_pressure=bearing,
             sealing_pressure=sealing,
-            largest=None if largest is None else _largest(p, largest),
+            largest=largest,
         )
+
+    def first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
+        """Pressure of first loading that leaves the gaps of a place which carries less than it once did.
+
+        The spring-back of direct simulation, see `leak.theory.capped.equivalent_pressure`, in either reading: of the
+        volume that yields C_pl says where it goes, but not how much of a gap comes back.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal pressure [Pa].
+        largest : array_like
+            Largest one that the place has carried, counting where it exceeds `pressure` [Pa].
+
+        Returns
+        -------
+        ndarray
+            Between both, of the broadcast shape [Pa]; `pressure` where nothing larger was carried, where it is zero,
+            and for elastic asperities; the largest one from the hardness on.
+        """
+        p = _checked(pressure)
+        p, most = np.broadcast_arrays(p, _largest(p, largest))
+        found = np.array(p)
+        if self.hardness is None:
+            return found
+        flat = (p > 0.0) & (most >= self.hardness)
+        found[flat] = most[flat]
+        harder = (p > 0.0) & (most > p) & ~flat
+        if np.any(harder):
+            low, high = np.log(p[harder]), np.log(most[harder])
+            wanted = self._equivalent(p[harder], most[harder])
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                below = self._equivalent(np.exp(middle)) < wanted
+                low, high = np.where(below, middle, low), np.where(below, high, middle)
+            found[harder] = np.exp(high)
+        return found
 
     @cached_property
     def _elastic_pressures(self) -> tuple[float, float]:
@@ -416,8 +448,8 @@ class RoughContact:
             Every grid of the effective medium has so many times more points, which shows its error.
         largest : array_like, optional
             Largest nominal pressure that the place has carried, counting where it exceeds `pressure`; broadcast
-            against it [Pa]. Asperities that yielded then do not come back: "capped" at the equivalent pressure of
-            the elastic surface after it, "conserved" in elastic contact at `pressure` with C_pl of the largest one.
+            against it [Pa]. Asperities that yielded then do not come back: u_eff is that of first loading at
+            `first_loading_pressure`.
         """
         self._check_method(method)
         if method == "critical-junction":
@@ -490,44 +522,11 @@ class RoughContact:
             low, high = (low, middle) if sealed else (middle, high)
         return high
 
-    def sealing_pressure_after(self, largest: ArrayLike, method: str = "bruggeman") -> FloatArray:
-        """Pressure from which on nothing flows through a place that has carried a larger one.
-
-        Parameters
-        ----------
-        largest : array_like
-            Largest nominal pressure [Pa].
-        method : str
-            See `sealing_pressure_by`.
-
-        Returns
-        -------
-        ndarray
-            `sealing_pressure` where that is not reached by `largest`, else below it; zero from the hardness on [Pa].
-        """
-        most, first = _checked(largest), self.sealing_pressure_by(method)
-        if self.hardness is None:
-            return np.full(most.shape, first)
-        found = np.zeros(most.shape)
-        z = self._sealing_argument(method)
-        for index in np.ndindex(most.shape):
-            p = np.atleast_1d(most[index])
-            if p[0] >= self.hardness * (1.0 - 1e-9):
-                continue
-            if self._smoothed:
-                rest = float(_remaining_moment(p, self._seen(p))[0])
-                found[index] = z * np.sqrt(np.pi * rest) * self.effective_modulus
-            else:
-                found[index] = self._reaches(
-                    self.elastic.sealing_pressure_by(method), 0.0, float(p[0]), float(p[0])
-                )
-        return np.where(found < most, found, first)
-
-    def _reaches(self, acting: float, low: float, high: float, largest: float | None = None) -> float:
+    def _reaches(self, acting: float, low: float, high: float) -> float:
         """Nominal pressure between `low` and `high` whose equivalent one is `acting` [Pa]."""
         for _ in range(60):
             middle = 0.5 * (low + high)
-            low, high = (low, middle) if self.acting_pressure(middle, largest) >= acting else (middle, high)
+            low, high = (low, middle) if self.acting_pressure(middle) >= acting else (middle, high)
         return high
 
     def conductivity_table(
@@ -574,32 +573,27 @@ class RoughContact:
         largest: ArrayLike | None = None,
     ) -> FloatArray | float:
         """Apply `function` where 0 < p < hardness; separations are infinite at p = 0, zero from the hardness on."""
-        p = _checked(pressure)
-        if largest is not None:
-            p, most = np.broadcast_arrays(p, _largest(p, largest))
-        else:
-            most = p
-        flat, worst = p.ravel(), most.ravel()
+        p = _checked(pressure) if largest is None else self.first_loading_pressure(pressure, largest)
+        flat = p.ravel()
 
-        def at(p: FloatArray, most: FloatArray) -> FloatArray:
-            acting = self.acting_pressure(p, None if largest is None else most)
-            return function(acting, self._seen(most))
+        def at(p: FloatArray) -> FloatArray:
+            acting = self.acting_pressure(p)
+            return function(acting, self._seen(acting))
 
         out = np.full(flat.shape, np.inf)
         least = _LEAST_RELATIVE_PRESSURE * self.effective_modulus
         usual, tiny = flat > least, (flat > 0.0) & ~(flat > least)
         if self.hardness is not None:
-            yielded = worst >= self.hardness * (1.0 - 1e-9)
+            yielded = flat >= self.hardness * (1.0 - 1e-9)
             out[yielded] = 0.0
-            usual, tiny = usual & ~yielded, tiny & ~yielded
+            usual &= ~yielded
         index = np.flatnonzero(usual)
         for start in range(0, index.size, _CHUNK):
             part = index[start : start + _CHUNK]
-            out[part] = at(flat[part], worst[part])
-        for one in np.flatnonzero(tiny):
-            few = np.array([least, np.e * least])
-            last, before = at(few, np.maximum(worst[one], few))
-            out[one] = last + (last - before) * np.log(least / flat[one])
+            out[part] = at(flat[part])
+        if np.any(tiny):
+            last, before = at(np.array([least, np.e * least]))
+            out[tiny] = last + (last - before) * np.log(least / flat[tiny])
         return _scalar(out.reshape(p.shape))
 
     def _check_method(self, method: str) -> None:
@@ -645,6 +639,7 @@ class RoughContact:
 
 
 _NEWTON_STEPS = 40
+_HALVINGS = 60
 
 # The table's last point below the sealing pressure, as a fraction of it; u_eff is below any molecule's size there.
 _CLOSEST_TO_SEALING, _CLOSEST_TO_POWER = 0.02, 1e-3
@@ -668,8 +663,7 @@ def _conductivity_table(
     log_p = np.concatenate([below[below > np.log(1e-60 * surface.effective_modulus)], log_p])
     u = np.asarray(surface.effective_separation(np.exp(log_p), method))
     flows = u > 0.0
-    first = ConductivityTable(np.exp(log_p[flows]), u[flows], sealing, p_max, method)
-    return replace(first, memory=LoadMemory(surface, first))
+    return ConductivityTable(np.exp(log_p[flows]), u[flows], sealing, p_max, method, LoadMemory(surface))
 
 
 # The low-pressure law holds to 1e-9 this far (in ln p) below p_c; above it ubar is tabulated at this spacing.
