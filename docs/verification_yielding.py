@@ -147,8 +147,8 @@ def yielding_section(reference: Path, image: Path) -> Section:
             Figure("mean gap, capped, first loading", worst("mean gap", _FEW) - 1, 0.16),
             Figure("mean gap, capped, unloading", worst("mean gap", _BACK) - 1, 0.16),
             Figure("conductivity, capped, A/A0 < 0.2", flows[0] - 1, 0.5),
-            Figure("conductivity, capped, up to A/A0 = 0.42", flows[1] - 1, 0.7),
+            Figure("conductivity, capped, up to A/A0 = 0.42", flows[1] - 1, 0.8),
             Figure("conductivity, capped, unloading from A/A0 < 0.3", flows[2] - 1, 0.5),
-            Figure("conductivity, capped, unloading from up to A/A0 = 0.42", flows[3] - 1, 0.8),
+            Figure("conductivity, capped, unloading from up to A/A0 = 0.42", flows[3] - 1, 0.5),
         ),
     )

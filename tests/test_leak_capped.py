@@ -30,7 +30,6 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
 
 from direct_numerical import periodic_spectrum, worst_factor
 from direct_yielding import (
-    at_largest,
     capped,
     conserved,
     fit,
@@ -221,7 +220,7 @@ def test_constants_are_those_of_the_fit_to_one_half(campaign):
     np.testing.assert_allclose(fit(seen), FITTED, rtol=0.03)
 
 
-@pytest.mark.parametrize(("unloading", "factor", "rms"), [(False, 1.25, 1.07), (True, 1.6, 1.12)])
+@pytest.mark.parametrize(("unloading", "factor", "rms"), [(False, 1.2, 1.05), (True, 1.35, 1.07)])
 def test_equivalent_pressure_on_the_surfaces_that_were_not_fitted(campaign, unloading, factor, rms):
     _, unseen = halves(campaign)
     off = misfit(unseen, FITTED, unloading=unloading)
@@ -243,12 +242,10 @@ def test_independent_averages_are_met_as_well_as_the_elastic_ones(averages):
         gap, flow = capped(one)
         loading = one.yields & ~one.unloading
         assert worst_factor((gap / one.gap)[one.yields]) < 1.16
-        assert worst_factor((flow / one.conductivity)[loading & (one.area < 0.25)]) < 1.5
-        assert worst_factor((flow / one.conductivity)[loading]) < 1.6
-        # unloaded from where a third of the area and more touched, the samples themselves scatter
-        back = one.unloading & (at_largest(one, one.area) < 0.3)
-        assert worst_factor((flow / one.conductivity)[back]) < 1.35
-        assert worst_factor((flow / one.conductivity)[one.unloading]) < 1.8
+        assert worst_factor((flow / one.conductivity)[loading & (one.area < 0.35)]) < 1.5
+        # two samples at A/A0 = 0.41 differ by more than a factor 1.5 themselves
+        assert worst_factor((flow / one.conductivity)[loading]) < 1.8
+        assert worst_factor((flow / one.conductivity)[one.unloading]) < 1.35
 
 
 def test_conserved_reading_is_far_below_the_direct_one(averages):

@@ -29,7 +29,7 @@ YIELDING_THRESHOLD = 0.52
 _ELASTIC_THRESHOLD = 0.43
 
 # what is still missing to the sealing pressure at the threshold comes in with this power of a/(1 - a)
-_CLOSING = 4
+_CLOSING = 6
 _ALMOST_ALL = 1.0 - 1e-12
 
 
@@ -42,11 +42,11 @@ class CappedConstants(NamedTuple):
     True
     """
 
-    total: float = 1.39
+    total: float = 1.38
     """n, the power in which hard and soft limit add up."""
     bearing: float = 0.95
     """Bearing pressure over the theory's."""
-    growth: float = 0.7
+    growth: float = 0.75
     """By how much c grows with a/(1 - a)."""
     spring: float = 1.8
     """How fast the spring-back of unloading is lost with the excess of p_eq over p."""
