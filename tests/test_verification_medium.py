@@ -60,7 +60,7 @@ def test_both_halves_of_the_lays_agree(stretched):
 
 @pytest.mark.parametrize("method", sorted(GOALS))
 def test_near_the_threshold(isotropic, method):
-    sets = [one for one in isotropic if not one.fitted]
+    sets = [one for one in isotropic if one.role == "judges"]
     for bin, goal in zip(BINS, GOALS[method], strict=True):
         ratios = joined(sets, method, *bin)
         assert ratios.size >= 1
@@ -69,7 +69,7 @@ def test_near_the_threshold(isotropic, method):
 
 def test_closed_law_is_the_better_one_only_beyond_a_third(isotropic):
     """Why it is not the default."""
-    sets = [one for one in isotropic if not one.fitted]
+    sets = [one for one in isotropic if one.role == "judges"]
 
     def both(low: float, high: float) -> tuple[float, float]:
         return spread(joined(sets, "bruggeman", low, high)), spread(joined(sets, "threshold-law", low, high))
