@@ -245,17 +245,13 @@ def capped(one: YieldingSet) -> tuple[FloatArray, FloatArray]:
 
 
 def conserved(one: YieldingSet) -> tuple[FloatArray, FloatArray]:
-    """The same of C_pl at the largest pressure so far, in elastic contact at the present one."""
+    """The same of C_pl, with the spring-back of the capped reading."""
     gap, flow = elastic(one)
     for hardness in np.unique(one.hardness[one.yields]):
         surface = leak.RoughContact(one.spectrum, effective_modulus=1.0, hardness=float(hardness))
-        at = (one.hardness == hardness) & ~one.unloading
-        gap[at], flow[at] = _theory(one, surface, one.pressure[at])
-        back = (one.hardness == hardness) & one.unloading
-        for largest in np.unique(one.largest[back]):
-            states = back & (one.largest == largest)
-            smoothed = replace(surface, spectrum=surface.plastic_spectrum(float(largest)), hardness=None)
-            gap[states], flow[states] = _theory(one, smoothed, one.pressure[states])
+        at = one.hardness == hardness
+        first = surface.first_loading_pressure(one.pressure[at], one.largest[at])
+        gap[at], flow[at] = _theory(one, surface, first)
     return gap, flow
 
 

@@ -125,8 +125,8 @@ def yielding_section(reference: Path, image: Path) -> Section:
         f"{1 / hard.max():.0f} to {1 / hard.min():.0f} times less than these simulations on the same surfaces. They "
         "cannot say whether real metal does that, since they let the overlap vanish; the paper's measured seats agree "
         "with C_pl. So the leak rate is an interval between both. Judge a limit by its upper end. A seal that was "
-        "closed harder before leaks far less than on first loading, which only the capped reading knows: C_pl has "
-        "hardly any memory, and at a small share of the largest load it may be the more open of the two. Where more "
+        "closed harder before leaks far less than on first loading; both readings have this spring-back from the "
+        "simulation, since C_pl itself remembers next to nothing. Where more "
         "than some 40 % of the area touches a single junction decides, and neither is to be trusted to better than a "
         "factor of a few."
     )

@@ -7,7 +7,6 @@ campaign whose one half the constants were fitted to, and independent averages t
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -180,23 +179,6 @@ def test_capped_surface_seals_where_half_of_it_has_yielded(seat):
     assert seat.sealing_pressure / HARDNESS == pytest.approx(YIELDING_THRESHOLD, rel=0.02)
     assert float(seat.effective_separation(0.98 * seat.sealing_pressure)) > 0.0
     assert float(seat.effective_separation(1.001 * seat.sealing_pressure)) == 0.0
-
-
-def test_conserved_memory_is_first_loading_at_the_largest_pressure_and_rises_with_it():
-    """C_pl of the largest pressure in elastic contact at the present one: what memory is in the other reading."""
-    first = surface(hardness=HARDNESS)
-
-    def after(p, largest):
-        smoothed = replace(first, spectrum=first.plastic_spectrum(largest), hardness=None)
-        return np.array([float(smoothed.mean_separation(p)), float(smoothed.effective_separation(p))])
-
-    for p in (2e7, 5e8):
-        now = np.array([float(first.mean_separation(p)), float(first.effective_separation(p))])
-        # the smoothed spectrum is a log-log interpolation, good to 3e-4
-        np.testing.assert_allclose(after(p, p), now, rtol=1e-3)
-        gaps = np.array([after(p, f * p) for f in (1.0, 1.5, 2.0)])
-        assert (np.diff(gaps, axis=0) < 0.0).all()
-        assert (after(0.5 * p, p) > gaps[0]).all()
 
 
 # -------------------------------------------------------------------- direct simulation
