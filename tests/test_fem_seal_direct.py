@@ -216,6 +216,20 @@ def test_leak_rate_of_a_case_comes_from_the_simulation():
     assert load.leak_elastic.leak_rate > load.leak.leak_rate
 
 
+def test_report_shows_the_simulation(tmp_path):
+    result().write(tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "direct simulation of rough patches" in page
+    assert 'id="picture-direct"' in page
+    assert 'id="picture-direct_map"' in page
+    assert "Polonsky" in page
+    assert "Bruggeman" not in page
+    row = pd.read_csv(tmp_path / "leak.csv").iloc[-1]
+    low, high = result().loads[-1].leak_range
+    assert row.leak_rate_low_m3_per_s == pytest.approx(low)
+    assert row.leak_rate_high_m3_per_s == pytest.approx(high)
+
+
 def test_pressure_beyond_the_simulated_ones_is_doubtful():
     reasons = " ".join(result().loads[0].validity.reasons)
     assert "peak pressure below those of the direct simulation, 40 to 500 MPa" in reasons
