@@ -156,6 +156,20 @@ def test_finished_pieces_are_not_done_again(tmp_path):
     assert said == []
 
 
+def test_case_without_roughness_is_refused(tmp_path, capsys):
+    file = tmp_path / "smooth.toml"
+    file.write_text(
+        CASE.replace(
+            "[roughness.spectrum]", '[interface]\nlaw = "smooth"\n[leak]\nplasticity = false\n[other]'
+        )
+    )
+    assert cli.main(["direct", str(file)]) == 2
+    with pytest.raises(InputError, match="no surface to simulate"):
+        fem_seal.direct(
+            case(roughness=None, fluid=None, interface={"law": "smooth"}, leak={"plasticity": False})
+        )
+
+
 def test_another_surface_is_another_piece():
     settings, surface = simulated()
     keys = set()
