@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from fem_seal.errors import ConvergenceError, InputError, SealError
     from fem_seal.materials import Material, effective_modulus, material
     from fem_seal.profile import PressureProfile
-    from fem_seal.result import SealResult, axial_force_for_leak, blow_off_pressures, run
+    from fem_seal.result import SealResult, axial_force_for_leak, blow_off_pressures, direct, run
     from fem_seal.studies.results import StudyResult
     from fem_seal.studies.study import Study, load_study
 
@@ -45,6 +45,7 @@ _HOME = {
     "ConvergenceError": "fem_seal.errors",
     "derive": "fem_seal.analysis.closed_forms",
     "run": "fem_seal.result",
+    "direct": "fem_seal.result",
     "SealResult": "fem_seal.result",
     "axial_force_for_leak": "fem_seal.result",
     "blow_off_pressures": "fem_seal.result",
@@ -95,6 +96,7 @@ __all__ = [
     "condense",
     "contact",
     "derive",
+    "direct",
     "effective_modulus",
     "load_case",
     "load_study",

@@ -223,27 +223,18 @@ def direct(
 ) -> None:
     """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
     import os
-    from dataclasses import replace
 
-    from fem_seal.analysis.direct import DirectSettings
-    from fem_seal.analysis.problem import direct_settings, rough_contact
+    from fem_seal import result as seal_result
     from fem_seal.case.case import load_case
     from fem_seal.folders import alone
     from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows, shown_rows, write_direct
 
     case = load_case(case_file)
-    rough = rough_contact(case)
-    if rough is None:
-        raise InputError(
-            Problem("roughness", "there is no surface to simulate; add the table"), file=case_file
-        )
-    settings = direct_settings(case) or DirectSettings()
-    folder = _made(output or settings.folder or case_file.with_suffix(".direct"))
+    given = None if case.direct is None else case.direct.folder
+    folder = _made(output or (Path(given) if given else case_file.with_suffix(".direct")))
     viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
     with alone(folder), _progress(quiet) as progress:
-        table = replace(settings, folder=folder).table(
-            rough, jobs=jobs or os.cpu_count() or 1, progress=progress
-        )
+        table = seal_result.direct(case, folder=folder, jobs=jobs or os.cpu_count() or 1, progress=progress)
         progress("drawing")
         write_direct(table, folder, viscosity)
     rows = direct_rows(table, viscosity)

@@ -1,10 +1,10 @@
-"""What a case gives: `run` solves it, a `SealResult` has its table and writes its files."""
+"""What a case gives: `run` solves it, `direct` simulates its surface, a `SealResult` has table and files."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,9 +17,12 @@ from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
+from fem_seal.errors import InputError, Problem
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from fem_seal.analysis.direct import DirectTable
 
 
 class SealResult(SealSolution):
@@ -259,3 +262,67 @@ def blow_off_pressures(case: Case) -> FloatArray:
     31.8 bar
     """
     return questions.blow_off_pressures(SealProblem.of(case))
+
+
+def direct(
+    case: Case,
+    *,
+    folder: str | os.PathLike[str] | None = None,
+    jobs: int = 1,
+    progress: Callable[[str], None] | None = None,
+) -> DirectTable:
+    """Simulate rough contact and flow of a case's surface directly, as `fem-seal direct` does.
+
+    Parameters
+    ----------
+    case : Case
+        Its [direct] says how; without that table the settings are the usual ones.
+    folder : path, optional
+        Where finished pieces are kept and looked for; that of [direct] unless given.
+    jobs : int
+        Processes; a script that asks for more than one needs ``if __name__ == "__main__":``.
+    progress : callable, optional
+        Told in words how far it is.
+
+    Returns
+    -------
+    DirectTable
+        `rows`, one for each pressure, with the samples' means and scatter and the theory beside them.
+
+    Raises
+    ------
+    InputError
+        The case has no roughness, or the grid holds none of it.
+    LeakError
+        A contact does not converge, or a measured map cannot be used.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> case = fem_seal.Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     roughness={"spectrum": {
+    ...         "kind": "self-affine", "rms_height": "1 um", "hurst": 0.8,
+    ...         "q_low": "1e4 1/m", "q_rolloff": "5e4 1/m", "q_high": "1e6 1/m",
+    ...     }},
+    ...     leak={"plasticity": False},
+    ...     load={"fluid_pressure": "20 bar"},
+    ...     direct={"points": 64, "samples": 2, "pressure": ["50 MPa", "200 MPa"]},
+    ... )
+    >>> low, high = fem_seal.direct(case).rows
+    >>> low.effective_gap > high.effective_gap > 0.0
+    True
+    """
+    from fem_seal.analysis.direct import DirectSettings
+    from fem_seal.analysis.problem import direct_settings, rough_contact
+
+    surface = rough_contact(case)
+    if surface is None:
+        raise InputError(
+            Problem("roughness", "there is no surface to simulate; add the table"), file=case.file
+        )
+    settings = direct_settings(case) or DirectSettings()
+    if folder is not None:
+        settings = replace(settings, folder=Path(folder))
+    return settings.table(surface, jobs=jobs, progress=progress or (lambda text: None))

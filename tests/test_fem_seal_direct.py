@@ -156,6 +156,20 @@ def test_finished_pieces_are_not_done_again(tmp_path):
     assert said == []
 
 
+def test_case_without_roughness_is_refused(tmp_path, capsys):
+    file = tmp_path / "smooth.toml"
+    file.write_text(
+        CASE.replace(
+            "[roughness.spectrum]", '[interface]\nlaw = "smooth"\n[leak]\nplasticity = false\n[other]'
+        )
+    )
+    assert cli.main(["direct", str(file)]) == 2
+    with pytest.raises(InputError, match="no surface to simulate"):
+        fem_seal.direct(
+            case(roughness=None, fluid=None, interface={"law": "smooth"}, leak={"plasticity": False})
+        )
+
+
 def test_another_surface_is_another_piece():
     settings, surface = simulated()
     keys = set()
@@ -214,6 +228,20 @@ def test_leak_rate_of_a_case_comes_from_the_simulation():
     low, high = load.leak_range
     assert low < load.leak.leak_rate < high
     assert load.leak_elastic.leak_rate > load.leak.leak_rate
+
+
+def test_report_shows_the_simulation(tmp_path):
+    result().write(tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "direct simulation of rough patches" in page
+    assert 'id="picture-direct"' in page
+    assert 'id="picture-direct_map"' in page
+    assert "Polonsky" in page
+    assert "Bruggeman" not in page
+    row = pd.read_csv(tmp_path / "leak.csv").iloc[-1]
+    low, high = result().loads[-1].leak_range
+    assert row.leak_rate_low_m3_per_s == pytest.approx(low)
+    assert row.leak_rate_high_m3_per_s == pytest.approx(high)
 
 
 def test_pressure_beyond_the_simulated_ones_is_doubtful():

@@ -258,8 +258,9 @@ def test_conductances_of_many_decades_balance():
 def test_elastic_rows_of_the_reference():
     """direct_numerical.csv, set A512 (10 surfaces, 512^2, 8 points per shortest wave), on 256^2 with 4.
 
-    Four points per shortest wave instead of eight enlarge the area by 4 to 8 % and narrow the gap by 1 to 2 %: the
-    same as in the reference itself between its two grids of eight and sixteen, where it is half as much.
+    Four points per shortest wave instead of eight enlarge the area by 6 to 9 %, here taken off, leave the gap as it is
+    and let 3 to 8 % less through (`test_refined_map_is_the_same_surface`, docs/direct.md). Two samples scatter by some
+    2 % in gap, by 0.1 in ln conductivity at the smaller pressure and 0.4 at the larger.
     """
     pressure = [0.01, 0.12]
     area, gap = [0.0246, 0.2505], [1.642, 0.4913]
@@ -271,7 +272,7 @@ def test_elastic_rows_of_the_reference():
         sigma = np.log(12.0 * result.flow_conductivity(1.0) / h.std() ** 3)
         runs.append([result.contact_area, result.mean_gap / h.std(), sigma])
     mean = np.mean(runs, axis=0)
-    assert mean[0] == pytest.approx(np.array(area) * 1.06, rel=0.03)
+    assert mean[0] == pytest.approx(np.array(area) * 1.065, rel=0.03)
     assert mean[1] == pytest.approx(np.array(gap) * 0.98, rel=0.03)
     assert mean[2] == pytest.approx(np.array(log_conductivity), abs=0.45)
 
@@ -279,7 +280,7 @@ def test_elastic_rows_of_the_reference():
 def test_capped_rows_of_the_reference():
     """plastic_direct.csv, set P5 (three samples, 512^2), hardness 0.1, on 256^2 with four points per shortest wave.
 
-    Against eight, four points narrow the gap by 2 % and let 13 % less through; one sample scatters by 5 to 10 %. After
+    Against eight, four points let 3 to 8 % less through; a sample scatters by 2 % in gap, 10 % in conductivity. After
     unloading the reference's contact areas are 3 to 11 % above those that tamaas and this solver agree on to every
     point: its contact there is not quite converged (a tolerance of 1e-2 instead of 1e-4 gives its areas).
     """
@@ -320,6 +321,27 @@ def test_bad_input_is_named(change, words):
     with pytest.raises(leak.DirectError) as error:
         simulate(arguments.pop("heights"), arguments.pop("size"), arguments.pop("pressures"), **arguments)
     assert words in str(error.value)
+
+
+def test_gas_slips_through_narrow_gaps():
+    """Plates let u^3 f(D) through; far from rarefaction Maxwell's slip, 1 + 6 A/D with A = 1.0162, and none at last."""
+    from leak.flow.rarefied import flow_factor
+
+    gap = np.full((16, 16), 1e-6)
+    for flight in (1e-5, 1e-6, 1e-8):
+        found = patch_flow(leak.direct.rarefied_gap(gap, flight)).gap_cubed
+        assert found == pytest.approx(1e-18 * float(flow_factor(1e-6 / flight)), rel=1e-9)
+    slip = patch_flow(leak.direct.rarefied_gap(gap, 1e-9)).gap_cubed
+    assert slip == pytest.approx(1e-18 * (1.0 + 6.0 * 1.0162 / 1000.0), rel=1e-5)
+    h = rough(64, 16)
+    liquid, thin = (
+        simulate(h, 1.0, [0.05], effective_modulus=1.0, flight=flight) for flight in (None, 0.1 * h.std())
+    )
+    # near what a uniform gap u_eff would let through (leak.GasConductivityTable: R of order one); contact stays shut
+    uniform = flow_factor(liquid.gap_cubed_along[0] ** (1.0 / 3.0) / (0.1 * h.std()))
+    assert thin.gap_cubed_along[0] / liquid.gap_cubed_along[0] == pytest.approx(float(uniform), rel=0.15)
+    assert thin.contact_area[0] == liquid.contact_area[0]
+    assert leak.direct.rarefied_gap(np.zeros((4, 4)), 1e-7).max() == 0.0
 
 
 # ---------------------------------------------------------------- patches and maps

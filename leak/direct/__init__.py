@@ -15,7 +15,7 @@ True
 """
 
 from leak.direct.contact import ContactState, press
-from leak.direct.flow import Flow, Streams, patch_flow, periodic_flow, streams
+from leak.direct.flow import Flow, Streams, patch_flow, periodic_flow, rarefied_gap, streams
 from leak.direct.half_space import PeriodicHalfSpace
 from leak.direct.patch import Patch, periodic_map, refined, smoothed
 from leak.direct.simulation import DirectBranch, DirectResult, PressedPatch, simulate
@@ -36,6 +36,7 @@ __all__ = [
     "periodic_flow",
     "periodic_map",
     "press",
+    "rarefied_gap",
     "refined",
     "simulate",
     "size_study",

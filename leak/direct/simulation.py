@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.direct.contact import ContactState, press
-from leak.direct.flow import patch_flow, periodic_flow
+from leak.direct.flow import patch_flow, periodic_flow, rarefied_gap
 from leak.direct.half_space import PeriodicHalfSpace
 from leak.errors import DirectError, positive
 
@@ -40,7 +40,12 @@ class PressedPatch(NamedTuple):
 
     @classmethod
     def of(
-        cls, state: ContactState, *, hardness: float | None = None, periodic: bool = False
+        cls,
+        state: ContactState,
+        *,
+        hardness: float | None = None,
+        periodic: bool = False,
+        flight: float | None = None,
     ) -> PressedPatch:
         """Areas, gap and the flow in both directions.
 
@@ -50,13 +55,14 @@ class PressedPatch(NamedTuple):
             From `press`.
         hardness : float or None
             With which it was pressed [Pa].
-        periodic : bool
+        periodic, flight
             See `simulate`.
         """
         flow = periodic_flow if periodic else patch_flow
         p, gap = state.pressure, state.gap
+        wide = gap if flight is None else rarefied_gap(gap, flight)
         yielded = 0.0 if hardness is None else float(np.mean(p >= hardness))
-        along, across = flow(gap).gap_cubed, flow(np.ascontiguousarray(gap.T)).gap_cubed
+        along, across = flow(wide).gap_cubed, flow(np.ascontiguousarray(wide.T)).gap_cubed
         return cls(float(np.mean(p > 0.0)), yielded, float(gap.mean()), along, across)
 
 
@@ -126,9 +132,10 @@ def simulate(
     hardness: float | None = None,
     unload: ArrayLike | None = None,
     periodic: bool = False,
+    flight: float | None = None,
     tolerance: float = 1e-4,
 ) -> DirectResult:
-    """Press a periodic rough square against a rigid flat and let a liquid flow through what stays open.
+    """Press a periodic rough square against a rigid flat and let a fluid flow through what stays open.
 
     Parameters
     ----------
@@ -148,6 +155,9 @@ def simulate(
         largest pressure taken off.
     periodic : bool
         Flow through the cell that repeats in both directions under a mean gradient, instead of from edge to edge.
+    flight : float or None
+        Of a gas, eta v0/p_f [m], see `rarefied_gap`: the conductivities are those of the gas at the pressure p_f, slip
+        and free molecules included. None for a liquid.
     tolerance : float
         Of the contact, see `press`.
 
@@ -174,6 +184,7 @@ def simulate(
     h, L = _map(heights), positive(DirectError, "size", size, "m")
     E = positive(DirectError, "effective_modulus", effective_modulus, "Pa")
     H = None if hardness is None else positive(DirectError, "hardness", hardness, "Pa")
+    length = None if flight is None else positive(DirectError, "flight", flight, "m")
     path = _pressures("pressures", pressures)
     back = None if unload is None else _pressures("unload", unload)
     if back is not None and back.max() >= path.max():
@@ -183,7 +194,7 @@ def simulate(
     body = PeriodicHalfSpace(h.shape[0], L, E)
 
     def row(state: ContactState) -> PressedPatch:
-        return PressedPatch.of(state, hardness=H, periodic=periodic)
+        return PressedPatch.of(state, hardness=H, periodic=periodic, flight=length)
 
     state: ContactState | None = None
     loaded: dict[int, PressedPatch] = {}

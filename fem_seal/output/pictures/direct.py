@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.analysis.direct import DirectTable
+from fem_seal.analysis.results import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -33,6 +34,22 @@ if TYPE_CHECKING:
 _MOST_CELLS = 512
 # Flux below this share of the largest one is drawn as none.
 _FAINT = 1e-3
+
+
+def simulation_pictures(result: SealSolution) -> tuple[Picture, ...]:
+    """Curves, and the map nearest to the peak pressure of the highest load; none if nothing was simulated.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    flow, surface = result.problem.flow, result.surface
+    if flow is None or flow.simulated is None or surface is None:
+        return ()
+    table = flow.simulated.table(surface)
+    peak = result.highest.contact.profile.peak_pressure
+    nearest = min(table.simulation.pressures, key=lambda pressure: abs(np.log(pressure / peak)))
+    return curves_picture(table), map_picture(table, nearest)
 
 
 def curves_picture(table: DirectTable) -> Picture:

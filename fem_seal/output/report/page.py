@@ -15,6 +15,7 @@ from fem_seal.analysis.results import SealSolution
 from fem_seal.files import write_text
 from fem_seal.output.pictures.around import leak_around_picture, line_load_picture, unrolled_picture
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
+from fem_seal.output.pictures.direct import simulation_pictures
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture
 from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.memory import memory_picture
@@ -98,6 +99,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
             leak_around_picture(result),
             separation_picture(result),
             surface_picture(result, top),
+            *simulation_pictures(result),
             stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises)),
             imprint_picture(result),
             seal_picture(result, None if image is None else image.result()),
