@@ -37,6 +37,9 @@ def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
         yield said("particles.stopped", "none")
         return
     counted = result.case.fluid.particles.counts.sizes[0] if result.case.fluid else math.nan  # type: ignore[union-attr]
+    if math.isnan(many):
+        yield said("particles.stopped", "uncounted", size=given("length", counted))
+        return
     yield said(
         "particles.stopped",
         "count",
