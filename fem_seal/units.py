@@ -277,8 +277,7 @@ _UNITS = {
     "temperature": (Unit("°C", 1.0, 273.15),),
     "volume": (Unit("m³", 1.0), Unit("l", 1e-3), Unit("ml", 1e-6), Unit("µl", 1e-9), Unit("nl", 1e-12)),
     "time": (
-        Unit("years", 365.25 * 86400.0),
-        Unit("days", 86400.0),
+        Unit("d", 86400.0),
         Unit("h", 3600.0),
         Unit("min", 60.0),
         Unit("s", 1.0),

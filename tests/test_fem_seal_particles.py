@@ -220,6 +220,24 @@ def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
     assert "lets no particle through that would be stopped" in told and "half of the leak" not in told
 
 
+def test_a_seal_far_narrower_than_what_was_counted_gets_no_number():
+    counts = leak.ParticleCounts.counted([50e-6, 200e-6], [1e9, 1e8])
+    table = {"sizes": ["50 um", "200 um"], "per_ml": [1000, 100]}
+    changed = replace(
+        result(),
+        case=result().case.replace({"fluid.particles": None}).replace({"fluid.particles": table}),
+        particles=particle_answers(result().loads, counts),
+    )
+    answers = changed.particles[-1]
+    assert np.isnan([*answers.stopped, *answers.half_volume, *answers.half_time]).all()
+    # what needs no counts is still said
+    assert answers.keeping_filter == result().particles[-1].keeping_filter
+    told = " ".join(particles_in_words(changed))
+    assert "cannot be said" in told and "half of the leak" not in told and "1.5 µm" in told
+    assert particle_table(changed).rows[0][1] == "–"
+    assert report(changed)
+
+
 def test_files_have_what_the_answers_say(tmp_path):
     result().write(tmp_path)
     with (tmp_path / "particles.csv").open() as file:

@@ -106,6 +106,16 @@ def test_the_extrapolation_of_a_code_holds_every_line_through_its_ranges():
     assert np.all(np.diff(inside.low) < 0) and np.all(np.diff(inside.high) < 0)
 
 
+def test_nothing_is_said_of_particles_far_below_those_that_were_counted():
+    code = leak.ParticleCounts.of_iso_4406("17/15/11")
+    assert code.smallest == pytest.approx(0.4e-6)
+    assert np.isnan(code.at_least([0.39e-6, 0.4e-6, 0.41e-6]).high).tolist() == [True, False, False]
+    sizes, share = [0.1e-6, 0.3e-6, 1e-6], [0.999, 0.5, 0.0]
+    assert math.isnan(leak.stopped(code, sizes, share).likely[0])
+    # a per mille of the leak below is not missed
+    assert leak.stopped(code, sizes, [1.0, 0.999, 0.0]).likely[0] > 0
+
+
 def test_a_filter_takes_the_larger_particles_from_all_counts():
     sizes = np.array([2e-6, 15e-6])
     dust, filtered = (
@@ -278,7 +288,7 @@ def test_particles_that_are_stopped_are_counted_where_the_leak_falls():
     # Q(d)/Q0 = 1 - (d/D)^4 and N = K/d^3: c = int N d(d^4)/D^4 = 4 K/D^3
     D, K = 3e-6, 1e-9
     sizes = np.geomspace(0.01 * D, D, 200)
-    dust = leak.ParticleCounts.counted([1e-6, 1e-5], K / np.array([1e-6, 1e-5]) ** 3)
+    dust = leak.ParticleCounts.counted([1e-7, 1e-5], K / np.array([1e-7, 1e-5]) ** 3)
     found = leak.stopped(dust, sizes, 1.0 - (sizes / D) ** 4)
     by_quadrature = quad(lambda d: K / d**3 * 4 * d**3 / D**4, 0.01 * D, D)[0]
     # all that is lost below the first size is counted there

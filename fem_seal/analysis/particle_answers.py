@@ -25,13 +25,13 @@ from leak import (
     throttling_length,
 )
 
-# Sizes at which the leak is looked at, over one, two, ... tens of nanometres: the series E12, 12 to the decade.
+# Sizes at which the leak is looked at [m]: the series E12, 12 to the decade, from a nanometre to nearly a millimetre.
 _SERIES = (1.0, 1.2, 1.5, 1.8, 2.2, 2.7, 3.3, 3.9, 4.7, 5.6, 6.8, 8.2)
-_DECADES = range(-9, -3)
+_SIZES = tuple(float(f"{one}e{decade}") for decade in range(-9, -3) for one in _SERIES)
 # Below this share of the narrowest place particles pass: they would shut some ten-thousandths of the leak.
 _PASSING = 0.2
-# Less of the leak than this is none; so many sizes beyond the narrowest place are looked at until there.
-_NOTHING, _MOST_BEYOND = 1e-3, 30
+# More of the leak than one of them is all, and less than the other none; at most so many sizes lie between.
+_WHOLE, _NOTHING, _MOST = 0.99, 1e-3, 40
 _NEVER = (math.inf, math.inf)
 # Share of the leak that a filter is to keep.
 KEPT = 0.9
@@ -184,30 +184,30 @@ def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAn
 
 def _curve(readings: Sequence[_Reading]) -> tuple[FloatArray, list[FloatArray]]:
     """Round sizes, and the share of the leak that is left of each reading."""
-    sizes: list[float] = []
-    shares: list[list[float]] = []
-    for size in _sizes(_PASSING * min(one.largest_passing for one in readings)):
-        if sizes and (max(shares[-1]) < _NOTHING or len(sizes) > _MOST_BEYOND):
+
+    def shares(size: float) -> list[float]:
+        return [one.remaining(size) for one in readings]
+
+    expected = _PASSING * min(one.largest_passing for one in readings)
+    first = int(np.searchsorted(_SIZES, expected))
+    found = {_SIZES[first]: shares(_SIZES[first])}
+    # almost sealed, the last paths are lost to particles far below the narrowest place
+    for size in reversed(_SIZES[:first]):
+        if min(found[min(found)]) > _WHOLE:
             break
-        sizes.append(size)
-        shares.append([one.remaining(size) for one in readings])
+        found[size] = shares(size)
+    for size in _SIZES[first + 1 :]:
+        if max(found[max(found)]) < _NOTHING or len(found) > _MOST:
+            break
+        found[size] = shares(size)
+    sizes = sorted(found)
     # a few parts in a million of interpolation may not make a leak grow
-    return np.array(sizes), list(np.minimum.accumulate(shares, axis=0).T)
+    return np.array(sizes), list(np.minimum.accumulate([found[size] for size in sizes], axis=0).T)
 
 
 def _range(values: Iterable[float]) -> tuple[float, float]:
-    numbers = [float(value) for value in values]
-    return min(numbers), max(numbers)
-
-
-def _sizes(smallest: float) -> list[float]:
-    """Round sizes from a smallest one on [m]."""
-    return [
-        float(f"{one}e{decade}")
-        for decade in _DECADES
-        for one in _SERIES
-        if float(f"{one}e{decade}") >= smallest
-    ]
+    numbers = np.array(list(values), dtype=float)
+    return float(numbers.min()), float(numbers.max())
 
 
 def _size_that_leaves(kept: float, sizes: FloatArray, share: FloatArray) -> float | None:

@@ -502,7 +502,8 @@ class ShutGaps:
     remaining : tuple of float
         The same over the leak rate of the clean fluid in the same reading.
     particles : tuple of float
-        Particles of at least this size per volume, as few and as many as the counts allow [1/m^3].
+        Particles of at least this size per volume, as few and as many as the counts allow [1/m^3]; NaN where they say
+        nothing.
     """
 
     size: float
@@ -528,7 +529,8 @@ class ParticleAnswers:
     curve : tuple of ShutGaps
         Over the size of the particles, increasing.
     stopped : tuple of float
-        Particles that do not get through, per volume [1/m^3].
+        Particles that do not get through, per volume [1/m^3]; NaN, as what follows from it, where they are smaller than
+        anything that the counts speak of.
     places : tuple of float
         Places side by side that one particle each can shut.
     half_volume : tuple of float

@@ -27,6 +27,8 @@ from leak.theory.separation import SeparationGrid, density
 _GRID_POINTS = 512
 # Pressures at which P(u) is worked out: steps in ln p below the largest one, dense where the seal is tight.
 _STEPS = np.concatenate([np.arange(0.0, 6.0, 0.15), np.arange(6.0, 30.0, 1.0)])
+# Share of the leak that may be lost to particles below all that is counted, without counting them.
+_UNCOUNTED = 0.01
 # Nothing but the last paths is left beyond this share of the sealing pressure.
 _BELOW_SEALING = 0.98
 
@@ -322,6 +324,8 @@ def parallel_paths(circumference: float, length: float, size: float) -> Paths:
 def stopped(counts: ParticleCounts, sizes: ArrayLike, remaining: ArrayLike) -> Concentration:
     """Particles per volume of leaking fluid that do not get through, each shape (1,) [1/m^3].
 
+    NaN where they are so small that the counts say nothing of them.
+
     A particle of size d is stopped by the share of the flow 1 - Q(d)/Q0 that passes places narrower than d:
     c = -int N(d) d(Q(d)/Q0), N the particles of at least that size.
 
@@ -346,7 +350,10 @@ def stopped(counts: ParticleCounts, sizes: ArrayLike, remaining: ArrayLike) -> C
     """
     d, share = np.asarray(sizes, dtype=float), np.asarray(remaining, dtype=float)
     fall = -np.diff(np.concatenate([[1.0], share, [0.0]]))
-    at = counts.at_least(np.concatenate([d[:1], np.sqrt(d[:-1] * d[1:]), d[-1:]]))
+    where = np.concatenate([d[:1], np.sqrt(d[:-1] * d[1:]), d[-1:]])
+    if fall[where < counts.smallest].sum() > _UNCOUNTED:
+        return Concentration(*(np.array([np.nan]) for _ in range(3)))
+    at = counts.at_least(np.maximum(where, counts.smallest))
     return Concentration(*(np.atleast_1d((one * fall).sum()) for one in at))
 
 
@@ -390,12 +397,12 @@ class Clogging:
 
     def volume_to(self, share: float) -> float:
         """Volume that leaks until a share of the first leak rate is left [m^3]; infinite if nothing clogs."""
-        return -math.log(share) / self.rate if self.rate > 0.0 else math.inf
+        return math.inf if self.rate == 0.0 else -math.log(share) / self.rate
 
     def time_to(self, share: float) -> float:
         """Time until then [s]."""
         rate = self.rate * self.leak_rate
-        return (1.0 / share - 1.0) / rate if rate > 0.0 else math.inf
+        return math.inf if rate == 0.0 else (1.0 / share - 1.0) / rate
 
 
 def cloggings(leak_rate: float, stopped: Concentration, paths: Paths) -> tuple[Clogging, Clogging]:

@@ -24,6 +24,8 @@ _COUNTER = (4e-6, 6e-6, 14e-6)
 # The same under a microscope, where the first one is a dash.
 _MICROSCOPE = (5e-6, 15e-6)
 _PER_ML = 1e6
+# So far below the first size the line is continued: a decade, over which dusts are known to follow it.
+_REACH = 10.0
 
 
 class Concentration(NamedTuple):
@@ -51,7 +53,7 @@ class ParticleCounts:
     ln N is linear in ln d between the sizes: the cumulative counts of dusts and worn-off particles are close to power
     laws over the range of a counter. Beyond both ends the line goes on with the slope between first and last size,
     that of the interval's ends with the steepest or flattest line that the counts allow: an extrapolation, which says
-    less the further it goes.
+    less the further it goes. Below a tenth of the first size nothing is said.
 
     Parameters
     ----------
@@ -149,6 +151,11 @@ class ParticleCounts:
         low, high = (tuple(_PER_ML * one for one in ends) for ends in zip(*ranges, strict=True))
         return cls(sizes, low, high, largest)
 
+    @property
+    def smallest(self) -> float:
+        """Size down to which the counts are continued [m]."""
+        return self.sizes[0] / _REACH
+
     def at_least(self, size: ArrayLike) -> Concentration:
         """Particles of at least some sizes.
 
@@ -156,9 +163,14 @@ class ParticleCounts:
         ----------
         size : array_like, shape (n,)
             Positive [m].
+
+        Returns
+        -------
+        Concentration
+            NaN below `smallest`.
         """
         d = np.atleast_1d(np.asarray(size, dtype=float))
-        low, high = self._all(d)
+        low, high = (np.where(d < self.smallest * (1.0 - 1e-9), np.nan, one) for one in self._all(d))
         if np.isfinite(self.largest):
             beyond = self._all(np.array([self.largest]))
             # what the filter takes is as uncertain as what it leaves: the same counts, low or high

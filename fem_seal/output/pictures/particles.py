@@ -51,6 +51,8 @@ def particle_picture(result: SealSolution) -> Picture | None:
         counts.fill_between(x, low, high, color=BLUE, alpha=0.15, linewidth=0)
         for ends in (low, high):
             counts.plot(x, ends, color=BLUE)
+    for axes in (share, counts):
+        axes.set_xlim(0.9 * sizes[0] / unit.size, 1.1 * sizes[-1] / unit.size)
     logarithmic(share, "x")
     logarithmic(counts, "x", *(["y"] if there.any() else []))
     share.legend(loc="center left")

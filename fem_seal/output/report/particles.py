@@ -32,18 +32,7 @@ def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
     sizes = _span(*(quantity("length", one, 2) for one in answers.narrowest))
     yield said("particles.narrow", "from", load=at, sizes=sizes)
     yield _filter(answers)
-    few, many = answers.stopped
-    if many == 0:
-        yield said("particles.stopped", "none")
-        return
-    counted = result.case.fluid.particles.counts.sizes[0] if result.case.fluid else math.nan  # type: ignore[union-attr]
-    yield said(
-        "particles.stopped",
-        "count",
-        "extrapolated" if answers.narrowest[0] < counted else "",
-        count=_span(_rough(few * _PER_ML), _rough(many * _PER_ML)),
-        size=given("length", counted),
-    )
+    yield _stopped(result, answers)
     if math.isfinite(answers.half_volume[0]):
         (least, most), (soon, late) = answers.half_volume, answers.half_time
         yield said(
@@ -59,6 +48,24 @@ def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
     around = result.highest.around
     scratched = around is not None and around.scratches is not None
     yield said("particles.estimate", "all", "scratches" if scratched else "")
+
+
+def _stopped(result: SealSolution, answers: ParticleAnswers) -> str:
+    fluid, (few, many) = result.case.fluid, answers.stopped
+    assert fluid is not None and fluid.particles is not None  # the answers are about them
+    counted = fluid.particles.counts.sizes[0]
+    size = given("length", counted)
+    if many == 0:
+        return said("particles.stopped", "none")
+    if math.isnan(many):
+        return said("particles.stopped", "uncounted", size=size)
+    return said(
+        "particles.stopped",
+        "count",
+        "extrapolated" if answers.narrowest[0] < counted else "",
+        count=_span(_rough(few * _PER_ML), _rough(many * _PER_ML)),
+        size=size,
+    )
 
 
 def _filter(answers: ParticleAnswers) -> str:
