@@ -22,6 +22,7 @@ from fem_seal.output.report import words as report_words
 from fem_seal.output.report.page import pictures, report
 from fem_seal.output.summary import summary
 from fem_seal.result import SealResult
+from fem_seal.units import leak_range_text
 
 FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}
 ALL_PICTURES = {
@@ -151,8 +152,7 @@ def test_warnings_stand_at_the_top_and_absence_is_said(page):
 def test_headline_and_table_say_the_same_as_the_result(page):
     result = rough_result()
     highest = result.loads[-1]
-    low, high = (rate * 6e7 for rate in highest.leak_range)
-    assert f"{low:.2g} to {high:.2g} ml/min at 20 bar" in page.text
+    assert f"{leak_range_text(highest.leak_range)} at 20 bar" in page.text
     assert f"{highest.leak.leak_rate * 6e7:.4g}" in page.text
     assert f"{highest.contact.profile.peak_pressure / 1e6:.1f} MPa" in page.text
     factor = highest.leak_elastic.leak_rate / highest.leak.leak_rate
