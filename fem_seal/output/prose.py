@@ -13,7 +13,7 @@ from typing import Any
 
 @cache
 def prose() -> dict[str, Any]:
-    """The whole file: "definitions", "captions", "notes", "readings", "reasons", "form", "particles" and "sources"."""
+    """The whole file: "definitions", "captions", "sources" and the other groups of sentences."""
     text = files("fem_seal").joinpath("templates", "words.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
 
