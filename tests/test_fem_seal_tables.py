@@ -252,7 +252,7 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path):
 def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_there():
     output = Path(fem_seal.__file__).parent / "output"
     code = "\n".join(path.read_text("utf-8") for path in output.rglob("*.py"))
-    kinds = ("captions", "notes", "readings", "reasons", "form", "particles")
+    kinds = ("captions", "notes", "readings", "reasons", "form", "particles", "direct")
     tables = {f"{kind}.{name}": table for kind in kinds for name, table in prose()[kind].items()}
     assert set(re.findall(r'said\(\s*"([^"]+)"', code)) == set(tables)
     # chosen by the interface law of the case and by the order of its loads
