@@ -289,7 +289,8 @@ def test_summary_and_report_have_the_answers():
     # the load with the largest contact force is that of the lowest fluid pressure
     assert "Far from the contact, at 5 bar (the load with the largest contact force): " in page
     opens = f"{valve().loads[0].blow_off_pressure / 1e5:.2f} bar"
-    force = f"{valve().loads[2].force_for_target:.0f} N to {valve().loads[2].force_for_target_capped:.0f} N"
+    last = valve().loads[2]
+    force = f"{last.force_for_target:.0f} N to {last.force_for_target_capped / 1e3:.2f} kN"
     result = page[page.index('id="result"') : page.index('id="case"')]
     assert f"It opens at {opens}." in result and f"opens the seal at {opens}" in result
     for name, value in (("Opens at", opens), ("Force for the target leak rate", force)):
