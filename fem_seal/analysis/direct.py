@@ -399,8 +399,8 @@ class DirectTable:
         """By how much ln conductivity may lie lower and higher [-].
 
         Two standard errors of the mean of the samples, and to one side what the waves may change that the patch cuts:
-        as much as the shorter half of those that it holds, since each further octave changes less than the last, and
-        for asperities that do not yield as much as the theory says.
+        as much as the shorter half of those that it holds, since each further octave changes less than the last, or as
+        much as the theory says.
 
         Parameters
         ----------
@@ -411,7 +411,7 @@ class DirectTable:
         changes = [0.0]
         if row.cutoff_ratio > 0.0:
             changes.append(-math.log(row.cutoff_ratio))
-        if self.simulation.surface.hardness is None and row.theory is not None and row.theory.cut > 0.0:
+        if row.theory is not None and row.theory.cut > 0.0:
             changes.append(math.log(row.theory.cut))
         return scatter - min(changes), scatter + max(changes)
 
