@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,6 @@ from fem_seal.output.pictures.style import (
     GREEN,
     INK,
     ORANGE,
-    PURPLE,
     Picture,
     label,
     logarithmic,
@@ -79,7 +79,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
     known = np.array([ends[id(load)] or (np.nan, np.nan) for load in loads])
     if np.isfinite(known).any():
         sampled = result.uncertainty
-        name = "its interval" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
+        name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
         axes.fill_between(over.shown, *known.T / unit.size, color=BLUE, alpha=0.15, linewidth=0, label=name)
     _mark_sealed(axes, over.shown[(rates == 0) & ~outside])
     scales = ["x"] if over.values.min() > 0 and spans_decades(over.values) else []
@@ -87,12 +87,19 @@ def leak_picture(result: SealSolution) -> Picture | None:
     if "y" not in scales:
         axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
     logarithmic(axes, *scales)
+    if "y" in scales:
+        # room for the legend above the curves
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high * (high / low) ** 0.3)
     if over.returns:
         number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
     axes.legend(loc="best")
     label(axes, "Leak rate", over.label, f"leak rate  [{unit.name}]")
     if factor is not None:
-        _reduction(factor, over.shown, elastic, rates, "x" in scales)
+        readings = [("C_pl", rates, BLUE)]
+        if np.isfinite(capped).any():
+            readings.append(("only where they touch", capped, GREEN))
+        _reduction(factor, over.shown, elastic, readings, "x" in scales)
         label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
     return Picture(
         "leak",
@@ -162,10 +169,21 @@ def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray
         foot.set(transform=axes.get_xaxis_transform(), clip_on=False)
 
 
-def _reduction(axes: Axes, x: FloatArray, elastic: FloatArray, rates: FloatArray, log_x: bool) -> None:
-    with np.errstate(divide="ignore", invalid="ignore"):
-        factor = np.where((rates > 0) & (elastic > 0), elastic / rates, np.nan)
-    axes.plot(x, factor, "o-", color=PURPLE, ms=3.8)
-    logarithmic(axes, *(["x"] if log_x else []), *(["y"] if spans_decades(factor) else []))
-    if not spans_decades(factor):
-        axes.set_ylim(0.0, 1.12 * float(np.nanmax(factor)))
+def _reduction(
+    axes: Axes,
+    x: FloatArray,
+    elastic: FloatArray,
+    readings: Sequence[tuple[str, FloatArray, str]],
+    log_x: bool,
+) -> None:
+    factors = []
+    for name, rates, colour in readings:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factors.append(np.where((rates > 0) & (elastic > 0), elastic / rates, np.nan))
+        axes.plot(x, factors[-1], "o-", color=colour, ms=3.8, label=name)
+    shown = np.concatenate(factors)
+    logarithmic(axes, *(["x"] if log_x else []), *(["y"] if spans_decades(shown) else []))
+    if not spans_decades(shown):
+        axes.set_ylim(0.0, 1.12 * float(np.nanmax(shown)))
+    if len(factors) > 1:
+        axes.legend(loc="best")
