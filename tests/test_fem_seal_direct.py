@@ -6,6 +6,8 @@ import json
 import re
 from dataclasses import replace
 from functools import cache
+from multiprocessing import active_children
+from time import perf_counter
 
 import numpy as np
 import pandas as pd
@@ -221,6 +223,27 @@ def test_finished_pieces_are_not_done_again(tmp_path):
     said.clear()
     simulate_surface(simulation, progress=said.append)
     assert said == []
+
+
+def test_interruption_does_not_wait_for_what_is_left(tmp_path):
+    """Ctrl-C while two processes are busy with a minute of pieces: they end, and what is done stays."""
+    settings, surface = simulated(points=256, samples=60)
+    settings = DirectSettings(**{**vars(settings), "folder": tmp_path})
+    said: list[tuple[float, str]] = []
+
+    def interrupt(text):
+        said.append((perf_counter(), text))
+        if "1 of" in text:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate_surface(settings.of(surface), jobs=2, progress=interrupt)
+    for process in active_children():
+        process.join(10.0)
+    assert perf_counter() - said[0][0] < 10.0
+    assert not active_children()
+    assert said[-1][1].startswith("interrupted; finished pieces are kept")
+    assert len(list((tmp_path / "pieces").iterdir())) == 1
 
 
 def test_case_without_roughness_is_refused(tmp_path, capsys):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -518,30 +518,41 @@ def simulate_surface(
     missing = [piece for piece in pieces if piece not in known]
     if known and missing:
         progress(f"{len(known)} of {len(pieces)} pieces are there already")
-    for done, (piece, records) in enumerate(_calculated(simulation, missing, jobs), start=len(known) + 1):
-        _write(simulation, piece, records)
-        known[piece] = records
-        progress(f"direct simulation: {done} of {len(pieces)} pieces")
+    try:
+        with closing(_calculated(simulation, missing, jobs)) as calculated:
+            for done, (piece, records) in enumerate(calculated, start=len(known) + 1):
+                _write(simulation, piece, records)
+                known[piece] = records
+                progress(f"direct simulation: {done} of {len(pieces)} pieces")
+    except KeyboardInterrupt:
+        if simulation.folder is not None:
+            progress("interrupted; finished pieces are kept, and the same command goes on from there")
+        raise
     return _together(simulation, known)
 
 
 def _calculated(
     simulation: DirectSimulation, pieces: Sequence[Piece], jobs: int
-) -> Iterator[tuple[Piece, list[PieceRecord]]]:
+) -> Generator[tuple[Piece, list[PieceRecord]], None, None]:
     if jobs < 2 or len(pieces) < 2:
         for piece in pieces:
             yield piece, calculate(simulation, piece)
         return
-    from multiprocessing import get_context
+    from multiprocessing import active_children, get_context
 
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    others = set(active_children())
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+    try:
         waiting = {pool.submit(calculate, simulation, piece): piece for piece in pieces}
-        try:
-            for future in as_completed(waiting):
-                yield waiting[future], future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        for future in as_completed(waiting):
+            yield waiting[future], future.result()
+    except BaseException:
+        # not as a context: its end would wait for every piece that is left, and nobody would keep them
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in set(active_children()) - others:
+            process.terminate()
+        raise
+    pool.shutdown()
 
 
 def calculate(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord]:
