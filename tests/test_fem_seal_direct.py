@@ -340,6 +340,18 @@ def test_pressure_beyond_the_simulated_ones_is_doubtful():
     assert result().loads[0].validity.level == "doubtful"
 
 
+def test_what_is_wrong_with_the_simulation_is_said_before_the_bodies_are_solved():
+    said: list[str] = []
+    tight = case(
+        leak={"conductivity": "direct"}, direct={**SMALL, "points": 32, "pressure": ["2 GPa", "3 GPa"]}
+    )
+    with pytest.raises(InputError, match="tight at all of them"):
+        fem_seal.run(tight, progress=said.append)
+    assert said[-1] == "direct simulation: 6 of 6 pieces"
+    with pytest.raises(InputError, match=r"direct: size = 1e-09 m"):
+        fem_seal.run(case(leak={"conductivity": "direct"}, direct={**SMALL, "size": "1 nm"}))
+
+
 def test_what_does_not_go_with_it():
     assert "leak.conductivity" in wrong(leak={"conductivity": "direct"})
     gas = {"name": "helium", "outlet_pressure": "1 bar"}
