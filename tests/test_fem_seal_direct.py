@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
 from functools import cache
+from multiprocessing import active_children
+from time import perf_counter
 
 import numpy as np
 import pandas as pd
@@ -12,8 +16,9 @@ from sample_results import case
 
 import fem_seal
 from fem_seal import cli
-from fem_seal.analysis.direct import DirectSettings, simulate_surface
+from fem_seal.analysis.direct import DirectSettings, DirectTable, simulate_surface
 from fem_seal.analysis.problem import direct_settings, rough_contact
+from fem_seal.analysis.warnings import _simulated
 from fem_seal.errors import InputError
 from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows
 from leak import RoughContact
@@ -125,6 +130,70 @@ def test_theory_stands_beside_it():
     assert direct_numbers(found)["slope_variance_cut"] > 0.8
 
 
+def changed(row, **more):
+    """The table with one row of loading changed."""
+    found = table()
+    rows = list(found.rows)
+    rows[row] = replace(rows[row], **more)
+    return DirectTable(found.simulation, tuple(rows), found.gap_density), rows[row]
+
+
+def test_interval_when_short_waves_decide_whether_a_patch_is_tight():
+    half, row = changed(1, cutoff_ratio=0.5)
+    usual = half.ends(row)
+    tight, row = changed(1, cutoff_ratio=0.0)
+    low, high = tight.ends(row)
+    assert low == usual[0]
+    # no more than at the pressure before, whatever the last octave does
+    assert usual[1] < high == pytest.approx(tight.ends(tight.rows[0])[1])
+    nearly, row = changed(1, cutoff_ratio=1e-9)
+    assert nearly.ends(row)[1] == pytest.approx(high)
+    # at the first pressure nothing bounds it but a guess, which is doubtful wherever it counts
+    first, row = changed(0, cutoff_ratio=0.0)
+    assert 10.0 ** (1.0 / 3.0) <= first.ends(row)[1] / row.effective_gap < 100.0
+    assert np.isfinite(first.conductivity_table(1e2, 1e9, 20, 1).separation).all()
+
+
+def test_interval_with_tight_samples():
+    usual = table().ends(table().rows[2])
+    one, row = changed(2, blocked=1, log_scatter=np.nan)
+    low, high = one.ends(row)
+    # one of two is open: the mean of both is half of it, and it scatters at least as the others do
+    assert (low / row.effective_gap) ** 3 < 0.5
+    assert high > row.effective_gap
+    assert low < usual[0]
+    none, row = changed(2, blocked=2, effective_gap=0.0, log_scatter=np.nan, cutoff_ratio=np.nan)
+    assert none.ends(row) == (0.0, none.ends(none.rows[1])[1])
+    assert none.range == (4e7, 1.5e8)
+    assert direct_rows(none, 1e-3)[2]["conductivity_low_m3_per_Pa_s"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ({"blocked": 1, "log_scatter": np.nan}, "1 of 2 patches of the direct simulation tight at 40 MPa"),
+        ({"cutoff_ratio": 0.0}, "uncertain by a factor"),
+        ({"cutoff_ratio": np.nan, "log_scatter": 3.0}, "uncertain by a factor"),
+    ],
+)
+def test_tight_samples_make_a_result_doubtful(row, words):
+    found, _ = changed(0, **row)
+    load = result().loads[-1]
+    cautions = list(_simulated(found, load, result().loads))
+    assert words in " ".join(caution.reason for caution in cautions)
+    assert not any(re.search(r"\b(nan|inf)\b", caution.text) for caution in cautions)
+
+
+def test_surface_that_is_tight_at_all_pressures_has_its_pictures(tmp_path, capsys):
+    file = tmp_path / "tight.toml"
+    file.write_text(CASE.replace("1.9 um", "0.02 um").replace("points = 64", "points = 32"))
+    assert cli.main(["direct", str(file), "--jobs", "1"]) == 0
+    assert "2/2" in capsys.readouterr().out
+    assert (tmp_path / "tight.direct" / "direct.svg").is_file()
+    found = pd.read_csv(tmp_path / "tight.direct" / "direct.csv")
+    assert (found.conductivity_m3_per_Pa_s[:3] == 0.0).all()
+
+
 def test_finished_pieces_are_not_done_again(tmp_path):
     settings, surface = simulated()
     settings = DirectSettings(**{**vars(settings), "folder": tmp_path})
@@ -154,6 +223,27 @@ def test_finished_pieces_are_not_done_again(tmp_path):
     said.clear()
     simulate_surface(simulation, progress=said.append)
     assert said == []
+
+
+def test_interruption_does_not_wait_for_what_is_left(tmp_path):
+    """Ctrl-C while two processes are busy with a minute of pieces: they end, and what is done stays."""
+    settings, surface = simulated(points=256, samples=60)
+    settings = DirectSettings(**{**vars(settings), "folder": tmp_path})
+    said: list[tuple[float, str]] = []
+
+    def interrupt(text):
+        said.append((perf_counter(), text))
+        if "1 of" in text:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate_surface(settings.of(surface), jobs=2, progress=interrupt)
+    for process in active_children():
+        process.join(10.0)
+    assert perf_counter() - said[0][0] < 10.0
+    assert not active_children()
+    assert said[-1][1].startswith("interrupted; finished pieces are kept")
+    assert len(list((tmp_path / "pieces").iterdir())) == 1
 
 
 def test_case_without_roughness_is_refused(tmp_path, capsys):
@@ -248,6 +338,18 @@ def test_pressure_beyond_the_simulated_ones_is_doubtful():
     reasons = " ".join(result().loads[0].validity.reasons)
     assert "peak pressure below those of the direct simulation, 40 to 500 MPa" in reasons
     assert result().loads[0].validity.level == "doubtful"
+
+
+def test_what_is_wrong_with_the_simulation_is_said_before_the_bodies_are_solved():
+    said: list[str] = []
+    tight = case(
+        leak={"conductivity": "direct"}, direct={**SMALL, "points": 32, "pressure": ["2 GPa", "3 GPa"]}
+    )
+    with pytest.raises(InputError, match="tight at all of them"):
+        fem_seal.run(tight, progress=said.append)
+    assert said[-1] == "direct simulation: 6 of 6 pieces"
+    with pytest.raises(InputError, match=r"direct: size = 1e-09 m"):
+        fem_seal.run(case(leak={"conductivity": "direct"}, direct={**SMALL, "size": "1 nm"}))
 
 
 def test_what_does_not_go_with_it():

@@ -152,6 +152,30 @@ def test_soft_asperities_yield_entirely():
         assert gap == pytest.approx(np.mean(np.maximum(plane - h, 0.0)), rel=0.01)
 
 
+@pytest.mark.parametrize("share", [1e-6, 1e-3, 0.5, 0.999])
+def test_flat_map_touches_everywhere(share):
+    """There is no rms height to measure an error by, and the pressure is the same at every point."""
+    for heights in (np.zeros((16, 16)), np.full((16, 16), 5e-6)):
+        found = simulate(
+            heights, 1e-3, share * 1e9, effective_modulus=E, hardness=1e9, unload=[0.5 * share * 1e9]
+        )
+        for branch in (found, found.unloaded):
+            assert branch.contact_area[0] == 1.0
+            assert branch.yielded_area[0] == branch.mean_gap[0] == branch.flow_conductivity(1e-3)[0] == 0.0
+
+
+@pytest.mark.parametrize("height", [1e-14, 1e-12, 1e-10])
+def test_nearly_flat_map_needs_no_hardness(height):
+    """The load closes it without a pressure near the hardness, as the elastic solution says."""
+    spike = np.zeros((32, 32))
+    spike[16, 16] = height
+    for p in (1e6, 5e8):
+        hard = simulate(spike, 1e-3, p, effective_modulus=E, hardness=1e9)
+        elastic = simulate(spike, 1e-3, p, effective_modulus=E)
+        assert hard.contact_area[0] == elastic.contact_area[0] == 1.0
+        assert hard.yielded_area[0] == 0.0
+
+
 def test_unloading_remembers_the_largest_pressure():
     h = rough(128, 32)
     result = simulate(
@@ -307,7 +331,10 @@ def test_capped_rows_of_the_reference():
         ({"heights": np.full((4, 4), np.nan)}, "finite"),
         ({"size": 0.0}, "size = 0.0"),
         ({"pressures": [1e6, -1.0]}, "pressures"),
-        ({"hardness": 1e6}, "the mean pressure must stay below it"),
+        ({"heights": "rough"}, "must be an array of numbers"),
+        ({"heights": np.ma.masked_less(np.eye(4), 0.5)}, "some are masked"),
+        ({"pressures": "1 MPa"}, "pressures = '1 MPa'"),
+        ({"hardness": 1e6}, "pressures = 1e+06 and hardness = 1e+06"),
         ({"unload": [2e6]}, "below the largest pressure"),
     ],
 )

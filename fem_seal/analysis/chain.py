@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -31,6 +32,7 @@ from fem_seal.analysis.results import (
 from fem_seal.analysis.variants import interface_variants, theory_variants
 from fem_seal.analysis.warnings import contact_cautions, earlier_cautions, load_validity
 from fem_seal.units import given
+from leak import LeakError
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -52,6 +54,24 @@ _STRESS = {"largest_stress": "stress"}
 _NO_STRESS = math.nan, ("closure", math.nan, math.nan)
 
 
+def _simulate(problem: SealProblem, clock: Clock) -> None:
+    """Simulate the surface if its conductivity comes from there, before the bodies: it asks nothing of them.
+
+    What is wrong with its map or its pressures is then said before minutes are spent on anything else.
+    """
+    surface = problem.surface
+    simulated = None if problem.flow is None else problem.flow.simulated
+    if simulated is None or surface is None:
+        return
+    with clock.step("direct", "direct simulation of the surface"):
+        _ = simulated.table(surface, progress=clock.progress).range
+        if surface.hardness is not None:
+            clock.progress("direct simulation of elastic asperities, to compare with")
+            # what is shown beside a result is no reason for having none
+            with suppress(LeakError):
+                simulated.table(surface.elastic, progress=clock.progress)
+
+
 def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     """Solve every load of a case; `fem_seal.run` says what can go wrong.
 
@@ -65,6 +85,7 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     with clock.step("interface", "roughness and interface law"):
         whole = SealProblem.of(case)
         _ = whole.law  # made once for each surface, and here, where it is timed
+    _simulate(whole, clock)
     refused = whole.loads.refused
     problem = _without(whole, refused)
     seal_mesh, model, solved = model_and_contacts(problem, clock)
@@ -84,9 +105,6 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
             LoadResult(*point, contact, formed=formed)
             for point, contact, formed in zip(problem.loads.points, contacts, solved.around, strict=True)
         ]
-        if problem.surface is not None and problem.flow is not None and problem.flow.simulated is not None:
-            with after.going_on("direct simulation"):
-                problem.flow.simulated.table(problem.surface, progress=clock.progress)
         shown = [contact for load in bare for contact in load.contacts]
         rough = _with_tables(after, RoughFlow.of(problem.surface, problem.flow, shown))
         loads = tuple(

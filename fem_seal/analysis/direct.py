@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -34,6 +34,8 @@ _CLASSES, _WIDEST = 60, 6.0
 QUANTILES = (0.25, 0.5, 0.75, 0.9)
 # Standard errors of the mean on either side of the interval: 95 % of many samples.
 _SIGMAS = 2.0
+# Factor upwards where nothing says what the shorter half of the waves does, since without it the first patch is tight.
+_UNKNOWN = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,14 +314,9 @@ class DirectRow:
     theory: TheoryRow | None
 
     @property
-    def log_error(self) -> float:
-        """Two standard errors of the mean of ln conductivity [-].
-
-        With one sample the scatter is unknown: nan.
-        """
-        if self.samples < 2:
-            return math.nan
-        return _SIGMAS * self.log_scatter / math.sqrt(max(self.samples - self.blocked, 1))
+    def open_samples(self) -> int:
+        """Samples that let something through."""
+        return self.samples - self.blocked
 
 
 @dataclass(frozen=True)
@@ -400,20 +397,62 @@ class DirectTable:
 
         Two standard errors of the mean of the samples, and to one side what the waves may change that the patch cuts:
         as much as the shorter half of those that it holds, since each further octave changes less than the last, or as
-        much as the theory says.
+        much as the theory says; but no more flows than at a lower pressure.
+        Samples that are tight count as such downwards: there the mean conductivity of all of them is the end.
+
+        Parameters
+        ----------
+        row : DirectRow
+            Of first loading, of which a sample lets something through.
+        """
+        scatter = self._scatter(row)
+        changes = [0.0]
+        if row.cutoff_ratio >= 0.0:
+            # without its shorter waves the patch may be tight
+            changes.append(-math.log(row.cutoff_ratio) if row.cutoff_ratio > 0.0 else math.inf)
+        theory = row.theory
+        if theory is not None and theory.cut > 0.0:
+            changes.append(math.log(theory.cut))
+        low, high = scatter - min(changes) + math.log(row.samples / row.open_samples), scatter + max(changes)
+        before = [one for one in self.loading if one.pressure < row.pressure]
+        if before:
+            step = 3.0 * math.log(before[-1].effective_gap / row.effective_gap)
+            high = min(high, max(scatter, step + self.log_error(before[-1])[1]))
+        elif math.isinf(high):
+            known = (
+                [math.log(one) for one in (theory.cut, theory.cut_conserved) if one > 1.0] if theory else []
+            )
+            high = scatter + max([math.log(_UNKNOWN), *known])
+        return low, high
+
+    def ends(self, row: DirectRow) -> tuple[float, float]:
+        """Between which u_eff lies [m].
+
+        Of patches that are all tight from nothing to the upper end at the last pressure at which one was open; nan if
+        there is none.
 
         Parameters
         ----------
         row : DirectRow
             Of first loading.
         """
-        scatter = row.log_error if math.isfinite(row.log_error) else 0.0
-        changes = [0.0]
-        if row.cutoff_ratio > 0.0:
-            changes.append(-math.log(row.cutoff_ratio))
-        if row.theory is not None and row.theory.cut > 0.0:
-            changes.append(math.log(row.theory.cut))
-        return scatter - min(changes), scatter + max(changes)
+        if row.open_samples:
+            low, high = self.log_error(row)
+            return row.effective_gap * math.exp(-low / 3.0), row.effective_gap * math.exp(high / 3.0)
+        before = [one for one in self.loading if one.pressure < row.pressure]
+        return 0.0, self.ends(before[-1])[1] if before else math.nan
+
+    def _scatter(self, row: DirectRow) -> float:
+        """Two standard errors of the mean of ln conductivity [-]; with one sample there is no scatter to know: 0.
+
+        If only one of several samples is open, they scatter at least as much as at the other pressures.
+        """
+        if row.samples < 2 or row.open_samples < 1:
+            return 0.0
+        found = row.log_scatter
+        if row.open_samples == 1:
+            found = max((one.log_scatter for one in self.loading if one.open_samples > 1), default=0.0)
+        return _SIGMAS * found / math.sqrt(row.open_samples)
 
     def conductivity_table(
         self, p_min: float, p_max: float, num: int = 64, end: int = 0
@@ -440,8 +479,7 @@ class DirectTable:
         p = np.array([row.pressure for row in self.loading])
         u = np.array([row.effective_gap for row in self.loading])
         if end:
-            side = 0 if end < 0 else 1
-            u = u * np.exp([end * self.log_error(row)[side] / 3.0 for row in self.loading])
+            u = np.array([self.ends(row)[0 if end < 0 else 1] for row in self.loading])
         factor = np.log(u / np.asarray(held.effective_separation(p)))
         at = np.log(np.clip(theory.pressure, low, high))
         # with one pressure the factor is the same everywhere
@@ -480,30 +518,41 @@ def simulate_surface(
     missing = [piece for piece in pieces if piece not in known]
     if known and missing:
         progress(f"{len(known)} of {len(pieces)} pieces are there already")
-    for done, (piece, records) in enumerate(_calculated(simulation, missing, jobs), start=len(known) + 1):
-        _write(simulation, piece, records)
-        known[piece] = records
-        progress(f"direct simulation: {done} of {len(pieces)} pieces")
+    try:
+        with closing(_calculated(simulation, missing, jobs)) as calculated:
+            for done, (piece, records) in enumerate(calculated, start=len(known) + 1):
+                _write(simulation, piece, records)
+                known[piece] = records
+                progress(f"direct simulation: {done} of {len(pieces)} pieces")
+    except KeyboardInterrupt:
+        if simulation.folder is not None:
+            progress("interrupted; finished pieces are kept, and the same command goes on from there")
+        raise
     return _together(simulation, known)
 
 
 def _calculated(
     simulation: DirectSimulation, pieces: Sequence[Piece], jobs: int
-) -> Iterator[tuple[Piece, list[PieceRecord]]]:
+) -> Generator[tuple[Piece, list[PieceRecord]], None, None]:
     if jobs < 2 or len(pieces) < 2:
         for piece in pieces:
             yield piece, calculate(simulation, piece)
         return
-    from multiprocessing import get_context
+    from multiprocessing import active_children, get_context
 
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    others = set(active_children())
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+    try:
         waiting = {pool.submit(calculate, simulation, piece): piece for piece in pieces}
-        try:
-            for future in as_completed(waiting):
-                yield waiting[future], future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        for future in as_completed(waiting):
+            yield waiting[future], future.result()
+    except BaseException:
+        # not as a context: its end would wait for every piece that is left, and nobody would keep them
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in set(active_children()) - others:
+            process.terminate()
+        raise
+    pool.shutdown()
 
 
 def calculate(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord]:

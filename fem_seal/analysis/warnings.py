@@ -510,8 +510,24 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
             f"the peak pressure {at} at {load_name(load, loads)} is {side} the pressures of the direct simulation that "
             f"let something through, {simulated}; the conductivity goes on by the slope of the theory",
         )
+    first = [row for row in table.rows if row.branch == "load"]
+    nearest = min(first, key=lambda row: abs(math.log(row.pressure / peak)))
+    if tight := [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]:
+        n, of, pressed = tight[-1].blocked, tight[-1].samples, f"{tight[-1].pressure / 1e6:.4g} MPa"
+        yield Caution(
+            "tight patches",
+            Level.DOUBTFUL,
+            f"{n} of {of} patches of the direct simulation tight at {pressed}",
+            f"at {pressed} {n} of {of} patches of the direct simulation let nothing through, and the peak pressure at "
+            f"{load_name(load, loads)} is {at}; the conductivity is that of the others",
+        )
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
     down, up = (math.exp(one) for one in table.log_error(row))
+    octave = (
+        f"changes the conductivity by a factor {1.0 / row.cutoff_ratio:.2g}"
+        if row.cutoff_ratio > 0.0
+        else "decides whether the first patch is tight"
+    )
     if max(down, up) > _UNSURE:
         yield Caution(
             "direct scatter",
@@ -519,7 +535,7 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
             f"conductivity of the direct simulation uncertain by a factor {down:.2g} down and {up:.2g} up",
             f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
             f"a factor {down:.2g} smaller or {up:.2g} larger: {row.samples} samples, and waves too short for the grid, "
-            f"of which the last octave that it holds changes the conductivity by a factor {1.0 / row.cutoff_ratio:.2g}",
+            f"of which the last octave that it holds {octave}",
         )
 
 

@@ -32,8 +32,7 @@ def direct_rows(table: DirectTable, viscosity: float | None = None) -> list[dict
 
 def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[str, Any]:
     theory, nan = row.theory, math.nan
-    low, high = table.log_error(row) if row.branch == "load" else (nan, nan)
-    sigma = nan if viscosity is None else row.effective_gap**3 / (12.0 * viscosity)
+    low, high = table.ends(row) if row.branch == "load" else (nan, nan)
 
     def conductivity(gap: float) -> float:
         return nan if viscosity is None else gap**3 / (12.0 * viscosity)
@@ -50,9 +49,9 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
         "mean_gap_scatter_m": row.mean_gap_scatter,
         **{f"gap_q{100 * q:.0f}_m": gap for q, gap in zip(QUANTILES, row.gap_quantiles, strict=True)},
         "effective_gap_m": row.effective_gap,
-        "conductivity_m3_per_Pa_s": sigma,
-        "conductivity_low_m3_per_Pa_s": sigma * math.exp(-low),
-        "conductivity_high_m3_per_Pa_s": sigma * math.exp(high),
+        "conductivity_m3_per_Pa_s": conductivity(row.effective_gap),
+        "conductivity_low_m3_per_Pa_s": conductivity(low),
+        "conductivity_high_m3_per_Pa_s": conductivity(high),
         "conductivity_log_scatter": row.log_scatter,
         "blocked_samples": row.blocked,
         "conductivity_ratio_half_cutoff": row.cutoff_ratio,
@@ -195,7 +194,7 @@ def shown_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[
     """
     headings = [
         "branch", "p\nMPa", "A/A0", "yielded", "mean gap\num", "u_eff\num", "scatter\nof ln", "tight", "A/A0\ntheory",
-        "mean gap\ntheory, um", "u_eff\nconserved", "u_eff\ncapped",
+        "mean gap\ntheory, um", "conserved\nu_eff, um", "capped\nu_eff, um",
     ]  # fmt: skip
     return headings, [
         [

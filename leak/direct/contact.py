@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from leak.arrays import FloatArray
 from leak.errors import DirectError
 
+# Pressures that displace the surface by more than so many rms heights are no first guess of a contact.
+_HILLS = 30.0
+
 
 class Compliance(Protocol):
     """What the solver needs to know of the body: a linear, symmetric, positive operator on pressures."""
@@ -94,10 +97,13 @@ def press(
             f"pressure = {pressure:g} and hardness = {H:g}: the mean pressure must stay below it [Pa]"
         )
     # heights over their rms and pressures over the mean pressure keep all numbers of order one
-    h_rms = float(np.std(heights)) or 1.0
     h, P = np.asarray(heights, dtype=float), pressure
+    if float(np.ptp(h)) <= 8.0 * np.finfo(float).eps * float(np.abs(h).max()):
+        # flat but for rounding, which is no roughness to measure an error by
+        return ContactState(np.full_like(h, P), np.zeros_like(h), np.zeros_like(h), 0.0, 0)
+    h_rms = float(np.std(h))
     total = P * h.size
-    p = _first_guess(h, total, H) if start is None else _with_load(start, start > 0.0, total, H)
+    p = _first_guess(body, h, total, H) if start is None else _with_load(start, start > 0.0, total, H)
     direction, last, restart, step = np.zeros_like(h), 1.0, True, 0.0
     for iteration in range(most_iterations):
         g = body.displacement(p)
@@ -142,14 +148,17 @@ def _state(p: FloatArray, g: FloatArray, H: float, error: float, iterations: int
     return ContactState(p, gap, overlap, error, iterations)
 
 
-def _first_guess(h: FloatArray, total: float, H: float) -> FloatArray:
+def _first_guess(body: Compliance, h: FloatArray, total: float, H: float) -> FloatArray:
     """The same pressure everywhere, or the hardness on the highest points."""
+    same = np.full_like(h, total / h.size)
     if not np.isfinite(H):
-        return np.full_like(h, total / h.size)
+        return same
     p = np.zeros(h.size)
     highest = np.argsort(h, axis=None)[::-1][: int(np.ceil(total / H))]
     p[highest] = total / highest.size
-    return p.reshape(h.shape)
+    hills = p.reshape(h.shape)
+    # A map that is nearly flat for this load touches everywhere, and hills of pressure are far from that.
+    return hills if float(np.std(body.displacement(hills))) < _HILLS * float(np.std(h)) else same
 
 
 def _approach(g: FloatArray, p: FloatArray, free: NDArray[np.bool_]) -> float:

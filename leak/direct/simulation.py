@@ -143,14 +143,14 @@ def simulate(
         Combined heights of both surfaces [m], upwards out of the body; periodic.
     size : float
         Side of the square [m].
-    pressures : array_like, shape (P,)
+    pressures : float or array_like, shape (P,)
         Mean pressures in any order [Pa]; each is a point of one path of rising load.
     effective_modulus : float
         E* of both bodies together [Pa].
     hardness : float or None
         Largest pressure the softer body bears [Pa]. Where it is reached the surfaces overlap, and the overlap is
         what has yielded: it is taken off the heights.
-    unload : array_like or None
+    unload : float, array_like or None
         Pressures [Pa] below the largest of the path, after it; the map is then the one with the overlap of the
         largest pressure taken off.
     periodic : bool
@@ -186,6 +186,10 @@ def simulate(
     H = None if hardness is None else positive(DirectError, "hardness", hardness, "Pa")
     length = None if flight is None else positive(DirectError, "flight", flight, "m")
     path = _pressures("pressures", pressures)
+    if H is not None and path.max() >= H:
+        raise DirectError(
+            f"pressures = {path.max():g} and hardness = {H:g}: a mean pressure must stay below the hardness [Pa]"
+        )
     back = None if unload is None else _pressures("unload", unload)
     if back is not None and back.max() >= path.max():
         raise DirectError(
@@ -216,7 +220,12 @@ def _branch(pressures: FloatArray, rows: dict[int, PressedPatch]) -> DirectBranc
 
 
 def _map(heights: ArrayLike) -> FloatArray:
-    h = np.asarray(heights, dtype=float)
+    if np.ma.is_masked(heights):
+        raise DirectError("heights: some are masked; fill them, every height must be finite [m]")
+    try:
+        h = np.asarray(heights, dtype=float)
+    except (TypeError, ValueError):
+        raise DirectError("heights: must be an array of numbers, shape (n, n) [m]") from None
     if h.ndim != 2 or h.shape[0] != h.shape[1] or h.shape[0] < 2:
         raise DirectError(f"heights has shape {h.shape}: must be (n, n), n at least 2")
     if not np.isfinite(h).all():
@@ -225,7 +234,10 @@ def _map(heights: ArrayLike) -> FloatArray:
 
 
 def _pressures(name: str, values: ArrayLike) -> FloatArray:
-    p = np.array(values, dtype=float, ndmin=1)
+    try:
+        p = np.array(values, dtype=float, ndmin=1)
+    except (TypeError, ValueError):
+        p = np.empty(0)
     if p.ndim != 1 or p.size == 0 or not (np.isfinite(p) & (p > 0.0)).all():
         raise DirectError(f"{name} = {values!r}: must be positive finite pressures [Pa]")
     return p

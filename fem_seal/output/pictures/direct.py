@@ -93,9 +93,9 @@ def curves_picture(table: DirectTable) -> Picture:
     label(gaps, "Mean gap", f"pressure  [{pressure.name}]", f"gap  [{length.name}]")
 
     u = np.array([row.effective_gap for row in load]) / length.size
-    ends = np.array([table.log_error(row) for row in load]).T / 3.0
+    low, high = np.array([table.ends(row) for row in load]).T / length.size
     flows = u > 0.0
-    flow.fill_between(p[flows], (u * np.exp(-ends[0]))[flows], (u * np.exp(ends[1]))[flows], color=FILL, lw=0)
+    flow.fill_between(p[flows], low[flows], high[flows], color=FILL, lw=0)
     flow.plot(p[flows], u[flows], "o", color=BLUE, ms=3.8, label="simulated")
     for name, values, colour, line in (
         ("theory, conserved", [one.conserved for one in theory], PURPLE, "-"),
@@ -107,7 +107,12 @@ def curves_picture(table: DirectTable) -> Picture:
     flow.plot(
         q, np.where(after > 0.0, after, np.nan), "v", color=GREEN, ms=4.2, label="unloading" if back else None
     )
-    logarithmic(flow, "x", "y")
+    if np.any(flow.dataLim.intervaly > 0.0) and np.isfinite(flow.dataLim.intervaly).all():
+        logarithmic(flow, "x", "y")
+    else:
+        # all is tight, and an axis without a number cannot be logarithmic
+        flow.set(xlim=areas.get_xlim(), ylim=(0.0, 1.0))
+        logarithmic(flow, "x")
     label(flow, "Effective gap", f"pressure  [{pressure.name}]", f"u_eff  [{length.name}]")
     areas.legend(loc="best")
     flow.legend(loc="best")

@@ -247,6 +247,7 @@ def _error(share: float) -> str:
 
 _STEPS = {
     "interface": "roughness and interface law",
+    "direct": "direct simulation of the surface",
     "mesh": "mesh",
     "condense": "condensing the bodies on the contact line",
     "contact": "all contacts",
