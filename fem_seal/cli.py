@@ -97,7 +97,7 @@ def run(
     elif not quiet:
         show_leak_table(rows, case.title)
         show_leakage(case, result.loads, result.leak_ranges)
-        show_memory(case)
+        show_memory(result)
         show_form(result)
         show_particles(result)
         _list_files(folder)
@@ -546,16 +546,16 @@ def show_leakage(
         print(line)  # noqa: T201
 
 
-def show_memory(case: Case) -> None:
+def show_memory(result: SealSolution) -> None:
     """Print after which larger load the results hold, if one is given.
 
     Parameters
     ----------
-    case : Case
+    result : SealSolution
     """
     from fem_seal.output.report.words import remembered
 
-    for line in remembered(case):
+    for line in remembered(result):
         print(line)  # noqa: T201
 
 

@@ -192,7 +192,15 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
         (
             (RoughFlow, "table"),
             "flow conductivity",
-            ["leak_rate_m3_per_s", "leak_rate_kg_per_s", "leak_rate_elastic_m3_per_s"],
+            [
+                "leak_rate_m3_per_s",
+                "leak_rate_kg_per_s",
+                "leak_rate_elastic_m3_per_s",
+                "leak_rate_low_m3_per_s",
+                "leak_rate_high_m3_per_s",
+                "leak_rate_conserved_m3_per_s",
+                "leak_rate_capped_m3_per_s",
+            ],
         ),
     ],
 )

@@ -338,3 +338,17 @@ def test_the_report_shows_the_loop_and_names_the_load() -> None:
     assert 'id="picture-memory"' in page
     assert "largest earlier load" in page
     assert memory_picture(replace(result(), earlier=None)) is None
+
+
+def test_words_say_whether_anything_is_remembered() -> None:
+    (said,) = words.remembered(result())
+    assert "does not come back" in said and all(load.remembers for load in result().loads)
+    first = tuple(load.first_loading for load in result().loads)
+    assert not any(load.remembers for load in first)
+    (said,) = words.remembered(replace(result(), loads=first))  # as if the earlier load had been the smaller one
+    assert "all of this is first loading" in said
+
+
+def test_an_earlier_load_below_all_others_is_not_remembered() -> None:
+    assert not any(load.remembers for load in after("10 N"))
+    np.testing.assert_allclose(rates(after("10 N")), rates(solved(steps())), rtol=2e-3)

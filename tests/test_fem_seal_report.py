@@ -155,8 +155,8 @@ def test_headline_and_table_say_the_same_as_the_result(page):
     assert f"{leak_range_text(highest.leak_range)} at 20 bar" in page.text
     assert f"{highest.leak.leak_rate * 6e7:.4g}" in page.text
     assert f"{highest.contact.profile.peak_pressure / 1e6:.1f} MPa" in page.text
-    factor = highest.leak_elastic.leak_rate / highest.leak.leak_rate
-    assert f"never yielded, {factor:.1f} times as much would leak" in page.text
+    least, most = (highest.leak_elastic.leak_rate / rate for rate in reversed(highest.leak_range))
+    assert f"never yielded, {least:.1f} to {most:.1f} times as much would leak" in page.text
     assert "elastic p(u) (used)" in page.text and "plastic p(u)" in page.text
 
 
@@ -363,3 +363,15 @@ def test_peak_pressure_is_the_largest_of_the_profile(fitting):
     for result in (fitting, rough_result(), smooth_result()):
         for load in result.loads:
             assert load.contact.profile.peak_pressure >= load.contact.profile.pressure.max()
+
+
+def test_critical_separation_and_interface_laws_are_told_in_both_readings(page):
+    load = rough_result().highest
+    low, high = load.critical_separation, load.critical_separation_capped
+    assert low < high < load.critical_separation_elastic
+    assert high == load.capped.critical_separation
+    assert f"{low * 1e6:.1f} to {high * 1e6:.1f} µm" in page.text
+    for variant in rough_result().interface_variants:
+        assert variant.leak_rate < variant.leak_rate_capped
+    used = rough_result().interface_variants[0]
+    assert (used.leak_rate, used.leak_rate_capped) == pytest.approx(load.leak_range)

@@ -48,6 +48,7 @@ _READINGS = {"capped": "asperities that change only where they touch", "elastic"
 _LEAK_AROUND = {"leak_round": "leak rate of the round seal", "around": "leak around the axis", **_LEAK}
 _SEPARATION = {
     "critical_separation": "critical separation",
+    "critical_separation_capped": "critical separation of asperities that change only where they touch",
     "critical_separation_elastic": "critical separation of elastic asperities",
 }
 _STRESS = {"largest_stress": "stress"}

@@ -185,6 +185,15 @@ class LoadResult(Lazy):
         return self if contact is self.contact else replace(self, contact=contact, formed=formed)
 
     @property
+    def remembers(self) -> bool:
+        """Whether a place that carries the load has carried more before."""
+        return any(
+            bool((one.largest > AGREE * np.maximum(one.pressure, 0.01 * one.pressure.max())).any())
+            for one in self.contacts
+            if one.largest is not None
+        )
+
+    @property
     def around_capped(self) -> Around | None:
         """`around` of `capped`; None for a round seal, and where no asperities yield."""
         return self.capped.around if self.yields and self.leak_capped is not None else None
@@ -218,6 +227,13 @@ class LoadResult(Lazy):
     def critical_separation(self) -> float | None:
         """u_c at the peak pressure [m]; None without roughness."""
         return None if self.rough is None else self.rough.critical_separation(self.contact.profile)
+
+    @cached_property
+    def critical_separation_capped(self) -> float | None:
+        """u_c with yielding asperities that change the surface only where it touches [m]."""
+        if self.rough is None or not self.yields:
+            return self.critical_separation
+        return self.rough.capped.critical_separation(self.contact.profile)
 
     @cached_property
     def critical_separation_elastic(self) -> float | None:
@@ -310,6 +326,8 @@ class Comparison:
         [Pa], [m], [m]; relative where it says so.
     leak_rate : float or None
         [m^3/s]; None without one, and relative to one that is zero or infinite.
+    leak_rate_capped : float, optional
+        The other reading of yielding asperities, where it was asked for [m^3/s].
     """
 
     name: str
@@ -317,6 +335,7 @@ class Comparison:
     fwhm: float
     std: float
     leak_rate: float | None
+    leak_rate_capped: float | None = None
 
     @classmethod
     def of(cls, name: str, profile: PressureProfile, leak: LeakResult | None) -> Comparison:

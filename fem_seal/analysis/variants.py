@@ -129,7 +129,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
     strongest = strongest_load(loads)
     load, variants = loads[strongest], []
     for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
-        contact, leak = load.contact, load.leak
+        contact, told = load.contact, load
         if plastic != problem.interface.plastic:
             changed = _with_law(problem, plastic)
             if solver.yields:
@@ -138,6 +138,12 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
                 (contact,) = solved_again([contact], solver.model, changed.law, solver.earlier)
             formed = changed.around(contact)
             bare = LoadResult(*load.point, contact, formed=formed)
-            leak = replace(bare, rough=RoughFlow.of(surface, problem.flow, bare.contacts)).leak
-        variants.append(Comparison.of(name, contact.profile, leak))
+            told = replace(bare, rough=RoughFlow.of(surface, problem.flow, bare.contacts))
+        capped = told.leak_capped if told.yields else None
+        variants.append(
+            replace(
+                Comparison.of(name, contact.profile, told.leak),
+                leak_rate_capped=None if capped is None else capped.leak_rate,
+            )
+        )
     return tuple(variants)

@@ -11,6 +11,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.style import (
     BLUE,
     FILL,
+    GREEN,
     GREY,
     ORANGE,
     PURPLE,
@@ -50,17 +51,23 @@ def separation_picture(result: SealSolution) -> Picture | None:
         high = min(high, max(0.98 * surface.hardness, 1.01 * peaks.max()))
     p = np.geomspace(low, high, 30)
     pressure = unit_for("contact pressure", float(peaks.max()))
-    curves = [("elastic asperities", surface.elastic, ORANGE, "critical_separation_elastic")]
+    two = any(load.yields for load in result.loads)
+    at_loads = [load.critical_separation_elastic for load in result.loads]
+    curves = [("elastic asperities", surface.elastic, ORANGE, at_loads)]
+    if two:
+        at_loads = [load.critical_separation_capped for load in result.loads]
+        curves.insert(0, ("changed only where they touch", surface.capped, GREEN, at_loads))
     if surface.hardness is not None:
-        curves.insert(0, ("asperities yield", surface, BLUE, "critical_separation"))
+        at_loads = [load.critical_separation for load in result.loads]
+        curves.insert(0, ("asperities yield, C_pl" if two else "asperities yield", surface, BLUE, at_loads))
     values = [np.asarray(contact.critical_separation(p)) for _, contact, _, _ in curves]
     unit = unit_for("length", float(max(u.max() for u in values)))
     figure, (axes, shares) = panels(2, height=3.5)
-    for (name, _, colour, key), u in zip(curves, values, strict=True):
+    for (name, _, colour, found), u in zip(curves, values, strict=True):
         axes.plot(p / pressure.size, np.where(u > 0, u, np.nan) / unit.size, color=colour, label=name)
-        at_loads = np.array([getattr(load, key) for load in result.loads], dtype=float)
-        at_loads[at_loads <= 0] = np.nan
-        axes.plot(peaks / pressure.size, at_loads / unit.size, "o", color=colour, ms=3.8)
+        dots = np.array(found, dtype=float)
+        dots[dots <= 0] = np.nan
+        axes.plot(peaks / pressure.size, dots / unit.size, "o", color=colour, ms=3.8)
     axes.set_ylim(0.0)
     logarithmic(axes, "x")
     axes.legend(loc="best")
@@ -71,7 +78,13 @@ def separation_picture(result: SealSolution) -> Picture | None:
         "separation",
         svg(figure),
         said("captions.separation", "alt"),
-        said("captions.separation", "all", threshold=percent(surface.percolation_threshold)),
+        said(
+            "captions.separation",
+            "all",
+            "readings" if two else "",
+            "memory" if any(load.remembers for load in result.loads) else "",
+            threshold=percent(surface.percolation_threshold),
+        ),
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from fem_seal.analysis.caution import Level
 from fem_seal.analysis.closed_forms import Sizes, closed_form_limits, derive
 from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.results import LoadResult, SealSolution, highest_load
+from fem_seal.analysis.results import AGREE, Comparison, LoadResult, SealSolution, highest_load
 from fem_seal.analysis.variants import ratio_to_case
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
@@ -217,6 +217,10 @@ def _difference(share: float) -> str:
 
 def variant_table(result: SealSolution) -> ReadableTable:
     """What the interface law does to the load with the largest contact force; no rows if there was no choice."""
+    ends = [rate for one in result.interface_variants for rate in (one.leak_rate, one.leak_rate_capped)]
+    rates = [rate for rate in ends if rate is not None]
+    unit = unit_for("flow", max(rates, default=0.0))
+    claimed = not result.strongest.validity.outside
     rows = [
         (
             variant.name
@@ -224,14 +228,25 @@ def variant_table(result: SealSolution) -> ReadableTable:
             quantity("contact pressure", variant.peak_pressure),
             quantity("length", variant.fwhm),
             quantity("length", variant.std),
-            "–"
-            if variant.leak_rate is None
-            else leak_rate_text(variant.leak_rate, claimed=not result.strongest.validity.outside),
+            _both_readings(variant, unit, claimed),
         )
         for variant in result.interface_variants
     ]
-    leak_rate = "leak rate (C_pl)" if result.strongest.yields else "leak rate"
+    leak_rate = f"leak rate [{unit.name}]" if rates else "leak rate"
     return ReadableTable(("interface law", "peak pressure", "FWHM", "std. deviation", leak_rate), tuple(rows))
+
+
+def _both_readings(variant: Comparison, unit: Unit, claimed: bool) -> str:
+    """The leak rate in both readings of yielding asperities, or the only one."""
+    if variant.leak_rate is None:
+        return "–"
+    other = variant.leak_rate if variant.leak_rate_capped is None else variant.leak_rate_capped
+    low, high = sorted((variant.leak_rate, other))
+    digits = 3 if high <= AGREE * low else 2
+    told = [
+        worth(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed) for one in (low, high)
+    ]
+    return range_text(*told)
 
 
 _NAMES = {

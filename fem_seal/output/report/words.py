@@ -34,6 +34,7 @@ from fem_seal.units import (
     quantity,
     quantity_worth,
     range_text,
+    unit_for,
     worth,
 )
 from leak import (
@@ -93,11 +94,8 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
         ),
     ]
     if load.critical_separation is not None:
-        closed = "calculated as zero" if load.validity.outside else "sealed"
-        narrow = closed if load.critical_separation == 0 else quantity("length", load.critical_separation)
-        found.append(
-            Fact("Narrowest point of the leak path", narrow, "critical separation at the peak pressure")
-        )
+        narrow, remark = _narrowest(load)
+        found.append(Fact("Narrowest point of the leak path", narrow, remark))
     found.append(
         Fact(
             "Largest stress in the bodies",
@@ -121,6 +119,20 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     if result.uncertainty is not None:
         found.insert(1, _interval_fact(result, load))
     return found
+
+
+def _narrowest(load: LoadResult) -> tuple[str, str]:
+    """u_c in both readings of yielding asperities, and what it is."""
+    assert load.critical_separation is not None
+    other = load.critical_separation_capped
+    ends = sorted((load.critical_separation, load.critical_separation if other is None else other))
+    closed = "calculated as zero" if load.validity.outside else "sealed"
+    unit = unit_for("length", ends[1])
+    digits = 3 if ends[0] == ends[1] else 2
+    low, high = (number(unit.of(one), digits) if one else closed for one in ends)
+    told = f"{range_text(low, high)} {unit.name}" if ends[1] else closed
+    both = "" if low == high else ", in both readings of asperities that yield"
+    return told, f"critical separation at the peak pressure{both}"
 
 
 def _least(load: LoadResult) -> str:
@@ -216,14 +228,15 @@ def headline(result: SealSolution) -> str:
     opens = {opens_at(load) for load in result.loads}
     (only,) = opens if len(opens) == 1 else (None,)
     opening = f" It opens at {only}." if only else ""
-    before = " ".join(["", *remembered(result.case)])
+    before = " ".join(["", *remembered(result)])
     return _what_leaks(result) + opening + before + _how_sure(result)
 
 
-def remembered(case: Case) -> list[str]:
+def remembered(result: SealSolution) -> list[str]:
     """That the results hold after a larger load, in a sentence; empty where none is known."""
-    earlier = earlier_load(case.load)
-    return [said("notes.headline", "remembers", earlier=earlier)] if earlier else []
+    earlier = earlier_load(result.case.load)
+    how = "remembers" if any(load.remembers for load in result.loads) else "forgets"
+    return [said("notes.headline", how, earlier=earlier)] if earlier else []
 
 
 def _how_sure(result: SealSolution) -> str:
@@ -287,9 +300,23 @@ def _what_leaks(result: SealSolution) -> str:
     ]
     then = f"; after {span}, {told.pop()}" if changed else ""
     claimed = [load for load in shown if ends_told(load) is not None and not load.validity.outside]
-    return f"The seal leaks {' and '.join(told)}{then}." + (
-        f" {ends_in_words(claimed[0])}" if claimed else ""
+    sampled = with_samples(highest, result.leak_ranges[loads.index(highest)])
+    return " ".join(
+        [
+            f"The seal leaks {' and '.join(told)}{then}.",
+            *([ends_in_words(claimed[0])] if claimed else []),
+            *([f"At {span} {sampled}"] if sampled else []),
+        ]
     )
+
+
+def with_samples(load: LoadResult, ends: tuple[float, float] | None) -> str:
+    """How far the uncertain inputs widen the leak rate; empty where nothing was sampled, or nothing may be claimed."""
+    if load.leak is None or ends in (None, load.leak_range) or load.validity.outside:
+        return ""
+    assert ends is not None
+    both = "both" if load.yields else "one"
+    return said("readings.sampled", both, rate=leak_range_text(ends, min(load.digits, 2)))
 
 
 def ends_in_words(load: LoadResult) -> str:
@@ -376,14 +403,24 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     area = float(surface.contact_area(peak))
     yielded = float(surface.plastic_area(peak)) / area
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
-    factor, effect = 1.0, ""
-    if load.leak is not None and load.leak_elastic is not None and load.leak.leak_rate > 0:
-        factor = load.leak_elastic.leak_rate / load.leak.leak_rate
-        effect = "never" if factor > _NOTICED else "hardly"
-    values = {"area": percent(area), "share": share, "factor": number(factor, 2)}
+    factor, effect = _less_by_yielding(load)
+    values = {"area": percent(area), "share": share, "factor": factor}
     yield said("reasons.asperities", "yielded", effect, **values)
     if load.yields and load.leak_ends is not None:
         yield said("readings.load", "why", readings=readings_in_words(load))
+
+
+def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
+    """By which factor yielding lowers the leak rate, in both readings, and which sentence says it; empty if unknown."""
+    ends = (ends_told(load) if load.yields else None) or (load.leak, load.leak)
+    low, high = (math.nan if one is None else one.leak_rate for one in ends)
+    if load.leak_elastic is None or not high > 0:
+        return "", ""
+    elastic = load.leak_elastic.leak_rate
+    if low == 0:
+        return number(elastic / high, 2), "never_sealed"
+    factor = range_text(number(elastic / high, 2), number(elastic / low, 2))
+    return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
 def leakage_text(load: LoadResult) -> str:
@@ -445,6 +482,7 @@ def leakage_lines(
     return [
         f"Leak rate at {load_values(load, loads)}: {leakage_text(load)}{doubt}",
         *([f"  {ends_in_words(load)}"] if ends_told(load) is not None else []),
+        *([f"  {sampled[0].upper()}{sampled[1:]}"] if (sampled := with_samples(load, ends)) else []),
         f"Leakage class for {nominal_size(case)}: {classes}{why}",
     ]
 

@@ -100,7 +100,13 @@ def _headline(designs: Designs, counts: dict[str, int]) -> str:
     still = f", {counts['open']} not calculated yet" if counts["open"] else ""
     met = f"; {len(designs.feasible)} meet all constraints" if designs.about["constraints"] else ""
     levels = "".join(f"; {count} {level}" for level, count in designs.levels.items())
-    return f"{total} designs over {varied}: {counts['done']} done{failed}{still}{met}{levels}."
+    both = ""
+    if LEAK_RATE in designs.done and len(capped_leak_rates(designs)):
+        both = (
+            " The leak rate is that of yielding asperities that conserve their volume everywhere (C_pl, as in the "
+            "paper); the one of a surface that changes only where it touches is the other end of its interval."
+        )
+    return f"{total} designs over {varied}: {counts['done']} done{failed}{still}{met}{levels}.{both}"
 
 
 def _doubts(designs: Designs) -> Iterator[str]:
