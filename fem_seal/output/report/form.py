@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.load_names import load_name
@@ -54,9 +54,7 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
         )
     yield from _closing(answers, load)
     if answers.allowed is not None and not load.validity.outside:
-        yield from _allowed(answers.allowed, load)
-        if answers.allowed_capped is not None:
-            yield from _allowed_capped(answers.allowed, answers.allowed_capped)
+        yield from _allowed(answers.allowed, answers.allowed_capped, load)
     yield from _scratches(answers, load)
     if answers.goes_round is not None:
         yield said("form.round", "share", share=percent(answers.goes_round), load=at)
@@ -98,7 +96,8 @@ def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
     )
 
 
-def _allowed(allowed: Allowed, load: LoadResult) -> Iterator[str]:
+def _allowed(allowed: Allowed, capped: Allowed | None, load: LoadResult) -> Iterator[str]:
+    """How large the form error may be, and directly behind it what the other reading of yielding asperities says."""
     limit, rate = allowed.limit, given("flow", allowed.leak_rate)
     if allowed.limit != "target":
         limit = f"limit of {limit}"
@@ -113,6 +112,10 @@ def _allowed(allowed: Allowed, load: LoadResult) -> Iterator[str]:
             limit=limit,
             rate=rate,
         )
+    if capped is not None and capped.factor is None:
+        yield said("form.allowed", "capped_round_leaks_more")
+    elif capped is not None and capped.factor is not None and math.isfinite(capped.factor):
+        yield from _capped(allowed.factor, capped.factor, lambda one: number(one, 2), "capped_size")
     if load.around is not None and load.around.scratches is not None:
         yield said("form.allowed", "aside")
     if allowed.zone == 0:
@@ -126,21 +129,18 @@ def _allowed(allowed: Allowed, load: LoadResult) -> Iterator[str]:
             waves=allowed.waves,
             limit=limit,
         )
+    if capped is not None and capped.zone is not None and math.isfinite(capped.zone):
+        yield from _capped(allowed.zone, capped.zone, lambda one: quantity("length", one, 2), "capped_zone")
 
 
-def _allowed_capped(allowed: Allowed, capped: Allowed) -> Iterator[str]:
-    """What the other reading of yielding asperities allows, where it is something else."""
-    if allowed.factor is None:
-        return
-    if capped.factor is None:
-        yield said("form.allowed", "capped_round_leaks_more")
-        return
-    sizes = [number(_down(one), 2) for one in (allowed.factor, capped.factor)]
-    if sizes[0] != sizes[1] and math.isfinite(capped.factor):
-        yield said("form.allowed", "capped_size", factor=sizes[1])
-    zones = [quantity("length", _down(one.zone or 0.0), 2) for one in (allowed, capped)]
-    if zones[0] != zones[1] and capped.zone is not None and math.isfinite(capped.zone):
-        yield said("form.allowed", "capped_zone", zone=zones[1])
+def _capped(
+    allowed: float | None, capped: float | None, written: Callable[[float], str], what: str
+) -> Iterator[str]:
+    """What the other reading allows, where it is something else."""
+    first, other = (written(_down(one or 0.0)) for one in (allowed, capped))
+    if first != other:
+        key = {"capped_size": "factor", "capped_zone": "zone"}[what]
+        yield said("form.allowed", what, **{key: other})
 
 
 def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
