@@ -63,5 +63,5 @@ def particle_picture(result: SealSolution) -> Picture | None:
         "particles",
         svg(figure),
         said("captions.particles", "alt", load=at),
-        said("captions.particles", "all", load=at),
+        said("captions.particles", "all", "behind_filter" if answers.filter is not None else "", load=at),
     )
