@@ -534,8 +534,8 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
             Level.DOUBTFUL,
             f"conductivity of the direct simulation uncertain by a factor {down:.2g} down and {up:.2g} up",
             f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
-            f"a factor {down:.2g} smaller or {up:.2g} larger: {_samples(row.samples)}, and waves too short for the grid, "
-            f"of which the last octave that it holds {octave}",
+            f"a factor {down:.2g} smaller or {up:.2g} larger: {_samples(row.samples)}, and waves too short for the "
+            f"grid, of which the last octave that it holds {octave}",
         )
 
 
