@@ -16,7 +16,7 @@ from sample_results import case
 
 import fem_seal
 from fem_seal import cli
-from fem_seal.analysis.direct import DirectSettings, DirectTable, simulate_surface
+from fem_seal.analysis.direct import DirectSettings, DirectTable, calculate, simulate_surface
 from fem_seal.analysis.problem import direct_settings, rough_contact
 from fem_seal.analysis.warnings import _simulated
 from fem_seal.errors import InputError
@@ -174,6 +174,7 @@ def test_interval_with_tight_samples():
         ({"blocked": 1, "log_scatter": np.nan}, "1 of 2 patches of the direct simulation tight at 40 MPa"),
         ({"cutoff_ratio": 0.0}, "uncertain by a factor"),
         ({"cutoff_ratio": np.nan, "log_scatter": 3.0}, "uncertain by a factor"),
+        ({"samples": 1, "log_directions": np.inf}, "uncertain by a factor 10 down"),
     ],
 )
 def test_tight_samples_make_a_result_doubtful(row, words):
@@ -408,6 +409,15 @@ def test_measured_map_is_simulated(tmp_path, monkeypatch):
     assert found.simulation.patch.size == pytest.approx(1e-3)
     assert found.rows[0].samples == 1
     assert np.isnan(found.rows[0].contact_area_scatter)
+    # there is no scatter of samples, but the flow both ways through the map differs
+    row = found.rows[0]
+    piece = found.simulation.pieces()[0]
+    x, y = calculate(found.simulation, piece)[0][3:5]
+    low, high = found.log_error(row)
+    assert low == pytest.approx(abs(np.log(x / y)))
+    assert high >= low > 0.01
+    one_way = replace(row, log_directions=np.inf)
+    assert found.log_error(one_way)[0] == pytest.approx(np.log(10.0))
     assert "Measured map" in direct_lines(found)[0]
     line = leak.line_scan(np.arange(64) * 1e-6, 1e-7 * np.sin(np.arange(64)))
     monkeypatch.setattr(leak, "read_topography", lambda path, unit=None: line)

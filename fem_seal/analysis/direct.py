@@ -295,6 +295,9 @@ class DirectRow:
         Conductivity without the shorter half of the waves over that with it, first sample; nan for unloading.
     theory : TheoryRow or None
         None for unloading.
+    log_directions : float
+        ln of the first sample's conductivity along x over the one along y; infinite if it is tight one way, nan if
+        both.
     """
 
     branch: Branch
@@ -312,6 +315,7 @@ class DirectRow:
     samples: int
     cutoff_ratio: float
     theory: TheoryRow | None
+    log_directions: float = math.nan
 
     @property
     def open_samples(self) -> int:
@@ -443,12 +447,16 @@ class DirectTable:
         return 0.0, self.ends(before[-1])[1] if before else math.nan
 
     def _scatter(self, row: DirectRow) -> float:
-        """Two standard errors of the mean of ln conductivity [-]; with one sample there is no scatter to know: 0.
+        """Two standard errors of the mean of ln conductivity [-].
 
-        If only one of several samples is open, they scatter at least as much as at the other pressures.
+        If only one of several samples is open, they scatter at least as much as at the other pressures. Of one sample
+        both directions are the samples; with only one direction there is nothing to tell it by: 0.
         """
-        if row.samples < 2 or row.open_samples < 1:
+        if row.open_samples < 1:
             return 0.0
+        if row.samples == 1:
+            ratio = abs(row.log_directions) if self.simulation.direction == "both" else 0.0
+            return _SIGMAS * 0.5 * ratio if math.isfinite(ratio) else math.log(_UNKNOWN)
         found = row.log_scatter
         if row.open_samples == 1:
             found = max((one.log_scatter for one in self.loading if one.open_samples > 1), default=0.0)
@@ -659,7 +667,14 @@ def _row(
         samples=len(records),
         cutoff_ratio=cutoff_ratio,
         theory=theory,
+        log_directions=_log_ratio(records[0].gap_cubed_along, records[0].gap_cubed_across),
     )
+
+
+def _log_ratio(first: float, second: float) -> float:
+    if first > 0.0 and second > 0.0:
+        return math.log(first / second)
+    return math.nan if first == second else math.copysign(math.inf, first - second)
 
 
 def _density(simulation: DirectSimulation, records: Sequence[PieceRecord]) -> FloatArray:

@@ -534,9 +534,13 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
             Level.DOUBTFUL,
             f"conductivity of the direct simulation uncertain by a factor {down:.2g} down and {up:.2g} up",
             f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
-            f"a factor {down:.2g} smaller or {up:.2g} larger: {row.samples} samples, and waves too short for the grid, "
-            f"of which the last octave that it holds {octave}",
+            f"a factor {down:.2g} smaller or {up:.2g} larger: {_samples(row.samples)}, and waves too short for the "
+            f"grid, of which the last octave that it holds {octave}",
         )
+
+
+def _samples(count: int) -> str:
+    return "1 sample" if count == 1 else f"{count} samples"
 
 
 def _lay_factor(area: float, peklenik: float) -> float:

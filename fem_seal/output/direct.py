@@ -125,7 +125,7 @@ def direct_lines(table: DirectTable) -> list[str]:
         "size": quantity("length", patch.size),
         "points": patch.points,
         "shortest": quantity("length", patch.shortest_wavelength),
-        "samples": simulation.samples,
+        "patches": "1 patch" if simulation.samples == 1 else f"{simulation.samples} patches",
         "rms": quantity("length", simulation.rms_height),
         "of": quantity("length", simulation.surface.spectrum.rms_height),
     }
