@@ -448,7 +448,7 @@ def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeyp
         if case.load.axial_force == 2.0:
             (tmp_path / "a.csv").unlink(missing_ok=True)
             raise OSError("no such file")
-        return responses.Evaluation({"leak_rate_m3_per_s": 1e-6 + 1e-9 * case.load.axial_force}, VALID)
+        return responses.Evaluation(dict.fromkeys(columns, 1e-6 + 1e-9 * case.load.axial_force), VALID)
 
     monkeypatch.setattr(responses, "evaluate", removed)
     plan = scanned(
