@@ -345,7 +345,9 @@ def test_words_say_whether_anything_is_remembered() -> None:
     assert "does not come back" in said and all(load.remembers for load in result().loads)
     first = tuple(load.first_loading for load in result().loads)
     assert not any(load.remembers for load in first)
-    (said,) = words.remembered(replace(result(), loads=first))  # as if the earlier load had been the smaller one
+    (said,) = words.remembered(
+        replace(result(), loads=first)
+    )  # as if the earlier load had been the smaller one
     assert "all of this is first loading" in said
 
 
