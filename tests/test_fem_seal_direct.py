@@ -329,6 +329,7 @@ def test_report_shows_the_simulation(tmp_path):
     assert 'id="picture-direct_map"' in page
     assert "Polonsky" in page
     assert "Bruggeman" not in page
+    assert "no open path above" not in page
     row = pd.read_csv(tmp_path / "leak.csv").iloc[-1]
     low, high = result().loads[-1].leak_range
     assert row.leak_rate_low_m3_per_s == pytest.approx(low)

@@ -210,7 +210,12 @@ def _leak(case: Case) -> list[tuple[str, str]]:
     }
     return [
         ("asperities", "yield at the hardness" if case.leak.plasticity else "elastic"),
-        ("no open path above", f"{percent(case.leak.percolation_threshold)} real contact"),
+        # a simulation finds by itself where the last path closes
+        *(
+            [("no open path above", f"{percent(case.leak.percolation_threshold)} real contact")]
+            if case.leak.conductivity != "direct"
+            else []
+        ),
         ("flow conductivity", conductivity[case.leak.conductivity]),
         *(
             [("fluid pressure in the gap", "opens it, point by point")]
