@@ -10,7 +10,7 @@ run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
 
 test: $(VENV)/.tools
-	@OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
+	@OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile
 
 lint: $(VENV)/.tools
 	@$(VENV)/bin/ruff check .
