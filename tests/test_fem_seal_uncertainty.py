@@ -185,7 +185,7 @@ def test_spectrum_between_scans(tmp_path, monkeypatch):
             case(roughness={"spectrum": spectrum}, load={"fluid_pressure": "20 bar"}, **tables)
         )
 
-    table = {"samples": 32, "spectrum": {"distribution": "scans"}}
+    table = {"samples": 16, "spectrum": {"distribution": "scans"}}
     both = result(*files, uncertainty=table).uncertainty
     with monkeypatch.context() as patch:
         patch.setattr("fem_seal.analysis.uncertainty.uncertain_heights", lambda *_, **__: ())
@@ -214,7 +214,7 @@ def test_the_length_of_one_scan_widens_the_interval(tmp_path):
             case(
                 roughness={"spectrum": {"kind": "profile", "file": str(path)}},
                 load={"fluid_pressure": "20 bar"},
-                uncertainty={"samples": 32},
+                uncertainty={"samples": 16},
             )
         )
         warned = any("roughness.spectrum: too short for its roll-off" in one for one in found.warnings)
