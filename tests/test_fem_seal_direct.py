@@ -237,12 +237,12 @@ def test_interruption_does_not_wait_for_what_is_left(tmp_path):
         if "1 of" in text:
             raise KeyboardInterrupt
 
+    before = set(active_children())
     with pytest.raises(KeyboardInterrupt):
         simulate_surface(settings.of(surface), jobs=2, progress=interrupt)
-    for process in active_children():
-        process.join(10.0)
-    assert perf_counter() - said[0][0] < 10.0
-    assert not active_children()
+    # what has begun is finished: a few seconds
+    assert perf_counter() - said[0][0] < 30.0
+    assert set(active_children()) <= before
     assert said[-1][1].startswith("interrupted; finished pieces are kept")
     assert len(list((tmp_path / "pieces").iterdir())) == 1
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import signal
 from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -546,21 +548,23 @@ def _calculated(
         for piece in pieces:
             yield piece, calculate(simulation, piece)
         return
-    from multiprocessing import active_children, get_context
+    from multiprocessing import get_context
 
-    others = set(active_children())
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
-    try:
-        waiting = {pool.submit(calculate, simulation, piece): piece for piece in pieces}
-        for future in as_completed(waiting):
-            yield waiting[future], future.result()
-    except BaseException:
-        # not as a context: its end would wait for every piece that is left, and nobody would keep them
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in set(active_children()) - others:
-            process.terminate()
-        raise
-    pool.shutdown()
+    # no more of them wait than processes can take: an interruption waits for those that have begun, and for no other
+    left = iter(pieces)
+    with ProcessPoolExecutor(
+        jobs,
+        mp_context=get_context("spawn"),
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    ) as pool:
+        waiting = {pool.submit(calculate, simulation, piece): piece for piece in islice(left, jobs)}
+        while waiting:
+            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                piece = waiting.pop(future)
+                for following in islice(left, 1):
+                    waiting[pool.submit(calculate, simulation, following)] = following
+                yield piece, future.result()
 
 
 def calculate(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord]:
