@@ -63,7 +63,9 @@ def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
         return None
     pressure, force = case.load.earlier
     open_seal = None if pressure == 0.0 else _open(case, pressure, force)
-    found = open_seal or next(_too_large(case, pressure, force), None)
+    found = open_seal or next(
+        _too_large(case, pressure, force, case.load.earlier_key.removeprefix("load.")), None
+    )
     return None if found is None else replace(found, key=case.load.earlier_key)
 
 
@@ -98,15 +100,20 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
     )
 
 
-def _too_large(case: CaseTables, fluid_pressure: float, applied_force: float) -> Iterator[LoadProblem]:
-    """Smooth bodies must not be pressed flat over more than a tenth of the contact radius."""
+def _too_large(
+    case: CaseTables,
+    fluid_pressure: float,
+    applied_force: float,
+    lower: str = "fluid_pressure or axial_force",
+) -> Iterator[LoadProblem]:
+    """Smooth bodies must not be pressed flat over more than a tenth of the contact radius; `lower` is what to lower."""
     contact, E, force = case.contact, case.effective_modulus, _force(case, fluid_pressure, applied_force)
     r0, R = contact.touch_radius, contact.relative_radius
     f = line_load(force, r0, contact.angle)
     half_width = math.sqrt(4 * f * R / (math.pi * E))
     allowed_width = min(r0, R) / 10
     if hardened := [curve.stress[-1] for curve in curves(case)]:
-        yield from _small_plastic_strains(force, plastic_half_width(f, min(hardened)), allowed_width)
+        yield from _small_plastic_strains(force, plastic_half_width(f, min(hardened)), allowed_width, lower)
     # Faces that fit each other carry a load over a wide contact without large strain.
     if math.isinf(R) or half_width <= allowed_width or 10 * r0 < R:
         return
@@ -116,12 +123,14 @@ def _too_large(case: CaseTables, fluid_pressure: float, applied_force: float) ->
         f"a contact force of {force:.4g} N presses smooth bodies flat over {_mm(half_width)} to each side of first "
         f"touch (Hertz), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius "
         "and the radius of relative curvature; the theory is for small strains and allows "
-        f"{allowed:.4g} N. Lower fluid_pressure or axial_force, or take stiffer materials",
+        f"{allowed:.4g} N. Lower {lower}, or take stiffer materials",
         kind="strain",
     )
 
 
-def _small_plastic_strains(force: float, half_width: float, allowed_width: float) -> Iterator[LoadProblem]:
+def _small_plastic_strains(
+    force: float, half_width: float, allowed_width: float, lower: str
+) -> Iterator[LoadProblem]:
     """A body that yields must not be coined over more than that, even with the highest stress of its curve."""
     if half_width > allowed_width:
         yield LoadProblem(
@@ -129,7 +138,7 @@ def _small_plastic_strains(force: float, half_width: float, allowed_width: float
             f"a contact force of {force:.4g} N coins the body that yields over {_mm(half_width)} to each side of first "
             f"touch (full plasticity), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius and "
             "the radius of relative curvature; the theory is for small strains and allows "
-            f"{force * allowed_width / half_width:.4g} N. Lower fluid_pressure or axial_force, or take a harder body",
+            f"{force * allowed_width / half_width:.4g} N. Lower {lower}, or take a harder body",
             kind="strain",
         )
 
