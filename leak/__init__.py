@@ -86,8 +86,11 @@ from leak.standards import (
     millilitres_per_minute,
     nominal_size_of_bore,
 )
+from leak.surfaces.finish import Finish, FinishedSurface, Process, process_named
 from leak.surfaces.line_spectrum import profile_density
 from leak.surfaces.measured import MeasuredSurface, measure
+from leak.surfaces.profile_filter import ExpectedRoughness, ProfileFilter, expected_roughness, implied_filter
+from leak.surfaces.profile_parameters import RoughnessParameters, roughness_parameters
 from leak.surfaces.random import random_line_scan, random_map
 from leak.surfaces.scan_files import read_topographies, read_topography
 from leak.surfaces.scans import HeightMap, LineScan, height_map, line_scan
@@ -123,7 +126,10 @@ __all__ = [
     "DirectError",
     "DirectionalGap",
     "EllipticGroove",
+    "ExpectedRoughness",
     "ExponentialLaw",
+    "Finish",
+    "FinishedSurface",
     "FluidError",
     "GapDistribution",
     "Gas",
@@ -149,10 +155,13 @@ __all__ = [
     "ParticleCounts",
     "Paths",
     "PowerSpectrum",
+    "Process",
     "ProfileError",
+    "ProfileFilter",
     "RemembersLoad",
     "RoughContact",
     "RoughSurfaceLaw",
+    "RoughnessParameters",
     "ScanError",
     "ScanSettings",
     "Scratch",
@@ -176,6 +185,7 @@ __all__ = [
     "direct",
     "drops_per_minute",
     "effective_medium",
+    "expected_roughness",
     "gas",
     "gas_around_flow",
     "gas_conductivity_table",
@@ -184,6 +194,7 @@ __all__ = [
     "gaussian_line",
     "height_map",
     "hertz_line",
+    "implied_filter",
     "is_gas",
     "is_liquid",
     "leak_flow",
@@ -197,6 +208,7 @@ __all__ = [
     "millilitres_per_minute",
     "nominal_size_of_bore",
     "parallel_paths",
+    "process_named",
     "profile_density",
     "random_line_scan",
     "random_map",
@@ -205,6 +217,7 @@ __all__ = [
     "read_topography",
     "relative_contact_area",
     "remaining_fraction",
+    "roughness_parameters",
     "scratch_flow",
     "shut_conductivity",
     "stopped",

@@ -212,6 +212,66 @@ def leakage_limits(
     )
 
 
+def standard_named(name: str) -> str | None:
+    """The name that a standard has here; None if it is not known.
+
+    Parameters
+    ----------
+    name : str
+        As people write it: "iso 5208", "ISO 5208:2015", "ANSI/FCI 70-2".
+
+    Examples
+    --------
+    >>> standard_named("ANSI/FCI 70-2-2006"), standard_named("EN 1")
+    ('FCI 70-2', None)
+    """
+    bare = re.sub(r"^ansi/|[\s-]", "", name.lower().split(":")[0])
+    known = {re.sub(r"[\s-]", "", one.lower()): one for one in STANDARDS}
+    return known.get(bare) or next((full for short, full in known.items() if _with_year(bare, short)), None)
+
+
+def _with_year(name: str, standard: str) -> bool:
+    return re.fullmatch(re.escape(standard) + r"(19|20)\d\d", name) is not None
+
+
+def classes_of(standard: str, *, gas: bool, rated_capacity: bool = True) -> tuple[str, ...]:
+    """Classes of a standard for a gas or a liquid, the tightest first.
+
+    Parameters
+    ----------
+    standard : str
+        As in `STANDARDS`.
+    gas : bool
+    rated_capacity : bool
+        Whether the flow through the open valve is known, see `leakage_limits`.
+
+    Examples
+    --------
+    >>> classes_of("FCI 70-2", gas=True)
+    ('VI', 'V', 'IV', 'III', 'II')
+    """
+    limits = leakage_limits(0.025, gas=gas, pressure_drop=1e5, rated_capacity=1.0 if rated_capacity else None)
+    return tuple(one.name for one in limits if one.standard == standard)
+
+
+def visible_leak_rate(*, gas: bool) -> float:
+    """Leak rate that no observer misses: a drop, or a bubble, within the shortest test of 15 s [m^3/s].
+
+    Where a class allows no visible leakage, more than this fails it for certain, and only no leak at all meets it for
+    certain.
+
+    Parameters
+    ----------
+    gas : bool
+
+    Examples
+    --------
+    >>> print(f"{millilitres_per_minute(visible_leak_rate(gas=False)):.2f} ml/min")
+    0.25 ml/min
+    """
+    return (BUBBLE_VOLUME if gas else DROP_VOLUME) / _API_SHORTEST_TEST
+
+
 def leakage_class(
     leak_rate: float,
     nominal_size: float,

@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, sparse
 
 from leak.arrays import FloatArray
 from leak.flow.rarefied import flow_factor
@@ -250,12 +249,15 @@ def winding(open_cells: BoolArray) -> tuple[BoolArray, IntArray]:
 
 def _clusters(open_cells: BoolArray) -> tuple[IntArray, int]:
     """Labels of the clusters joined through faces, sides periodic; closed cells are 0."""
+    from scipy import ndimage, sparse
+    from scipy.sparse import csgraph
+
     label, count = ndimage.label(open_cells)
     sides = (label[:, -1] > 0) & (label[:, 0] > 0)
     seam = sparse.coo_array(
         (np.ones(np.count_nonzero(sides)), (label[sides, -1], label[sides, 0])), shape=(count + 1, count + 1)
     )
-    _, joined = sparse.csgraph.connected_components(seam, directed=False)
+    _, joined = csgraph.connected_components(seam, directed=False)
     # the label 0 has no link, hence a component of its own: it is made 0 again
     joined = np.where(np.arange(count + 1) == 0, 0, joined + 1)
     return joined[label].astype(np.int64), int(joined.max(initial=0))
@@ -294,6 +296,7 @@ def _solve(
     The matrix of resistors has no pivot to choose; scaled to a diagonal of one, conductances of many decades harm
     it little.
     """
+    from scipy import sparse
     from scipy.sparse.linalg import splu
 
     scale = np.empty(number.size)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import fft
 
 from leak.arrays import FloatArray
 
@@ -54,6 +53,8 @@ class PeriodicHalfSpace:
 
     def displacement(self, pressure: FloatArray) -> FloatArray:
         """u [m] of a pressure [Pa], both shape (n, n); the mean of u is zero."""
+        from scipy import fft
+
         waves = fft.rfft2(pressure)
         waves *= self._compliance
         return fft.irfft2(waves, pressure.shape, overwrite_x=True)

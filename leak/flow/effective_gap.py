@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from leak.arrays import FloatArray
-from leak.flow.medium import anisotropic_medium
-from leak.flow.rarefied import flow_factor
+from leak.flow.medium import anisotropic_medium, effective_medium_of_logarithms
+from leak.flow.rarefied import log_flow_factor
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import ElasticRoughness, RoughnessSeen, separations
 from leak.theory.separation import LostArea, SeparationGrid, density
@@ -55,9 +55,16 @@ def effective_gas_gap(
     """
     gaps = _gaps(lost, mean_separation, rms_height, 1)
     out = np.empty(flight.shape)
-    for j in range(flight.shape[1]):
-        wider = gaps.separation * np.cbrt(flow_factor(gaps.separation / flight[:, j, None]))
-        out[:, j] = anisotropic_medium(*gaps._replace(separation=wider), n, aspect).along
+    log_u, near = np.log(gaps.separation), None
+    # from the lowest Knudsen number to the highest, each beginning with the answer of the one before
+    for j in np.argsort(flight.mean(axis=0)):
+        log_wider = log_u + log_flow_factor(log_u - np.log(flight[:, j, None])) / 3.0
+        if isinstance(aspect, float) and aspect == 1.0:
+            rest = (gaps.weight, gaps.contact, gaps.wide_open)
+            out[:, j] = effective_medium_of_logarithms(log_wider, *rest, n, near)
+            near = np.where(out[:, j] > 0.0, out[:, j], gaps.separation[:, 0])
+        else:
+            out[:, j] = anisotropic_medium(*gaps._replace(separation=np.exp(log_wider)), n, aspect).along
     return out
 
 

@@ -283,10 +283,8 @@ class _Path:
         potential = [np.full(one.shape, max(ends)) for one in self.separation]
         before, share = np.inf, 1.0
         for _ in range(_MOST_ITERATIONS):
-            slopes = [
-                resistance / self._gain(n, self._pressure(w))
-                for n, (resistance, w) in enumerate(zip(self.resistance, potential, strict=True))
-            ]
+            gains = self._gains([self._pressure(w) for w in potential])
+            slopes = [resistance / gain for resistance, gain in zip(self.resistance, gains, strict=True)]
             parts = [part.integral(slope) for part, slope in zip(self.used, slopes, strict=True)]
             total = float(sum(part.sum() for part in parts))
             if abs(total / before - 1.0) < _CONVERGED:
@@ -310,12 +308,25 @@ class _Path:
         c, w = self.slip_pressure, np.maximum(potential, 0.0)
         return w / (c + np.sqrt(c * c + w))
 
-    def _gain(self, n: int, pressure: FloatArray) -> FloatArray:
-        """p_f F/(p_f + c), F = 12 eta sigma_eff/u_eff^3."""
-        D = pressure * self.separation[n] / self.flight_pressure
-        R = self.table.rarefaction(self.used[n].first_loading, np.log(np.maximum(D, 1e-300)))
-        p_F = 6.0 * poiseuille_flow_rate(D) * R * self.flight_pressure / self.separation[n]
-        return p_F / (pressure + self.slip_pressure)
+    def _gains(self, pressures: list[FloatArray]) -> list[FloatArray]:
+        """p_f F/(p_f + c) in each part, F = 12 eta sigma_eff/u_eff^3; all points at once."""
+        log_contact, log_width = self._at_all_points
+        pressure = np.concatenate([p.ravel() for p in pressures])
+        log_D = np.log(np.maximum(pressure, 1e-300)) + log_width
+        R = self.table.rarefaction(log_contact, log_D)
+        p_F = 6.0 * poiseuille_flow_rate(np.exp(log_D)) * R * np.exp(-log_width)
+        gain, found, start = p_F / (pressure + self.slip_pressure), [], 0
+        for part in pressures:
+            found.append(gain[start : start + part.size].reshape(part.shape))
+            start += part.size
+        return found
+
+    @cached_property
+    def _at_all_points(self) -> tuple[FloatArray, FloatArray]:
+        """ln p* of first loading and ln(u_eff/(eta v0)) at the points of all parts, one after the other."""
+        log_contact = np.concatenate([part.first_loading.ravel() for part in self.used])
+        log_u = np.log(np.concatenate([u.ravel() for u in self.separation]))
+        return log_contact, log_u - np.log(self.flight_pressure)
 
     def _integrated(
         self, slopes: list[FloatArray], parts: list[FloatArray], first: float, rate: float

@@ -164,8 +164,8 @@ class SinusoidalGroove:
     Notes
     -----
     Westergaard's contact, s = p/p*, p* = pi E* h/l: the surfaces touch over the share (2/pi) arcsin(sqrt(s)) of a wave,
-    and between the contacts the gap is 2 h [t sqrt(t^2 - s) - s arcosh(t/sqrt(s))], t = |sin(pi x/l)|, x counted from
-    a crest. Its mean over the wave is h (1 - s + s ln s). K = int gap^3 dx/(12 eta).
+    and between the contacts the gap is 2 h [t sqrt(t^2 - s) - s arcosh(t/sqrt(s))], t = abs(sin(pi x/l)), x counted
+    from a crest. Its mean over the wave is h (1 - s + s ln s). K = int gap^3 dx/(12 eta).
 
     References
     ----------

@@ -1,7 +1,7 @@
 """What a lay does to the contact that the fluid meets: longer patches, and more of them, than the roughness has.
 
 Both numbers were fitted to direct simulations of stretched surfaces, pressed elastically, and judged by others
-(docs/theory_anisotropy.md). Both are one for an isotropic surface.
+(theory/anisotropy in the manual). Both are one for an isotropic surface.
 """
 
 from __future__ import annotations

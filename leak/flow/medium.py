@@ -142,7 +142,13 @@ class _Medium(NamedTuple):
     def of(
         cls, separation: FloatArray, weight: FloatArray, contact: FloatArray, wide_open: FloatArray
     ) -> _Medium:
-        log_u3 = 3.0 * np.log(separation)
+        return cls.of_logarithms(np.log(separation), weight, contact, wide_open)
+
+    @classmethod
+    def of_logarithms(
+        cls, log_separation: FloatArray, weight: FloatArray, contact: FloatArray, wide_open: FloatArray
+    ) -> _Medium:
+        log_u3 = 3.0 * log_separation
         unit = log_u3[:, -1]
         highest = np.where(wide_open > 0.0, _BELOW_ALL, 0.0)
         sigma = np.exp(log_u3 - unit[:, None])
@@ -156,29 +162,42 @@ class _Medium(NamedTuple):
         return np.exp((log_s + self.log_unit) / 3.0)
 
     def solve(self, k: FloatArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Root ln s of int P (sigma - s)/(sigma + k s) = 0, and its derivative with respect to k."""
-        low, high = self.lowest, self.highest
-        guess = np.clip(guess, low, high)
-        blocked = self.wide_open - self.contact / k
+        """Root ln s of int P (sigma - s)/(sigma + k s) = 0, and its derivative with respect to k.
+
+        With B = int P sigma/(sigma + k s) and A = int P k s/(sigma + k s) the balance is A/B = target. The logarithm of
+        A/B rises with ln s, by exactly ln s for a single sigma and never faster: Newton's method needs a few steps from
+        anywhere. Where the contact has percolated the root is the lower end.
+        """
+        low, high, weight = self.lowest, self.highest, self.weight
+        all_weight = weight.sum(axis=-1)
+        passing = k * (all_weight + self.wide_open) - self.contact
+        open_row = passing > 0.0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            target = np.log(passing / np.maximum(all_weight + self.contact - k * self.wide_open, 1e-300))
+        guess = np.where(open_row, np.clip(guess, low, high), low)
         for _ in range(_INNER_STEPS):
-            s = np.exp(guess)[:, None]
-            inverse = 1.0 / (self.sigma + k[:, None] * s)
-            part = self.weight * inverse
-            balance = (part * (self.sigma - s)).sum(axis=-1) + blocked
-            inverse *= part
-            slope = -(1.0 + k) * s[:, 0] * (inverse * self.sigma).sum(axis=-1)
-            low, high = np.where(balance > 0.0, guess, low), np.where(balance > 0.0, high, guess)
-            newton = guess - balance / np.minimum(slope, -1e-300)
+            ks = k * np.exp(guess)
+            inverse = 1.0 / (self.sigma + ks[:, None])
+            part = weight * inverse
+            A = ks * part.sum(axis=-1)
+            part *= self.sigma
+            B = part.sum(axis=-1)
+            part *= inverse
+            X = ks * part.sum(axis=-1)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                excess = np.log(A / B) - target
+                newton = guess - excess / (X * (1.0 / A + 1.0 / B))
+            low, high = np.where(excess < 0.0, guess, low), np.where(excess < 0.0, high, guess)
             following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+            following = np.where(open_row, following, guess)
             moved = np.abs(following - guess).max()
             guess = following
             if moved < _CLOSE:
                 break
-        by_k = self.contact / k**2 - s[:, 0] * (inverse * (self.sigma - s)).sum(axis=-1)
-        return guess, np.maximum(-by_k / np.minimum(slope, -1e-300), 0.0)
-
-
-_NEWTON_STEPS = 120
+        s = ks / k
+        # part is weight sigma/(sigma + k s)^2 here
+        by_k = self.contact / k**2 - s * (part * (1.0 - s[:, None] / self.sigma)).sum(axis=-1)
+        return guess, np.maximum(by_k / np.maximum((1.0 + k) / k * X, 1e-300), 0.0)
 
 
 def dimension_number(percolation_threshold: float) -> float:
@@ -209,7 +228,11 @@ def dimension_number(percolation_threshold: float) -> float:
 
 
 def effective_medium(
-    separation: FloatArray, weight: FloatArray, contact: FloatArray, wide_open: FloatArray, n: float
+    separation: FloatArray,
+    weight: FloatArray,
+    contact: FloatArray,
+    wide_open: FloatArray,
+    n: float,
 ) -> FloatArray:
     """Separation u_eff of the uniform gap that lets as much through as the distribution P(u).
 
@@ -246,23 +269,31 @@ def effective_medium(
     >>> round(float(u[0] ** 3 / 1e-18), 9)
     0.6
     """
-    log_u3 = 3.0 * np.log(separation)
-    blocked = -contact / (n - 1.0) + wide_open
-    open_balance = weight.sum(axis=-1) + blocked
-    low, high = log_u3[:, 0] - _BELOW_ALL, log_u3[:, -1] + np.where(wide_open > 0.0, _BELOW_ALL, 0.0)
-    guess = 0.5 * (log_u3[:, 0] + log_u3[:, -1])
-    for _ in range(_NEWTON_STEPS):
-        ratio = np.exp(np.minimum(log_u3 - guess[:, None], 300.0))
-        inverse = 1.0 / (ratio + (n - 1.0))
-        balance = (weight * (ratio - 1.0) * inverse).sum(axis=-1) + blocked
-        slope = -(n * weight * ratio * inverse**2).sum(axis=-1)
-        low = np.where(balance > 0.0, guess, low)
-        high = np.where(balance > 0.0, high, guess)
-        newton = guess - balance / np.minimum(slope, -1e-300)
-        following = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
-        moved = np.abs(following - guess)
-        guess = following
-        if moved.max() < 1e-11:
-            break
-    sealed = (open_balance <= 0.0) | (guess < log_u3[:, 0] - 0.99 * _BELOW_ALL)
-    return np.where(sealed, 0.0, np.exp(guess / 3.0))
+    return effective_medium_of_logarithms(np.log(separation), weight, contact, wide_open, n)
+
+
+def effective_medium_of_logarithms(
+    log_separation: FloatArray,
+    weight: FloatArray,
+    contact: FloatArray,
+    wide_open: FloatArray,
+    n: float,
+    near: FloatArray | None = None,
+) -> FloatArray:
+    """`effective_medium` of ln u, shape (P,) [m].
+
+    Parameters
+    ----------
+    log_separation : ndarray
+        ln(u/m), increasing along the last axis, shape (P, U).
+    weight, contact, wide_open, n
+        See `effective_medium`.
+    near : ndarray, optional
+        About what u_eff is, positive, shape (P,): where the iteration begins [m].
+    """
+    medium = _Medium.of_logarithms(log_separation, weight, contact, wide_open)
+    k = np.full(contact.shape, n - 1.0)
+    guess = medium.middle if near is None else 3.0 * np.log(near) - medium.log_unit
+    log_s, _ = medium.solve(k, guess)
+    sealed = (weight.sum(axis=-1) + wide_open <= contact / k) | (log_s < medium.lowest + 0.01 * _BELOW_ALL)
+    return np.where(sealed, 0.0, medium.gap(log_s))

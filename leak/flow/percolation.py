@@ -18,7 +18,7 @@ from leak.numerics.gauss import gauss
 # g in dG -> [g + (1 - g) A^2] dG: at small pressure the area is 1/sqrt(g) times Persson's.
 _G = 5.0 / 9.0
 # Prefactor and exponent of the closed law: fitted to the sets A512, A and B of direct results, and judged by others
-# (docs/verification.md).
+# (docs/verification/verification.md).
 _PREFACTOR, _EXPONENT = 0.80, 2.85
 # Corrected A/A0 over which the effective medium goes over into the closed law.
 _FROM, _TO = 0.15, 0.25

@@ -17,8 +17,10 @@ from leak.flow import lay, medium, percolation
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable
 from leak.flow.effective_gap import area_argument_at, critical_gap, effective_gap, effective_gas_gap
 from leak.flow.memory import LoadMemory
-from leak.flow.rarefied import flow_factor
+from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import spline_slopes
+from leak.numerics.roots import root_of_rising
+from leak.numerics.sampling import sampled
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.capped import BEARING_GAP, equivalent_pressure
 from leak.theory.interface_law import RoughSurfaceLaw
@@ -515,12 +517,13 @@ class RoughContact:
         low, high = 0.0, min(elastic, self.hardness)
         if not self._smoothed:
             return self._reaches(elastic, low, high)
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            rest = float(_remaining_moment(np.array([middle]), self._seen(np.array([middle])))[0])
-            sealed = middle / self.effective_modulus >= z * np.sqrt(np.pi * rest)
-            low, high = (low, middle) if sealed else (middle, high)
-        return high
+
+        def excess(log_p: float) -> float:
+            p = np.minimum(np.exp(np.array([log_p])), (1.0 - 1e-12) * high)
+            rest = float(_remaining_moment(p, self._seen(p))[0])
+            return log_p - np.log(z * self.effective_modulus) - 0.5 * np.log(max(np.pi * rest, 1e-300))
+
+        return float(np.exp(root_of_rising(excess, np.log(high) - _SEALING_RANGE, np.log(high))))
 
     def _reaches(self, acting: float, low: float, high: float) -> float:
         """Nominal pressure between `low` and `high` whose equivalent one is `acting` [Pa]."""
@@ -530,7 +533,7 @@ class RoughContact:
         return high
 
     def conductivity_table(
-        self, p_min: float, p_max: float, num: int = 64, method: str = "bruggeman"
+        self, p_min: float, p_max: float, num: int | None = None, method: str = "bruggeman"
     ) -> ConductivityTable:
         """Table of u_eff over ln p that serves every fluid and every geometry; made once per surface and range.
 
@@ -538,8 +541,9 @@ class RoughContact:
         ----------
         p_min, p_max : float
             Range of nominal pressures [Pa]. Below p_min the table goes on by the low-pressure law.
-        num : int
-            Number of pressures in the range, at least 8.
+        num : int, optional
+            Number of pressures in the range, at least 8; by default as many, and where, as u_eff needs to be good to
+            1e-5, but where less than a tenth of the sealing pressure is missing to it.
         method : {"bruggeman", "critical-junction", "threshold-law"}
             See `effective_separation`.
         """
@@ -547,10 +551,10 @@ class RoughContact:
         high = positive(ConductivityError, "p_max", p_max, "Pa")
         if not low < high:
             raise ConductivityError(f"p_min = {p_min} and p_max = {p_max}: p_min must be below p_max [Pa]")
-        if int(num) != num or num < 8:
+        if num is not None and (int(num) != num or num < 8):
             raise ConductivityError(f"num = {num}: must be a whole number, at least 8")
         self._check_method(method)
-        return _conductivity_table(self, low, high, int(num), method)
+        return _conductivity_table(self, low, high, None if num is None else int(num), method)
 
     # ---------------------------------------------------------------- inside
 
@@ -640,6 +644,8 @@ class RoughContact:
 
 _NEWTON_STEPS = 40
 _HALVINGS = 60
+# A surface seals at more than exp(-this) of the smaller of its elastic sealing pressure and its hardness.
+_SEALING_RANGE = 40.0
 
 # The table's last point below the sealing pressure, as a fraction of it; u_eff is below any molecule's size there.
 _CLOSEST_TO_SEALING, _CLOSEST_TO_POWER = 0.02, 1e-3
@@ -647,23 +653,133 @@ _CLOSEST_TO_SEALING, _CLOSEST_TO_POWER = 0.02, 1e-3
 _BELOW = 0.5 * 1.5 ** np.arange(13.0, -1.0, -1.0)
 
 
+# Where the pressures follow from the error: the first ones, in `_BELOW` and in the range, and how well the cubic
+# through four of them must predict the one in the middle; the spline through all is a hundred times better.
+_FIRST_BELOW, _FIRST_INSIDE = slice(0, None, 3), 9
+_PREDICTED = 1e-4
+_MOST_INTERVALS = 96
+
+
+@dataclass(frozen=True)
+class _Range:
+    """Pressures of a table, from far below its range to its end or to the last one that is not yet sealed.
+
+    Parameters
+    ----------
+    sealing_pressure : float
+        [Pa]
+    fine : ndarray
+        Many ln p between both ends of the range.
+    below : ndarray
+        ln p below them.
+    method : str
+        Of the flow conductivity.
+    """
+
+    sealing_pressure: float
+    fine: FloatArray
+    below: FloatArray
+    method: str
+
+    @classmethod
+    def of(cls, surface: RoughContact, p_min: float, p_max: float, method: str) -> _Range:
+        sealing = surface.sealing_pressure_by(method)
+        # toward the closed law's power of 1 - p/p_seal steps of its logarithm are even
+        closest = _CLOSEST_TO_POWER if method == "threshold-law" else _CLOSEST_TO_SEALING
+        top = min(p_max, (1.0 - closest) * sealing)
+        fine = np.linspace(np.log(min(p_min, 1e-3 * top)), np.log(top), 3200)
+        below = fine[0] - _BELOW
+        return cls(sealing, fine, below[below > np.log(1e-60 * surface.effective_modulus)], method)
+
+    @cached_property
+    def _even(self) -> FloatArray:
+        return flow.table_abscissa(self.fine, np.log(self.sealing_pressure), self.method)
+
+    @property
+    def ends(self) -> FloatArray:
+        """Both ends of the range [Pa]."""
+        return np.exp(self.fine[[0, -1]])
+
+    def spread(self, num: int) -> FloatArray:
+        """`num` pressures in even steps of the abscissa, after those below [ln(p/Pa)]."""
+        inside = np.interp(np.linspace(self._even[0], self._even[-1], num), self._even, self.fine)
+        return np.concatenate([self.below, inside])
+
+    def adapted(
+        self, values: Callable[[FloatArray], FloatArray], allowed: Callable[[FloatArray], FloatArray]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Pressures that follow from the error, and the values there.
+
+        Parameters
+        ----------
+        values : callable
+            What is tabulated, at pressures of shape (n,) [Pa], shape (n, m).
+        allowed : callable
+            See `leak.numerics.sampling.sampled`.
+        """
+        x = np.concatenate([self.below, self.fine])
+        abscissa = flow.table_abscissa(x, np.log(self.sealing_pressure), self.method)
+        start = np.concatenate(
+            [
+                abscissa[: self.below.size][_FIRST_BELOW],
+                np.linspace(self._even[0], self._even[-1], _FIRST_INSIDE),
+            ]
+        )
+
+        def at(wanted: FloatArray) -> FloatArray:
+            return values(np.exp(np.interp(wanted, abscissa, x)))
+
+        closest = (self._even[-1] - self._even[0]) / _MOST_INTERVALS
+        found, table = sampled(at, start, allowed, closest=closest)
+        return np.exp(np.interp(found, abscissa, x)), table
+
+
+def _allowed(logarithmic: FloatArray) -> FloatArray:
+    """Error of `_logarithmic` that is the same share of u_eff everywhere."""
+    return _PREDICTED * np.maximum(1.0, logarithmic)
+
+
+def _logarithmic(ratio: FloatArray) -> FloatArray:
+    """Linear in a large ratio and logarithmic in a small one: what a table is smooth in; -inf at zero."""
+    with np.errstate(divide="ignore"):
+        return ratio + np.log(-np.expm1(-ratio))
+
+
 @lru_cache(maxsize=32)
 def _conductivity_table(
-    surface: RoughContact, p_min: float, p_max: float, num: int, method: str
+    surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
 ) -> ConductivityTable:
-    sealing = surface.sealing_pressure_by(method)
-    # toward the closed law's power of 1 - p/p_seal steps of its logarithm are even
-    closest = _CLOSEST_TO_POWER if method == "threshold-law" else _CLOSEST_TO_SEALING
-    top = min(p_max, (1.0 - closest) * sealing)
-    bottom = min(p_min, 1e-3 * top)
-    fine = np.linspace(np.log(bottom), np.log(top), 50 * num)
-    even = flow.table_abscissa(fine, np.log(sealing), method)
-    log_p = np.interp(np.linspace(even[0], even[-1], num), even, fine)
-    below = fine[0] - _BELOW
-    log_p = np.concatenate([below[below > np.log(1e-60 * surface.effective_modulus)], log_p])
-    u = np.asarray(surface.effective_separation(np.exp(log_p), method))
+    within = _Range.of(surface, p_min, p_max, method)
+    if num is None:
+        length = 0.5 * surface.spectrum.rms_height
+        separation = _separation_of(surface, within, method)
+
+        def values(p: FloatArray) -> FloatArray:
+            return _logarithmic(separation(p) / length)[:, None]
+
+        pressure, found = within.adapted(values, _allowed)
+        u = length * np.logaddexp(0.0, found[:, 0])
+    else:
+        pressure = np.exp(within.spread(num))
+        u = np.asarray(surface.effective_separation(pressure, method))
     flows = u > 0.0
-    return ConductivityTable(np.exp(log_p[flows]), u[flows], sealing, p_max, method, LoadMemory(surface))
+    return ConductivityTable(
+        pressure[flows], u[flows], within.sealing_pressure, p_max, method, LoadMemory(surface)
+    )
+
+
+def _separation_of(surface: RoughContact, within: _Range, method: str) -> Callable[[FloatArray], FloatArray]:
+    """u_eff over pressure, as the table is to be made of it."""
+    if surface.hardness is None or surface.yielding != "capped":
+        return lambda p: np.asarray(surface.effective_separation(p, method))
+    elastic = surface.elastic.conductivity_table(*_elastic_range(surface, within.ends), method=method)
+    return lambda p: np.asarray(elastic.effective_separation(surface.acting_pressure(p)))
+
+
+def _elastic_range(surface: RoughContact, ends: FloatArray) -> tuple[float, float]:
+    """Whole decades of pressure around what stands for the ends of a capped surface's table [Pa]."""
+    low, high = np.log10(surface.acting_pressure(ends))
+    return 10.0 ** np.floor(low), 10.0 ** np.ceil(high)
 
 
 # The low-pressure law holds to 1e-9 this far (in ln p) below p_c; above it ubar is tabulated at this spacing.
@@ -725,7 +841,7 @@ _LOG_D = np.linspace(np.log(1e-5), np.log(1e4), 66)
 
 
 def gas_conductivity_table(
-    surface: RoughContact, p_min: float, p_max: float, num: int = 64, method: str = "bruggeman"
+    surface: RoughContact, p_min: float, p_max: float, num: int | None = None, method: str = "bruggeman"
 ) -> GasConductivityTable:
     """Table for all gases, made once per surface and range.
 
@@ -734,8 +850,9 @@ def gas_conductivity_table(
     surface : RoughContact
     p_min, p_max : float
         Range of contact pressures [Pa].
-    num : int
-        Number of pressures in the range, at least 8.
+    num : int, optional
+        Number of pressures in the range, at least 8; by default as many, and where, as the errors need to be small, see
+        `RoughContact.conductivity_table`.
     method : {"bruggeman", "critical-junction", "threshold-law"}
         See `RoughContact.effective_separation`.
 
@@ -748,27 +865,40 @@ def gas_conductivity_table(
     >>> len(table.liquid.pressure) >= 8
     True
     """
-    return _table(surface, float(p_min), float(p_max), int(num), method)
+    return _table(surface, float(p_min), float(p_max), None if num is None else int(num), method)
 
 
 @lru_cache(maxsize=32)
-def _table(surface: RoughContact, p_min: float, p_max: float, num: int, method: str) -> GasConductivityTable:
+def _table(
+    surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
+) -> GasConductivityTable:
     liquid = surface.conductivity_table(p_min, p_max, num, method)
     if method == "critical-junction":
         # One junction has one gap: nothing to average over.
         log_R = np.zeros((liquid.pressure.size, _LOG_D.size))
         return GasConductivityTable(liquid, log_R, _LOG_D)
-    medium_u = liquid.separation
-    if method == "threshold-law":
-        medium_u = np.asarray(surface.effective_separation(liquid.pressure))
-    u, D = medium_u[:, None], np.exp(_LOG_D)[None, :]
-    gas = surface.effective_gas_separation(liquid.pressure, u / D)
-    log_R = 3.0 * np.log(gas / u) - np.log(flow_factor(D))
-    if method == "threshold-law":
-        # The closed law has one gap, as a junction has; the medium's many gaps fade with the medium.
-        log_R *= 1.0 - percolation.closed_share(surface.corrected_contact_area(liquid.pressure))[:, None]
+    if num is None and surface.hardness is not None and surface.yielding == "capped":
+        ends = _Range.of(surface, p_min, p_max, method).ends
+        elastic = gas_conductivity_table(surface.elastic, *_elastic_range(surface, ends), method=method)
+        log_p, log_D = np.log(surface.acting_pressure(liquid.pressure))[:, None], _LOG_D[None, :]
+        log_R = np.log(elastic.rarefaction(*np.broadcast_arrays(log_p, log_D)))
+    else:
+        log_R = _log_rarefaction(surface, liquid.pressure, liquid.separation, method)
     if not np.all(np.isfinite(log_R)):
         raise ConductivityError(
             f"p_max = {p_max}: too close to the sealing pressure {liquid.sealing_pressure} [Pa]"
         )
     return GasConductivityTable(liquid, log_R, _LOG_D)
+
+
+def _log_rarefaction(surface: RoughContact, pressure: FloatArray, u: FloatArray, method: str) -> FloatArray:
+    """ln R at pressures, of u_eff there, and at `_LOG_D`."""
+    medium_u = u
+    if method == "threshold-law":
+        medium_u = np.asarray(surface.effective_separation(pressure))
+    gas = surface.effective_gas_separation(pressure, medium_u[:, None] / np.exp(_LOG_D))
+    log_R = 3.0 * np.log(gas / medium_u[:, None]) - log_flow_factor(_LOG_D)
+    if method == "threshold-law":
+        # The closed law has one gap, as a junction has; the medium's many gaps fade with the medium.
+        log_R *= 1.0 - percolation.closed_share(surface.corrected_contact_area(pressure))[:, None]
+    return log_R

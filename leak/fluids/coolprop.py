@@ -59,6 +59,18 @@ def coolprop_gas(name: str, temperature: float) -> Gas:
     return Gas(name, molar_mass, eta, T, _source(package))
 
 
+def coolprop_heat_capacity(name: str) -> float:
+    """Molar heat capacity at constant pressure of the ideal gas at 25 degC [J/(mol K)].
+
+    Parameters
+    ----------
+    name : str
+        "CoolProp:" and the name there.
+    """
+    fluid = name.removeprefix(PREFIX)
+    return float(_ask(_package(name).PropsSI, name, 298.15, _DILUTE, fluid, "CP0MOLAR"))
+
+
 def coolprop_is_gas(name: str, temperature: float) -> bool:
     """Whether a fluid is a gas at a temperature [K] and atmospheric pressure."""
     fluid = name.removeprefix(PREFIX)

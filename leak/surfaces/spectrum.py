@@ -42,7 +42,7 @@ class SpectrumPoint(NamedTuple):
 class PowerSpectrum:
     """Isotropic two-dimensional power spectrum C(q), log-log linear between nodes and zero outside them.
 
-    The convention is <h^2> = 2 pi int q C dq and <|grad h|^2> = 2 pi int q^3 C dq. Two nodes at the
+    The convention is <h^2> = 2 pi int q C dq and <(grad h)^2> = 2 pi int q^3 C dq. Two nodes at the
     same wavenumber are a step. All moments are exact for this interpolant.
 
     Parameters

@@ -8,7 +8,7 @@ those of the elastic surface at a larger pressure, which serves mean gap and flo
   quarter is cut off has the mean gap `BEARING_GAP` of its rms height; the elastic surface has it at its bearing
   pressure, which the theory gives. From a = `YIELDING_THRESHOLD` on no path is left, and the elastic surface is sealed.
 
-The constants are fitted to direct simulation (docs/theory_yielding.md).
+The constants are fitted to direct simulation (theory/yielding in the manual).
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def equivalent_pressure(
     References
     ----------
     B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001), for the stress distribution behind s; the rest is fitted, see
-    docs/theory_yielding.md.
+    theory/yielding in the manual.
 
     Examples
     --------

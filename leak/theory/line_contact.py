@@ -108,8 +108,8 @@ class GaussianLine:
 class CrossoverLine:
     """Elastic half-space with the interface law p = p_c exp(-u/u0); use `crossover_line`.
 
-    With c = f_N/(pi E* u0), s^2 = R u0, X = x/s: p = (f_N/s)/(sqrt(2 pi) Gamma(1+c) |D_{-c}(iX)|^2), D the parabolic
-    cylinder function. N = Gamma(c) |D_{-c}(iX)|^2 obeys N''' = (X^2 + 2 - 4c) N' + X N, which has the positive
+    With c = f_N/(pi E* u0), s^2 = R u0, X = x/s: p = (f_N/s)/(sqrt(2 pi) Gamma(1+c) abs(D_{-c}(iX))^2), D the parabolic
+    cylinder function. N = Gamma(c) abs(D_{-c}(iX))^2 obeys N''' = (X^2 + 2 - 4c) N' + X N, which has the positive
     integral used here, N = int_0^1 k^(-1/2) (1-k)^(c-1) (1+k)^(-c) exp(k X^2/2) dk.
 
     Examples

@@ -1,0 +1,428 @@
+"""From the word and the number on a drawing, "lapped, Ra 0.2 um", to a power spectrum, with the range that they leave.
+
+A process says how rough surfaces made by it usually are in shape: Hurst exponent, longest and shortest waves, lay. The
+value says how high they are, as the standard measures it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+from leak.errors import SpectrumError, positive
+from leak.surfaces.profile_filter import (
+    RA_OVER_RQ,
+    ExpectedRoughness,
+    ProfileFilter,
+    expected_roughness,
+    implied_filter,
+)
+from leak.surfaces.spectrum import PowerSpectrum
+
+Lay = Literal["none", "circular", "radial", "straight", "crossed"]
+Parameter = Literal["Ra", "Rq", "Rz"]
+_UM = 1e-6
+
+
+class Spread(NamedTuple):
+    """Lowest, usual and highest value of something that a drawing does not say."""
+
+    low: float
+    usual: float
+    high: float
+
+    def at(self, share: ArrayLike, *, log: bool = True) -> FloatArray:
+        """Value below which a share of all lies: half of them below the usual one, evenly to both ends.
+
+        Parameters
+        ----------
+        share : array_like
+            Between 0 and 1.
+        log : bool
+            Whether ratios or differences are even.
+        """
+        ends = np.log(self) if log else np.array(self, dtype=float)
+        found = np.interp(np.asarray(share, dtype=float), [0.0, 0.5, 1.0], ends)
+        return np.exp(found) if log else found
+
+    def within(self, low: float, high: float) -> Spread:
+        """The same, kept between two bounds."""
+        return Spread(*(min(max(one, low), high) for one in self))
+
+
+@dataclass(frozen=True)
+class Process:
+    """A way of making a surface, and what it usually looks like.
+
+    Parameters
+    ----------
+    name : str
+    Ra : tuple of float
+        Usual range, beyond which a value is unusual [m].
+    hurst : Spread
+        Hurst exponent [-].
+    rolloff : Spread
+        Wavelength of the roll-off across the lay: longer waves are no higher [m].
+    aspect : Spread
+        Correlation length along the lay over the one across it, 1 without a lay [-].
+    lay : Lay
+        How the lay usually lies on a seat: around the axis, across the sealing face, straight across the part, in
+        crossing directions.
+    rq_over_ra, rz_over_ra : tuple of float
+        Range of ratios on real surfaces of the kind; Gaussian heights have 1.25, and 5 to 9.
+    sources : tuple of str
+        Keys of `SOURCES`.
+
+    Examples
+    --------
+    >>> process_named("turned").lay
+    'circular'
+    """
+
+    name: str
+    Ra: tuple[float, float]
+    hurst: Spread
+    rolloff: Spread
+    aspect: Spread
+    lay: Lay
+    rq_over_ra: tuple[float, float]
+    rz_over_ra: tuple[float, float]
+    sources: tuple[str, ...]
+
+
+SOURCES = {
+    "B46.1": "ASME B46.1, table of surface roughness by production methods (average application): range of Ra",
+    "Persson 2014": "B. N. J. Persson, On the fractal dimension of rough surfaces, Tribol. Lett. 54, 99 (2014), "
+    "doi 10.1007/s11249-014-0313-4: fractal dimension 2.15 +- 0.15 of most engineering surfaces, polished and "
+    "sandblasted ones among them, so Hurst exponents from 0.7 to 1",
+    "Majumdar 1990": "A. Majumdar, C. L. Tien, Fractal characterization and simulation of rough surfaces, Wear 136, "
+    "313 (1990): short waves of ground, lapped and machined stainless steel have a profile of dimension 1.5, a Hurst "
+    "exponent of 0.5; the process decides from which wave on",
+    "Fischer 2020": "F. J. Fischer, K. Schmitz, A. Tiwari, B. N. J. Persson, Fluid leakage in metallic seals, Tribol. "
+    "Lett. 68, 125 (2020): a sandblasted steel seat of rms height 1.9 um",
+    "Whitehouse": "D. J. Whitehouse, Handbook of Surface Metrology (1994): periodic textures of cutting, random "
+    "ones of abrasive processes",
+    "ISO 8503": "ISO 8503-1, comparators for blast-cleaned steel: heights of 25 um (fine) to 100 um (coarse grit)",
+    "DIN 4768": "tables of Ra beside Rz after DIN 4768 as tool makers print them: Rz/Ra from 13 at Ra 0.05 um to 4 at "
+    "25 um",
+    "estimate": "engineering estimate of fem-seal, kept wide: no source gives this number for valve seats",
+}
+
+# Waves shorter than any stylus sees go on: down to where the spectrum is believed to end.
+SHORTEST_WAVE = Spread(0.1e-6, 0.5e-6, 2.5e-6)
+# Machining leaves no steeper surfaces on average: a roll-off shorter than this many Rq would.
+_FLATTEST = 40.0
+# A self-affine range of less than this factor is none.
+_LEAST_RANGE = 4.0
+# Directions over which a lay is averaged.
+_DIRECTIONS = 2000
+# Most nodes of the average around each end of a power law, and their distance in ln q where fewer do.
+_BENDS, _BEND = 7, 0.4
+_FINE = Spread(0.6, 0.8, 0.95)
+_CUT = Spread(0.5, 0.75, 0.95)
+_NO_LAY = Spread(1.0, 1.0, 1.0)
+_SLIGHT = Spread(1.0, 1.0, 1.5)
+
+
+def _process(
+    name: str,
+    Ra: tuple[float, float],
+    hurst: Spread,
+    rolloff: tuple[float, float, float],
+    aspect: Spread,
+    lay: Lay,
+    rq: tuple[float, float],
+    rz: tuple[float, float],
+    *sources: str,
+) -> Process:
+    heights = (Ra[0] * _UM, Ra[1] * _UM)
+    waves = Spread(*(one * _UM for one in rolloff))
+    return Process(name, heights, hurst, waves, aspect, lay, rq, rz, (*sources, "estimate"))
+
+
+_RANDOM = "Persson 2014", "Majumdar 1990"
+PROCESSES: dict[str, Process] = {
+    one.name: one
+    for one in (
+        _process(
+            "lapped", (0.05, 0.4), _FINE, (5, 20, 60), _NO_LAY, "none", (1.2, 1.4), (6, 12), "B46.1", *_RANDOM
+        ),
+        _process(
+            "polished", (0.0125, 0.4), _FINE, (5, 30, 120), _NO_LAY, "none", (1.2, 1.45), (6, 12), "B46.1",
+            "Persson 2014",
+        ),
+        _process(
+            "superfinished", (0.05, 0.2), _FINE, (5, 20, 80), _SLIGHT, "crossed", (1.2, 1.4), (6, 12), "B46.1",
+            *_RANDOM,
+        ),
+        _process(
+            "ground", (0.1, 1.6), _CUT, (15, 60, 200), Spread(1.0, 4.0, 10.0), "circular", (1.2, 1.35), (5, 9),
+            "B46.1", "Majumdar 1990", "Whitehouse",
+        ),
+        _process(
+            "honed", (0.1, 0.8), _CUT, (15, 60, 200), Spread(1.0, 2.0, 5.0), "crossed", (1.2, 1.5), (6, 12),
+            "B46.1", "Whitehouse",
+        ),
+        _process(
+            "turned", (0.4, 6.3), _CUT, (40, 120, 400), Spread(1.0, 5.0, 10.0), "circular", (1.1, 1.3), (4, 7),
+            "B46.1", "Whitehouse",
+        ),
+        _process(
+            "milled", (0.8, 6.3), _CUT, (50, 200, 800), Spread(1.0, 3.0, 10.0), "straight", (1.1, 1.3), (4, 7),
+            "B46.1", "Whitehouse",
+        ),
+        _process(
+            "reamed", (0.8, 3.2), _CUT, (30, 100, 300), Spread(1.0, 4.0, 10.0), "circular", (1.1, 1.35), (4, 8),
+            "B46.1",
+        ),
+        _process(
+            "sandblasted", (0.8, 12.5), _FINE, (40, 120, 300), _NO_LAY, "none", (1.2, 1.35), (5, 9),
+            "Persson 2014", "Fischer 2020", "ISO 8503",
+        ),
+        _process(
+            "shot blasted", (1.6, 25.0), _FINE, (80, 250, 600), _NO_LAY, "none", (1.2, 1.35), (5, 9),
+            "Persson 2014", "ISO 8503",
+        ),
+        _process(
+            "as cast", (1.6, 25.0), _FINE, (150, 500, 2000), _NO_LAY, "none", (1.15, 1.4), (4, 9), "B46.1",
+        ),
+        _process(
+            "unspecified", (0.0125, 25.0), Spread(0.5, 0.8, 0.95), (5, 50, 400), Spread(1.0, 1.0, 10.0), "circular",
+            (1.1, 1.5), (4, 12), "B46.1", "DIN 4768", *_RANDOM,
+        ),
+    )
+}  # fmt: skip
+"""Processes by their word; "unspecified" stands for a drawing that gives a value alone, with the widest ranges."""
+
+
+def process_named(word: str) -> Process:
+    """The process of a word on a drawing.
+
+    Raises
+    ------
+    SpectrumError
+        Unknown; the message lists the known ones.
+
+    Examples
+    --------
+    >>> process_named("lapped").hurst.usual
+    0.8
+    """
+    key = " ".join(word.lower().replace("-", " ").replace("_", " ").split())
+    if key not in PROCESSES:
+        raise SpectrumError(f"process = {word!r}: must be one of {', '.join(PROCESSES)}")
+    return PROCESSES[key]
+
+
+@dataclass(frozen=True)
+class Finish:
+    """A finish as it stands on a drawing.
+
+    Parameters
+    ----------
+    parameter : "Ra", "Rq" or "Rz"
+    value : float
+        [m]
+    process : Process
+    filter : ProfileFilter, optional
+        With which the value is measured; what the value implies unless given (`implied_filter`).
+    hurst, q_low, q_rolloff, q_high, aspect : float, optional
+        What is known better than from the process [-], [1/m].
+    lay : Lay, optional
+
+    Examples
+    --------
+    >>> finish = Finish("Ra", 0.2e-6, process_named("lapped"))
+    >>> surface = finish.surface()
+    >>> print(f"{surface.expected.Ra * 1e6:.3f} um, rms height {surface.spectrum.rms_height * 1e6:.3f} um")
+    0.200 um, rms height 0.260 um
+    """
+
+    parameter: Parameter
+    value: float
+    process: Process
+    filter: ProfileFilter | None = None
+    hurst: float | None = None
+    q_low: float | None = None
+    q_rolloff: float | None = None
+    q_high: float | None = None
+    aspect: float | None = None
+    lay: Lay | None = None
+
+    def __post_init__(self) -> None:
+        positive(SpectrumError, self.parameter, self.value, "m")
+
+    @property
+    def band(self) -> ProfileFilter:
+        """Filter of the value."""
+        return self.filter or implied_filter(self.parameter, self.value)
+
+    @property
+    def spreads(self) -> dict[str, Spread]:
+        """What the drawing leaves open, by name: hurst, q_rolloff, q_high, height and lay, with its range."""
+        found = {}
+        if self.hurst is None:
+            found["hurst"] = self.process.hurst
+        if self.q_rolloff is None:
+            found["q_rolloff"] = self._rolloff
+        if self.q_high is None:
+            found["q_high"] = SHORTEST_WAVE
+        found["rms_height"] = self._height
+        if self.aspect is None and self.process.aspect.high > 1.0:
+            found["lay"] = self.process.aspect
+        return found
+
+    @property
+    def _height(self) -> Spread:
+        """Rq of real surfaces over the one of Gaussian heights with the same value [-]."""
+        if self.parameter == "Rq":
+            return Spread(1.0, 1.0, 1.0)
+        low, high = (ratio * RA_OVER_RQ for ratio in self.process.rq_over_ra)
+        if self.parameter == "Rz":
+            gaussian = self.surface().expected
+            ratio = gaussian.Rz / gaussian.Ra
+            least, most = self.process.rz_over_ra
+            low, high = low * ratio / most, high * ratio / least
+        return Spread(min(low, 1.0), 1.0, max(high, 1.0))
+
+    @property
+    def _rolloff(self) -> Spread:
+        """Wavelengths of the roll-off: none longer than what is measured, none that would be too steep."""
+        rq = self.value * {"Ra": 1.0 / RA_OVER_RQ, "Rq": 1.0, "Rz": 0.2}[self.parameter]
+        longest = self.band.lambda_c if self.q_low is None else 2.0 * math.pi / self.q_low
+        return self.process.rolloff.within(_FLATTEST * rq, math.inf).within(0.0, longest)
+
+    def surface(
+        self, shares: Mapping[str, float] | None = None, factors: Mapping[str, float] | None = None
+    ) -> FinishedSurface:
+        """The surface with what the drawing leaves open at its usual value, or elsewhere in its range.
+
+        Parameters
+        ----------
+        shares : mapping, optional
+            Place in the range of each of `spreads` that is not at its usual value: 0 the lowest, 1 the highest value;
+            of "q_rolloff" and "q_high" of the wavelength.
+        factors : mapping, optional
+            Factors on "hurst", "q_rolloff" and "q_high", kept where a spectrum can have them.
+        """
+        shares, factors = shares or {}, factors or {}
+        known = {
+            "hurst": self.hurst,
+            "q_rolloff": None if self.q_rolloff is None else 2.0 * math.pi / self.q_rolloff,
+            "q_high": None if self.q_high is None else 2.0 * math.pi / self.q_high,
+            "lay": self.aspect,
+        }
+        ranges = {
+            "hurst": self.process.hurst,
+            "q_rolloff": self._rolloff,
+            "q_high": SHORTEST_WAVE,
+            "lay": self.process.aspect,
+        }
+        at = {
+            key: float(ranges[key].at(shares.get(key, 0.5), log=key != "hurst")) if value is None else value
+            for key, value in known.items()
+        }
+        height = float(self._height.at(shares["rms_height"])) if "rms_height" in shares else 1.0
+        rolloff = at["q_rolloff"] / factors.get("q_rolloff", 1.0)
+        shortest = at["q_high"] / factors.get("q_high", 1.0)
+        hurst = min(max(at["hurst"] * factors.get("hurst", 1.0), 0.01), 1.0)
+        if self.q_high is None:
+            shortest = min(shortest, rolloff / _LEAST_RANGE)
+        longest = max(self.band.lambda_c, rolloff) if self.q_low is None else 2.0 * math.pi / self.q_low
+        if factors:
+            rolloff = min(max(rolloff, shortest), longest)
+        return self._made(hurst, longest, rolloff, shortest, at["lay"], height)
+
+    def _made(
+        self, hurst: float, longest: float, rolloff: float, shortest: float, aspect: float, height: float
+    ) -> FinishedSurface:
+        q_low, q_rolloff, q_high = (2.0 * math.pi / one for one in (longest, rolloff, shortest))
+        unit = PowerSpectrum.self_affine(
+            rms_height=1.0, hurst=hurst, q_low=q_low, q_rolloff=q_rolloff, q_high=q_high
+        )
+        expected = expected_roughness(unit, self.band)
+        rms_height = height * self.value / expected.value(self.parameter)
+        across = PowerSpectrum(unit.wavenumber, unit.density * rms_height**2)
+        return FinishedSurface(
+            _averaged(across, aspect),
+            across,
+            aspect,
+            self.lay or self.process.lay,
+            replace(expected, Rq=expected.Rq * rms_height),
+            hurst,
+            q_rolloff,
+        )
+
+
+def _averaged(across: PowerSpectrum, aspect: float) -> PowerSpectrum:
+    """Average over all directions of a surface with a lay, from the isotropic one with the same profiles across it.
+
+    The same as `stretched_spectrum` on few nodes: the average is a power law but near the ends and the roll-off, over a
+    factor `aspect` of wavenumbers at each. Contact mechanics takes as long as a spectrum has nodes; conductivities are
+    those of the whole average to 0.6 %, or 1.6 % at an aspect of 10.
+    """
+    if aspect < 1.0 + 1e-6:
+        return across
+    # the isotropic surface that, stretched along the lay, has these profiles across it
+    root = math.sqrt(aspect)
+    before = PowerSpectrum(across.wavenumber / root, across.density * aspect)
+    nodes = min(_BENDS, 2 + int(math.log(aspect) / _BEND))
+    # at the very end nothing is left
+    inside = aspect ** np.linspace(-0.5, 0.48, nodes)
+    q = np.unique(np.concatenate([inside * node for node in before.wavenumber]))
+    q = q[np.concatenate([[True], np.diff(np.log(q)) > 1e-6])]
+    phi = (np.arange(_DIRECTIONS) + 0.5) * (0.5 * math.pi / _DIRECTIONS)
+    stretch = np.sqrt(aspect * np.cos(phi) ** 2 + np.sin(phi) ** 2 / aspect)
+    C = np.asarray(before(q[:, None] * stretch)).mean(axis=1)
+    seen = C > 0.0
+    average = PowerSpectrum(q[seen], C[seen])
+    return PowerSpectrum(q[seen], C[seen] * (before.rms_height / average.rms_height) ** 2)
+
+
+@dataclass(frozen=True)
+class FinishedSurface:
+    """One face with a finish, everything about it decided.
+
+    Parameters
+    ----------
+    spectrum : PowerSpectrum
+        Angular average of C.
+    across : PowerSpectrum
+        Spectrum of the isotropic surface that has the same profiles as this one across its lay.
+    aspect : float
+        Correlation length along the lay over the one across it [-].
+    lay : Lay
+    expected : ExpectedRoughness
+        What is measured on it on average, across the lay.
+    hurst : float
+        Hurst exponent [-].
+    q_rolloff : float
+        Wavenumber of the roll-off across the lay [1/m].
+
+    Examples
+    --------
+    >>> round(Finish("Ra", 0.8e-6, process_named("turned")).surface().peklenik, 3)
+    0.2
+    """
+
+    spectrum: PowerSpectrum
+    across: PowerSpectrum
+    aspect: float
+    lay: Lay
+    expected: ExpectedRoughness
+    hurst: float
+    q_rolloff: float
+
+    @property
+    def peklenik(self) -> float:
+        """Correlation length along the flow over that across it [-].
+
+        A straight lay crosses the ring of a seat in all directions, and crossing lays have none on average: 1.
+        """
+        return {"circular": 1.0 / self.aspect, "radial": self.aspect}.get(self.lay, 1.0)

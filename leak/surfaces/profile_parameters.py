@@ -1,0 +1,230 @@
+"""Ra, Rq, Rz, Rsk and Rku of measured heights: the filtered profile of ISO 16610-21, the parameters of ISO 21920-2."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from leak.arrays import FloatArray
+from leak.errors import ScanError, SpectrumError
+from leak.surfaces.profile_filter import SECTIONS, ProfileFilter, implied_filter
+from leak.surfaces.scans import HeightMap, LineScan, Topography
+
+# alpha of the Gaussian weighting function, for a transmission of 1/2 at the cutoff.
+_ALPHA = math.sqrt(math.log(2.0) / math.pi)
+# The weighting function ends where it is this small.
+_REACH = 1.0
+# At each end of a scan this share of lambda_c is left out: there the filter has one side only.
+_RUN = 0.5
+# Points that the shortest filter must see in its cutoff.
+_FEWEST_IN_CUTOFF = 2.0
+# Lines of a map that are evaluated at most.
+_MOST_LINES = 64
+
+
+@dataclass(frozen=True)
+class RoughnessParameters:
+    """Roughness parameters of profiles, means over all profiles of a surface.
+
+    Parameters
+    ----------
+    Ra, Rq : float
+        Arithmetic and root mean square of the heights of the filtered profile, over the evaluation length [m].
+    Rz : float
+        Highest peak plus deepest valley of a section, mean over the sections [m].
+    Rsk, Rku : float
+        Skewness and kurtosis of the heights, 0 and 3 for Gaussian ones, 1.5 for a sine [-].
+    filter : ProfileFilter
+        lambda_s is 0 where the points lie too far apart for it.
+    sections : int
+        Sections of the length lambda_c in each profile, five by the standard; 0 if the scan is shorter than one, and
+        Rz is then that of the whole profile.
+    length : float
+        That was evaluated of each profile [m].
+    profiles : int
+    remarks : tuple of str
+        What departs from the standard.
+
+    Examples
+    --------
+    >>> import leak
+    >>> x = np.arange(20_000) * 0.5e-6
+    >>> wave = leak.line_scan(x, 1e-6 * np.sin(2 * np.pi * x / 40e-6))
+    >>> found = roughness_parameters([wave], ProfileFilter(0.8e-3, 2.5e-6))
+    >>> print(f"{found.Ra * 1e6:.3f} {found.Rq * 1e6:.3f} {found.Rz * 1e6:.2f} {found.Rku:.2f}")
+    0.635 0.705 1.99 1.50
+    """
+
+    Ra: float
+    Rq: float
+    Rz: float
+    Rsk: float
+    Rku: float
+    filter: ProfileFilter
+    sections: int
+    length: float
+    profiles: int
+    remarks: tuple[str, ...] = ()
+
+
+def roughness_parameters(
+    scans: Sequence[Topography], band: ProfileFilter | None = None
+) -> RoughnessParameters:
+    """Parameters of profiles through scans; of a map along x and along y, and the larger Ra counts.
+
+    Parameters
+    ----------
+    scans : sequence of LineScan or HeightMap
+        Without form.
+    band : ProfileFilter, optional
+        By the size of Ra itself unless given (ISO 21920-3): the filter whose result lies in its own class.
+
+    Raises
+    ------
+    ScanError
+        No scan.
+
+    Examples
+    --------
+    >>> import leak
+    >>> spectrum = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    >>> x, h = leak.random_line_scan(spectrum, length=0.02, points=20_000, seed=1)
+    >>> found = leak.roughness_parameters([leak.line_scan(x, h)])
+    >>> found.filter.lambda_c, found.sections
+    (0.0008, 5)
+    """
+    if not scans:
+        raise ScanError("no scan: give at least one")
+    if band is not None:
+        return _across(scans, band)
+    # each pass may ask for a longer cutoff; a scan too short for it ends the search
+    found = _across(scans, implied_filter("Ra", 1e-9))
+    for _ in range(5):
+        wanted = implied_filter("Ra", max(found.Ra, 1e-12))
+        if wanted.lambda_c <= found.filter.lambda_c:
+            break
+        found = _across(scans, wanted)
+    return found
+
+
+def _across(scans: Sequence[Topography], band: ProfileFilter) -> RoughnessParameters:
+    """Profiles of each direction on their own; the direction with the larger Ra crosses the lay."""
+    directions = [list(_profiles(scans, axis)) for axis in (0, 1)]
+    found = [_mean([_evaluate(h, step, band) for h, step in lines]) for lines in directions if lines]
+    return max(found, key=lambda one: one.Ra)
+
+
+def _profiles(scans: Sequence[Topography], axis: int) -> list[tuple[FloatArray, float]]:
+    """Heights and spacing of the profiles along an axis; line scans have one direction, which counts as both."""
+    lines: list[tuple[FloatArray, float]] = []
+    for scan in scans:
+        if isinstance(scan, LineScan):
+            lines.append((scan.heights, scan.spacing))
+        elif isinstance(scan, HeightMap):
+            heights = scan.heights if axis == 0 else scan.heights.T
+            every = -(-heights.shape[1] // _MOST_LINES)
+            lines += [(heights[:, n], scan.spacing[axis]) for n in range(0, heights.shape[1], every)]
+    return lines
+
+
+def _mean(parts: Sequence[RoughnessParameters]) -> RoughnessParameters:
+    first = parts[0]
+    mean = {
+        name: float(np.mean([getattr(one, name) for one in parts]))
+        for name in ("Ra", "Rq", "Rz", "Rsk", "Rku")
+    }
+    shortest = min(parts, key=lambda one: one.length)
+    remarks = tuple(dict.fromkeys(text for one in parts for text in one.remarks))
+    return RoughnessParameters(
+        **mean,
+        filter=first.filter,
+        sections=min(one.sections for one in parts),
+        length=shortest.length,
+        profiles=len(parts),
+        remarks=remarks,
+    )
+
+
+def _evaluate(heights: FloatArray, step: float, band: ProfileFilter) -> RoughnessParameters:
+    remarks = []
+    if band.lambda_s > 0.0 and band.lambda_s < _FEWEST_IN_CUTOFF * step:
+        remarks.append(
+            f"the points lie {step * 1e6:.3g} um apart, too far for the filter lambda_s = "
+            f"{band.lambda_s * 1e6:.3g} um, which is left out"
+        )
+        band = ProfileFilter(band.lambda_c)
+    profile = filtered_profile(heights, step, band)
+    run, section = round(_RUN * band.lambda_c / step), round(band.lambda_c / step)
+    count = (profile.size - 2 * run) // section
+    if count < 1:
+        remarks.append(
+            f"the scan is {heights.size * step * 1e3:.3g} mm long, too short for one section of "
+            f"{band.lambda_c * 1e3:.3g} mm between run-in and run-out: the values are those of the whole scan and too "
+            "small"
+        )
+        used, parts = profile, [profile]
+    else:
+        count = min(count, SECTIONS)
+        start = (profile.size - count * section) // 2
+        used = profile[start : start + count * section]
+        parts = list(used.reshape(count, section))
+        if count < SECTIONS:
+            remarks.append(
+                f"the scan holds {count} of the {SECTIONS} sections of {band.lambda_c * 1e3:.3g} mm"
+            )
+    used = used - used.mean()
+    Rq = float(np.sqrt(np.mean(used**2)))
+    return RoughnessParameters(
+        float(np.mean(np.abs(used))),
+        Rq,
+        float(np.mean([part.max() - part.min() for part in parts])),
+        float(np.mean(used**3)) / Rq**3 if Rq > 0.0 else math.nan,
+        float(np.mean(used**4)) / Rq**4 if Rq > 0.0 else math.nan,
+        band,
+        max(count, 0),
+        used.size * step,
+        1,
+        tuple(remarks),
+    )
+
+
+def filtered_profile(heights: FloatArray, spacing: float, band: ProfileFilter) -> FloatArray:
+    """The roughness profile: heights smoothed over lambda_s less the same smoothed over lambda_c.
+
+    At both ends the part of the weighting function that lies inside the profile is scaled to one.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (n,)
+        [m]
+    spacing : float
+        Distance of neighbouring points [m].
+    band : ProfileFilter
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        [m]
+
+    References
+    ----------
+    ISO 16610-21: s(x) = exp(-pi (x/(alpha lambda))^2)/(alpha lambda), alpha = sqrt(ln 2/pi).
+    """
+    fine = _smoothed(heights, spacing, band.lambda_s) if band.lambda_s > 0.0 else np.asarray(heights)
+    return np.asarray(fine - _smoothed(fine, spacing, band.lambda_c), dtype=np.float64)
+
+
+def _smoothed(heights: FloatArray, spacing: float, cutoff: float) -> FloatArray:
+    from scipy.signal import fftconvolve
+
+    if not spacing > 0.0:
+        raise SpectrumError(f"spacing = {spacing}: must be positive [m]")
+    reach = min(max(int(_REACH * cutoff / spacing), 1), heights.size - 1)
+    at = np.arange(-reach, reach + 1) * spacing / (_ALPHA * cutoff)
+    weight = np.exp(-np.pi * at**2)
+    level = float(np.mean(heights))
+    inside = fftconvolve(np.ones(heights.size), weight, mode="same")
+    return np.asarray(level + fftconvolve(heights - level, weight, mode="same") / inside)
