@@ -17,6 +17,7 @@ from meshes.shapes.ball import Ball
 from meshes.shapes.conical_land import ConicalLand
 from meshes.shapes.conical_seat import ConicalSeat
 from meshes.shapes.disc import Disc
+from meshes.shapes.flat_land import FlatLand
 from meshes.shapes.flat_seat import FlatSeat
 from meshes.shapes.rounded_cone import RoundedCone
 from meshes.shapes.shape import Shape, housing, plunger
@@ -33,6 +34,7 @@ __all__ = [
     "ContactGeometry",
     "Curve",
     "Disc",
+    "FlatLand",
     "FlatSeat",
     "GeometryError",
     "MeshedBody",

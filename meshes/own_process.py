@@ -87,7 +87,7 @@ def _death(ended: subprocess.CompletedProcess[bytes]) -> str:
 def answer() -> None:
     """What the new process does: read the call from standard input, write its outcome to standard output."""
     time_limit, function, arguments, options = pickle.load(sys.stdin.buffer)
-    if hasattr(signal, "setitimer"):
+    if sys.platform != "win32":
         # a library that hangs does not come back to Python's own handler; the system's ends the process
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
         signal.setitimer(signal.ITIMER_REAL, time_limit + _GRACE)

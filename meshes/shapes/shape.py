@@ -31,7 +31,7 @@ class Shape(Protocol):
         ...
 
 
-def housing(face: Curve, outer_radius: float, height: float) -> Outline:
+def housing(face: Curve, outer_radius: float, height: float, step: float = 0.0) -> Outline:
     """Seat: a face on a cylindrical housing with a bore below its inner end.
 
     Parameters
@@ -42,6 +42,8 @@ def housing(face: Curve, outer_radius: float, height: float) -> Outline:
         Radius of the housing [m].
     height : float
         From the inner end of the face to the bottom of the housing [m].
+    step : float
+        How far the top of the housing lies below the outer end of the face [m]: the face is raised by so much.
 
     Raises
     ------
@@ -63,7 +65,8 @@ def housing(face: Curve, outer_radius: float, height: float) -> Outline:
     if not height > 0:
         raise GeometryError(f"seat height = {height:.6g} m: must be positive")
     bottom = start[1] - height
-    lowest = min(p[1] for s in face.segments for p in (s.start, s.end))
+    top = end[1] - step
+    lowest = min(top, *(p[1] for s in face.segments for p in (s.start, s.end)))
     if not bottom < lowest:
         raise GeometryError(
             f"seat height = {height:.6g} m: the face goes {start[1] - lowest:.6g} m deep, the housing must be higher"
@@ -72,7 +75,8 @@ def housing(face: Curve, outer_radius: float, height: float) -> Outline:
         (start, "seat_inner"),
         ((start[0], bottom), "seat_bottom"),
         ((outer_radius, bottom), "seat_wall"),
-        ((outer_radius, end[1]), "seat_outer"),
+        ((outer_radius, top), "seat_outer"),
+        ((end[0], top), "seat_outer"),
         (end, ""),
     ]
     rest = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if _apart(a, b))

@@ -1,0 +1,147 @@
+"""A raised flat ring as seat."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from meshes.errors import GeometryError
+from meshes.geometry.outline import Outline
+from meshes.geometry.rounding import chain
+from meshes.shapes.shape import Partner, Shape, check_positive, housing
+
+
+@dataclass(frozen=True)
+class FlatLand:
+    """Flat ring with rounded edges around a bore, raised above the top of a cylindrical housing.
+
+    A flat disc touches it along the whole ring between the roundings, from land_inner_radius + edge_radius to
+    land_outer_radius - edge_radius unless the disc ends before (R_rel = inf); a rim of circular section at its lowest
+    circle (R_rel = its radius).
+
+    Parameters
+    ----------
+    land_inner_radius, land_outer_radius : float
+        Radii of the edges of the ring before rounding [m]; the former is that of the bore.
+    edge_radius : float
+        Of the rounding of both edges [m].
+    land_height : float
+        From the top of the housing around the ring to the ring [m].
+    outer_radius : float
+        Radius of the housing [m].
+    height : float
+        From the ring to the bottom of the housing [m].
+
+    Raises
+    ------
+    GeometryError
+        If a dimension is impossible, or the roundings do not fit.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> land = meshes.FlatLand.on(0.025, 0.029, meshes.Disc.of(0.03))
+    >>> print(f"flat from {land.flat[0] * 1e3:.1f} mm to {land.flat[1] * 1e3:.1f} mm")
+    flat from 25.2 mm to 28.8 mm
+    """
+
+    land_inner_radius: float
+    land_outer_radius: float
+    edge_radius: float
+    land_height: float
+    outer_radius: float
+    height: float
+
+    def __post_init__(self) -> None:
+        check_positive(
+            "seat",
+            land_inner_radius=self.land_inner_radius,
+            edge_radius=self.edge_radius,
+            land_height=self.land_height,
+            height=self.height,
+        )
+        if not (math.isfinite(self.land_outer_radius) and self.land_outer_radius > self.land_inner_radius):
+            raise GeometryError(
+                f"seat land_outer_radius = {self.land_outer_radius:.6g} m: must exceed land_inner_radius = "
+                f"{self.land_inner_radius:.6g} m"
+            )
+        if not 2 * self.edge_radius < self.land_outer_radius - self.land_inner_radius:
+            raise GeometryError(
+                f"seat edge_radius = {self.edge_radius:.6g} m: the roundings of both edges leave nothing flat of a "
+                f"land {self.land_outer_radius - self.land_inner_radius:.6g} m wide; allowed is below half of it"
+            )
+        if not self.land_height >= self.edge_radius:
+            raise GeometryError(
+                f"seat land_height = {self.land_height:.6g} m: must be at least edge_radius = {self.edge_radius:.6g} m"
+            )
+        if not (math.isfinite(self.outer_radius) and self.outer_radius >= self.land_outer_radius):
+            raise GeometryError(
+                f"seat outer_radius = {self.outer_radius:.6g} m: must be at least land_outer_radius = "
+                f"{self.land_outer_radius:.6g} m"
+            )
+
+    @classmethod
+    def on(
+        cls,
+        land_inner_radius: float,
+        land_outer_radius: float,
+        closure: Shape,
+        *,
+        edge_radius: float | None = None,
+        land_height: float | None = None,
+        outer_radius: float | None = None,
+        height: float | None = None,
+    ) -> FlatLand:
+        """Land for a closure, with the dimensions that are not given in proportion.
+
+        Parameters
+        ----------
+        land_inner_radius, land_outer_radius : float
+            As of the class [m].
+        closure : Shape
+        edge_radius : float, optional
+            A twentieth of the land's width unless given [m].
+        land_height : float, optional
+            Half the land's width unless given [m].
+        outer_radius, height : float, optional
+            Middle of the land + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
+        """
+        check_positive("seat", land_inner_radius=land_inner_radius, land_outer_radius=land_outer_radius)
+        width = land_outer_radius - land_inner_radius
+        if not width > 0:
+            raise GeometryError(
+                f"seat land_outer_radius = {land_outer_radius:.6g} m: must exceed land_inner_radius = "
+                f"{land_inner_radius:.6g} m"
+            )
+        partner = Partner.of(closure)
+        edge = 0.05 * width if edge_radius is None else edge_radius
+        raised = max(0.5 * width, edge) if land_height is None else land_height
+        middle = 0.5 * (land_inner_radius + land_outer_radius)
+        return cls(
+            land_inner_radius,
+            land_outer_radius,
+            edge,
+            raised,
+            partner.housing_radius(middle, land_outer_radius) if outer_radius is None else outer_radius,
+            # the wall stands on the bottom, whatever the land's height
+            max(partner.housing_height, 2 * raised) if height is None else height,
+        )
+
+    @property
+    def flat(self) -> tuple[float, float]:
+        """Radii between which the ring is flat [m]."""
+        return self.land_inner_radius + self.edge_radius, self.land_outer_radius - self.edge_radius
+
+    @property
+    def outline(self) -> Outline:
+        """Section with the ring at z = 0."""
+        below = -self.land_height - self.land_outer_radius
+        corners = [
+            (self.land_inner_radius, below),
+            (self.land_inner_radius, 0.0),
+            (self.land_outer_radius, 0.0),
+            (self.land_outer_radius, below),
+        ]
+        face = chain(corners, "seat_face", self.edge_radius).without_first().without_last()
+        start, end = face.segments[0].start, face.segments[-1].end
+        return housing(face, self.outer_radius, self.height + start[1], self.land_height + end[1])
