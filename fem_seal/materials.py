@@ -1,4 +1,4 @@
-"""Elastic bodies, and the hardening of those that yield: a small library with sources, and curves."""
+"""Elastic bodies, and the hardening of those that yield."""
 
 from __future__ import annotations
 
@@ -14,10 +14,6 @@ from fem_seal.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
-
-_PAPER = "Fischer, Schmitz, Tiwari, Persson, Fluid leakage in metallic seals, Tribol. Lett. 68, 125 (2020)"
-_KAYE_LABY = "Kaye & Laby, Tables of Physical and Chemical Constants, 16th ed. (1995), 2.2.2"
-_MIL_HDBK_5J = "MIL-HDBK-5J (2003)"
 
 
 @dataclass(frozen=True)
@@ -43,6 +39,12 @@ class Material:
     hardening : HardeningCurve, optional
         Flow stress over plastic strain; the body is then solved as elastoplastic, and `yield_stress` is that of the
         curve. Without it the body is elastic whatever its stress.
+    thermal_expansion : float, optional
+        Coefficient of linear thermal expansion [1/K]; no result depends on it yet. None if unknown.
+    condition : str, optional
+        State of the material, heat treatment for example, to which hardness and yield stress belong.
+    creeps : bool, optional
+        Whether it goes on yielding with time, as polymers do; results then carry a caution.
 
     Raises
     ------
@@ -63,6 +65,9 @@ class Material:
     yield_stress: float | None = None
     source: str = ""
     hardening: HardeningCurve | None = None
+    thermal_expansion: float | None = None
+    condition: str = ""
+    creeps: bool = False
 
     def __post_init__(self) -> None:
         for key in ("youngs_modulus", "hardness", "yield_stress"):
@@ -98,58 +103,6 @@ class Material:
         return self.youngs_modulus / (1 - self.poissons_ratio**2)
 
 
-# Hardness and yield stress depend on grade and heat treatment by factors; the library gives them only where
-# the source states them for that very material.
-LIBRARY = {
-    material.name: material
-    for material in (
-        Material("steel", 210e9, 0.30, source="EN 1993-1-1:2005, 3.2.6"),
-        Material(
-            "steel 1.4122",
-            210e9,
-            0.30,
-            hardness=3.5e9,
-            yield_stress=500e6,
-            source=f"{_PAPER}: penetration hardness as used there, yield stress at the onset of plastic flow",
-        ),
-        Material("stainless steel", 200e9, 0.30, source="EN 1993-1-4:2006, 2.1.3 (austenitic grades)"),
-        Material("aluminium", 70e9, 0.30, source="EN 1999-1-1:2007, 3.2.5 (alloys)"),
-        Material("titanium Ti-6Al-4V", 110.3e9, 0.31, source=f"{_MIL_HDBK_5J}, table 5.4.1"),
-        Material("brass", 100.6e9, 0.350, source=f"{_KAYE_LABY} (70 % copper, 30 % zinc)"),
-        Material("copper", 129.8e9, 0.343, source=_KAYE_LABY),
-        Material("nickel", 199.5e9, 0.312, source=f"{_KAYE_LABY} (soft)"),
-        Material("silver", 82.7e9, 0.367, source=_KAYE_LABY),
-        Material("tungsten carbide", 534.4e9, 0.22, source=_KAYE_LABY),
-    )
-}
-
-
-def material(name: str) -> Material:
-    """Material of the library.
-
-    Parameters
-    ----------
-    name : str
-        One of `LIBRARY`, for example "steel".
-
-    Raises
-    ------
-    InputError
-        If the library does not have it.
-
-    Examples
-    --------
-    >>> import fem_seal
-    >>> steel = fem_seal.material("steel")
-    >>> print(f"{steel.youngs_modulus / 1e9:.0f} GPa, {steel.poissons_ratio}")
-    210 GPa, 0.3
-    """
-    if name not in LIBRARY:
-        known = ", ".join(f'"{known}"' for known in LIBRARY)
-        raise InputError(Problem("material", f"not in the library; known are {known}", repr(name)))
-    return LIBRARY[name]
-
-
 def effective_modulus(first: Material, second: Material) -> float:
     """Effective modulus E* of a contact pair [Pa], 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
 
@@ -164,7 +117,7 @@ def effective_modulus(first: Material, second: Material) -> float:
 
     Examples
     --------
-    >>> steel = material("steel")
+    >>> steel = Material("steel", youngs_modulus=210e9, poissons_ratio=0.3)
     >>> round(effective_modulus(steel, steel) / 1e9, 3)
     115.385
     """

@@ -52,6 +52,7 @@ standard_atmosphere = 101325 * pascal = atm
 pounds_per_square_inch = pound_force / inch ** 2 = psi
 kilopounds_per_square_inch = 1000 * pound_force / inch ** 2 = ksi
 poise = 0.1 * pascal * second = P
+vickers = 10.576812734279e6 * pascal = HV
 """
 
 
@@ -84,6 +85,7 @@ DIMENSIONS = {
         Dimension("temperature", "K", ("20 degC", "293.15 K")),
         Dimension("spectral density", "m^4", ("1e-18 m^4", "1e6 nm^4")),
         Dimension("leak rate", "m^3/s", ("1e-3 cm^3/s", "0.5 ml/min")),
+        Dimension("throughput", "Pa m^3/s", ("1e-3 mbar l/s", "1e-4 Pa m^3/s")),
     )
 }
 
@@ -107,9 +109,37 @@ def _registry() -> UnitRegistry[Any]:
     return registry
 
 
+# Units that nearly every case is written in, with what the registry says of them (a test compares them): most cases
+# then need no pint, which takes longer to import than they take to read.
+_PLAIN: dict[str, dict[str, str | float]] = {
+    "length": {"m": "1", "mm": "1e-3", "um": "1e-6", "µm": "1e-6", "μm": "1e-6", "nm": "1e-9"},
+    "pressure": {
+        "Pa": "1",
+        "kPa": "1e3",
+        "MPa": "1e6",
+        "GPa": "1e9",
+        "TPa": "1e12",
+        "bar": "1e5",
+        "mbar": "100",
+    },
+    "force": {"N": "1", "kN": "1e3"},
+    "viscosity": {"Pa s": "1", "mPa s": "1e-3"},
+    "wavenumber": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6"},
+    "time": {"s": "1"},
+    "angle": {"rad": "1", "deg": math.pi / 180},
+    "leak rate": {"m^3/s": "1"},
+    "throughput": {"Pa m^3/s": "1", "mbar l/s": "0.1"},
+}
+
+
 @cache
 def _factor(unit: str, dimension: str) -> Fraction:
     """Factor from `unit` to the SI unit of `dimension`; QuantityError if the unit is another dimension's."""
+    usual = _PLAIN.get(dimension, {}).get(unit)
+    return _registered_factor(unit, dimension) if usual is None else Fraction(usual)
+
+
+def _registered_factor(unit: str, dimension: str) -> Fraction:
     import pint
 
     registry = _registry()
@@ -179,19 +209,46 @@ def parse_quantity(text: object, dimension: str) -> float:
     return _parsed(" ".join(text.split()), dimension)
 
 
+def exact_quantity(text: str, dimension: str) -> Fraction:
+    """Value of a quantity in SI before it is rounded to a float, for what is calculated from it.
+
+    Half a diameter of "40.1 mm" is then the very radius of "20.05 mm".
+
+    Parameters
+    ----------
+    text : str
+    dimension : str
+        As of `parse_quantity`; no temperature.
+
+    Raises
+    ------
+    QuantityError
+        As of `parse_quantity`.
+
+    Examples
+    --------
+    >>> float(exact_quantity("40.1 mm", "length") / 2) == parse_quantity("20.05 mm", "length")
+    True
+    """
+    return _exact(" ".join(text.split()), dimension)
+
+
 # a study reads the same texts again for each of its designs
 @lru_cache(maxsize=4096)
 def _parsed(stripped: str, dimension: str) -> float:
-    wanted = DIMENSIONS[dimension].wanted
     if dimension == "temperature":
         return _temperature(stripped)
+    try:
+        return float(_exact(stripped, dimension))
+    except OverflowError:
+        raise QuantityError(f"is not a finite number; write {DIMENSIONS[dimension].wanted}") from None
+
+
+def _exact(stripped: str, dimension: str) -> Fraction:
     match = _QUANTITY.fullmatch(stripped) if len(stripped) <= _LONGEST else None
     if match is None:
-        raise QuantityError(f"{_what_is_wrong(stripped)}; write {wanted}")
-    try:
-        return float(Fraction(match[1]) * _factor(match[2], dimension))
-    except OverflowError:
-        raise QuantityError(f"is not a finite number; write {wanted}") from None
+        raise QuantityError(f"{_what_is_wrong(stripped)}; write {DIMENSIONS[dimension].wanted}")
+    return Fraction(match[1]) * _factor(match[2], dimension)
 
 
 # Zero of each scale and size of its degree in kelvin.

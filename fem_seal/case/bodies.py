@@ -12,7 +12,8 @@ from pydantic_core import CoreSchema, core_schema
 from fem_seal.case.fields import Number, Numbers, Pressures, Quantity, Table
 from fem_seal.case.input_files import read_stress_strain
 from fem_seal.errors import InputError, Problem
-from fem_seal.materials import LIBRARY, HardeningCurve, Material, material
+from fem_seal.material_library import LIBRARY, library_name, material, similar_names
+from fem_seal.materials import HardeningCurve, Material
 from meshes import Shape
 
 Length = Annotated[float, Quantity("length", "10 um", "10 m")]
@@ -97,15 +98,24 @@ class StressStrain(Table):
 
 
 class MaterialTable(Table):
-    """A material given by its numbers."""
+    """A material given by its numbers; with a name from the library, what is left out is that of the library.
 
-    name: str = Field("user-defined", description="how tables and reports call it", max_length=80)
+    Where modulus and Poisson's ratio are given, hardness and yield stress are not taken from the library: they would
+    be those of another state of the material.
+    """
+
+    name: str = Field(
+        "user-defined",
+        description="how tables and reports call it; a name from the library stands for the numbers that are left out",
+        max_length=80,
+        examples=["stellite 6"],
+    )
     youngs_modulus: Modulus = Field(description="E", examples=["210 GPa"])
     poissons_ratio: Annotated[float, Number(0, 0.499)] = Field(description="nu", examples=[0.3])
     hardness: Strength | None = Field(
         None,
         description="penetration hardness, the pressure at which asperities yield; about three times the "
-        "yield stress at 15 % strain",
+        'yield stress at 15 % strain; a Vickers hardness may be written as "435 HV"',
         examples=["3.5 GPa"],
     )
     yield_stress: Strength | None = Field(
@@ -119,6 +129,12 @@ class MaterialTable(Table):
         "whatever its stress unless given",
         examples=[{"plastic_strain": [0, 0.1], "stress": ["250 MPa", "350 MPa"]}],
     )
+    creeps: bool = Field(
+        False,
+        description="a polymer that goes on yielding under load, which is warned about; that of the library unless "
+        "given",
+        examples=[True],
+    )
 
 
 class MaterialEntry:
@@ -130,8 +146,15 @@ class MaterialEntry:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        table = handler(cast(core_schema.WrapValidatorFunctionSchema, schema)["schema"])
-        return {"anyOf": [{"type": "string", "enum": list(LIBRARY)}, table]}
+        table = handler.resolve_ref_schema(
+            handler(cast(core_schema.WrapValidatorFunctionSchema, schema)["schema"])
+        )
+        # a name from the library stands for the others
+        needed = table.pop("required", None)
+        if needed:
+            table["anyOf"] = [{"required": ["name"]}, {"required": needed}]
+        # the names are offered, and any other word for one is accepted
+        return {"anyOf": [{"type": "string", "enum": list(LIBRARY)}, {"type": "string"}, table]}
 
     @staticmethod
     def read(value: object, read_table: core_schema.ValidatorFunctionWrapHandler) -> Material:
@@ -145,26 +168,106 @@ class MaterialEntry:
                 raise ValueError(error.message) from None
         if not isinstance(value, dict):
             raise ValueError(
-                'is no material; write a name such as "steel", or '
+                'is no material; write a name such as "steel", { name = "steel", hardness = "3.5 GPa" }, or '
                 '{ youngs_modulus = "210 GPa", poissons_ratio = 0.3, hardness = "3.5 GPa" }'
             )
-        table = read_table(value)
+        inherited = _left_out(value)
+        table = read_table({**inherited, **value})
         if (
             table.hardness is not None
             and table.yield_stress is not None
             and table.hardness < table.yield_stress
         ):
             raise ValueError(
-                f"hardness = {table.hardness / 1e6:g} MPa must not be below yield_stress = "
-                f"{table.yield_stress / 1e6:g} MPa (Tabor: about three times as large)"
+                f"hardness = {table.hardness / 1e6:g} MPa{_whose('hardness', inherited)} must not be below "
+                f"yield_stress = {table.yield_stress / 1e6:g} MPa{_whose('yield_stress', inherited)} (Tabor: about "
+                "three times as large)"
             )
         try:
             hardening = table.stress_strain and table.stress_strain.curve(table.youngs_modulus)
             return Material(
-                **table.model_dump(exclude={"stress_strain"}), source="case file", hardening=hardening
+                **table.model_dump(exclude={"stress_strain"}),
+                hardening=hardening,
+                **_origin(value),
             )
         except InputError as error:
             raise ValueError(str(error)) from None
+
+
+# What a table with a name from the library may leave out, with the unit in which it is written.
+_INHERITED = {
+    "youngs_modulus": " Pa",
+    "poissons_ratio": None,
+    "hardness": " Pa",
+    "yield_stress": " Pa",
+    "creeps": None,
+}
+
+
+def library_table(name: str) -> dict[str, Any]:
+    """A material of the library as a table that a case file could have; empty for any other name.
+
+    Parameters
+    ----------
+    name : str
+        In any of its spellings, which is kept.
+
+    Examples
+    --------
+    >>> library_table("brass")
+    {'name': 'brass', 'youngs_modulus': '100600000000.0 Pa', 'poissons_ratio': 0.35, 'creeps': False}
+    """
+    known = library_name(name)
+    if known is None:
+        return {}
+    numbers = {key: getattr(LIBRARY[known], key) for key in _INHERITED}
+    written = {
+        key: number if _INHERITED[key] is None else f"{number!r}{_INHERITED[key]}"
+        for key, number in numbers.items()
+        if number is not None
+    }
+    return {"name": name, **written}
+
+
+def _left_out(value: dict[str, Any]) -> dict[str, Any]:
+    """Entries that a table does not have and the library has under its name; ValueError for a slip in the name."""
+    name = value.get("name")
+    if not isinstance(name, str):
+        return {}
+    of_library = library_table(name)
+    if not of_library and not {"youngs_modulus", "poissons_ratio"} & value.keys():
+        near = similar_names(name)
+        hint = " (do you mean " + " or ".join(f'"{one}"' for one in near) + "?)" if near else ""
+        raise ValueError(
+            f'"{name}" is not in the library{hint}: a material of your own needs youngs_modulus = "210 GPa" and '
+            "poissons_ratio = 0.3"
+        )
+    # With a modulus and a Poisson's ratio of its own it is another state of the material, a colder one for example:
+    # hardness and yield stress of the library's would not be this one's. That it creeps is in its nature.
+    complete = {"youngs_modulus", "poissons_ratio"} <= value.keys()
+    passed_over = {"hardness", "yield_stress"} if complete else set()
+    # a curve begins with its own yield stress
+    passed_over |= {"yield_stress"} if "stress_strain" in value else set()
+    return {key: entry for key, entry in of_library.items() if key not in passed_over | value.keys()}
+
+
+def _whose(key: str, inherited: dict[str, Any]) -> str:
+    return " (of the library)" if key in inherited else ""
+
+
+def _origin(value: dict[str, Any]) -> dict[str, Any]:
+    """What is said of where the numbers of a table are from."""
+    of_library = library_table(str(value.get("name", "")))
+    own = [key for key in value if key != "name" and value[key] != of_library.get(key)]
+    if not of_library or {"youngs_modulus", "poissons_ratio"} <= set(own):
+        return {"source": "case file"}
+    known = material(of_library["name"])
+    words = f"{', '.join(own).replace('_', ' ')}: case file; " if own else ""
+    return {
+        "source": words + known.source,
+        "condition": known.condition,
+        "thermal_expansion": known.thermal_expansion,
+    }
 
 
 def place_body_files(body: object, folder: Path) -> None:

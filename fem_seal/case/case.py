@@ -11,12 +11,13 @@ from typing import Any
 
 from pydantic import PrivateAttr, ValidationError
 
-from fem_seal.case.bodies import place_body_files
+from fem_seal.case.bodies import library_table, place_body_files
 from fem_seal.case.checks import contradictions
 from fem_seal.case.direct import place_direct_files
+from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry
 from fem_seal.case.form import place_trace_files
-from fem_seal.case.messages import problems
-from fem_seal.case.roughness import place_files
+from fem_seal.case.messages import choices, problems, tables_of
+from fem_seal.case.roughness import place_files, roughness_like
 from fem_seal.case.si_numbers import with_units
 from fem_seal.case.tables import CaseTables
 from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
@@ -56,18 +57,31 @@ class Case(CaseTables):
         known = {
             name for name, table in tables.items() if like is not None and like._input.get(name) is table
         }
+        written, wrong = _in_keys({name: table for name, table in tables.items() if name not in known})
         try:
-            super().__init__(**{**tables, **{name: getattr(like, name) for name in known}})
+            super().__init__(**{**written, **{name: getattr(like, name) for name in known}})
         except ValidationError as error:
-            raise InputError(*problems(error, type(self))) from None
+            raise InputError(*wrong, *problems(error, type(self))) from None
+        if wrong:
+            raise InputError(*wrong)
         if like is not None and {"closure", "seat"} <= known:
             self._contact = like._contact
-        wrong = contradictions(self)
-        if wrong:
-            none_left = all(isinstance(problem, LoadProblem) for problem in wrong)
-            raise (NoLoadLeftError if none_left else InputError)(*wrong)
+        contradicting = [as_written(problem, tables) for problem in contradictions(self)]
+        if contradicting:
+            none_left = all(isinstance(problem, LoadProblem) for problem in contradicting)
+            raise (NoLoadLeftError if none_left else InputError)(*contradicting)
         # what the user wrote, so that `replace` checks a change exactly as it checks a file
         self._input = tables
+
+    def in_diameters(self, name: str) -> bool:
+        """Whether the case writes dimensions of a body, "closure" or "seat", as diameters."""
+        written = self._input.get(name)
+        return isinstance(written, Mapping) and any(key.endswith("diameter") for key in written)
+
+    @property
+    def written(self) -> dict[str, Any]:
+        """A copy of the tables as they were given, texts with units, with all changes."""
+        return copy.deepcopy(self._input)
 
     @property
     def named_files(self) -> tuple[str, ...]:
@@ -83,6 +97,8 @@ class Case(CaseTables):
             Dotted keys with their new entries: ``{"seat.angle": "50 deg"}``. Quantities are texts with a unit, as in a
             case file, or numbers in SI: ``{"closure.radius": 0.02}``, angles in radian, temperatures in kelvin. An
             entry of a list is named by its number from 0 on: ``{"form.seat.harmonics.0.amplitude": "2 um"}``.
+            A word of the drawing replaces the key that it stands for, and the reverse: ``"seat.bore_diameter"`` the
+            ``bore_radius`` of a case, ``"seat.included_angle"`` its ``angle``.
         **tables
             The same as nested tables: ``seat={"angle": "50 deg"}``. Tables are merged; a table with another
             `shape` or `kind` replaces the old one. None removes an entry.
@@ -103,7 +119,7 @@ class Case(CaseTables):
         >>> case.replace({"closure.radius": 0.025, "load.fluid_pressure": ["1 bar", 5e5]}).load.fluid_pressure
         (100000.0, 500000.0)
         """
-        changed = _merged(self._with(changes or {}), copy.deepcopy(tables))
+        changed = _changed(self._with(changes or {}), copy.deepcopy(tables))
         new = {name: table for name, table in changed.items() if table is not self._input.get(name)}
         return self._checked({**changed, **with_units(CaseTables, new)})
 
@@ -124,9 +140,20 @@ class Case(CaseTables):
 
     def _with(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The tables as they were given, with entries changed at dotted keys."""
+        kept = {key: value for key, value in changes.items() if value is not None}
+        twice = said_twice(list(kept))
+        if twice:
+            raise InputError(Problem(twice[1], f"is {twice[0]} in other words; give one of them"))
         changed = self._input
+        entries = {same_entry(str(key)) for key in kept}
+        # what is set in one word is not removed in the other
+        changes = {
+            key: value
+            for key, value in changes.items()
+            if value is not None or same_entry(str(key)) not in entries
+        }
         for key, value in copy.deepcopy(dict(changes)).items():
-            changed = _merged(changed, _nested(changed, str(key).split("."), value))
+            changed = _changed(changed, _nested(changed, str(key).split("."), value))
         return changed
 
     def _checked(self, tables: dict[str, Any]) -> Case:
@@ -211,21 +238,54 @@ def _named_files(entry: Any, name: str = "") -> Iterator[str]:
         yield entry
 
 
+def _changed(tables: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+    """All tables of a case with changes merged in."""
+    if "roughness" not in new:
+        return _merged(tables, new)
+    prepared, change = roughness_like(tables.get("roughness"), new["roughness"])
+    before = tables if prepared is tables.get("roughness") else {**tables, "roughness": prepared}
+    return _merged(before, {**new, "roughness": change})
+
+
+def _in_keys(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
+    """Tables with keys in place of the drawing's words, and what is wrong with these."""
+    written, wrong = dict(tables), []
+    for body in ("closure", "seat"):
+        entries = tables.get(body)
+        if isinstance(entries, Mapping):
+            known = tables_of(CaseTables.model_fields[body])
+            meant = [one for one in known if entries.get("shape") in choices(one, "shape")]
+            if meant:
+                written[body], found = in_keys(body, meant[0], entries)
+                wrong.extend(found)
+    return written, wrong
+
+
 def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
     """A new table; entries without a change are the very ones of the old table."""
     merged = dict(old)
     for key, value in new.items():
         before = merged.get(key)
+        other = partner(key)
+        if other is not None and new.get(other) is None:
+            merged.pop(other, None)
         if value is None:
             merged.pop(key, None)
         elif isinstance(value, Mapping):
             same = isinstance(before, dict) and all(
                 value.get(k, before.get(k)) == before.get(k) for k in ("shape", "kind")
             )
+            if key == "material" and isinstance(before, str) and not _whole_material(value):
+                # some numbers of a material that stands there by its name
+                before, same = library_table(before), True
             merged[key] = _merged(before if same and before else {}, value)
         else:
             merged[key] = value
     return merged
+
+
+def _whole_material(table: Mapping[str, Any]) -> bool:
+    return "name" in table or {"youngs_modulus", "poissons_ratio"} <= table.keys()
 
 
 def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] = ()) -> Any:
@@ -272,46 +332,6 @@ def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] =
     if isinstance(entry, Mapping) and isinstance(old[number], dict):
         entry = _merged(old[number], entry)
     return [*old[:number], *([] if entry is None else [entry]), *old[number + 1 :]]
-
-
-def case_schema() -> dict[str, Any]:
-    """JSON Schema of what may stand in a case file.
-
-    Returns
-    -------
-    dict
-        Draft 2020-12. Ranges of quantities and contradictions between tables are beyond a schema; `load_case`
-        checks them.
-
-    Examples
-    --------
-    >>> sorted(case_schema()["required"])
-    ['closure', 'load', 'seat']
-    """
-    schema = _as_written(Case.model_json_schema(mode="validation"))
-    schema["description"] = 'One seal with its loads; quantities are texts with units, such as "20 mm".'
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "fem-seal case", **schema}
-
-
-def _as_written(schema: dict[str, Any]) -> dict[str, Any]:
-    """Schema of the file instead of the models: TOML has no null, and titles would only repeat the keys."""
-    cleaned: dict[str, Any] = {}
-    for key, value in schema.items():
-        if key == "title" and isinstance(value, str):
-            continue
-        if key == "default" and (value is None or isinstance(value, dict)):
-            continue
-        if isinstance(value, dict):
-            cleaned[key] = _as_written(value)
-        elif isinstance(value, list):
-            cleaned[key] = [_as_written(one) if isinstance(one, dict) else one for one in value]
-        else:
-            cleaned[key] = value
-    choices = [one for one in cleaned.get("anyOf", []) if one != {"type": "null"}]
-    if len(choices) == 1:
-        del cleaned["anyOf"]
-        return {**choices[0], **cleaned}
-    return cleaned
 
 
 def input_tables(case: Case) -> dict[str, Any]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 
-from fem_seal.case.fields import shown
+from fem_seal.case.fields import Throughput, shown
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
+from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import SelfAffine
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.case.uncertainty import Uncertainty
@@ -34,6 +36,8 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
         *_yielding(case),
         *_form(case),
+        *_throughput(case),
+        *([] if case.requirement is None else _requirement(case, case.requirement)),
     ]
 
 
@@ -44,16 +48,14 @@ def _flow(case: CaseTables) -> Iterator[Problem]:
             'only for liquids, but the fluid is a gas; remove it, or set "uncoupled"',
             '"local"',
         )
-    directed = case.roughness is not None and (
-        case.roughness.peklenik != 1 or case.roughness.along is not None
-    )
     reading = case.leak.conductivity
-    if directed and reading in ("critical-junction", "threshold-law"):
+    undirected = reading in ("critical-junction", "threshold-law")
+    if undirected and case.roughness is not None and case.roughness.directed:
         what = "a single junction" if reading == "critical-junction" else "the closed law of the threshold"
         yield Problem(
             "leak.conductivity",
-            f"{what} has no direction, but the roughness has one (peklenik, or along and across); use "
-            '"bruggeman"',
+            f"{what} has no direction, but the roughness has one (peklenik, along and across, or the lay "
+            'of a finish); use "bruggeman"',
             f'"{reading}"',
         )
 
@@ -370,6 +372,73 @@ def _form(case: CaseTables) -> Iterator[Problem]:
         )
 
 
+def _throughput(case: CaseTables) -> Iterator[Problem]:
+    """Pressure times volume is said of gases: of a liquid it is no amount."""
+    required = None if case.requirement is None else case.requirement.leak_rate
+    written = {"load.target_leak_rate": case.load.target_leak_rate, "requirement.leak_rate": required}
+    if case.fluid is not None and case.fluid.gas is None:
+        for key, limit in written.items():
+            if isinstance(limit, Throughput):
+                yield Problem(
+                    key,
+                    "is pressure times volume over time, the leak rate of a gas, and the fluid is a liquid; give a "
+                    'volume over time, such as "0.1 ml/min"',
+                )
+
+
+def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:
+    """What in [requirement] cannot be judged."""
+    if case.roughness is None or case.fluid is None:
+        missing = "roughness" if case.roughness is None else "fluid"
+        yield Problem("requirement", f"needs a leak rate, and there is none without [{missing}]; add it")
+        return
+    if required.leak_rate is None and required.standard is None:
+        yield Problem(
+            "requirement", 'names no limit; give leak_rate = "0.1 ml/min", or standard and class, or both'
+        )
+    yield from _class(required, gas=case.fluid.gas is not None)
+    loads = case.load.fluid_pressure
+    for pressure in required.pressures:
+        if not any(math.isclose(pressure, one, rel_tol=1e-6) for one in loads):
+            listed = ", ".join(f"{one / 1e5:.6g}" for one in dict.fromkeys(loads))
+            yield Problem(
+                "requirement.fluid_pressure",
+                f"is no fluid pressure of [load], which has {listed} bar; add it there, or give one of these",
+                f"{pressure / 1e5:.6g} bar",
+            )
+
+
+def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
+    from leak.standards import STANDARDS, classes_of, standard_named
+
+    if required.standard is None:
+        for key in ("class", "rated_capacity"):
+            if getattr(required, key) is not None:
+                yield Problem(f"requirement.{key}", 'belongs to a standard; add standard, such as "ISO 5208"')
+        return
+    standard = standard_named(required.standard)
+    if standard is None:
+        known = " or ".join(f'"{one}"' for one in STANDARDS)
+        yield Problem("requirement.standard", f"is not known; known are {known}", shown(required.standard))
+        return
+    found, fluid = required.standard_and_class, "a gas" if gas else "a liquid"
+    possible = classes_of(standard, gas=gas)
+    if found is None or found[1] not in possible:
+        given = required.class_name
+        what = "is missing" if given is None else f"is no class of {standard} for {fluid}"
+        yield Problem(
+            "requirement.class",
+            f"{what}; known are {', '.join(possible)}",
+            None if given is None else shown(given),
+        )
+    elif found[1] not in classes_of(standard, gas=gas, rated_capacity=required.rated_capacity is not None):
+        yield Problem(
+            "requirement.rated_capacity",
+            f"is missing: class {found[1]} of {standard} is a share of the flow through the open valve; give that "
+            'flow, such as "40 m^3/h"',
+        )
+
+
 def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[Problem]:
     """What in a table [uncertainty] does not fit the other tables of a case.
 
@@ -400,6 +469,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         not table.spreads
         and table.spectrum is None
         and not any(uncertain_heights(case.roughness, between_scans=table.spectrum is not None))
+        and not (case.roughness is not None and case.roughness.finishes)
     ):
         yield Problem(
             "uncertainty", "names no uncertain input; add one, such as hardness = { relative = 0.1 }"
@@ -411,10 +481,11 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
     if case.roughness is None:
         return
     shape = [key for key in SHAPE if key in table.spreads]
-    if self_affine_part(case.roughness) is None:
+    if self_affine_part(case.roughness) is None and not case.roughness.finishes:
         for key in shape:
             yield Problem(
-                f"uncertainty.{key}", 'needs one spectrum of kind "self-affine" in [roughness]; remove it'
+                f"uncertainty.{key}",
+                'needs one spectrum of kind "self-affine", or a finish, in [roughness]; remove it',
             )
     if table.spectrum is not None and not scan_spectra(case.roughness):
         yield Problem(

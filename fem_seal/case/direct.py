@@ -14,7 +14,7 @@ CONTACT_PRESSURE = Quantity("pressure", "1 Pa", "1e6 GPa")
 
 
 class Direct(Table):
-    """[direct]: direct simulation of a rough patch, see docs/direct.md."""
+    """[direct]: direct simulation of a rough patch, see guide/direct in the manual."""
 
     points: Annotated[int, Whole(32, 4096)] = Field(256, description="grid points along a side of the patch")
     samples: Annotated[int, Whole(1, 200)] = Field(

@@ -7,16 +7,24 @@ floats, and it describes itself in the JSON Schema of the case file.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
-from fem_seal.units import DIMENSIONS, NUMBER, parse_quantity
+from fem_seal.units import DIMENSIONS, NUMBER, QuantityError, parse_quantity
+
+# Pattern of a quantity, for schemas.
+NUMBER_WITH_UNIT = rf"^\s*{NUMBER}(\s+\S|[^\s\d.eE]).*$"
 
 # More loads than this in one case are a slip (num = 20000): a study is made of several cases.
 MOST_PRESSURES = 1000
+
+# At which the volume of a leaking gas is given [Pa].
+_ATMOSPHERE = 101325.0
 
 
 class Entry:
@@ -83,7 +91,24 @@ class Quantity(Entry):
     @property
     def _schema(self) -> dict[str, Any]:
         dimension = DIMENSIONS[self.dimension]
-        return {"type": "string", "pattern": rf"^\s*{NUMBER}\s*\S.*$", "examples": [*dimension.examples]}
+        return {"type": "string", "pattern": NUMBER_WITH_UNIT, "examples": [*dimension.examples]}
+
+
+class Throughput(float):
+    """A leak rate [m^3/s] that was written as pressure times volume over time, which is said of gases only."""
+
+
+@dataclass(frozen=True)
+class LeakRate(Quantity):
+    """A leak rate: a volume over time, or of a gas pressure times volume, which is the volume at 101325 Pa."""
+
+    def read(self, text: object) -> float:
+        """Volume over time [m^3/s], a `Throughput` where that was written; ValueError as of a quantity."""
+        try:
+            throughput = parse_quantity(text, "throughput")
+        except QuantityError:
+            return super().read(text)
+        return Throughput(super().read(f"{throughput / _ATMOSPHERE!r} m^3/s"))
 
 
 @dataclass(frozen=True)
@@ -317,3 +342,20 @@ class Whole(Number):
     @property
     def _schema(self) -> dict[str, Any]:
         return {"type": "integer", "minimum": int(self.low), "maximum": int(self.high)}
+
+
+def quantities_of(field: FieldInfo) -> Iterator[Quantity]:
+    """Quantities that may stand at a field, also at one that may be left open."""
+    for marker in (*field.metadata, *_markers(field.annotation)):
+        if isinstance(marker, Quantity):
+            yield marker
+        elif isinstance(marker, Pressures):
+            yield marker.pressure
+        elif isinstance(marker, Place):
+            yield marker.length
+
+
+def _markers(annotation: Any) -> Iterator[Any]:
+    yield from getattr(annotation, "__metadata__", ())
+    for member in get_args(annotation):
+        yield from _markers(member)

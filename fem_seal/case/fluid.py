@@ -20,7 +20,7 @@ _ROOM_TEMPERATURE = 293.15
 
 
 class Particles(Table):
-    """[fluid.particles]: solid particles in the fluid, by a code of ISO 4406 or by counts; see docs/particles.md."""
+    """[fluid.particles]: solid particles in the fluid, by ISO 4406 or by counts; see guide/particles in the manual."""
 
     iso_4406: str | None = Field(
         None,

@@ -264,7 +264,7 @@ class BodyForm(Table):
 
 
 class Form(Table):
-    """[form]: closure and seat that are not round, how the closure is guided, scratches; see docs/form.md."""
+    """[form]: seats that are not round, how the closure is guided, scratches; see guide/form in the manual."""
 
     guide: Literal["free", "guided"] = Field(
         "free",

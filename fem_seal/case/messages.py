@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from fem_seal.case.bodies import MaterialTable
+from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, shown
 from fem_seal.errors import Problem
 from fem_seal.materials import Material
@@ -41,12 +42,14 @@ def tables_of(field: FieldInfo) -> list[type[Table]]:
 
 def choices(table: type[BaseModel], key: str) -> list[str]:
     """Words that may stand at a key, empty if it is not a choice."""
-    annotation = table.model_fields[key].annotation
-    # also of a choice that may be left open
-    for member in (annotation, *get_args(annotation)):
-        if get_origin(member) is Literal:
-            return [str(word) for word in get_args(member)]
-    return []
+    return [str(word) for word in _words(table.model_fields[key].annotation)]
+
+
+def _words(annotation: Any) -> tuple[Any, ...]:
+    """Words of a choice, also of one that may be left open or is read before it is compared."""
+    if get_origin(annotation) is Literal:
+        return get_args(annotation)
+    return next(filter(None, map(_words, get_args(annotation))), ()) if get_args(annotation) else ()
 
 
 def _tables(annotation: Any) -> Iterator[type[Table]]:
@@ -132,6 +135,9 @@ def _what_to_write(table: type[BaseModel] | None, name: str) -> str:
         return f"write {name} = " + " or ".join(f'"{word}"' for word in words)
     example = field.examples[0] if field.examples else None
     text = f"add {name} = {toml(example)}" if example is not None else "add it"
+    for word in words_of(table).values():
+        if word.key == name:
+            text += f" or {word.name} = {toml(word.example)}"
     return f"{text} ({field.description})" if field.description else text
 
 
@@ -143,7 +149,7 @@ def _listed(field: FieldInfo) -> str:
 
 
 def _unknown_key(name: str, table: type[BaseModel] | None) -> str:
-    known = list(table.model_fields) if table else []
+    known = [*table.model_fields, *words_of(table)] if table else []
     # "hurts" for "hurst", but also "Radius" and "youngs-modulus"
     near = difflib.get_close_matches(name.lower().replace("-", "_"), known, n=1, cutoff=0.6)
     hint = f"do you mean {near[0]}? " if near else ""
@@ -160,10 +166,16 @@ def _without_tag(key: str, value: object, tables: list[type[Table]]) -> Problem:
     return Problem(f"{key}.{tag}", f"is missing; write {words}")
 
 
+def nearest(value: object, words: Sequence[str]) -> str | None:
+    """The one of some words that a value was most likely meant to be; None if it is like none of them."""
+    near = difflib.get_close_matches(str(value).lower().replace("_", "-"), words, n=1, cutoff=0.5)
+    return near[0] if near else None
+
+
 def _choice(value: object, words: list[str]) -> str:
     listed = " or ".join(f'"{word}"' for word in words)
-    near = difflib.get_close_matches(str(value).lower().replace("_", "-"), words, n=1, cutoff=0.5)
-    hint = f'; do you mean "{near[0]}"?' if near else ""
+    near = nearest(value, words)
+    hint = f'; do you mean "{near}"?' if near else ""
     return f"must be {listed}{hint}"
 
 

@@ -6,7 +6,7 @@ A new kind of spectrum comes in as one more model in `Spectrum`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, reduce
 from pathlib import Path
@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from fem_seal.case.fields import Entry, Number, Quantity, Table
+from fem_seal.case.finish import HEIGHTS, FinishKeys, FinishTable, Wavenumber, is_finish, read_finish
 from fem_seal.case.input_files import read_spectrum
 from fem_seal.case.messages import problems
 from fem_seal.errors import InputError
@@ -24,9 +25,9 @@ from fem_seal.files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from leak import MeasuredSurface, PowerSpectrum, ScanSettings, StretchedRoughness
+    from leak.surfaces.finish import Spread
     from leak.surfaces.self_affine_fit import TrueHeight
 
-Wavenumber = Annotated[float, Quantity("wavenumber", "1 1/m", "1e12 1/m")]
 _MOST_FILES = 200
 # Root mean square of ln C_along/C_across after stretching, above which isolines are no similar ellipses.
 _LARGEST_MISFIT = 0.5
@@ -119,7 +120,7 @@ class Tabulated(Table):
 
 
 class Measured(Table):
-    """kind = "profile": the spectrum of measured line scans or maps; see docs/surfaces.md."""
+    """kind = "profile": the spectrum of measured line scans or maps; see guide/surfaces in the manual."""
 
     kind: Literal["profile"] = Field(description="kind of spectrum", examples=["profile"])
     file: str | None = Field(
@@ -257,12 +258,21 @@ def _measured(
     return measure(read_topographies([path for path, _ in files], unit=unit), settings)
 
 
-Spectrum = Annotated[SelfAffine | Tabulated | Measured, Field(discriminator="kind")]
+AnySpectrum = SelfAffine | Tabulated | Measured | FinishTable
+Spectrum = Annotated[AnySpectrum, Field(discriminator="kind")]
+# Keys of [roughness] that hold a spectrum.
+PARTS = ("spectrum", "seat", "closure", "along", "across")
 
 
-class Roughness(Table):
-    """[roughness]: of both surfaces together, or of each; their spectra add."""
+class Roughness(FinishKeys):
+    """[roughness]: of both surfaces together, or of each; their spectra add.
 
+    Ra, Rq or Rz with a process in the table itself is the finish of each of both faces, as a drawing means it.
+    """
+
+    kind: Literal["finish"] | None = Field(
+        None, description='"finish" where Ra, Rq or Rz stands in this table, where it need not be written'
+    )
     spectrum: Spectrum | None = Field(None, description="power spectrum of both surfaces together")
     seat: Spectrum | None = Field(
         None,
@@ -280,7 +290,7 @@ class Roughness(Table):
     across: Spectrum | None = Field(
         None,
         description="with along: spectrum from scans across the flow, along the circumference; see "
-        "docs/theory_anisotropy.md",
+        "theory/anisotropy in the manual",
     )
     peklenik: Annotated[float, Number(0.001, 1000)] = Field(
         1.0,
@@ -290,8 +300,17 @@ class Roughness(Table):
         examples=[0.2],
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _finishes(cls, entries: object) -> object:
+        return read_roughness(entries)
+
     @model_validator(mode="after")
     def _one_way(self) -> Roughness:
+        if self.height is not None:
+            self._one_finish_of_both()
+            return self
+        self._no_finish()
         each = self.seat is not None or self.closure is not None
         if self.along is not None or self.across is not None:
             self._two_directions(each)
@@ -300,9 +319,29 @@ class Roughness(Table):
             raise ValueError(
                 "needs spectrum, of both surfaces together, or seat and closure, or one of these; not both ways"
                 if each
-                else "needs spectrum, of both surfaces together, or seat, closure or both"
+                else "needs spectrum, of both surfaces together, or seat, closure or both, or a finish of both faces, "
+                'such as Ra = "0.4 um" with process = "lapped"'
             )
         return self
+
+    def _one_finish_of_both(self) -> None:
+        others = [key for key in PARTS if getattr(self, key) is not None]
+        if others:
+            raise ValueError(
+                f"has {self.height}, the finish of each of both faces, and {' and '.join(others)}; remove one, or give "
+                "[roughness.seat] and [roughness.closure]"
+            )
+        self._check_finish()
+
+    def _no_finish(self) -> None:
+        loose = [
+            key for key in FinishKeys.model_fields if key not in HEIGHTS and getattr(self, key) is not None
+        ]
+        if loose or self.kind is not None:
+            raise ValueError(
+                f"{'has ' + loose[0] if loose else 'is a finish'}, which goes with Ra, Rq or Rz; add one of them, such "
+                'as Ra = "0.4 um"'
+            )
 
     def _two_directions(self, each: bool) -> None:
         if self.along is None or self.across is None:
@@ -313,13 +352,26 @@ class Roughness(Table):
             )
         if self.peklenik != 1.0:
             raise ValueError("has peklenik, which along and across determine already; remove it")
+        if isinstance(self.along, FinishTable) or isinstance(self.across, FinishTable):
+            raise ValueError(
+                "has a finish along or across the flow; a finish holds right across its lay: give it to seat and "
+                "closure, with lay"
+            )
 
     @property
-    def parts(self) -> dict[str, SelfAffine | Tabulated | Measured]:
-        """The spectra that are given, by their key."""
-        keys = ("spectrum", "seat", "closure", "along", "across")
-        given = {key: getattr(self, key) for key in keys}
+    def parts(self) -> dict[str, AnySpectrum]:
+        """The spectra that are given, by their key; a finish of each of both faces stands at seat and at closure."""
+        if self.height is not None:
+            entries = {key: getattr(self, key) for key in FinishKeys.model_fields}
+            both = FinishTable.model_construct(kind="finish", **entries)
+            return {"seat": both, "closure": both}
+        given = {key: getattr(self, key) for key in PARTS}
         return {key: one for key, one in given.items() if one is not None}
+
+    @property
+    def finishes(self) -> dict[str, FinishTable]:
+        """Those of `parts` that are finishes."""
+        return {key: one for key, one in self.parts.items() if isinstance(one, FinishTable)}
 
     @property
     def is_measured(self) -> bool:
@@ -330,25 +382,59 @@ class Roughness(Table):
         """Spectrum of the gap between the undeformed surfaces."""
         return self.combined()[0]
 
-    def combined(self, instead: Mapping[str, PowerSpectrum] | None = None) -> tuple[PowerSpectrum, float]:
+    def combined(
+        self,
+        instead: Mapping[str, PowerSpectrum] | None = None,
+        shares: Mapping[str, float] | None = None,
+        factors: Mapping[str, float] | None = None,
+    ) -> tuple[PowerSpectrum, float]:
         """Spectrum of the gap between the undeformed surfaces, and its Tripp number.
 
-        The sum of the spectra given, or the angular average of those along and across.
+        The sum of the spectra given, or the angular average of those along and across. Of faces with a lay the number
+        is the ratio of rms slopes, across the flow over along it, of the sum.
 
         Parameters
         ----------
         instead : mapping, optional
             Spectra that stand instead of the table's own, by their key.
+        shares, factors : mapping, optional
+            Places in the ranges of what the finishes leave open, and factors, see `leak.Finish.surface`; the same in
+            both faces.
         """
         instead = instead or {}
-        spectra = {key: instead[key] if key in instead else one.build() for key, one in self.parts.items()}
+        faces = {
+            key: one.surface(shares, factors) for key, one in self.finishes.items() if key not in instead
+        }
+        spectra = {
+            key: instead[key] if key in instead else faces[key].spectrum if key in faces else one.build()
+            for key, one in self.parts.items()
+        }
         if "along" in spectra:
             found = _stretched(spectra["along"], spectra["across"])
             return found.spectrum, found.peklenik
-        return reduce(lambda total, one: total + one, spectra.values()), self.peklenik
+        total = reduce(lambda total, one: total + one, spectra.values())
+        if "peklenik" in self.model_fields_set or not faces:
+            return total, self.peklenik
+        return total, _tripp_number(
+            [(spectra[key].rms_slope, faces[key].peklenik if key in faces else 1.0) for key in spectra]
+        )
+
+    @property
+    def directed(self) -> bool:
+        """Whether the roughness has a lay that the flow feels."""
+        return self.along is not None or abs(self.combined()[1] - 1.0) > 1e-6
+
+    @property
+    def cutoff(self) -> float | None:
+        """Wave beyond which the finishes say nothing, and the user neither [m]; None without a finish."""
+        faces = [one for one in self.finishes.values() if one.q_low is None]
+        return max((one.finish.band.lambda_c for one in faces), default=None)
 
     def remarks(self) -> Iterator[str]:
-        """What the scans themselves say against their use."""
+        """What the scans themselves say against their use, and values that a process does not usually reach."""
+        for text in dict.fromkeys(one.remark for one in self.finishes.values()):
+            if text:
+                yield f"roughness: {text}"
         for key, one in self.parts.items():
             if isinstance(one, Measured):
                 for warning in one.measured().warnings:
@@ -361,6 +447,100 @@ class Roughness(Table):
                     f"{found.peklenik:.3g}, their ratio is still off by a factor {math.exp(found.misfit):.2g} (rms); "
                     "the isolines of the spectrum are not similar ellipses"
                 )
+
+
+def _tripp_number(faces: Sequence[tuple[float, float]]) -> float:
+    """Tripp number of the sum of independent roughnesses from the rms slope and the number of each.
+
+    The mean square slopes along the flow, s^2/(1 + g^2), and across it, s^2 g^2/(1 + g^2), add.
+    """
+    along = sum(slope**2 / (1.0 + number**2) for slope, number in faces)
+    across = sum(slope**2 * number**2 / (1.0 + number**2) for slope, number in faces)
+    return math.sqrt(across / along)
+
+
+def read_roughness(entries: object) -> object:
+    """The table as it is checked: finishes in words become tables, and where Ra, Rq or Rz stands the kind is said.
+
+    Parameters
+    ----------
+    entries : object
+        What stands in the case file; anything that is no table stays as it is.
+
+    Raises
+    ------
+    ValueError
+        If a text is no finish.
+    """
+    if isinstance(entries, str):
+        return read_finish(entries)
+    if not isinstance(entries, Mapping):
+        return entries
+    found = dict(entries)
+    for key in PARTS:
+        part = found.get(key)
+        if isinstance(part, str):
+            try:
+                found[key] = read_finish(part)
+            except ValueError as error:
+                raise ValueError(f"{key}, {part!r}, {error}") from None
+        elif isinstance(part, Mapping) and is_finish(part):
+            found[key] = {**part, "kind": "finish"}
+    return found
+
+
+# Keys of [roughness] that go together; one way of giving the roughness replaces the others.
+_WAYS = (("spectrum",), ("seat", "closure"), ("along", "across"))
+
+
+def roughness_like(before: object, change: object) -> tuple[object, object]:
+    """The table before a change and the change, such that merging one into the other gives what is meant.
+
+    Another way of giving the roughness replaces the one before. A finish of each of both faces stays that of the face
+    that is not changed, and one of Ra, Rq and Rz replaces the others.
+
+    Parameters
+    ----------
+    before, change : object
+        As they stand in a case file; anything that is no table stays as it is.
+    """
+    if not isinstance(change, Mapping):
+        return before, change
+    old, new = (
+        _as_tables(before),
+        {**change, **_as_tables({key: change[key] for key in PARTS if key in change})},
+    )
+    if _has_height(new):
+        for key in (*PARTS, "peklenik", *HEIGHTS) if not is_finish(old) else HEIGHTS:
+            old.pop(key, None)
+        return old, new
+    ways = [way for way in _WAYS if any(new.get(key) is not None for key in way)]
+    if len(ways) == 1:
+        if is_finish(old):
+            finish = {key: old.pop(key) for key in ("kind", *FinishKeys.model_fields) if key in old}
+            if ways[0] == ("seat", "closure"):
+                old |= {key: {**finish, "kind": "finish"} for key in ways[0]}
+        for key in PARTS:
+            if key not in ways[0]:
+                old.pop(key, None)
+    for key in PARTS:
+        part, instead = old.get(key), new.get(key)
+        if isinstance(part, Mapping) and isinstance(instead, Mapping) and _has_height(instead):
+            old[key] = {name: value for name, value in part.items() if name not in HEIGHTS}
+    return old, new
+
+
+def _has_height(entries: Mapping[str, Any]) -> bool:
+    return any(entries.get(key) is not None for key in HEIGHTS)
+
+
+def _as_tables(entries: object) -> dict[str, Any]:
+    """A new table with its finishes as tables; empty if it is none, or a text that is no finish."""
+    try:
+        found = read_roughness(entries)
+    except ValueError:
+        return {}
+    return dict(found) if isinstance(found, Mapping) else {}
 
 
 @cache
@@ -393,7 +573,7 @@ def scan_case(files: Sequence[str], entries: Mapping[str, Any]) -> Measured:
 
 def place_files(roughness: object, folder: Path) -> None:
     """Make the files named in the table, as it stands in a case file, relative to that file's folder."""
-    for key in ("spectrum", "seat", "closure", "along", "across"):
+    for key in PARTS:
         spectrum = roughness.get(key) if isinstance(roughness, dict) else None
         if not isinstance(spectrum, dict):
             continue
@@ -498,6 +678,61 @@ def uncertain_heights(roughness: Roughness | None, *, between_scans: bool) -> It
             surface.rolloff.wavenumber or surface.q_low,
             2.0 / (count + 1.0) if between_scans else 1.0,
         )
+
+
+@dataclass(frozen=True, eq=False)
+class UncertainFinish:
+    """One thing that the finishes of a case leave open, at the same place of its range in both faces.
+
+    The faces need not have it alike: together they make the interval wider than one by one.
+
+    Parameters
+    ----------
+    name : str
+        "hurst", "q_rolloff", "q_high", "rms_height" or "lay".
+    spreads : tuple of Spread
+        Its range on each face.
+    """
+
+    name: str
+    spreads: tuple[Spread, ...]
+
+    @property
+    def dimensions(self) -> int:
+        """Number of random numbers that it takes."""
+        return 1
+
+    def values(self, uniform: FloatArray) -> FloatArray:
+        """Places in the ranges from numbers between 0 and 1, shape (n, 1) to (n, 1)."""
+        return uniform
+
+    def scores(self, values: FloatArray) -> FloatArray:
+        """Variable in which a leak rate is a smooth function: ln of the value, mean over the faces."""
+        return np.asarray(
+            np.mean([np.log(one.at(values, log=self.name != "hurst")) for one in self.spreads], axis=0)
+        )
+
+
+def uncertain_finishes(roughness: Roughness | None, *, known: Collection[str]) -> Iterator[UncertainFinish]:
+    """What the finishes of the table leave open.
+
+    Parameters
+    ----------
+    roughness : Roughness or None
+    known : collection of str
+        What is told otherwise.
+    """
+    faces = {} if roughness is None else roughness.finishes
+    found: dict[str, list[Spread]] = {}
+    for one in faces.values():
+        for name, spread in one.finish.spreads.items():
+            if spread.high > spread.low * (1.0 + _SMALLEST):
+                found.setdefault(name, []).append(spread)
+    if roughness is not None and "peklenik" in roughness.model_fields_set:
+        found.pop("lay", None)
+    for name, spreads in found.items():
+        if name not in known:
+            yield UncertainFinish(name, tuple(spreads))
 
 
 def scan_spectra(roughness: Roughness | None) -> dict[str, tuple[PowerSpectrum, ...]]:

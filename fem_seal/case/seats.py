@@ -172,6 +172,30 @@ class Flat(Housed):
     )
 
 
+class FlatLand(Housed):
+    """[seat] shape = "flat-land": a raised flat ring between an inner and an outer radius, its edges rounded."""
+
+    makes = meshes.FlatLand.on
+
+    shape: Literal["flat-land"] = Field(description="shape of the seat", examples=["flat-land"])
+    land_inner_radius: Length = required(
+        "radius of the inner edge of the land before rounding, and of the bore", "25 mm"
+    )
+    land_outer_radius: Length = required("radius of the outer edge of the land before rounding", "28 mm")
+    edge_radius: Length | None = dimension(
+        "rounding of both edges of the land; a twentieth of its width unless given", "0.1 mm"
+    )
+    land_height: Length | None = dimension(
+        "how far the land is raised above the top of the housing around it; half its width unless given",
+        "2 mm",
+    )
+
+    @property
+    def bore_radius(self) -> float:
+        """Radius of the bore [m]."""
+        return self.land_inner_radius
+
+
 class SharpEdge(Housed):
     """[seat] shape = "sharp-edge": the edge, with a small fillet, between a bore and a flat or sloping top."""
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any, get_args
+from collections.abc import Mapping
+from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from fem_seal.case.fields import Place, Pressures, Quantity
+from fem_seal.case.drawing_words import words_of
+from fem_seal.case.fields import quantities_of
 from fem_seal.case.messages import choices, tables_of
 from fem_seal.units import DIMENSIONS
 
@@ -30,40 +31,29 @@ def with_units(table: type[BaseModel], entries: Mapping[str, Any]) -> dict[str, 
     >>> with_units(Load, {"fluid_pressure": [1e5, "20 bar"], "closing": "penetration"})
     {'fluid_pressure': ['100000.0 Pa', '20 bar'], 'closing': 'penetration'}
     """
-    fields = table.model_fields
+    fields, words = table.model_fields, words_of(table)
     return {
-        key: _entry_with_units(fields[key], value) if key in fields else value
+        key: _written(value, DIMENSIONS[words[key].marker.dimension].si_unit)
+        if key in words
+        else _entry_with_units(fields[key], value)
+        if key in fields
+        else value
         for key, value in entries.items()
     }
 
 
 def _entry_with_units(field: FieldInfo, value: Any) -> Any:
-    quantity = next(_quantities(field), None)
+    quantity = next(quantities_of(field), None)
     if quantity is not None:
         return _written(value, DIMENSIONS[quantity.dimension].si_unit)
     if isinstance(value, (list, tuple)):
         return [_entry_with_units(field, one) for one in value]
     if isinstance(value, Mapping):
         fitting = [table for table in tables_of(field) if _is_meant(table, value)]
+        # a kind that is not written is known by the keys that go with it
+        fitting.sort(key=lambda table: len(set(value) - set(table.model_fields)))
         return with_units(fitting[0], value) if fitting else value
     return value
-
-
-def _quantities(field: FieldInfo) -> Iterator[Quantity]:
-    """Quantities that may stand at a field, also at one that may be left open."""
-    for marker in (*field.metadata, *_markers(field.annotation)):
-        if isinstance(marker, Quantity):
-            yield marker
-        elif isinstance(marker, Pressures):
-            yield marker.pressure
-        elif isinstance(marker, Place):
-            yield marker.length
-
-
-def _markers(annotation: Any) -> Iterator[Any]:
-    yield from getattr(annotation, "__metadata__", ())
-    for member in get_args(annotation):
-        yield from _markers(member)
 
 
 def _is_meant(table: type[BaseModel], entries: Mapping[str, Any]) -> bool:

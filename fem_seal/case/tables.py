@@ -13,9 +13,10 @@ from pydantic import Field, PrivateAttr, model_validator
 from fem_seal.case import closures, seats
 from fem_seal.case.direct import Direct
 from fem_seal.case.drawn import ClosureProfile, SeatProfile
-from fem_seal.case.fields import NominalSizeEntry, Number, OneOrMany, Pressures, Quantity, Table
+from fem_seal.case.fields import LeakRate, NominalSizeEntry, Number, OneOrMany, Pressures, Quantity, Table
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.form import Form
+from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import Roughness
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.materials import HardeningCurve, effective_modulus
@@ -80,7 +81,7 @@ class Load(Table):
         "sealed-area",
         description='"sealed-area": the fluid pressure acts on the circle of first touch; "penetration": it acts on '
         "the wetted surfaces and, as far as it penetrates, between the surfaces, solved together with contact and "
-        "flow; see docs/theory_penetration.md",
+        "flow; see theory/penetration in the manual",
     )
     pressure_side: Literal["outer", "inner"] = Field(
         "outer",
@@ -90,7 +91,7 @@ class Load(Table):
     largest_earlier_force: Annotated[float, EARLIER_FORCE] | None = Field(
         None,
         description="applied force that once closed the seal, without fluid pressure: yielded asperities stay tighter "
-        "than on first loading, and bodies with stress_strain carry it first; see docs/theory_memory.md",
+        "than on first loading, and bodies with stress_strain carry it first; see theory/memory in the manual",
         examples=["2 kN"],
     )
     largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = Field(
@@ -99,10 +100,10 @@ class Load(Table):
         'largest_earlier_force; with pressure_side = "outer"',
         examples=["64 bar"],
     )
-    target_leak_rate: Annotated[float, Quantity("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
+    target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
         None,
         description="also find the smallest axial_force for which the leak rate stays below this at each fluid "
-        "pressure; of a gas the volume at 101325 Pa and its temperature",
+        "pressure; of a gas the volume at 101325 Pa and its temperature, or pressure times volume (mbar l/s)",
         examples=["1e-3 cm^3/s"],
     )
 
@@ -155,14 +156,14 @@ class Leak(Table):
         "bruggeman",
         description="effective medium of all channels; the narrowest junction alone; the effective medium that goes "
         "over into a closed law of the percolation threshold where more than 0.15 of the area touches "
-        "(docs/theory.md), these two for roughness without a lay; or the direct simulation of [direct], which is for "
-        "liquids and takes minutes (docs/direct.md)",
+        "(theory/index in the manual), these two for roughness without a lay; or the direct simulation of [direct], "
+        "which is for liquids and takes minutes (guide/direct in the manual)",
     )
     fluid_in_gap: Literal["uncoupled", "local"] = Field(
         "uncoupled",
         description='"uncoupled": the fluid pressure is small compared with the contact pressure; "local": it is '
         "subtracted from the pressure on the asperities, point by point, and may lift the surfaces apart (liquids); "
-        "see docs/theory_fluid_in_gap.md",
+        "see theory/fluid_in_gap in the manual",
     )
     nominal_size: Annotated[float, NominalSizeEntry("length", "1 mm", "5 m")] | None = Field(
         None,
@@ -211,6 +212,7 @@ Seat = Annotated[
     | seats.Sphere
     | seats.ToroidalSeat
     | seats.Flat
+    | seats.FlatLand
     | seats.SharpEdge
     | SeatProfile,
     Field(discriminator="shape"),
@@ -228,6 +230,7 @@ class CaseTables(Table):
     fluid: Fluid | None = None
     load: Load
     leak: Leak = Leak()
+    requirement: Requirement | None = None
     direct: Direct | None = None
     form: Form | None = None
     uncertainty: Uncertainty | None = None
@@ -267,6 +270,17 @@ class CaseTables(Table):
             body.hardness for body in (self.closure.material, self.seat.material) if body.hardness is not None
         ]
         return min(known, default=None)
+
+    @property
+    def sampled(self) -> Uncertainty | None:
+        """What is uncertain: [uncertainty], or for a finish without it a table that adds nothing; None if nothing is.
+
+        None also where samples cannot be calculated: without a fluid, with a direct simulation or bodies that yield.
+        """
+        if self.uncertainty is not None or self.roughness is None or not self.roughness.finishes:
+            return self.uncertainty
+        possible = self.fluid is not None and self.leak.conductivity != "direct" and not curves(self)
+        return Uncertainty() if possible else None
 
     @property
     def file(self) -> Path | None:

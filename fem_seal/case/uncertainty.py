@@ -36,7 +36,7 @@ _SPREAD = [{"distribution": "lognormal", "relative": 0.1}]
 
 
 class Uncertainty(Table):
-    """[uncertainty]: leak rate with an interval, from inputs that are not known exactly; see docs/uncertainty.md.
+    """[uncertainty]: leak rate with an interval, from inputs not known exactly; see guide/uncertainty in the manual.
 
     The length of measured scans is always among them.
     """

@@ -1,0 +1,262 @@
+"""A finish in the case file as it stands on a drawing: Ra, Rq or Rz with the process, as keys or as a few words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from fem_seal.case.fields import Number, Quantity, Table
+
+if TYPE_CHECKING:
+    from leak import Finish, FinishedSurface, PowerSpectrum
+
+Wavenumber = Annotated[float, Quantity("wavenumber", "1 1/m", "1e12 1/m")]
+Height = Annotated[float, Quantity("length", "1 nm", "200 um")]
+Cutoff = Annotated[float, Quantity("length", "0.1 um", "100 mm")]
+
+# A value this far outside of the usual range of its process is remarked on.
+_UNUSUAL = 1.5
+HEIGHTS = ("Ra", "Rq", "Rz")
+ProcessName = Literal[
+    "lapped",
+    "polished",
+    "superfinished",
+    "ground",
+    "honed",
+    "turned",
+    "milled",
+    "reamed",
+    "sandblasted",
+    "shot blasted",
+    "as cast",
+    "unspecified",
+]
+# Other words of drawings for the same.
+_ALSO = {
+    "lapping": "lapped",
+    "polishing": "polished",
+    "superfinishing": "superfinished",
+    "super finished": "superfinished",
+    "grinding": "ground",
+    "honing": "honed",
+    "turning": "turned",
+    "milling": "milled",
+    "reaming": "reamed",
+    "sand blasted": "sandblasted",
+    "grit blasted": "sandblasted",
+    "shotblasted": "shot blasted",
+    "shot peened": "shot blasted",
+    "cast": "as cast",
+}
+_WRITTEN = re.compile(
+    r"^\s*(?P<before>[A-Za-z][A-Za-z _-]*?)??[\s,]*\b(?P<height>R[aqz])\s*=?\s*(?P<number>[-+0-9.eE]+)\s*"
+    r"(?P<unit>[^\s,]+)?[\s,]*(?P<after>[A-Za-z][A-Za-z _-]*)?\s*$"
+)
+
+
+def process_word(word: object) -> object:
+    """The library's word for a process; what is no text stays as it is."""
+    if not isinstance(word, str):
+        return word
+    plain = " ".join(word.lower().replace("-", " ").replace("_", " ").split())
+    return _ALSO.get(plain, plain)
+
+
+def read_finish(text: str) -> dict[str, Any]:
+    """Keys of a finish that is written in words.
+
+    Parameters
+    ----------
+    text : str
+        Such as "lapped Ra 0.2 um".
+
+    Raises
+    ------
+    ValueError
+        If it is no finish.
+
+    Examples
+    --------
+    >>> read_finish("lapped Ra 0.2 um")
+    {'kind': 'finish', 'Ra': '0.2 um', 'process': 'lapped'}
+    """
+    found = _WRITTEN.match(text)
+    if found is None or (found["before"] and found["after"]) or not found["unit"]:
+        raise ValueError(
+            'is no finish; write the process and a value with its unit, such as "lapped Ra 0.2 um"'
+        )
+    process = (found["before"] or found["after"] or "").strip()
+    return {
+        "kind": "finish",
+        found["height"]: f"{found['number']} {found['unit']}",
+        **({"process": process} if process else {}),
+    }
+
+
+def is_finish(entries: object) -> bool:
+    """Whether a table, as it stands in a file, is a finish."""
+    if not isinstance(entries, Mapping):
+        return False
+    kind = entries.get("kind")
+    return kind == "finish" or (kind is None and any(key in entries for key in HEIGHTS))
+
+
+class FinishKeys(Table):
+    """What a drawing says about a surface, and what may be known better than from the process."""
+
+    Ra: Height | None = Field(
+        None, description="arithmetic mean height on the drawing, right across the lay", examples=["0.4 um"]
+    )
+    Rq: Height | None = Field(None, description="instead of Ra: root-mean-square height", examples=["0.5 um"])
+    Rz: Height | None = Field(
+        None,
+        description="instead of Ra: highest peak plus deepest valley, mean of five sampling lengths",
+        examples=["2.5 um"],
+    )
+    process: Annotated[ProcessName, BeforeValidator(process_word)] | None = Field(
+        None,
+        description="how the surface is made, with Ra, Rq or Rz; says Hurst exponent, roll-off and lay, see "
+        'guide/finish in the manual; "unspecified" unless given, which has the widest ranges',
+        examples=["lapped"],
+    )
+    lambda_c: Cutoff | None = Field(
+        None,
+        description="with Ra, Rq or Rz: cutoff of the filter; what the value implies (ISO 21920-3) unless given",
+        examples=["0.8 mm"],
+    )
+    lambda_s: Cutoff | None = Field(
+        None,
+        description="with Ra, Rq or Rz: cutoff against shorter waves; what the value implies unless given",
+        examples=["2.5 um"],
+    )
+    lay: Literal["none", "circular", "radial", "straight", "crossed"] | None = Field(
+        None,
+        description='with Ra, Rq or Rz: direction of the lay: "circular" around the axis, "radial" from the inner to '
+        'the outer edge of the sealing face, "straight" across the part, "crossed", "none"; that of the process unless '
+        "given",
+        examples=["circular"],
+    )
+    lay_aspect: Annotated[float, Number(1, 1000)] | None = Field(
+        None,
+        description="with Ra, Rq or Rz: correlation length along the lay over that across it; that of the process "
+        "unless given",
+        examples=[5.0],
+    )
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] | None = Field(
+        None,
+        description="with Ra, Rq or Rz: Hurst exponent; that of the process unless given",
+        examples=[0.8],
+    )
+    q_low: Wavenumber | None = Field(
+        None,
+        description="with Ra, Rq or Rz: smallest wavenumber; 2 pi/lambda_c unless given",
+        examples=["1e4 1/m"],
+    )
+    q_rolloff: Wavenumber | None = Field(
+        None,
+        description="with Ra, Rq or Rz: wavenumber across the lay above which the spectrum falls; that of the process "
+        "unless given",
+        examples=["3e5 1/m"],
+    )
+    q_high: Wavenumber | None = Field(
+        None,
+        description="with Ra, Rq or Rz: largest wavenumber; 2 pi over 0.5 um unless given",
+        examples=["1e7 1/m"],
+    )
+
+    @property
+    def height(self) -> str | None:
+        """Which of Ra, Rq and Rz is given."""
+        given = [key for key in HEIGHTS if getattr(self, key) is not None]
+        return given[0] if given else None
+
+    def _check_finish(self) -> None:
+        """ValueError if the keys do not make a finish."""
+        given = [key for key in HEIGHTS if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise ValueError(f"has {' and '.join(given)}; a finish has one of them")
+        self.finish.surface()
+
+    @property
+    def finish(self) -> Finish:
+        """The finish as `leak` takes it; SpectrumError, a ValueError, if it is none."""
+        from leak import Finish, ProfileFilter, implied_filter, process_named
+
+        height = self.height
+        assert height is not None
+        value = getattr(self, height)
+        implied = implied_filter(height, value)
+        band = ProfileFilter(
+            implied.lambda_c if self.lambda_c is None else self.lambda_c,
+            implied.lambda_s if self.lambda_s is None else self.lambda_s,
+        )
+        return Finish(
+            height,  # type: ignore[arg-type]
+            value,
+            process_named(self.process or "unspecified"),
+            band,
+            self.hurst,
+            self.q_low,
+            self.q_rolloff,
+            self.q_high,
+            self.lay_aspect,
+            self.lay,
+        )
+
+    @property
+    def remark(self) -> str:
+        """That the value is unusual for the process; empty if it is not."""
+        found = self.finish
+        low, high = found.process.Ra
+        Ra = found.surface().expected.Ra
+        if low / _UNUSUAL <= Ra <= high * _UNUSUAL:
+            return ""
+        return (
+            f"Ra {1e6 * Ra:.3g} um is unusual for {found.process.name} surfaces, which have {1e6 * low:.3g} to "
+            f"{1e6 * high:.3g} um; is the process or the unit meant?"
+        )
+
+
+class FinishTable(FinishKeys):
+    """kind = "finish": Ra, Rq or Rz and the process, as they stand on a drawing; see guide/finish in the manual."""
+
+    kind: Literal["finish"] = Field(
+        description='kind of spectrum; "finish" need not be written where Ra, Rq or Rz stands',
+        examples=["finish"],
+    )
+
+    @model_validator(mode="after")
+    def _one_finish(self) -> FinishTable:
+        if self.height is None:
+            raise ValueError('needs Ra, Rq or Rz, such as Ra = "0.4 um", with process = "lapped"')
+        self._check_finish()
+        return self
+
+    def build(self) -> PowerSpectrum:
+        """The spectrum as `leak` takes it, averaged over all directions."""
+        return self.surface().spectrum
+
+    def surface(
+        self, shares: Mapping[str, float] | None = None, factors: Mapping[str, float] | None = None
+    ) -> FinishedSurface:
+        """The face, what the drawing leaves open at its usual value or at places in its range.
+
+        Parameters
+        ----------
+        shares, factors : mapping, optional
+            See `leak.Finish.surface`.
+        """
+        return _surface(self.finish, *(tuple(sorted((one or {}).items())) for one in (shares, factors)))
+
+
+_Places = tuple[tuple[str, float], ...]
+
+
+# Asked for several times by every part of a run.
+@lru_cache(maxsize=256)
+def _surface(finish: Finish, shares: _Places, factors: _Places) -> FinishedSurface:
+    return finish.surface(dict(shares), dict(factors))

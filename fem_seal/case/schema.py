@@ -1,0 +1,193 @@
+"""JSON Schema of a case file: what the models say, put so that an editor gives one clear message for one slip.
+
+The models are the only source. Where several forms of a table are possible, pydantic lists them as alternatives, and an
+editor then says of one misspelt word that none of them fits, once for every key in the table. Here the word that tells
+the forms apart is a choice, and each form follows from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fem_seal.case.case import Case
+from fem_seal.case.drawing_words import words_of
+from fem_seal.case.fields import NUMBER_WITH_UNIT, Table
+from fem_seal.case.messages import tables_of
+
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+# Where another part of the schema says which keys there are: tombi takes silence for a no.
+_OPEN = {"additionalProperties": True}
+# The kind of a table that does not say it, where there is one.
+_IMPLIED = {"kind": "finish"}
+
+
+def case_schema() -> dict[str, Any]:
+    """JSON Schema of what may stand in a case file.
+
+    Returns
+    -------
+    dict
+        Draft 2020-12. Ranges of quantities and contradictions between entries are beyond a schema; `load_case`
+        checks them.
+
+    Examples
+    --------
+    >>> sorted(case_schema()["required"])
+    ['closure', 'load', 'seat']
+    """
+    schema = Case.model_json_schema(mode="validation")
+    for body in ("closure", "seat"):
+        for table in tables_of(Case.model_fields[body]):
+            _add_words(schema["$defs"][table.__name__], table)
+    schema["description"] = 'One seal with its loads; quantities are texts with units, such as "20 mm".'
+    written = as_schema("fem-seal case", schema)
+    _add_finishes(written["properties"], ("roughness",))
+    _add_finishes(written["$defs"]["Roughness"]["properties"], ("spectrum", "seat", "closure"))
+    return written
+
+
+def _add_finishes(properties: dict[str, Any], keys: tuple[str, ...]) -> None:
+    """A finish in words beside the table that it stands for."""
+    words = {
+        "type": "string",
+        "pattern": r"\bR[aqz]\b",
+        "description": 'a finish in words, such as "lapped Ra 0.2 um"',
+        "examples": ["lapped Ra 0.2 um"],
+    }
+    for key in keys:
+        table = properties[key]
+        properties[key] = {
+            "type": ["string", "object"],
+            **_OPEN,
+            **({"description": table["description"]} if "description" in table else {}),
+            "allOf": [
+                {"if": {"type": "string"}, "then": words},
+                {"if": {"type": "object"}, "then": table},
+            ],
+        }
+
+
+def as_schema(title: str, schema: Mapping[str, Any]) -> dict[str, Any]:
+    """Schema of a file from that of its model.
+
+    Parameters
+    ----------
+    title : str
+        What the file is.
+    schema : mapping
+        As pydantic makes it.
+    """
+    written = _as_written(schema, schema.get("$defs", {}))
+    for one in written.get("$defs", {}).values():
+        for word, kind in _IMPLIED.items():
+            if one.get("properties", {}).get(word, {}).get("const") == kind and word in one.get(
+                "required", []
+            ):
+                one["required"].remove(word)
+    return {"$schema": _DIALECT, "title": title, **written}
+
+
+def _add_words(schema: dict[str, Any], table: type[Table]) -> None:
+    """Diameters and included angles beside the keys that they stand for."""
+    for word in words_of(table).values():
+        schema["properties"][word.name] = {
+            "type": "string",
+            "pattern": NUMBER_WITH_UNIT,
+            "description": f"instead of {word.key}: {word.meaning}",
+            "examples": [word.example],
+        }
+        if word.key in schema.get("required", []):
+            schema["required"].remove(word.key)
+            missing = {"if": {"not": {"required": [word.name]}}, "then": {"required": [word.key]}}
+            schema.setdefault("allOf", []).append(missing)
+
+
+def _as_written(schema: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
+    """Schema of the file instead of the models: TOML has no null, and titles would only repeat the keys."""
+    cleaned: dict[str, Any] = {}
+    for key, value in schema.items():
+        if key == "title" and isinstance(value, str):
+            continue
+        if key == "default" and (value is None or isinstance(value, dict)):
+            continue
+        if isinstance(value, dict):
+            cleaned[key] = _as_written(value, known)
+        elif isinstance(value, list):
+            cleaned[key] = [_as_written(one, known) if isinstance(one, dict) else one for one in value]
+        else:
+            cleaned[key] = value
+    if "discriminator" in cleaned:
+        return _chosen_by_word(cleaned, known)
+    if "anyOf" in cleaned:
+        return _alternatives(cleaned)
+    return cleaned
+
+
+def _alternatives(schema: dict[str, Any]) -> dict[str, Any]:
+    """One form follows from the type of what stands there, or from which key is missing."""
+    choices = [one for one in schema.pop("anyOf") if one != {"type": "null"}]
+    if len(choices) == 1:
+        return {**choices[0], **schema}
+    by_type: dict[Any, list[dict[str, Any]]] = {}
+    for one in choices:
+        by_type.setdefault(one.get("type"), []).append(one)
+    if None not in by_type and len(by_type) > 1:
+        each = [
+            {"if": {"type": kind}, "then": same[0] if len(same) == 1 else {"anyOf": same}}
+            for kind, same in by_type.items()
+        ]
+        return {"type": list(by_type), **(_OPEN if "object" in by_type else {}), "allOf": each, **schema}
+    if all(set(one) == {"required"} for one in choices):
+        *others, last = choices
+        missing = {"not": {"anyOf": others}} if len(others) > 1 else {"not": others[0]}
+        return {**schema, "allOf": [*schema.get("allOf", []), {"if": missing, "then": last}]}
+    return {"anyOf": choices, **schema}
+
+
+def _chosen_by_word(schema: dict[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
+    """One form follows from `shape` or `kind`."""
+    found = schema.pop("discriminator")
+    schema.pop("oneOf")
+    word, forms = found["propertyName"], found["mapping"]
+    implied = forms.get(_IMPLIED.get(word))
+    table: dict[str, Any] = {
+        "properties": {
+            word: {"enum": list(forms), "description": f"{word}: one of {', '.join(forms)}"},
+            **_described(word, [known[place.rpartition("/")[2]] for place in forms.values()]),
+        },
+        **_OPEN,
+        "required": [] if implied else [word],
+        "allOf": [
+            {
+                "if": {"properties": {word: {"const": name}}, "required": [word]},
+                "then": {"$ref": place},
+            }
+            for name, place in forms.items()
+        ],
+    }
+    if not implied:
+        return {"type": "object", **table, **schema}
+    table["allOf"].append({"if": {"not": {"required": [word]}}, "then": {"$ref": implied}})
+    return {
+        "type": ["object", "string"],
+        **_OPEN,
+        "allOf": [{"if": {"type": "object"}, "then": table}],
+        **schema,
+    }
+
+
+def _described(word: str, tables: list[Mapping[str, Any]]) -> dict[str, Any]:
+    """Keys of all forms with what they are, for completion before the form is chosen; the form itself checks them."""
+    keys: dict[str, Any] = {}
+    for table in tables:
+        for key, entry in table["properties"].items():
+            if key != word:
+                said = {name: entry[name] for name in ("description", "examples") if name in entry}
+                keys.setdefault(key, {**said, **(_OPEN if _is_table(entry) else {})})
+    return keys
+
+
+def _is_table(entry: Mapping[str, Any]) -> bool:
+    """Whether a table may stand at a key, alone or in a list."""
+    return entry.get("type") != "string"
