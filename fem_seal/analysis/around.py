@@ -8,7 +8,6 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fem_seal.analysis.flow import ProfileFlow
 from fem_seal.arrays import FloatArray
@@ -279,6 +278,8 @@ def _rungs(lowest: float, highest: float) -> list[float]:
 
 def _between(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
     """Leak rates interpolated over ln f; nothing from where they are sealed."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
     leaks = rates > 0
     if leaks.sum() < 2:
         return np.zeros_like(v)

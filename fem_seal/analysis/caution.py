@@ -9,7 +9,7 @@ from typing import Any
 
 
 class Level(StrEnum):
-    """How far numbers can be trusted, worse and worse. What belongs to which level stands in docs/validity.md."""
+    """How far numbers can be trusted, worse and worse. Which is which: guide/validity in the manual."""
 
     VALID = "valid"
     DOUBTFUL = "doubtful"

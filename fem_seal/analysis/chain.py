@@ -30,6 +30,7 @@ from fem_seal.analysis.results import (
     strongest_load,
 )
 from fem_seal.analysis.variants import interface_variants, theory_variants
+from fem_seal.analysis.verdict import seal_judgement, with_judgements
 from fem_seal.analysis.warnings import contact_cautions, earlier_cautions, load_validity
 from fem_seal.units import given
 from leak import LeakError
@@ -37,6 +38,7 @@ from leak import LeakError
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.contact.solution import ContactSolution
+    from fem_seal.errors import LoadProblem
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
 _LEAK = {
@@ -73,7 +75,7 @@ def _simulate(problem: SealProblem, clock: Clock) -> None:
                 simulated.table(surface.elastic, progress=clock.progress)
 
 
-def solve(case: Case, progress: Progress | None = None) -> SealSolution:
+def solve(case: Case, progress: Progress | None = None, *, levers: bool | None = None) -> SealSolution:
     """Solve every load of a case; `fem_seal.run` says what can go wrong.
 
     Parameters
@@ -81,6 +83,8 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     case : Case
     progress : callable, optional
         Told in words what is being done.
+    levers : bool, optional
+        Whether to look for levers; with a requirement unless given.
     """
     clock = Clock(progress or (lambda text: None))
     with clock.step("interface", "roughness and interface law"):
@@ -165,6 +169,9 @@ def solve(case: Case, progress: Progress | None = None) -> SealSolution:
     )
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)
+    points = {whole.loads.points[number]: problem for number, problem in missing.items()}
+    result = after.get("verdict on the requirement", partial(_with_judgement, result, points), result)
+    result = _with_levers(result, clock, after, case.requirement is not None if levers is None else levers)
     return replace(result, warnings=(*result.warnings, *after.failures))
 
 
@@ -210,13 +217,31 @@ def _with_theory_variants(result: SealSolution, clock: Clock, after: Afterwards)
 
 
 def _with_uncertainty(result: SealSolution, clock: Clock, after: Afterwards) -> SealSolution:
-    if result.case.uncertainty is None:
+    if result.case.sampled is None:
         return result
     from fem_seal.analysis.uncertainty import leak_interval
 
     with clock.step("uncertainty", "leak rates of uncertain inputs"):
         calculate = partial(leak_interval, result, progress=clock.progress)
         return replace(result, uncertainty=after.get("interval of the leak rates", calculate, None))
+
+
+def _with_levers(result: SealSolution, clock: Clock, after: Afterwards, wanted: bool) -> SealSolution:
+    if not wanted:
+        return result
+    from fem_seal.analysis.levers import levers
+
+    with clock.step("levers", "what changes the leak rate most"):
+        return replace(result, levers=after.get("levers on the leak rate", partial(levers, result), ()))
+
+
+def _with_judgement(result: SealSolution, missing: Mapping[tuple[float, float], LoadProblem]) -> SealSolution:
+    """The result with what is said of its requirement; `missing` are loads without a result."""
+    if result.case.requirement is None:
+        return result
+    loads = with_judgements(result.case, result.loads, result.leak_ranges)
+    judgement = seal_judgement(result.case, loads, missing, result.problem.hardness)
+    return replace(result, loads=loads, judgement=judgement)
 
 
 def _without(problem: SealProblem, numbers: Collection[int]) -> SealProblem:

@@ -40,6 +40,10 @@ _SIGMAS = 2.0
 _UNKNOWN = 10.0
 
 
+# Pressures of a table: the factor between simulation and theory bends where the theory is smooth.
+_TABLE_PRESSURES = 64
+
+
 @dataclass(frozen=True, eq=False)
 class DirectSettings:
     """How the surfaces of a problem are simulated; see [direct] of the case file.
@@ -465,7 +469,7 @@ class DirectTable:
         return _SIGMAS * found / math.sqrt(row.open_samples)
 
     def conductivity_table(
-        self, p_min: float, p_max: float, num: int = 64, end: int = 0
+        self, p_min: float, p_max: float, num: int | None = None, end: int = 0
     ) -> ConductivityTable:
         """u_eff over pressure: as simulated, and outside the pressures simulated by the slope of the theory.
 
@@ -476,15 +480,15 @@ class DirectTable:
         ----------
         p_min, p_max : float
             [Pa]
-        num : int
-            Number of pressures.
+        num : int, optional
+            Number of pressures; by default many enough for what a simulation adds to the theory.
         end : {-1, 0, 1}
             Of the interval `log_error`, 0 for what was simulated.
         """
         from scipy.interpolate import PchipInterpolator
 
         held = self.simulation.held.capped
-        theory = held.conductivity_table(p_min, p_max, num)
+        theory = held.conductivity_table(p_min, p_max, num or _TABLE_PRESSURES)
         low, high = self.range
         p = np.array([row.pressure for row in self.loading])
         u = np.array([row.effective_gap for row in self.loading])

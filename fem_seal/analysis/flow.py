@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
 import numpy as np
@@ -112,7 +112,9 @@ class Flow:
             return surface.sealing_pressure
         return surface.sealing_pressure_by(self.conductivity)
 
-    def table(self, surface: RoughContact, p_min: float, p_max: float, num: int = 64) -> Conductivity:
+    def table(
+        self, surface: RoughContact, p_min: float, p_max: float, num: int | None = None
+    ) -> Conductivity:
         """Flow conductivity of a surface over a range of contact pressures.
 
         Parameters
@@ -120,8 +122,8 @@ class Flow:
         surface : RoughContact
         p_min, p_max : float
             [Pa]
-        num : int
-            Number of pressures.
+        num : int, optional
+            Number of pressures; by default as many as the error asks for.
         """
         if self.simulated is not None:
             return self.simulated.table(surface).conductivity_table(p_min, p_max, num, self.end)
@@ -129,7 +131,9 @@ class Flow:
             return gas_conductivity_table(surface, p_min, p_max, num, self.conductivity)
         return surface.conductivity_table(p_min, p_max, num, method=self.conductivity)
 
-    def table_around(self, surface: RoughContact, log_peaks: Sequence[float], num: int = 80) -> Conductivity:
+    def table_around(
+        self, surface: RoughContact, log_peaks: Sequence[float], num: int | None = None
+    ) -> Conductivity:
         """Flow conductivity of a surface over all pressures that occur in contacts with some peak pressures.
 
         The range reaches six decades below the smallest peak, where the table goes on by the low-pressure law. It is
@@ -140,8 +144,8 @@ class Flow:
         surface : RoughContact
         log_peaks : sequence of float
             Decimal logarithms of the peak pressures [Pa].
-        num : int
-            Number of pressures.
+        num : int, optional
+            Number of pressures; by default as many as the error asks for.
         """
         low, high = math.floor(min(log_peaks) - 6), math.ceil(max(log_peaks) + MARGIN)
         return self.table(surface, 10.0**low, 10.0**high, num)
@@ -404,7 +408,11 @@ class RoughFlow(Lazy):
 
     @classmethod
     def of(
-        cls, surface: RoughContact | None, flow: Flow | None, contacts: Sequence[ContactSolution]
+        cls,
+        surface: RoughContact | None,
+        flow: Flow | None,
+        contacts: Sequence[ContactSolution],
+        table: Callable[[Flow, RoughContact, Sequence[float]], Conductivity] | None = None,
     ) -> RoughFlow | None:
         """With a table over all pressures of some contacts; None without roughness.
 
@@ -413,10 +421,16 @@ class RoughFlow(Lazy):
         surface : RoughContact or None
         flow : Flow or None
         contacts : sequence of ContactSolution
+        table : callable, optional
+            Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
         """
         if surface is None:
             return None
-        make = partial(Flow.table_around, log_peaks=log_peaks(contacts))
+        peaks, of = log_peaks(contacts), table or Flow.table_around
+
+        def make(flow: Flow, surface: RoughContact) -> Conductivity:
+            return of(flow, surface, peaks)
+
         return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
 
     @cached_property

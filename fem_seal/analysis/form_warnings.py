@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
-# line load, and beyond which it means nothing; see docs/theory_form.md.
+# line load, and beyond which it means nothing; see docs/theory/form.md.
 _LONG, _LONGEST = 0.2, 0.6
 # A wave with less than this share of the form error's amplitudes is not what is asked.
 _COUNTS = 0.03

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -59,6 +60,48 @@ def nominal_size(case: Case) -> NominalSize:
     if case.leak.nominal_size is not None:
         return NominalSize(case.leak.nominal_size, diameter, circle, False)
     return NominalSize(nominal_size_of_bore(diameter), diameter, circle, True)
+
+
+@dataclass(frozen=True)
+class NextClass:
+    """The class that is next to be met.
+
+    Parameters
+    ----------
+    standard, name : str
+    factor : float
+        By which the leak rate would have to be smaller.
+    """
+
+    standard: str
+    name: str
+    factor: float
+
+
+def next_class(case: Case, load: LoadResult, ends: tuple[float, float] | None = None) -> NextClass | None:
+    """The loosest class, of the first standard that has several, which the upper end of a leak rate does not meet.
+
+    None without a leak rate, outside the theory, and where the seal is open or meets them all.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    ends : tuple of float, optional
+        See `leakage_classes`.
+    """
+    from leak import leakage_limits
+
+    if load.leak is None or load.validity.outside:
+        return None
+    _, high = ends or load.leak_range or (0.0, load.leak.leak_rate)
+    gas = load.leak.throughput is not None
+    limits = leakage_limits(nominal_size(case).size, gas=gas)
+    missed = [one for one in limits if one.standard == limits[0].standard and 0 < one.leak_rate < high]
+    if not missed or math.isinf(high):
+        return None
+    closest = max(missed, key=lambda one: one.leak_rate)
+    return NextClass(closest.standard, closest.name, high / closest.leak_rate)
 
 
 def leakage_classes(

@@ -74,7 +74,10 @@ class LoadSolver:
             If these leave the seal open.
         ConvergenceError
         """
-        return self._solve(self.seal, fluid_pressure, axial_force, start).after(self.earlier)
+        if self._on_sealed_area:
+            force = axial_force + self._closes(fluid_pressure)
+            return self._sealed_area(force, start).after(self.earlier)
+        return self._penetrated(self.seal, fluid_pressure, axial_force, start).after(self.earlier)
 
     @cached_property
     def earlier(self) -> ContactSolution | None:
@@ -91,17 +94,20 @@ class LoadSolver:
             return None
         fluid_pressure, applied_force = point
         try:
-            if fluid_pressure == 0.0:
-                return self._sealed_area(applied_force, None)
-            return self._solve(self._first_seal, fluid_pressure, applied_force, None)
+            if fluid_pressure == 0.0 or self._on_sealed_area:
+                return self._sealed_area(applied_force + self._closes(fluid_pressure), None)
+            return self._penetrated(self._first_seal, fluid_pressure, applied_force, None)
         except ConvergenceError as error:
             raise ConvergenceError(f"the largest earlier load: {error}") from error
 
-    def _solve(
+    @property
+    def _on_sealed_area(self) -> bool:
+        """Whether the fluid acts on the circle of first touch: its way between the surfaces is not asked for."""
+        return self.problem.loads.closing == "sealed-area"
+
+    def _penetrated(
         self, seal: FluidAndContact, fluid_pressure: float, axial_force: float, start: ContactSolution | None
     ) -> ContactSolution:
-        if self.problem.loads.closing == "sealed-area":
-            return self._sealed_area(axial_force + self._closes(fluid_pressure), start)
         try:
             return solve_penetration(
                 seal, closing_force=axial_force, fluid_pressure=fluid_pressure, start=start

@@ -197,6 +197,10 @@ class SealProblem:
         Whether the asperities are meant to yield.
     remarks : tuple of str
         What the scans themselves say against their use.
+    usual_only : bool
+        Whether the surface comes from a finish whose range cannot be sampled.
+    cutoff : float or None
+        Wave beyond which a finish says nothing of the surface [m]; None without a finish.
     larger_housing : callable
         Gives the contact in a seat twice as wide and high, None if the seat has no such lengths; may raise
         GeometryError. Not made before it is asked for, because it takes as long as the contact itself.
@@ -217,6 +221,8 @@ class SealProblem:
     hardness: float | None = None
     asperities_yield: bool = False
     remarks: tuple[str, ...] = ()
+    usual_only: bool = False
+    cutoff: float | None = None
     larger_housing: Callable[[], ContactGeometry | None] = _no_larger_housing
     file: Path | None = None
 
@@ -243,6 +249,11 @@ class SealProblem:
             hardness=case.hardness,
             asperities_yield=case.leak.plasticity and case.roughness is not None,
             remarks=tuple(case.roughness.remarks()) if case.roughness else (),
+            usual_only=case.fluid is not None
+            and case.roughness is not None
+            and bool(case.roughness.finishes)
+            and case.sampled is None,
+            cutoff=case.roughness.cutoff if case.roughness else None,
             larger_housing=partial(_larger_housing, case),
             file=case.file,
         )

@@ -68,7 +68,9 @@ class ResponseSurface:
         return (self.coefficients[alone] ** 2).sum(axis=0)
 
 
-def fit(inputs: FloatArray, outputs: FloatArray, population: FloatArray) -> ResponseSurface:
+def fit(
+    inputs: FloatArray, outputs: FloatArray, population: FloatArray, runs_per_term: float = _RUNS_PER_TERM
+) -> ResponseSurface:
     """Least-squares polynomial through runs, of the degree that predicts left-out runs best.
 
     Parameters
@@ -77,13 +79,15 @@ def fit(inputs: FloatArray, outputs: FloatArray, population: FloatArray) -> Resp
     outputs : ndarray, shape (runs, outputs)
     population : ndarray, shape (n, d)
         Values of the inputs that represent their distribution; the runs may be among them.
+    runs_per_term : float
+        Runs that there must be for each coefficient, above 1.
     """
     centre, scale = population.mean(axis=0), population.std(axis=0)
     bases = tuple(_orthonormal((z - c) / s) for z, c, s in zip(population.T, centre, scale, strict=True))
     best: ResponseSurface | None = None
     for degree in range(_HIGHEST_DEGREE + 1):
         exponents = _exponents(inputs.shape[1], degree)
-        if degree > 0 and len(inputs) < _RUNS_PER_TERM * len(exponents):
+        if degree > 0 and len(inputs) < runs_per_term * len(exponents):
             break
         design = _design(inputs, bases, centre, scale, exponents)
         q, r = np.linalg.qr(design)

@@ -11,13 +11,14 @@ import numpy as np
 
 from fem_seal.analysis.around import Around, LeakCurve
 from fem_seal.analysis.caution import VALID, Validity
-from fem_seal.analysis.flow import RoughFlow
+from fem_seal.analysis.flow import Conductivity, RoughFlow, log_peaks
+from fem_seal.analysis.judgement import Judgement, SealJudgement, Verdict
 from fem_seal.analysis.lazy import Lazy
 from fem_seal.arrays import FloatArray
 from fem_seal.units import given, leak_range_text, quantity, quantity_worth
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.profile import PressureProfile
-    from leak import LeakResult, RoughContact
+    from leak import ConductivityTable, GasConductivityTable, LeakResult, RoughContact
     from meshes import SealMesh
 
 
@@ -57,11 +58,13 @@ class LoadResult(Lazy):
     force_for_target_capped : float or None
         The same in the other reading of yielding asperities, see `capped` [N]; None where there is but one.
     validity : Validity
-        How far the numbers can be trusted, and why no further; see docs/validity.md.
+        How far the numbers can be trusted, and why no further; see guide/validity in the manual.
     target_validity : Validity or None
         The same of `force_for_target`; None without it.
     opening : OpeningMargin or None
         How far the load is from opening the seal; None where neither fluid nor spring opens it, or it is not known.
+    judgement : Judgement or None
+        Whether it keeps what [requirement] asks of it; None where nothing is asked.
     """
 
     fluid_pressure: float
@@ -76,6 +79,7 @@ class LoadResult(Lazy):
     target_validity: Validity | None = None
     opening: OpeningMargin | None = None
     force_for_target_capped: float | None = None
+    judgement: Judgement | None = None
 
     def __repr__(self) -> str:
         at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
@@ -103,6 +107,16 @@ class LoadResult(Lazy):
     def digits(self) -> int:
         """Significant digits that numbers which follow from the contact force are worth, four at most."""
         return DIGITS if self.opening is None else self.opening.digits
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """Whether it "holds" or "fails", or "undecided"; None where nothing is required."""
+        return None if self.judgement is None else self.judgement.verdict
+
+    @property
+    def margin(self) -> float | None:
+        """Allowed over calculated leak rate, see `Judgement.margin`; None where nothing is required."""
+        return None if self.judgement is None else self.judgement.margin
 
     @property
     def contacts(self) -> tuple[ContactSolution, ...]:
@@ -267,7 +281,11 @@ class LoadResult(Lazy):
 
 
 def leak_rates(
-    surface: RoughContact, flow: Flow, loads: Sequence[LoadResult], alike: Sequence[LoadResult] = ()
+    surface: RoughContact,
+    flow: Flow,
+    loads: Sequence[LoadResult],
+    alike: Sequence[LoadResult] = (),
+    table: Callable[[Flow, RoughContact, Sequence[float]], Conductivity] | None = None,
 ) -> tuple[float, ...]:
     """Leak rate of each load with another surface or flow on the same contact [m^3/s].
 
@@ -278,9 +296,46 @@ def leak_rates(
     loads : sequence of LoadResult
     alike : sequence of LoadResult
         Other loads over whose pressures the conductivity is tabulated as well.
+    table : callable, optional
+        Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
     """
     shown = [contact for load in (*alike, *loads) for contact in load.contacts]
-    rough = RoughFlow.of(surface, flow, shown)
+    rough = RoughFlow.of(surface, flow, shown, table)
+    found = [replace(load, rough=rough).leak for load in loads]
+    return tuple(math.nan if leak is None else leak.leak_rate for leak in found)
+
+
+# Decades below the smallest peak pressure, and pressures, of a coarse table: below, the pressure decides nothing.
+_DECADES, _PRESSURES, _ABOVE = 2.5, 10, 1.02
+# Inverse Knudsen numbers at which nothing is tabulated.
+_LOG_D = np.linspace(-5.0, 5.0, 4)
+
+
+def coarse_leak_rates(surface: RoughContact, flow: Flow, loads: Sequence[LoadResult]) -> tuple[float, ...]:
+    """`leak_rates` for comparisons with others of the same kind: few pressures in the table of conductivities [m^3/s].
+
+    Of a gas the effective gaps are those of a liquid, with the flow factor of a uniform gap: what the averaging over
+    unequal gaps adds to it is much the same on surfaces that are compared.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    flow : Flow
+    loads : sequence of LoadResult
+    """
+    shown = [contact for load in loads for contact in load.contacts]
+    peaks = [10.0**one for one in log_peaks(shown)]
+    low, high = min(peaks) * 10.0**-_DECADES, max(peaks) * _ABOVE
+
+    from leak import GasConductivityTable
+
+    def make(flow: Flow, surface: RoughContact) -> ConductivityTable | GasConductivityTable:
+        table = surface.conductivity_table(low, high, _PRESSURES, method=flow.conductivity)
+        if flow.gas is None:
+            return table
+        return GasConductivityTable(table, np.zeros((table.pressure.size, _LOG_D.size)), _LOG_D)
+
+    rough = RoughFlow(surface, flow, make)
     found = [replace(load, rough=rough).leak for load in loads]
     return tuple(math.nan if leak is None else leak.leak_rate for leak in found)
 
@@ -580,6 +635,54 @@ class ParticleAnswers:
 
 
 @dataclass(frozen=True)
+class Lever:
+    """One thing that can be changed, and what it does.
+
+    Parameters
+    ----------
+    key : str
+        "force", "rms_height", "hurst", "q_rolloff", "hardness", "youngs_modulus", or a dimension such as
+        "closure.radius".
+    before, after : float or None
+        Value, SI; None of what is only scaled.
+    factor : float
+        Value after the step over that before.
+    ratio : tuple of float
+        Leak rate after over before in both readings of yielding asperities, volume conserved and changed only where it
+        touches, or twice in the only one; zero where the step seals.
+    exponents : tuple of float
+        Local d ln Q / d ln x of the same readings; NaN where one does not leak on either side of a small step.
+    """
+
+    key: str
+    before: float | None
+    after: float | None
+    factor: float
+    ratio: tuple[float, float]
+    exponents: tuple[float, float]
+
+    @property
+    def strength(self) -> float:
+        """|ln| of the ratio in the reading that it moves less, by which levers are put in order.
+
+        Infinite where the step seals, zero where the readings contradict each other.
+        """
+        logs = [math.log(one) if one > 0 else -math.inf for one in self.ratio]
+        return min(map(abs, logs)) if logs[0] * logs[1] > 0 else 0.0
+
+    @property
+    def straight(self) -> bool:
+        """Whether the exponents foretell the ratio to within a fifth of its logarithm."""
+        if any(map(math.isnan, self.exponents)) or min(self.ratio) <= 0:
+            return False
+        told = [one * math.log(self.factor) for one in self.exponents]
+        return all(
+            abs(math.log(one) - end) <= max(0.2 * abs(end), 0.02)
+            for one, end in zip(self.ratio, told, strict=True)
+        )
+
+
+@dataclass(frozen=True)
 class SealSolution:
     """Everything that a case gave, as numbers.
 
@@ -603,6 +706,18 @@ class SealSolution:
     form: FormAnswers | None = None
     particles: tuple[ParticleAnswers, ...] = ()
     earlier: ContactSolution | None = None
+    judgement: SealJudgement | None = None
+    levers: tuple[Lever, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """The worst of the loads that are judged; None without a requirement."""
+        return None if self.judgement is None else self.judgement.verdict
+
+    @property
+    def margin(self) -> float | None:
+        """Allowed over calculated leak rate of the load that decides; None without a requirement."""
+        return None if self.judgement is None else self.judgement.margin
 
     @property
     def strongest(self) -> LoadResult:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -123,6 +122,8 @@ Distribution = Uniform | LogUniform | Normal | LogNormal
 
 
 def _scores(share: FloatArray, cut_off: float) -> FloatArray:
+    from scipy.special import ndtri
+
     return np.clip(ndtri(np.clip(share, 0.0, 1.0)), -cut_off, cut_off)
 
 
@@ -163,6 +164,8 @@ class UncertainInput:
             return Uniform(1.0 - self.relative, 1.0 + self.relative).quantile(uniform)
         if self.distribution == "lognormal":
             return LogNormal(1.0, self.relative, cut_off=math.inf).quantile(uniform)
+        from scipy.special import ndtr
+
         # cut off where the factor would become negative, if that comes first; what is outside is drawn anew
         end = min(_NORMAL_END, 0.99 / self.relative)
         outside = ndtr(-end)

@@ -11,29 +11,35 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.analysis.families import family_table
 from fem_seal.analysis.load_solver import solved_again
 from fem_seal.analysis.response_surface import ResponseSurface, fit
-from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution, leak_rates
+from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution, coarse_leak_rates, leak_rates
 from fem_seal.analysis.sampling import UncertainInput, sobol_points
 from fem_seal.arrays import FloatArray
 from fem_seal.case.checks import problems_with_uncertainty
 from fem_seal.case.roughness import (
     SHAPE,
     SelfAffine,
+    UncertainFinish,
     UncertainHeight,
     scan_spectra,
     self_affine_part,
+    uncertain_finishes,
     uncertain_heights,
 )
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.errors import ConvergenceError, InputError, Problem
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.flow import Conductivity, Flow
     from fem_seal.case.case import Case
     from fem_seal.contact.model import ContactModel
     from leak import PowerSpectrum, RoughContact
 
 _FIRST_RUNS = 16
+# Inputs that leave a surface in its family, see `fem_seal.analysis.families`.
+_OF_ONE_FAMILY = ("hardness", "youngs_modulus", "rms_height", "form")
 # Left-out runs must be predicted this well: an error that adds 0.05 % to the width of the interval.
 _ERROR_OF_STD = 0.03
 _SMALLEST_ERROR = 2e-4
@@ -84,13 +90,112 @@ def leak_interval(
     >>> settings = Uncertainty(samples=1024, hardness=Spread(relative=0.1))
     >>> leak_interval(fem_seal.run(case), settings).high                # doctest: +SKIP
     """
-    settings = settings or result.case.uncertainty
+    settings = settings or result.case.sampled
     if settings is None:
         raise InputError(Problem("uncertainty", "is missing; say which inputs are uncertain"))
     wrong = list(problems_with_uncertainty(result.case, settings))
     if wrong:
         raise InputError(*wrong)
-    return _interval(_Study.of(result, settings), settings, progress or (lambda text: None))
+    told = progress or (lambda text: None)
+    if result.case.roughness is not None and result.case.roughness.finishes:
+        return _interval_of_finish(result, settings, told)
+    return _interval(_Study.of(result, settings), settings, told)
+
+
+# Runs per term of a quadratic polynomial in the inputs of a finish, and the most runs.
+_RUNS_PER_TERM, _MOST_RUNS = 1.35, 96
+# Error of a left-out run over the scatter, above which the runs are doubled.
+_ERROR_OF_WIDE = 0.4
+# Share of the runs that must converge.
+_FEWEST_KNOWN = 0.7
+# Loads that are sampled where there are more.
+_LOADS = 5
+
+
+def _interval_of_finish(
+    result: SealSolution, settings: Uncertainty, progress: Callable[[str], None]
+) -> LeakInterval:
+    """The interval of a finish, a factor of ten or more, for the price of few runs.
+
+    Ratios of leak rates to those of the case itself, of both with coarse tables, at few loads: a quadratic polynomial
+    of their logarithms gives the samples, and the other loads follow over the line load.
+    """
+    chosen = _representative(result.loads)
+    part = replace(result, loads=tuple(result.loads[n] for n in chosen))
+    study = replace(_Study.of(part, settings), coarse=True)
+    usual, viscosity = study.of_coarse, study.viscosity[:, None]
+    terms = (study.scores.shape[1] + 1) * (study.scores.shape[1] + 2) // 2
+    goal = min(math.ceil(_RUNS_PER_TERM * terms) + 1, len(study.uniform), _MOST_RUNS)
+    runs, rates, surface, error = 0, np.empty((0, usual.size)), None, None
+    while runs < goal:
+        progress(f"uncertainty of the finish: samples {runs + 1} to {goal}")
+        rates = np.concatenate([rates, study.leak_rates(range(runs, goal)) / usual])
+        runs = goal
+        # a contact that did not converge says nothing; the polynomial goes through the others
+        known = np.flatnonzero(~np.isnan(rates).any(axis=1))
+        if len(known) < _FEWEST_KNOWN * runs:
+            raise ConvergenceError(f"uncertainty: {runs - len(known)} of {runs} samples did not converge")
+        smooth = bool(np.all((rates[known] > 0) & np.isfinite(rates[known])))
+        scores = study.scores[known]
+        surface = fit(scores, np.log(rates[known]), study.scores, _RUNS_PER_TERM) if smooth else None
+        if surface is None or np.any(surface.error > _ERROR_OF_WIDE * np.sqrt(surface.variance)):
+            goal = min(2 * runs, len(study.uniform), _MOST_RUNS)
+    if surface is None:
+        ratios, viscosity = rates[known], viscosity[known]
+    else:
+        ratios = np.exp(surface(study.scores))
+        checked = np.array(_ends((ratios * usual / viscosity)[:, study.last_load], settings.confidence))
+        truth = study.leak_rates(checked.tolist()) / usual
+        checked, truth = (one[~np.isnan(truth).any(axis=1)] for one in (checked, truth))
+        error = float(np.abs(ratios[checked] / truth - 1).max(initial=0.0))
+        ratios[checked], ratios[known] = truth, rates[known]
+        runs += _CHECKS
+    ratios = ratios / viscosity
+    nominal = np.array(_Study(result, (), study.uniform).of_case).reshape(study.readings, 1, -1)
+    readings = ratios.reshape(len(ratios), study.readings, len(chosen)).swapaxes(0, 1)
+    conserved, *capped = _at_all_loads(np.log(_line_loads(result.loads)), chosen, readings) * nominal
+    shares = _shares(study, ratios * usual, surface)
+    near = np.argmin(np.abs(np.arange(len(result.loads))[:, None] - chosen), axis=1)
+    return LeakInterval(
+        tuple(one.name for one in study.inputs),
+        settings.confidence,
+        settings.seed,
+        runs,
+        conserved.T,
+        shares[near],
+        error,
+        *(one.T for one in capped),
+    )
+
+
+def _line_loads(loads: Sequence[LoadResult]) -> FloatArray:
+    return np.array([load.line_load for load in loads])
+
+
+def _representative(loads: Sequence[LoadResult]) -> list[int]:
+    """Numbers of few loads with line loads over the whole range, the last one among them; of all if they are few."""
+    if len(loads) <= _LOADS:
+        return list(range(len(loads)))
+    order = np.argsort(np.log(_line_loads(loads)), kind="stable")
+    even = np.linspace(0, len(loads) - 1, _LOADS).round().astype(int)
+    return sorted({*order[even].tolist(), len(loads) - 1})
+
+
+def _at_all_loads(log_load: FloatArray, chosen: Sequence[int], ratios: FloatArray) -> FloatArray:
+    """Ratios of leak rates at all loads from those at few, shape (readings, samples, chosen) to (.., .., loads)."""
+    if len(chosen) == len(log_load):
+        return ratios
+    from scipy.interpolate import PchipInterpolator
+
+    nodes = log_load[list(chosen)]
+    _, first = np.unique(nodes, return_index=True)
+    nearest = np.argmin(np.abs(log_load[:, None] - nodes), axis=1)
+    found = ratios[..., nearest]
+    smooth = np.all((ratios > 0) & np.isfinite(ratios), axis=-1)
+    if len(first) > 1 and smooth.any():
+        between = PchipInterpolator(nodes[first], np.log(ratios[smooth][:, first]), axis=-1)
+        found[smooth] = np.exp(between(log_load))
+    return found
 
 
 def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], None]) -> LeakInterval:
@@ -188,11 +293,14 @@ class _Study:
     ----------
     uniform : ndarray, shape (samples, dimensions)
         Numbers between 0 and 1.
+    coarse : bool
+        Whether conductivities are tabulated at few pressures.
     """
 
     result: SealSolution
     inputs: tuple[AnyInput, ...]
     uniform: FloatArray
+    coarse: bool = False
 
     @classmethod
     def of(cls, result: SealSolution, settings: Uncertainty) -> _Study:
@@ -217,6 +325,12 @@ class _Study:
         loads = self.result.loads
         found = [load.leak for load in loads] + [load.leak_capped for load in loads] * (self.readings - 1)
         return [math.nan if leak is None else leak.leak_rate for leak in found]
+
+    @property
+    def of_coarse(self) -> FloatArray:
+        """Leak rates of the case itself from coarse tables."""
+        assert self.result.surface is not None  # of the checks
+        return np.array(self._rates(self.result.surface, self.result.loads))
 
     @cached_property
     def calculated(self) -> tuple[AnyInput, ...]:
@@ -261,21 +375,39 @@ class _Study:
             return np.array(list(pool.map(self._leak_rates, samples)))
 
     def _leak_rates(self, sample: int) -> list[float]:
-        result, flow = self.result, self.result.problem.flow
-        assert flow is not None  # of the checks
         factors = {
             one.name: float(self.values[one.name][sample, 0])
             for one in self.calculated
             if isinstance(one, UncertainInput)
         }
         surface = self._surface(sample, factors)
-        loads = self._loads(surface, factors)
+        try:
+            return self._rates(surface, self._loads(surface, factors))
+        except ConvergenceError:
+            if self.coarse:
+                return [math.nan] * (self.readings * len(self.result.loads))
+            raise
+
+    def _rates(self, surface: RoughContact, loads: Sequence[LoadResult]) -> list[float]:
+        """Leak rates in each reading at each load."""
+        flow = self.result.problem.flow
+        assert flow is not None  # of the checks
+        read = (surface, surface.capped)[: self.readings]
+        if self.coarse:
+            return [rate for one in read for rate in coarse_leak_rates(one, flow, loads)]
         # with the range of the case itself, as long as it will do, the table's own error is that of all samples
         return [
             rate
-            for read in (surface, surface.capped)[: self.readings]
-            for rate in leak_rates(read, flow, loads, alike=result.loads)
+            for one in read
+            for rate in leak_rates(one, flow, loads, alike=self.result.loads, table=self._table)
         ]
+
+    def _table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+        """Conductivity; of samples that differ in height, modulus and hardness only from tables they all share."""
+        shared = None
+        if all(one.name in _OF_ONE_FAMILY for one in self.calculated):
+            shared = family_table(flow, surface, log_peaks)
+        return flow.table_around(surface, log_peaks) if shared is None else shared
 
     def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:
         assert self.result.surface is not None
@@ -290,7 +422,12 @@ class _Study:
                 assert roughness is not None
                 mean = means[one.key] if one.key in means else roughness.parts[one.key].build()
                 means[one.key] = one.spectrum(mean, float(self.values[one.name][sample, 0]))
-        return changed_surface(self.result.case, self.result.surface, factors, means)
+        shares = {
+            one.name: float(self.values[one.name][sample, 0])
+            for one in self.calculated
+            if isinstance(one, UncertainFinish)
+        }
+        return changed_surface(self.result.case, self.result.surface, factors, means, shares)
 
     def _loads(self, surface: RoughContact, factors: dict[str, float]) -> Sequence[LoadResult]:
         """Every load; those of the case itself where its law and its bodies have not changed."""
@@ -303,7 +440,7 @@ class _Study:
             if problem.form is result.problem.form:
                 return result.loads
             return [replace(load, formed=problem.around(load.contact)) for load in result.loads]
-        model = _stiffer(result.model, stiffness)
+        model = stiffer(result.model, stiffness)
         try:
             contacts = solved_again(result.contact, model, law, result.earlier)
             return [
@@ -315,7 +452,7 @@ class _Study:
             raise ConvergenceError(f"uncertainty, sample with {changes}: {error}") from error
 
 
-def _stiffer(model: ContactModel, factor: float) -> ContactModel:
+def stiffer(model: ContactModel, factor: float) -> ContactModel:
     """Model of the same bodies with both Young's moduli times a factor, as far as a contact needs it."""
     if factor == 1:
         return model
@@ -405,11 +542,11 @@ def scaled(spectrum: PowerSpectrum, factor: float) -> PowerSpectrum:
     return spectrum if factor == 1 else PowerSpectrum(spectrum.wavenumber, spectrum.density * factor**2)
 
 
-AnyInput = UncertainInput | UncertainScans | UncertainHeight
+AnyInput = UncertainInput | UncertainScans | UncertainHeight | UncertainFinish
 
 
 def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
-    """The uncertain inputs of a case, in the order of the table, and last what its scans are too short to show.
+    """The uncertain inputs of a case, in the order of the table, then what a finish and too short scans leave open.
 
     Parameters
     ----------
@@ -420,7 +557,9 @@ def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
     inputs: list[AnyInput] = [UncertainInput.of(name, spread) for name, spread in settings.spreads.items()]
     if settings.spectrum is not None:
         inputs += [UncertainScans(key, scans) for key, scans in scan_spectra(case.roughness).items()]
-    return (*inputs, *uncertain_heights(case.roughness, between_scans=settings.spectrum is not None))
+    finishes = uncertain_finishes(case.roughness, known=settings.spreads)
+    heights = uncertain_heights(case.roughness, between_scans=settings.spectrum is not None)
+    return (*inputs, *finishes, *heights)
 
 
 def changed_surface(
@@ -428,6 +567,7 @@ def changed_surface(
     surface: RoughContact,
     factors: Mapping[str, float],
     means: Mapping[str, PowerSpectrum] | None = None,
+    shares: Mapping[str, float] | None = None,
 ) -> RoughContact:
     """The rough contact with some of its inputs changed.
 
@@ -440,16 +580,17 @@ def changed_surface(
         Factor of each uncertain input by its key.
     means : mapping, optional
         Spectra that stand instead of the case's own, by their key in [roughness].
+    shares : mapping, optional
+        Places in the ranges of what its finishes leave open.
     """
-    means = dict(means or {})
-    if any(key in factors for key in SHAPE):
-        key = self_affine_part(case.roughness)
-        assert key is not None
+    means, shape = dict(means or {}), {key: factors[key] for key in SHAPE if key in factors}
+    key = self_affine_part(case.roughness)
+    if shape and key is not None:
         means[key] = _reshaped(case, key, factors)
     spectrum, peklenik = surface.spectrum, surface.peklenik
-    if means:
+    if means or shares or shape:
         assert case.roughness is not None
-        spectrum, peklenik = case.roughness.combined(means)
+        spectrum, peklenik = case.roughness.combined(means, shares, shape)
     hardness = surface.hardness
     return replace(
         surface,

@@ -16,6 +16,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
+from fem_seal.materials import Material
 from fem_seal.units import number
 
 if TYPE_CHECKING:
@@ -33,10 +34,10 @@ _CUT_OFF, _MUCH_CUT_OFF = 1e-6, 1e-2
 # Share of the hardness above which the theory of yielding asperities is stretched; above the hardness it is void.
 _NEAR_HARDNESS = 0.3
 _LARGEST_ERROR = 2e-3
-# With load steps: what 16 of them leave on a perfectly plastic seat (docs/theory_elastoplastic.md).
+# With load steps: what 16 of them leave on a perfectly plastic seat (docs/theory/elastoplastic.md).
 _LARGEST_ERROR_OF_PATH = 1e-2
 # The theory's own A/A0 beyond which its flow conductivity differs from direct numerical results by more than 30 %,
-# and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification.md).
+# and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification/verification.md).
 _FEW_CHANNELS = 0.15
 _FACTORS = ((0.2, 1.7), (1.0, 3.3))
 # ... where they end; from there to the percolation threshold the conductivity falls to nothing.
@@ -58,7 +59,7 @@ _FLUID_LIFTS = 0.5
 # Plastic strain up to which small-strain theory holds.
 _LARGE_STRAIN = 0.1
 # Separation of the surfaces over the radius to which their faces bend, in the mean over the contact pressure, above
-# which the law of parallel planes is stretched, and above which it means nothing; see docs/theory_geometry.md.
+# which the law of parallel planes is stretched, and above which it means nothing; see docs/theory/geometry.md.
 _THICK_LAYER, _NO_LAYER = 0.1, 1.0
 # Way by which such a layer moves closest approach along the seat, over the radius of first touch: the line load, and
 # with it peak and leak rate, are uncertain by as much.
@@ -128,7 +129,17 @@ def load_cautions(
     surface : RoughContact, optional
         The problem's rough contact.
     """
-    bodies = (_near_opening, _yielding, _table_left, _cut_off, _wide, _thick_layer, _slides, _above_hardness)
+    bodies = (
+        _near_opening,
+        _yielding,
+        _table_left,
+        _cut_off,
+        _wide,
+        _thick_layer,
+        _slides,
+        _above_hardness,
+        _creeps,
+    )
     yield from (caution for check in bodies for caution in check(problem, model, loads))
     yield from form_cautions(problem, loads)
     if surface is not None:
@@ -180,6 +191,7 @@ def profile_validity(problem: SealProblem, surface: Surface, load: GivenLoad) ->
         (
             *_of_surface(problem),
             *_above_hardness(problem, None, [load]),
+            *_creeps(problem, None, [load]),
             *_interface_cautions(problem, surface, [load]),
         )
     )
@@ -243,6 +255,15 @@ def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[LoadRes
 
 
 def _of_surface(problem: SealProblem) -> Iterator[Caution]:
+    if problem.usual_only:
+        yield Caution(
+            "finish",
+            Level.DOUBTFUL,
+            "of a finish the usual surface alone, without its interval",
+            "the drawing's finish leaves much of the surface open, and its interval is not calculated together with "
+            'bodies that yield or conductivity = "direct": the leak rate is that of the usual surface and may be '
+            "off by a factor of ten",
+        )
     for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)
 
@@ -400,6 +421,31 @@ def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResul
         )
 
 
+def creep_remarks(materials: Mapping[str, Material]) -> list[str]:
+    """What is to be known of bodies that creep, one sentence for each.
+
+    Parameters
+    ----------
+    materials : mapping
+        From "closure" and "seat" to their materials.
+    """
+    return [
+        f"{name}: {material.name} creeps. Its contact grows with time and temperature, and what is lost of the "
+        "closing force after a change of temperature or of load is not calculated: the results are those of a short "
+        "time at the modulus and hardness given"
+        for name, material in materials.items()
+        if material.creeps
+    ]
+
+
+def _creeps(
+    problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    creeping = [name for name, material in problem.materials.items() if material.creeps]
+    for name, text in zip(creeping, creep_remarks(problem.materials), strict=True):
+        yield Caution("creep", Level.DOUBTFUL, f"{name}: {problem.materials[name].name} creeps", text)
+
+
 def _highest_pressure(load: LoadResult) -> float:
     """Of a seal that is not round the highest around its axis [Pa]."""
     return (
@@ -554,7 +600,17 @@ def _lay_factor(area: float, peklenik: float) -> float:
 def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.profile.std)
     std, q_low = load.contact.profile.std, surface.spectrum.q_low
-    if q_low * std > 1:
+    if q_low * std > 1 and problem.cutoff is not None:
+        yield Caution(
+            "waviness",
+            Level.DOUBTFUL,
+            "the drawing's roughness value says nothing of waves as long as the contact is wide",
+            f"the roughness value of a drawing leaves out all waves longer than the cutoff lambda_c, here "
+            f"{problem.cutoff * 1e6:.4g} um, but waves up to {2 * np.pi * std * 1e6:.4g} um fit into the contact at "
+            f"{load_name(load, loads)}. Waviness and flatness of the faces come on top: give them in [form], a larger "
+            "lambda_c at which the value was measured, or scans of the faces",
+        )
+    elif q_low * std > 1:
         yield Caution(
             "roughness range",
             Level.DOUBTFUL,

@@ -2,7 +2,7 @@
 
 On the triangles of the axisymmetric model the displacement is (u_r cos n phi, u_z cos n phi, u_phi sin n phi) with n
 waves per turn. The integral over phi is done by hand, the stiffness is K0 + n K1 + n^2 K2, and each n is a problem of
-its own in the half-plane. The derivation is in docs/theory_form.md.
+its own in the half-plane. The derivation is in docs/theory/form.md.
 
 Forces and stiffness are per full turn, int 2 pi r dr dz, as if the wave were its own mean: cos^2 and sin^2 give half of
 that on both sides of the equation. So the amplitude of a waving displacement stands to the amplitude of a waving load

@@ -7,7 +7,7 @@ contact of its own line load f(phi), and the bodies even out what they can:
 
 with D(f) the approach along the normal of the axisymmetric contact, f_n(phi) the n-th harmonic of f, c_n the opening
 under a line load that waves n times, and h(phi) what the form error adds to the gap. A closure that is free to shift
-and tilt takes no first harmonic of f, and gives way to that of h. See docs/theory_form.md.
+and tilt takes no first harmonic of f, and gives way to that of h. See theory/form in the manual.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, minres
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ConvergenceError
@@ -172,6 +171,8 @@ class _Ring:
         missing : ndarray
             Resultants of y, see `missing`.
         """
+        from scipy.sparse.linalg import LinearOperator, minres
+
         w = np.sqrt(tangent)
         operator = LinearOperator(
             (len(w), len(w)), lambda q: q + w * self.opening(w * q.ravel()), dtype=float

@@ -10,15 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 # Step of the ladder in ln f. A cubic spline over it is good to 1e-5 of the decay length
 # (tests/test_fem_seal_around.py compares it with contacts in between).
@@ -97,6 +100,8 @@ class LocalContact:
         approach : ndarray, shape (m,)
             Where smooth surfaces are apart they carry nothing.
         """
+        from scipy.interpolate import PchipInterpolator
+
         self._climb(self._lowest, _FIRST_HIGHEST)
         while self._rung_approach(max(self._rungs)) < float(np.max(approach)):
             self._climb(self._lowest, (max(self._rungs) + 1) * _STEP)
@@ -116,6 +121,8 @@ class LocalContact:
 
     def _parting(self, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The same of smooth surfaces; over the depth ln f is a straight line but for a logarithm."""
+        from scipy.interpolate import CubicSpline
+
         rungs, touch = np.array(sorted(self._rungs)), self.touch_approach
         depth = np.log([self._depth(self._rungs[k]) for k in rungs.tolist()])
         inside = approach > touch
@@ -283,6 +290,8 @@ class LocalContact:
 
     def _spline(self, name: str, of: Callable[[ContactSolution], float | FloatArray]) -> CubicSpline:
         if name not in self._splines:
+            from scipy.interpolate import CubicSpline
+
             rungs = sorted(self._rungs)
             self._splines[name] = CubicSpline(
                 _STEP * np.array(rungs), np.array([of(self._rungs[k]) for k in rungs])

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.special import k0e
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.model import ContactModel
@@ -89,4 +88,6 @@ class Stiffening:
     def _half_spaces(self, n: int) -> float:
         """(2/(pi E*)) <K0(n |x - x'|/r0)> of a normal distribution."""
         t = 0.5 * (n * self.std / self.model.touch_radius) ** 2
+        from scipy.special import k0e
+
         return float(k0e(t)) / (math.pi * self.model.effective_modulus)

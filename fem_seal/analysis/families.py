@@ -1,0 +1,256 @@
+"""Conductivity tables and laws of surfaces that differ in height, modulus and hardness only, from those of one of them.
+
+Persson's theory knows no lengths and no pressures of its own. A surface whose heights are h times those of another,
+with modulus E* and hardness sigma_P, behaves like that other one:
+
+    ubar(p) = h f(p / (E* h)),    u_eff(p) = h g(p / (E* h), sigma_P / (E* h)).
+
+The first relation and, for elastic asperities, the second are exact: one table per shape of the spectrum serves every
+height. With a hardness g has a second argument; it is tabulated at values of ln(sigma_P / (E* h)) on a fixed lattice
+and interpolated between four of them, at equal p over the sealing pressure. Asperities that yield only where they touch
+have the gaps of elastic ones at another pressure, and need no lattice. The flow of a gas over that of a liquid is a
+function of numbers alone, p/(E* h), sigma_P/(E* h) and the Knudsen number of u_eff: the same relations hold for it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from fem_seal.analysis.flow import MARGIN, Conductivity, Flow
+from fem_seal.arrays import FloatArray
+from fem_seal.contact.laws import InterfaceLaw
+from leak import ConductivityTable, GasConductivityTable, PowerSpectrum, RoughContact, gas_conductivity_table
+from leak.flow.memory import LoadMemory
+
+# The surface that stands for all of its shape.
+_HEIGHT, _MODULUS = 1e-6, 1e11
+# Densities are compared to so many decimals of their logarithm, far coarser than rounding and finer than any effect.
+_DIGITS = 10
+# Lattice of ln(hardness / (E* h)); u_eff between four neighbours is good to a few parts in 1e5
+# (tests/test_fem_seal_studies_surfaces.py).
+_SPACING = 0.1
+# Tables reach from this fraction of the sealing pressure to it; below they go on by the law at low pressure.
+_RANGE, _NODES = 1e-9, 64
+_REMEMBERED = 4096
+
+
+@dataclass(frozen=True)
+class ScaledLaw:
+    """The law of one surface from that of another one of the same shape.
+
+    Parameters
+    ----------
+    law : InterfaceLaw
+    height : float
+        Ratio of the heights.
+    pressure : float
+        Ratio of the products of modulus and height.
+    """
+
+    law: InterfaceLaw
+    height: float
+    pressure: float
+
+    def gap(self, log_pressure: FloatArray) -> FloatArray:
+        """Mean separation u [m] at ln(p/Pa)."""
+        return self.height * self.law.gap(log_pressure - math.log(self.pressure))
+
+    def decay_length(self, log_pressure: FloatArray) -> FloatArray:
+        """-du/d ln p [m], positive."""
+        return self.height * self.law.decay_length(log_pressure - math.log(self.pressure))
+
+
+def family_law(surface: RoughContact) -> ScaledLaw:
+    """The elastic p(u) of a surface, exact, from the law of its shape.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    """
+    member, height, pressure = _member(surface.elastic)
+    return ScaledLaw(_law(member), height, pressure)
+
+
+def family_table(
+    flow: Flow,
+    surface: RoughContact,
+    log_peaks: Sequence[float],
+    tables: Sequence[Conductivity] | None = None,
+) -> Conductivity | None:
+    """Flow conductivity of a surface from the tables of its shape; None where it is simulated.
+
+    Parameters
+    ----------
+    flow : Flow
+    surface : RoughContact
+    log_peaks : sequence of float
+        Decimal logarithms of the peak pressures that occur [Pa].
+    tables : sequence, optional
+        Those of `family_tables`, if they have been made already.
+    """
+    if flow.simulated is not None:
+        return None
+    if tables is None:
+        tables = [name.made() for name in family_tables(flow, surface, log_peaks)]
+    member, height, pressure = _member(surface)
+    table = tables[0] if len(tables) == 1 else _interpolated(tables, _on_lattice(member)[1])
+    return _scaled_table(table, height, pressure, LoadMemory(surface))
+
+
+def family_tables(flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> tuple[FamilyTable, ...]:
+    """Names of the tables from which the flow conductivity of a surface follows; most of the time goes into them.
+
+    Parameters
+    ----------
+    flow, surface, log_peaks
+        See `family_table`.
+    """
+    member, _, pressure = _member(surface)
+    low, high = (end(log_peaks) - math.log10(pressure) for end in (min, max))
+    kind = _Kind(flow.conductivity, flow.gas is not None)
+    if member.hardness is None or member.yielding == "capped":
+        return (FamilyTable(member, kind, (math.floor(low - 9), math.ceil(high + MARGIN))),)
+    first, elastic = _on_lattice(member)[0], replace(member, hardness=None)
+    return tuple(FamilyTable(elastic, kind, (first + n,)) for n in range(4))
+
+
+def _on_lattice(member: RoughContact) -> tuple[int, float]:
+    """First of the four points of the lattice between which a member lies, and the steps from there."""
+    assert member.hardness is not None
+    place = math.log(member.hardness / _MODULUS) / _SPACING
+    first = math.floor(place) - 1
+    return first, place - first
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What is tabulated."""
+
+    method: str
+    of_gas: bool
+
+    def table(self, surface: RoughContact, p_min: float, p_max: float, num: int | None) -> Conductivity:
+        if self.of_gas:
+            return gas_conductivity_table(surface, p_min, p_max, num, self.method)
+        return surface.conductivity_table(p_min, p_max, num, method=self.method)
+
+
+@dataclass(frozen=True)
+class FamilyTable:
+    """Name of a table of a member of a family, by which it can be kept and made elsewhere.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    kind : _Kind
+    place : tuple of int
+        Of the lattice, or decimal logarithms of the lowest and the highest pressure [Pa].
+    """
+
+    surface: RoughContact
+    kind: _Kind
+    place: tuple[int, ...]
+
+    def made(self) -> Conductivity:
+        """The table."""
+        make = _lattice_table if len(self.place) == 1 else _whole_table
+        return make(self.surface, *self.place, self.kind)
+
+
+def _scaled_table(table: Conductivity, height: float, pressure: float, memory: LoadMemory) -> Conductivity:
+    if isinstance(table, GasConductivityTable):
+        liquid = _scaled_table(table.liquid, height, pressure, memory)
+        assert isinstance(liquid, ConductivityTable)  # of what a liquid's is made of
+        return replace(table, liquid=liquid)
+    return ConductivityTable(
+        table.pressure * pressure,
+        table.separation * height,
+        table.sealing_pressure * pressure,
+        table.p_max * pressure,
+        table.method,
+        memory,
+    )
+
+
+def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
+    """The standing member of a surface's family; height and pressure that turn its results into the surface's."""
+    height = surface.spectrum.rms_height / _HEIGHT
+    pressure = height * surface.effective_modulus / _MODULUS
+    return (
+        replace(
+            surface,
+            spectrum=_shape(surface.spectrum, height),
+            effective_modulus=_MODULUS,
+            hardness=None if surface.hardness is None else surface.hardness / pressure,
+        ),
+        height,
+        pressure,
+    )
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _shape(spectrum: PowerSpectrum, height: float) -> PowerSpectrum:
+    density: FloatArray = np.power(10.0, np.round(np.log10(spectrum.density / height**2), _DIGITS))
+    return _known(PowerSpectrum(spectrum.wavenumber, density))
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _known(spectrum: PowerSpectrum) -> PowerSpectrum:
+    """The same object for equal spectra, so that what it has worked out already is kept."""
+    return spectrum
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _law(surface: RoughContact) -> InterfaceLaw:
+    return surface.interface_law()
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _whole_table(surface: RoughContact, low: int, high: int, kind: _Kind) -> Conductivity:
+    return kind.table(surface, 10.0**low, 10.0**high, None)
+
+
+def _interpolated(found: Sequence[Conductivity], t: float) -> Conductivity:
+    """Table between four neighbours on the lattice, at `t` steps from the first one."""
+    tables = [one.liquid if isinstance(one, GasConductivityTable) else one for one in found]
+    # the last points before sealing, far below any molecule's size, round to zero in some of them
+    count = min(len(table.pressure) for table in tables)
+    weights = _lagrange(t)
+    over_sealing = tables[0].pressure[:count] / tables[0].sealing_pressure
+    sealing = math.exp(
+        sum(w * math.log(one.sealing_pressure) for w, one in zip(weights, tables, strict=True))
+    )
+    log_separation = sum(w * np.log(one.separation[:count]) for w, one in zip(weights, tables, strict=True))
+    liquid = ConductivityTable(
+        over_sealing * sealing, np.exp(log_separation), sealing, math.inf, tables[0].method
+    )
+    of_gas = [one for one in found if isinstance(one, GasConductivityTable)]
+    if not of_gas:
+        return liquid
+    log_R: FloatArray = np.zeros((count, of_gas[0].log_inverse_knudsen.size))
+    for weight, one in zip(weights, of_gas, strict=True):
+        log_R += weight * one.log_rarefaction[:count]
+    return GasConductivityTable(liquid, log_R, of_gas[0].log_inverse_knudsen)
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _lattice_table(surface: RoughContact, place: int, kind: _Kind) -> Conductivity:
+    """Table of a surface with the hardness of one lattice point, at fixed fractions of its sealing pressure."""
+    plastic = replace(surface, hardness=_MODULUS * math.exp(_SPACING * place))
+    sealing = plastic.sealing_pressure_by(kind.method)
+    return kind.table(plastic, _RANGE * sealing, sealing, _NODES)
+
+
+def _lagrange(t: float) -> tuple[float, float, float, float]:
+    """Weights of the cubic through the values at 0, 1, 2, 3."""
+    return (
+        -(t - 1) * (t - 2) * (t - 3) / 6,
+        t * (t - 2) * (t - 3) / 2,
+        -t * (t - 1) * (t - 3) / 2,
+        t * (t - 1) * (t - 2) / 6,
+    )

@@ -1,0 +1,207 @@
+"""What is said of a leak rate that has a limit: it holds, it fails, or nobody can tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from fem_seal.analysis.caution import VALID, Validity
+
+
+class Verdict(StrEnum):
+    """What is claimed of a requirement, worse and worse."""
+
+    HOLDS = "holds"
+    UNDECIDED = "undecided"
+    FAILS = "fails"
+
+
+class Why(StrEnum):
+    """What decided a verdict, or kept it from being decided."""
+
+    LIMIT = "limit"
+    """The whole interval is on one side of the limit."""
+    OPEN = "open"
+    """The seal is open."""
+    INTERVAL = "interval"
+    """The limit is inside the interval of the leak rate."""
+    TEST_FLUID = "test fluid"
+    """So it is once the interval is that of the fluid of the test."""
+    VISIBLE = "visible"
+    """No visible leakage is allowed, and what leaks may or may not be seen."""
+    OUTSIDE = "outside"
+    """The load is outside the theory."""
+    UNKNOWN = "unknown"
+    """There is no leak rate."""
+
+
+RANK = {verdict: rank for rank, verdict in enumerate(Verdict)}
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A largest allowed leak rate, and for which fluid.
+
+    Parameters
+    ----------
+    name : str
+        "leak rate", or standard and class.
+    leak_rate : float
+        Of the fluid that it is for [m^3/s]; zero where no leakage may be visible.
+    visible : float
+        With `leak_rate` zero: what is seen for certain [m^3/s].
+    test_fluid : str
+        Of the standard, where the leak rate of the case is not that of its test; empty otherwise.
+    ratio : tuple of float
+        Leak rate of the test's fluid over that of the case, at least and at most.
+    """
+
+    name: str
+    leak_rate: float
+    visible: float = 0.0
+    test_fluid: str = ""
+    ratio: tuple[float, float] = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What is said of one load.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    margin : float
+        Allowed leak rate over the upper end of the calculated one: infinite where sealed, zero where open, NaN where
+        one of them is not known.
+    why : Why
+    limit : Limit
+    ends : tuple of float
+        Of the leak rate's interval, of the fluid that the limit is for [m^3/s].
+    reason : str
+        Why the load is outside the theory; empty otherwise.
+
+    Examples
+    --------
+    >>> judged = Judgement.of(Limit("leak rate", 2e-9), (0.5e-9, 1e-9))
+    >>> str(judged.verdict), judged.margin
+    ('holds', 2.0)
+    """
+
+    verdict: Verdict
+    margin: float
+    why: Why
+    limit: Limit
+    ends: tuple[float, float] = (math.nan, math.nan)
+    reason: str = ""
+
+    @classmethod
+    def of(cls, limit: Limit, ends: tuple[float, float], validity: Validity = VALID) -> Judgement:
+        """The judgement of a leak rate.
+
+        Parameters
+        ----------
+        limit : Limit
+        ends : tuple of float
+            Lower and upper end of the leak rate's interval, of the case's own fluid [m^3/s]; NaN if not known.
+        validity : Validity
+            Of the leak rate.
+        """
+        if any(map(math.isnan, (*ends, limit.leak_rate))):
+            return cls(Verdict.UNDECIDED, math.nan, Why.UNKNOWN, limit)
+        tested = ends[0] * limit.ratio[0], ends[1] * limit.ratio[1]
+        if math.isinf(ends[0]):
+            return cls(Verdict.FAILS, 0.0, Why.OPEN, limit, tested)
+        verdict, why = _decided(limit, ends, tested)
+        margin = _margin(limit, tested[1])
+        if validity.outside:
+            return cls(Verdict.UNDECIDED, margin, Why.OUTSIDE, limit, tested, validity.reasons[0])
+        return cls(verdict, margin, why, limit, tested)
+
+
+def _margin(limit: Limit, highest: float) -> float:
+    if highest == 0:
+        return math.inf
+    return limit.leak_rate / highest if limit.leak_rate else math.nan
+
+
+def _decided(limit: Limit, ends: tuple[float, float], tested: tuple[float, float]) -> tuple[Verdict, Why]:
+    low, high = tested
+    if high <= limit.leak_rate:
+        return Verdict.HOLDS, Why.LIMIT
+    if low > max(limit.leak_rate, limit.visible):
+        return Verdict.FAILS, Why.LIMIT
+    if limit.leak_rate == 0:
+        return Verdict.UNDECIDED, Why.VISIBLE
+    own = ends[1] <= limit.leak_rate or ends[0] > limit.leak_rate
+    return Verdict.UNDECIDED, Why.TEST_FLUID if own else Why.INTERVAL
+
+
+def severity(judged: Judgement) -> tuple[int, float]:
+    """By which judgements are put in order: larger is worse.
+
+    Parameters
+    ----------
+    judged : Judgement
+    """
+    return RANK[judged.verdict], -math.inf if math.isnan(judged.margin) else -judged.margin
+
+
+@dataclass(frozen=True)
+class Shares:
+    """How far the bodies and the asperities are used, of the loads that are judged.
+
+    Parameters
+    ----------
+    yield_stress : float or None
+        Largest von Mises stress over the yield stress of its body; None if none is known.
+    body : str
+        Which body that is; empty without one.
+    hardness : float or None
+        Peak pressure over hardness; None if no hardness is known.
+    opening : float or None
+        Smallest margin to opening, as a share of what acts; None where nothing opens the seal.
+    """
+
+    yield_stress: float | None = None
+    body: str = ""
+    hardness: float | None = None
+    opening: float | None = None
+
+
+@dataclass(frozen=True)
+class SealJudgement:
+    """What is said of the seal: the worst of the loads at which the requirement is to be met.
+
+    Parameters
+    ----------
+    worst : Judgement
+        That of the deciding load.
+    fluid_pressure, applied_force : float
+        Of the deciding load [Pa], [N].
+    number : int or None
+        Of the deciding load among those of the result; None if it has no result.
+    judged : tuple of int
+        Numbers of the loads of the result that are judged.
+    left_out : int
+        Loads that should have been judged and have no result.
+    shares : Shares
+    """
+
+    worst: Judgement
+    fluid_pressure: float
+    applied_force: float
+    number: int | None
+    judged: tuple[int, ...]
+    left_out: int = 0
+    shares: Shares = Shares()
+
+    @property
+    def verdict(self) -> Verdict:
+        """Holds, fails or undecided."""
+        return self.worst.verdict
+
+    @property
+    def margin(self) -> float:
+        """Of the deciding load, see `Judgement.margin`."""
+        return self.worst.margin

@@ -1,0 +1,196 @@
+"""Whether a seal keeps what is required of it: each load against its limits, and all of them together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from fem_seal.analysis.judgement import Judgement, Limit, SealJudgement, Shares, Verdict, Why, severity
+from fem_seal.analysis.leakage import nominal_size
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import LoadResult
+    from fem_seal.case.case import Case
+    from fem_seal.case.fluid import Fluid
+    from fem_seal.case.requirement import Requirement
+    from fem_seal.errors import LoadProblem
+
+OF_LEAK_RATE = "leak rate"
+# What the standards test with: liquids no thicker than water, air or nitrogen.
+_TEST_LIQUID, _TEST_GASES = "water", ("air", "nitrogen")
+_ROOM = 293.15
+
+
+def limits(case: Case, fluid_pressure: float) -> tuple[Limit, ...]:
+    """The limits that a case's requirement sets at a fluid pressure; empty without a requirement.
+
+    Parameters
+    ----------
+    case : Case
+    fluid_pressure : float
+        [Pa]
+    """
+    required = case.requirement
+    if required is None or case.fluid is None:
+        return ()
+    own = () if required.leak_rate is None else (Limit(OF_LEAK_RATE, required.leak_rate),)
+    of_class = _of_class(case, required, case.fluid, fluid_pressure)
+    return own if of_class is None else (*own, of_class)
+
+
+def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: float) -> Limit | None:
+    from leak.standards import leakage_limits, visible_leak_rate
+
+    wanted = required.standard_and_class
+    if wanted is None:
+        return None
+    size, gas = nominal_size(case), fluid.gas is not None
+    known = leakage_limits(
+        size.size,
+        gas=gas,
+        pressure_drop=fluid_pressure,
+        seat_diameter=size.diameter,
+        rated_capacity=required.rated_capacity,
+    )
+    found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
+    name = " ".join(wanted)
+    test_fluid, ratio = _test_fluid(fluid)
+    if not found:
+        # class VI of FCI 70-2 ends at a diameter
+        return Limit(name, math.nan, 0.0, test_fluid, ratio)
+    visible = 0.0 if found[0] else visible_leak_rate(gas=gas)
+    return Limit(name, found[0], visible, test_fluid, ratio)
+
+
+def _test_fluid(fluid: Fluid) -> tuple[str, tuple[float, float]]:
+    """The fluid of the test, where it is another one, and its leak rate over that of the case, least and most.
+
+    A liquid leaks in inverse proportion to its viscosity; one that is no thicker than water may be the test's own. The
+    leak of a gas is the sum of a part that goes like one over its viscosity and one that goes like one over the root
+    of its molar mass, so that its ratio to another one's lies between both.
+    """
+    from leak import gas, liquid
+
+    own = fluid.gas
+    if own is None:
+        ratio = fluid.viscosity / liquid(_TEST_LIQUID, _ROOM).viscosity
+        same = ratio <= 1.0 or fluid.name.lower() == _TEST_LIQUID
+        return ("", (1.0, 1.0)) if same else (_TEST_LIQUID, (ratio, ratio))
+    if fluid.name.lower() in _TEST_GASES:
+        return "", (1.0, 1.0)
+    test = gas(_TEST_GASES[0], _ROOM)
+    ratios = sorted((own.viscosity / test.viscosity, math.sqrt(own.molar_mass / test.molar_mass)))
+    return _TEST_GASES[0], (ratios[0], ratios[1])
+
+
+def judged(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> Judgement | None:
+    """What is said of one load; None without a requirement for it.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+        With its validity.
+    ends : tuple of float or None
+        Of the interval of its leak rate [m^3/s]; the leak rate itself if None.
+    """
+    required = case.requirement
+    if required is None or not required.judges(load.fluid_pressure):
+        return None
+    rate = math.nan if load.leak is None else load.leak.leak_rate
+    found = [
+        Judgement.of(limit, ends or (rate, rate), load.validity)
+        for limit in limits(case, load.fluid_pressure)
+    ]
+    return max(found, key=severity, default=None)
+
+
+def with_judgements(
+    case: Case, loads: Sequence[LoadResult], ranges: Iterable[tuple[float, float] | None]
+) -> tuple[LoadResult, ...]:
+    """Loads with what is said of them.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of LoadResult
+    ranges : iterable
+        Ends of the interval of each leak rate [m^3/s], or None.
+    """
+    return tuple(
+        load.knowing(judgement=judged(case, load, ends)) for load, ends in zip(loads, ranges, strict=True)
+    )
+
+
+def seal_judgement(
+    case: Case,
+    loads: Sequence[LoadResult],
+    missing: Mapping[tuple[float, float], LoadProblem],
+    hardness: float | None = None,
+) -> SealJudgement | None:
+    """What is said of the seal; None without a requirement.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of LoadResult
+        With their judgements.
+    missing : mapping
+        Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
+    hardness : float, optional
+        Of the softer body [Pa].
+    """
+    required = case.requirement
+    if required is None:
+        return None
+    found: list[tuple[int, tuple[float, float], Judgement]] = [
+        (number, load.point, load.judgement) for number, load in enumerate(loads) if load.judgement
+    ]
+    left_out = [
+        (None, point, _of_missing(case, point, problem))
+        for point, problem in missing.items()
+        if required.judges(point[0])
+    ]
+    every = [*found, *left_out]
+    if not every:
+        return None
+    number, point, worst = max(every, key=lambda one: severity(one[2]))
+    numbers = tuple(number for number, _, _ in found)
+    shares = _shares([loads[n] for n in numbers], hardness)
+    return SealJudgement(worst, *point, number, numbers, len(left_out), shares)
+
+
+def _of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> Judgement:
+    limit = limits(case, point[0])[0]
+    if problem.kind == "open":
+        return Judgement(Verdict.FAILS, 0.0, Why.OPEN, limit)
+    return Judgement(Verdict.UNDECIDED, math.nan, Why.UNKNOWN, limit, reason=problem.message)
+
+
+def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Shares:
+    stressed = [
+        (float(load.contact.fields[name].von_mises.max()) / limit, name)
+        for load in loads
+        # without a look at the stress, which a model without displacements does not hold
+        for name in ("closure", "seat")
+        if (limit := _yield_stress(load, name)) is not None
+    ]
+    stress, body = max(stressed, default=(None, ""))
+    openings = [load.opening.share for load in loads if load.opening is not None]
+    peaks = [
+        load.contact.profile.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())
+        for load in loads
+    ]
+    return Shares(
+        stress,
+        body,
+        None if hardness is None or not peaks else max(peaks) / hardness,
+        min(openings, default=None),
+    )
+
+
+def _yield_stress(load: LoadResult, body: str) -> float | None:
+    return {"closure": load.contact.model.closure, "seat": load.contact.model.seat}[
+        body
+    ].material.yield_stress
