@@ -16,6 +16,7 @@ from fem_seal.version import __version__
 if TYPE_CHECKING:
     from fem_seal import contact
     from fem_seal.analysis.closed_forms import derive
+    from fem_seal.analysis.leak_map import LeakMap, leak_map
     from fem_seal.bodies.held_body import Supports
     from fem_seal.case.case import Case, load_case
     from fem_seal.contact.coupled import Seal
@@ -27,7 +28,8 @@ if TYPE_CHECKING:
     from fem_seal.contact.penetration import blow_off_pressure, solve_penetration
     from fem_seal.contact.solution import ContactSettings, ContactSolution, body_fields
     from fem_seal.errors import ConvergenceError, InputError, SealError
-    from fem_seal.materials import Material, effective_modulus, material
+    from fem_seal.material_library import material, vickers_pressure
+    from fem_seal.materials import Material, effective_modulus
     from fem_seal.profile import PressureProfile
     from fem_seal.result import SealResult, axial_force_for_leak, blow_off_pressures, direct, run
     from fem_seal.studies.results import StudyResult
@@ -38,12 +40,15 @@ _HOME = {
     "Case": "fem_seal.case.case",
     "load_case": "fem_seal.case.case",
     "Material": "fem_seal.materials",
-    "material": "fem_seal.materials",
+    "material": "fem_seal.material_library",
+    "vickers_pressure": "fem_seal.material_library",
     "effective_modulus": "fem_seal.materials",
     "SealError": "fem_seal.errors",
     "InputError": "fem_seal.errors",
     "ConvergenceError": "fem_seal.errors",
     "derive": "fem_seal.analysis.closed_forms",
+    "LeakMap": "fem_seal.analysis.leak_map",
+    "leak_map": "fem_seal.analysis.leak_map",
     "run": "fem_seal.result",
     "direct": "fem_seal.result",
     "SealResult": "fem_seal.result",
@@ -80,6 +85,7 @@ __all__ = [
     "HardContact",
     "HeldFluid",
     "InputError",
+    "LeakMap",
     "Material",
     "PressureProfile",
     "Seal",
@@ -98,12 +104,14 @@ __all__ = [
     "derive",
     "direct",
     "effective_modulus",
+    "leak_map",
     "load_case",
     "load_study",
     "material",
     "run",
     "solve",
     "solve_penetration",
+    "vickers_pressure",
 ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 
@@ -20,6 +21,7 @@ def main() -> int:
             sys.stderr.write(f"error: output: cannot be written ({(error.strerror or str(error)).lower()})\n")
             return 1
         return 0
+    _write_every_sign()
     # The matrices are small: threads gain nothing, and on a busy machine their waiting for each other makes a run
     # several times slower. To be set before numpy is loaded; a user's own setting wins.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -29,6 +31,15 @@ def main() -> int:
         return cli.main()
     except KeyboardInterrupt:
         return 130
+
+
+def _write_every_sign() -> None:
+    """Let the output hold every sign: on Windows a pipe or file has an encoding that lacks "·" and most others."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and "utf" not in stream.encoding.lower():
+            # whoever has chosen an encoding gets it, and a question mark for what it lacks
+            chosen = "PYTHONIOENCODING" in os.environ
+            stream.reconfigure(errors="replace") if chosen else stream.reconfigure(encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import math
+import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -14,10 +15,16 @@ from threading import Thread
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from fem_seal.analysis.caution import Level
 from fem_seal.analysis.results import DIGITS, digits_near_opening, highest_load
+from fem_seal.cli_explore import explore
+from fem_seal.cli_library import fluids, materials
+from fem_seal.cli_new import new
+from fem_seal.cli_pdf import pdf
 from fem_seal.cli_study import app as study_app
+from fem_seal.cli_table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError
 from fem_seal.files import as_json
 from fem_seal.output.case_words import section_text
@@ -41,6 +48,8 @@ app = typer.Typer(
 )
 
 app.add_typer(study_app, name="study")
+for _command in (new, materials, fluids, table, pdf, explore):
+    app.command()(_command)
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
@@ -55,7 +64,13 @@ def _folder_option(default: str) -> Any:
 @app.callback(invoke_without_command=True)
 def _version(
     version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
+    cite: Annotated[bool, typer.Option("--cite", help="Print how to cite the program, and exit.")] = False,
 ) -> None:
+    if cite:
+        from fem_seal.output.citation import citation
+
+        typer.echo(citation())
+        raise typer.Exit(DONE)
     if version:
         typer.echo(f"fem-seal {__version__}")
         raise typer.Exit(DONE)
@@ -68,6 +83,14 @@ def run(
     variants: Annotated[
         bool, typer.Option("--variants", help="Also calculate the leak rate with each reading of the theory.")
     ] = False,
+    levers: Annotated[
+        bool | None,
+        typer.Option(
+            "--levers/--no-levers",
+            show_default="with a [requirement]",
+            help="Also find which changes of the design change the leak rate most.",
+        ),
+    ] = None,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -86,7 +109,7 @@ def run(
 
     _load_meanwhile("matplotlib.backends.backend_svg", "matplotlib.figure", "jinja2")
     with alone(folder), _progress(quiet) as progress:
-        result = seal_result.run(case, progress=progress)
+        result = seal_result.run(case, progress=progress, levers=levers)
         progress("writing results")
         failures = files.write(result, folder)
     warnings = (*result.warnings, *failures)
@@ -100,6 +123,7 @@ def run(
         show_memory(result)
         show_form(result)
         show_particles(result)
+        show_verdict(result)
         _list_files(folder)
 
 
@@ -115,25 +139,65 @@ def _load_meanwhile(*modules: str) -> None:
     Thread(target=load, daemon=True).start()
 
 
-@app.command()
-def check(case_file: CaseFile, quiet: Quiet = False, json: Json = False, debug: Debug = False) -> None:
+class _PictureNamedOrNot(TyperCommand):
+    """Takes `--picture` with or without a file behind it; the case file is none."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put an empty name where none is given."""
+        given = list(args)
+        if "--picture" in given:
+            at = given.index("--picture") + 1
+            if at == len(given) or given[at].startswith("-") or given[at].lower().endswith(".toml"):
+                given.insert(at, "")
+        return super().parse_args(ctx, given)
+
+
+@app.command(cls=_PictureNamedOrNot)
+def check(
+    case_file: CaseFile,
+    picture: Annotated[
+        str | None,
+        typer.Option(
+            metavar="[FILE]",
+            show_default=False,
+            help="Draw the section with its dimensions into a .png, .svg or .pdf; CASE.png unless named.",
+        ),
+    ] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
     """Check a case file and print the closed-form results, without solving."""
     from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
     from fem_seal.case.case import load_case
     from fem_seal.output import summary
+    from fem_seal.output.finish import finish_rows
+    from fem_seal.output.report.verdict import requirement_lines
 
     case = load_case(case_file)
+    drawn = None
+    if picture is not None:
+        from fem_seal.output.pictures.section import write_section
+
+        drawn = write_section(case, Path(picture) if picture else Path(case_file.with_suffix(".png").name))
     derived = derive(case)
     numbers = summary.derived_numbers(case, derived)
     from fem_seal.analysis.problem import SealProblem, sizing
 
     numbers["contact_size_m"] = sizing(SealProblem.of(case)).contact_size
+    numbers["requirement"] = summary.requirement_numbers(case)
     _warn([*_remarks(case), *filter(None, [nearly_open(derived), closed_form_limits(case, derived)])])
     if json:
         typer.echo(as_json(numbers))
     elif not quiet:
         typer.echo(f"{case_file} is valid: {case.title}")
+        for name, text in finish_rows(case):
+            typer.echo(f"  {name:30}{text}")
         show_derived(numbers)
+        for line in requirement_lines(case):
+            typer.echo(f"judged: {line}")
+    if drawn is not None and not (json or quiet):
+        typer.echo(f"picture in {drawn}")
 
 
 @app.command()
@@ -222,8 +286,6 @@ def direct(
     debug: Debug = False,
 ) -> None:
     """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
-    import os
-
     from fem_seal import result as seal_result
     from fem_seal.case.case import load_case
     from fem_seal.folders import alone
@@ -347,9 +409,16 @@ def view(
 
 
 @app.command()
-def schema() -> None:
+def schema(
+    study: Annotated[bool, typer.Option("--study", help="That of the study file.")] = False,
+) -> None:
     """Print the JSON Schema of the case file, for completion and checks in an editor."""
-    from fem_seal.case.case import case_schema
+    if study:
+        from fem_seal.studies.schema import study_schema
+
+        typer.echo(as_json(study_schema()))
+        return
+    from fem_seal.case.schema import case_schema
 
     typer.echo(as_json(case_schema()))
 
@@ -374,6 +443,7 @@ def _made(folder: Path) -> Path:
 def _remarks(case: Case) -> list[str]:
     from fem_seal.analysis.left_out import left_out
     from fem_seal.analysis.problem import SealProblem
+    from fem_seal.analysis.warnings import creep_remarks
 
     remarks = []
     if case.roughness is None:
@@ -388,6 +458,7 @@ def _remarks(case: Case) -> list[str]:
         )
         remarks.extend(case.form.without_effect(case.contact.angle))
     problem = SealProblem.of(case)
+    remarks.extend(creep_remarks(problem.materials))
     remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))
     if case.load.target_leak_rate is not None:
         from fem_seal.analysis.target import target_remarks
@@ -408,7 +479,7 @@ def _list_files(folder: Path) -> None:
     steps = [name for name in names if name.endswith((".vtu", ".vtp"))]
     others = [name for name in names if name not in steps]
     listed = ", ".join(others) + (f" and {len(steps)} VTK files" if steps else "")
-    typer.echo(f"Results in {folder}{'' if str(folder).endswith('/') else '/'}: {listed}")
+    typer.echo(f"Results in {os.path.join(folder, '')}: {listed}")
 
 
 def _warn(warnings: Sequence[str]) -> None:
@@ -512,6 +583,11 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
         for line, level in zip(cells, levels, strict=True):
             line.insert(keys, level.mark)
         keys += 1
+    verdicts = [row.get("verdict") for row in rows]
+    if any(verdicts):
+        headings.append("verdict\n")
+        for line, verdict in zip(cells, verdicts, strict=True):
+            line.append(verdict or "-")
     show_table(title, headings, cells, keys)
     for level in Level:
         if level.mark and level in levels:
@@ -524,7 +600,7 @@ def _digits(row: Mapping[str, Any], name: str) -> int:
     from fem_seal.output.columns import COLUMNS
 
     share = row.get("opening_margin", math.nan)
-    return DIGITS if math.isnan(share) else COLUMNS[name].digits(digits_near_opening(share))
+    return COLUMNS[name].digits(DIGITS if math.isnan(share) else digits_near_opening(share))
 
 
 def show_leakage(
@@ -586,6 +662,20 @@ def show_particles(result: SealSolution) -> None:
     from fem_seal.output.report.particles import particles_in_words
 
     for line in particles_in_words(result):
+        print(line)  # noqa: T201
+
+
+def show_verdict(result: SealSolution) -> None:
+    """Print whether the seal keeps what is required of it, without a requirement which class would be next; levers.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    from fem_seal.output.report.levers import lever_lines
+    from fem_seal.output.report.verdict import verdict_lines
+
+    for line in (*verdict_lines(result), *lever_lines(result)):
         print(line)  # noqa: T201
 
 

@@ -21,6 +21,7 @@ from fem_seal.errors import InputError, Problem
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
     from fem_seal.analysis.direct import DirectTable
 
@@ -59,6 +60,10 @@ class SealResult(SealSolution):
         What the form error means at the highest load; None for a round seal.
     particles : tuple of ParticleAnswers
         What particles in the fluid do to the leak of each load that leaks, if the case has [fluid.particles].
+    judgement : SealJudgement or None
+        Whether the seal keeps what [requirement] asks of it; `verdict` and `margin` are its short form.
+    levers : tuple of Lever
+        What changes the leak rate, the strongest first, if asked for.
 
     Examples
     --------
@@ -82,10 +87,10 @@ class SealResult(SealSolution):
         return f"<{type(self).__name__} of {result_text(self)}>"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the table and the pressure profiles."""
+        """What a notebook shows: the table of the loads, leak rates and pressure profiles."""
         from fem_seal.output.notebook import result_html
 
-        return result_html(self, self.table)
+        return result_html(self)
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -124,6 +129,37 @@ class SealResult(SealSolution):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
 
+    def plot(self, figure: Figure | None = None) -> Figure:
+        """Draw the leak rate over the loads, with its interval, and the pressure profiles.
+
+        Parameters
+        ----------
+        figure : matplotlib.figure.Figure, optional
+            To draw into, such as `matplotlib.pyplot.figure()` for a window; a new one unless given.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            A notebook shows it; ``savefig`` writes it to a file.
+
+        Examples
+        --------
+        >>> import fem_seal
+        >>> case = fem_seal.Case(
+        ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+        ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+        ...     interface={"law": "smooth"},
+        ...     load={"fluid_pressure": ["5 bar", "20 bar"]},
+        ... )
+        >>> figure = fem_seal.run(case).plot()
+        >>> [axes.get_title(loc="left") for axes in figure.axes]
+        ['Contact pressure']
+        >>> figure.savefig("seal.png")  # doctest: +SKIP
+        """
+        from fem_seal.output.pictures.figure import result_figure
+
+        return result_figure(self, figure)
+
     def view(self, png: str | os.PathLike[str] | None = None, load: int | None = None) -> None:
         """Show the seal in space, cut open, with the contact pressure on the seat's face.
 
@@ -158,7 +194,9 @@ class SealResult(SealSolution):
             view(Path(folder), None if png is None else Path(png), load)
 
 
-def run(case: Case, progress: Callable[[str], None] | None = None) -> SealResult:
+def run(
+    case: Case, progress: Callable[[str], None] | None = None, *, levers: bool | None = None
+) -> SealResult:
     """Solve every load of a case.
 
     Parameters
@@ -166,6 +204,8 @@ def run(case: Case, progress: Callable[[str], None] | None = None) -> SealResult
     case : Case
     progress : callable, optional
         Told in words what is being done.
+    levers : bool, optional
+        Whether to look for what changes the leak rate most; with a requirement unless given.
 
     Returns
     -------
@@ -198,7 +238,7 @@ def run(case: Case, progress: Callable[[str], None] | None = None) -> SealResult
     >>> print(f"{result.loads[0].contact.profile.peak_pressure / 1e6:.0f} MPa")
     192 MPa
     """
-    solution = solve(case, progress)
+    solution = solve(case, progress, levers=levers)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
 

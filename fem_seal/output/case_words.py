@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.case.drawing_words import words_of
 from fem_seal.case.drawn import ProfileSource
+from fem_seal.case.fields import Table
 from fem_seal.units import given, trimmed, unit_for
 
 if TYPE_CHECKING:
@@ -38,6 +40,35 @@ def dimensions(case: Case, name: str) -> dict[str, float]:
         if isinstance(entry, float) and key not in _NOT_A_DIMENSION
     }
     return given | chosen_dimensions(case, name)
+
+
+def listed_dimensions(case: Case, name: str) -> dict[str, tuple[float, bool]]:
+    """The `dimensions` in the words of the case, for people.
+
+    Radii are diameters where the case writes diameters; the angle of a cone is followed by its included angle.
+
+    Parameters
+    ----------
+    case : Case
+    name : str
+        "closure" or "seat".
+
+    Returns
+    -------
+    dict
+        By key or word: length [m] or angle [rad], and whether it was left open by the case.
+    """
+    table: type[Table] = type(getattr(case, name))
+    words = {word.key: word for word in words_of(table).values()}
+    chosen, listed = chosen_dimensions(case, name), {}
+    for key, value in dimensions(case, name).items():
+        word = words.get(key)
+        in_diameters = word is not None and word.marker.dimension == "length" and case.in_diameters(name)
+        if word is None or not in_diameters:
+            listed[key] = value, key in chosen
+        if word is not None and (in_diameters or word.marker.dimension == "angle"):
+            listed[word.name] = word.of_key(value), key in chosen
+    return listed
 
 
 def chosen_dimensions(case: Case, name: str) -> dict[str, float]:

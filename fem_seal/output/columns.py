@@ -1,6 +1,6 @@
 """The columns of all tables: one row each with name, unit, headings, meaning, and how to get it from a load.
 
-leak.csv, the terminal, the report, studies and docs/columns.md choose from this list; none of them has one of its own.
+leak.csv, the terminal, the report, studies and the manual choose from this list; none of them has one of its own.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Column:
     kind : str
         What `fem_seal.units.unit_for` calls the quantity; empty for a plain number.
     meaning : str
-        For docs/columns.md.
+        For the reference of the columns.
     of : callable
         The number of a `Row` in SI, None where nothing was calculated.
     heading : str
@@ -88,6 +88,8 @@ class Column:
         follow from that force.
     needs : tuple of str
         Tables of the case without which the column stays empty.
+    most_digits : int
+        Significant digits that are shown at most.
     """
 
     name: str
@@ -101,6 +103,7 @@ class Column:
     unit_like: str = ""
     spare_digits: int | None = None
     needs: tuple[str, ...] = ()
+    most_digits: int = DIGITS
 
     @property
     def unit(self) -> str:
@@ -124,7 +127,8 @@ class Column:
 
     def digits(self, of_force: int) -> int:
         """Significant digits that it is worth at a load whose contact force is worth `of_force`."""
-        return DIGITS if self.spare_digits is None else min(of_force + self.spare_digits, DIGITS)
+        of_this = DIGITS if self.spare_digits is None else of_force + self.spare_digits
+        return min(of_this, self.most_digits)
 
 
 def _rate(leak: LeakResult | None) -> float | None:
@@ -522,6 +526,19 @@ COLUMNS = {
             shown_in="N",
             unit_like="force_for_target_leak_N",
         ),
+        Column(
+            "margin",
+            "",
+            "with `[requirement]`: allowed leak rate over the upper end of the calculated one; infinite where sealed, "
+            "zero where the seal is open, nan where the load is not judged or nothing visible may leak",
+            lambda row: row.load.margin,
+            heading="margin",
+            short="margin",
+            spare_digits=0,
+            needs=("requirement",),
+            # of an interval, as its ends are
+            most_digits=2,
+        ),
     )
 }
 
@@ -567,6 +584,7 @@ LEAK_ON_TERMINAL = tuple(
         "force_for_target_leak_capped_N",
         "opening_margin_N",
         "opening_margin_Pa",
+        "margin",
     )
 )
 # What `fem-seal check` shows of the loads: what is known of the columns before a solve, and the closed forms.
@@ -581,12 +599,18 @@ CHECK_ON_TERMINAL = (
     *(COLUMNS[name].on_terminal for name in ("blow_off_pressure_Pa", "force_for_target_leak_N")),
 )
 
+# Columns of leak.csv that hold words, after its numbers.
+TEXT_COLUMNS = ("verdict", *VALIDITY_COLUMNS)
+VERDICT_MEANING = (
+    'with `[requirement]`: "holds", "fails" or "undecided", see guide/verdict in the manual; empty where the '
+    "load is not judged"
+)
 # The other tables: names of the columns and what they mean.
 VALIDITY_MEANINGS = dict(
     zip(
         VALIDITY_COLUMNS,
         (
-            '"valid", "doubtful" or "outside the theory", see [validity.md](validity.md)',
+            '"valid", "doubtful" or "outside the theory", see guide/validity in the manual',
             'why, the worst reason first, with "; " between them',
         ),
         strict=True,

@@ -11,6 +11,8 @@ from fem_seal.analysis.results import SealSolution
 if TYPE_CHECKING:
     import pandas as pd
 
+    from fem_seal.output.report.tables import ReadableTable
+
 # Loads that a text names one by one, and rows that a notebook shows.
 _NAMED = 5
 _ROWS = 20
@@ -35,24 +37,38 @@ def result_text(result: SealSolution) -> str:
     return "\n".join([heading, *lines])
 
 
-def result_html(result: SealSolution, table: pd.DataFrame) -> str:
-    """The table of the loads and the picture of their pressure profiles, to stand in a page.
+def result_html(result: SealSolution) -> str:
+    """The table of the loads as in the report, and the figure, to stand in a page.
 
     Parameters
     ----------
     result : SealSolution
-    table : pandas.DataFrame
-        One row per load.
     """
-    from fem_seal.analysis.closed_forms import derive
-    from fem_seal.output.pictures.contact import profile_picture
-    from fem_seal.output.pictures.style import style
+    from fem_seal.output.pictures.figure import result_figure
+    from fem_seal.output.pictures.style import Picture, svg
+    from fem_seal.output.report.tables import load_table, marks_in_words
+    from fem_seal.output.report.words import headline
 
-    with style():
-        picture = profile_picture(result, derive(result.case))
+    picture = Picture(
+        "result", svg(result_figure(result)), "leak rate over the loads, and pressure profiles", ""
+    )
     return (
-        f"<p><b>{escape(result.case.title)}</b></p>{table_html(table)}"
-        f'<img src="{picture.address}" alt="{escape(picture.alt)}" style="max-width: 100%">'
+        f"<p><b>{escape(result.case.title)}</b><br>{escape(headline(result))}</p>{_readable(load_table(result))}"
+        f"<p>{escape(marks_in_words(result).strip())} All columns, in SI: <code>.table</code>.</p>"
+        f'<img src="{picture.address}" alt="{picture.alt}" style="max-width: 100%">'
+    )
+
+
+def _readable(table: ReadableTable) -> str:
+    """A table in units for people; of a long one the first and last rows."""
+    rows = [[f"<td>{escape(cell)}</td>" for cell in row] for row in table.rows]
+    if len(rows) > _ROWS:
+        rows = [*rows[: _ROWS // 2], ["<td>...</td>"] * len(table.headings), *rows[-(_ROWS // 2) :]]
+    head = "".join(f"<th>{escape(heading)}</th>" for heading in table.headings)
+    body = "".join(f"<tr>{''.join(row)}</tr>" for row in rows)
+    return (
+        '<div style="overflow-x: auto"><table>'
+        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
 

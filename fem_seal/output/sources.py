@@ -74,6 +74,7 @@ def used(result: SealSolution) -> dict[str, bool]:
         "measured roughness": surface is not None
         and case.roughness is not None
         and case.roughness.is_measured,
+        "finish": surface is not None and case.roughness is not None and bool(case.roughness.finishes),
         "yielding asperities": surface is not None and surface.hardness is not None,
         "earlier load": result.earlier is not None and any(load.remembers for load in result.loads),
         "stretched roughness": surface is not None and surface.peklenik != 1.0,

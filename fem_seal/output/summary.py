@@ -13,11 +13,15 @@ import numpy as np
 from fem_seal.analysis.closed_forms import Derived, derive
 from fem_seal.analysis.problem import exponential_law
 from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution
+from fem_seal.analysis.verdict import limits
 from fem_seal.case.case import Case, input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.files import as_json, write_text
-from fem_seal.output.case_words import chosen_dimensions, dimensions, section
+from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section
+from fem_seal.output.finish import finish_numbers
+from fem_seal.output.report.levers import ratio_in_words, step_in_words
+from fem_seal.output.report.verdict import verdict_sentences
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import leak_rows, leakage_table, variant_rows
@@ -43,7 +47,9 @@ def summary(result: SealSolution) -> dict[str, Any]:
         per load; null for a body that does not pass its yield stress), ``imprint`` (of each body that has yielded;
         null if both bodies are elastic), ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
         (relative changes, and what they say), ``form`` (answers about the form error at the highest load; null for a
-        round seal), ``particles`` (answers about particles in the fluid, one entry per load that leaks),
+        round seal), ``requirement`` (verdict, margin and what they rest on; null without one), ``levers`` (what
+        changes the leak rate, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
+        load that leaks),
         ``interface_variants``, ``uncertainty`` (null unless asked for),
         ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.
     """
@@ -68,6 +74,11 @@ def summary(result: SealSolution) -> dict[str, Any]:
             "says": far_field_sentence(result),
         },
         "form": None if result.form is None else asdict(result.form),
+        "requirement": verdict_numbers(result),
+        "levers": [
+            asdict(one) | {"says": f"{step_in_words(case, one)}: {ratio_in_words(one)}"}
+            for one in result.levers
+        ],
         "particles": [asdict(answers) for answers in result.particles],
         "interface_variants": [asdict(variant) for variant in result.interface_variants],
         "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty),
@@ -142,6 +153,51 @@ def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, 
     }
 
 
+def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
+    """The verdict on the requirement with what it rests on; None without a requirement."""
+    found = result.judgement
+    if found is None:
+        return None
+    worst, shares = found.worst, found.shares
+    return {
+        "verdict": str(found.verdict),
+        "margin": found.margin,
+        "says": verdict_sentences(result),
+        "limit": worst.limit.name,
+        "allowed_m3_per_s": worst.limit.leak_rate,
+        "test_fluid": worst.limit.test_fluid or None,
+        "leak_rate_low_m3_per_s": worst.ends[0],
+        "leak_rate_high_m3_per_s": worst.ends[1],
+        "decided_by": str(worst.why),
+        "fluid_pressure_Pa": found.fluid_pressure,
+        "applied_force_N": found.applied_force,
+        "judged_loads": len(found.judged),
+        "loads_without_result": found.left_out,
+        "share_of_yield_stress": shares.yield_stress,
+        "share_of_hardness": shares.hardness,
+        "margin_to_opening": shares.opening,
+    }
+
+
+def requirement_numbers(case: Case) -> list[dict[str, Any]] | None:
+    """What will be judged at which fluid pressure, as `check --json` prints it; None without a requirement."""
+    required = case.requirement
+    if required is None:
+        return None
+    return [
+        {
+            "fluid_pressure_Pa": pressure,
+            "limit": limit.name,
+            "allowed_m3_per_s": limit.leak_rate,
+            "test_fluid": limit.test_fluid or None,
+            "test_fluid_leaks_times": list(limit.ratio),
+        }
+        for pressure in dict.fromkeys(case.load.fluid_pressure)
+        if required.judges(pressure)
+        for limit in limits(case, pressure)
+    ]
+
+
 def _yielding(load: LoadResult) -> dict[str, Any]:
     """Where the bodies yield or, solved as elastic, pass their yield stress."""
     found = yielding_of(load.contact)
@@ -202,12 +258,16 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
         "touch_radius_m": derived.touch_radius,
         "contact_angle_rad": case.contact.angle,
         "relative_radius_m": derived.relative_radius,
-        "dimensions": {name: dimensions(case, name) for name in ("closure", "seat")},
+        "dimensions": {
+            name: {key: value for key, (value, _) in listed_dimensions(case, name).items()}
+            for name in ("closure", "seat")
+        },
         "sections": {name: found for name in ("closure", "seat") if (found := section(case, name))},
         "effective_modulus_Pa": derived.effective_modulus,
         "hardness_Pa": derived.hardness,
         "rms_height_m": derived.rms_height,
         "rms_slope": derived.rms_slope,
+        "finishes": finish_numbers(case),
         "decay_length_m": derived.decay_length,
         "law_pressure_Pa": derived.law_pressure,
         "viscosity_Pa_s": fluid.viscosity if fluid else None,

@@ -7,10 +7,65 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import as_json, write_bytes, write_text
-from fem_seal.units import number, percent, quantity
+from fem_seal.units import given, number, percent, quantity
 
 if TYPE_CHECKING:
-    from leak import MeasuredSurface
+    from leak import MeasuredSurface, RoughnessParameters
+
+
+def parameter_numbers(surface: MeasuredSurface) -> dict[str, Any]:
+    """Ra, Rq, Rz, Rsk and Rku in SI, with the filter that they were measured with.
+
+    Parameters
+    ----------
+    surface : MeasuredSurface
+    """
+    found = roughness_of(surface)
+    return {
+        "Ra_m": found.Ra,
+        "Rq_m": found.Rq,
+        "Rz_m": found.Rz,
+        "Rsk": found.Rsk,
+        "Rku": found.Rku,
+        "lambda_c_m": found.filter.lambda_c,
+        "lambda_s_m": found.filter.lambda_s,
+        "sections": found.sections,
+        "evaluation_length_m": found.length,
+        "profiles": found.profiles,
+        "remarks": list(found.remarks),
+    }
+
+
+def parameter_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
+    """The same for people.
+
+    Parameters
+    ----------
+    surface : MeasuredSurface
+    """
+    found = roughness_of(surface)
+    heights = ", ".join(quantity("length", value) for value in (found.Ra, found.Rq, found.Rz))
+    short = given("length", found.filter.lambda_s) if found.filter.lambda_s else "none"
+    profiles = "" if found.profiles == 1 else f", mean of {found.profiles} profiles"
+    sections = "the whole scan" if found.sections == 0 else f"{found.sections} sections"
+    return [
+        ("Ra, Rq, Rz", f"{heights} (ISO 21920-2{profiles})"),
+        ("Rsk, Rku", f"{number(found.Rsk)}, {number(found.Rku)} (Gaussian: 0, 3)"),
+        ("  filter", f"λc {given('length', found.filter.lambda_c)}, λs {short}, over {sections}"),
+        *(("  note", text) for text in found.remarks),
+    ]
+
+
+def roughness_of(surface: MeasuredSurface) -> RoughnessParameters:
+    """Roughness parameters of the scans, without their form.
+
+    Parameters
+    ----------
+    surface : MeasuredSurface
+    """
+    from leak import roughness_parameters
+
+    return roughness_parameters(surface.scans)
 
 
 def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
@@ -35,6 +90,7 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
         "hurst_interval": surface.rolloff.hurst_interval,
         "confidence": surface.rolloff.confidence,
         "true_rms_height_interval_m": [surface.rms_height * one for one in surface.rolloff.height.interval],
+        "roughness_parameters": parameter_numbers(surface),
         "q_low_per_m": surface.q_low,
         "q_high_per_m": surface.q_high,
         "range_limited_by": surface.limit,
@@ -79,6 +135,7 @@ def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
     lines.append(
         ("skewness, kurtosis", f"{number(surface.skewness)}, {number(surface.kurtosis)} (Gaussian: 0, 3)")
     )
+    lines += parameter_lines(surface)
     if surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None:
         angle = number(math.degrees(surface.lay_angle))
         lines.append(

@@ -23,6 +23,7 @@ from fem_seal.output.columns import (
     LEAK_COLUMNS,
     PROFILE_COLUMNS,
     PROFILE_LEAK_COLUMNS,
+    TEXT_COLUMNS,
     VARIANT_COLUMNS,
     Row,
 )
@@ -49,14 +50,18 @@ def rows_of(result: SealSolution) -> list[Row]:
 
 
 def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
-    """Rows of leak.csv, one per load: numbers in SI, NaN where nothing was calculated; validity, a list of reasons.
+    """Rows of leak.csv, one per load: numbers in SI, NaN where nothing was calculated; `TEXT_COLUMNS`.
+
+    Reasons are a list, and a load without a requirement has the verdict None.
 
     Parameters
     ----------
     result : SealSolution
     """
     return [
-        _cells(LEAK_COLUMNS, row) | validity_entries(load.validity)
+        _cells(LEAK_COLUMNS, row)
+        | {"verdict": None if load.verdict is None else str(load.verdict)}
+        | validity_entries(load.validity)
         for row, load in zip(rows_of(result), result.loads, strict=True)
     ]
 
@@ -81,11 +86,12 @@ def _cells(names: Sequence[str], row: Row) -> dict[str, Any]:
 
 
 def leak_table(result: SealSolution) -> pd.DataFrame:
-    """One row per load with `LEAK_COLUMNS`, SI, and `VALIDITY_COLUMNS`, texts.
+    """One row per load with `LEAK_COLUMNS`, SI, and `TEXT_COLUMNS`.
 
-    docs/columns.md says what each of them means. NaN where nothing was calculated. ``validity`` is "valid", "doubtful"
-    or "outside the theory"; ``validity_reasons`` says why, the worst reason first, with "; " between them
-    (docs/validity.md).
+    reference/columns in the manual says what each of them means. NaN where nothing was calculated. ``verdict`` is
+    "holds", "fails", "undecided" or, without a requirement, empty. ``validity`` is "valid", "doubtful" or "outside the
+    theory"; ``validity_reasons`` says why, the worst reason first, with "; " between them (guide/validity in the
+    manual).
 
     Parameters
     ----------
@@ -94,13 +100,14 @@ def leak_table(result: SealSolution) -> pd.DataFrame:
     import pandas as pd
 
     rows = [with_text(row) for row in leak_rows(result)]
-    table = pd.DataFrame(rows, columns=[*LEAK_COLUMNS, *VALIDITY_COLUMNS])
+    table = pd.DataFrame(rows, columns=[*LEAK_COLUMNS, *TEXT_COLUMNS])
     return table.astype(dict.fromkeys(LEAK_COLUMNS, float))
 
 
 def with_text(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A row with its reasons in one text."""
-    return {**row, "validity_reasons": "; ".join(row["validity_reasons"])}
+    """A row whose texts are texts: the reasons in one, and an empty one where there is no verdict."""
+    texts = {"verdict": row["verdict"] or ""} if "verdict" in row else {}
+    return {**row, **texts, "validity_reasons": "; ".join(row["validity_reasons"])}
 
 
 def profile_array(result: SealSolution) -> NDArray[np.float64]:
@@ -124,7 +131,7 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
 def write_leak_csv(result: SealSolution, path: Path) -> Path:
     """Write leak.csv, atomically."""
     rows = [with_text(row) for row in leak_rows(result)]
-    return write_rows_csv(path, (*LEAK_COLUMNS, *VALIDITY_COLUMNS), [list(row.values()) for row in rows])
+    return write_rows_csv(path, (*LEAK_COLUMNS, *TEXT_COLUMNS), [list(row.values()) for row in rows])
 
 
 def write_rows_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> Path:

@@ -28,10 +28,10 @@ _ANGLES = 720
 def write_contact(result: SealSolution, folder: Path) -> list[Path]:
     """Write contact.pvd and one contact_000.vtu per load: both bodies with displacement and stress.
 
-    Point data: ``displacement`` [m], the closure's rigid motion since first touch included, ``stress`` [Pa] as
-    XX YY ZZ XY YZ XZ with x = r, y = z, z = hoop, ``von_mises`` [Pa], ``contact_pressure`` [Pa] on the contact
-    line, zero elsewhere. Where a body yields also ``plastic_strain``, as ``stress`` and as a tensor (XY is half the
-    engineering shear strain), and ``accumulated_plastic_strain``, zero in a body that is elastic. Cell data:
+    Names end in the unit. Point data: ``displacement_m``, the closure's rigid motion since first touch included,
+    ``stress_Pa`` as XX YY ZZ XY YZ XZ with x = r, y = z, z = hoop, ``von_mises_Pa``, ``contact_pressure_Pa`` on the
+    contact line, zero elsewhere. Where a body yields also ``plastic_strain``, as the stress and as a tensor (XY is half
+    the engineering shear strain), and ``accumulated_plastic_strain``, zero in a body that is elastic. Cell data:
     ``body``, 0 for the closure and 1 for the seat.
 
     Returns
@@ -52,8 +52,8 @@ def write_contact(result: SealSolution, folder: Path) -> list[Path]:
 def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     """Write contact_line.pvd and one contact_line_000.vtp per load: the pressure profile in space.
 
-    Point data: ``x``, arc length from first touch [m], ``contact_pressure`` [Pa], ``gap`` [m] and, where a leak
-    rate was calculated, ``fluid_pressure_in_gap`` [Pa].
+    Point data: ``x_m``, arc length from first touch, ``contact_pressure_Pa``, ``gap_m`` and, where a leak rate was
+    calculated, ``fluid_pressure_in_gap_Pa``.
 
     Returns
     -------
@@ -66,9 +66,9 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     for load, file in zip(result.loads, files, strict=True):
         profile = load.contact.profile
         points = _in_space(np.column_stack([profile.radius, height(profile.x)]))
-        data = {"x": profile.x, "contact_pressure": profile.pressure, "gap": profile.gap}
+        data = {"x_m": profile.x, "contact_pressure_Pa": profile.pressure, "gap_m": profile.gap}
         if load.gap_pressure is not None:
-            data["fluid_pressure_in_gap"] = load.gap_pressure
+            data["fluid_pressure_in_gap_Pa"] = load.gap_pressure
         written.append(write_line(folder / file, points, point_data=data, field_data=_load_data(load)))
     series = write_series(folder / "contact_line.pvd", files, _times(result.loads))
     _remove_stale(folder, "contact_line", "vtp", files)
@@ -80,10 +80,10 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
 
     A load has the same number as in the other series.
 
-    x, y, z in space, z the axis; the angle goes from x to y. Point data: ``x``, arc length from first touch [m],
-    ``angle`` [rad], ``contact_pressure`` [Pa], ``gap`` [m], ``gap_change`` [m], what the form error adds to the gap,
-    ``local_line_load`` [N/m] and, where it is known, ``leak_rate_per_radian`` [m^3/s], with asperities that yield also
-    ``leak_rate_capped_per_radian``, the same all along x. The numbers are in single precision.
+    x, y, z in space, z the axis; the angle goes from x to y. Point data: ``x_m``, arc length from first touch,
+    ``angle_rad``, ``contact_pressure_Pa``, ``gap_m``, ``gap_change_m``, what the form error adds to the gap,
+    ``local_line_load_N_per_m`` and, where it is known, ``leak_rate_m3_per_s_per_rad``, with asperities that yield also
+    ``leak_rate_capped_m3_per_s_per_rad``, the same all along x. The numbers are in single precision.
 
     Returns
     -------
@@ -125,16 +125,16 @@ def _around_the_axis(
     onwards = np.roll(number, -1, axis=0)
     # seen from the closure, around each quadrilateral against the clock
     corners = number[:, :-1], number[:, 1:], onwards[:, 1:], onwards[:, :-1]
-    data = {"x": line.x, "contact_pressure": pressure, "gap": gap}
+    data = {"x_m": line.x, "contact_pressure_Pa": pressure, "gap_m": gap}
     of_angle = {
-        "angle": angle,
-        "gap_change": around.gap_change[::every],
-        "local_line_load": around.line_load[::every],
+        "angle_rad": angle,
+        "gap_change_m": around.gap_change[::every],
+        "local_line_load_N_per_m": around.line_load[::every],
     }
     if around.leak_rate is not None:
-        of_angle["leak_rate_per_radian"] = around.leak_rate[::every]
+        of_angle["leak_rate_m3_per_s_per_rad"] = around.leak_rate[::every]
     if capped is not None and capped.leak_rate is not None:
-        of_angle["leak_rate_capped_per_radian"] = capped.leak_rate[::every]
+        of_angle["leak_rate_capped_m3_per_s_per_rad"] = capped.leak_rate[::every]
     data |= {name: values[:, None] for name, values in of_angle.items()}
     with np.errstate(under="ignore"):
         single = {
@@ -146,7 +146,7 @@ def _around_the_axis(
 def write_unloaded(result: SealSolution, folder: Path) -> Path | None:
     """Write unloaded.vtu: both bodies after the last load, with residual stress and lasting displacement.
 
-    Point data as in `write_contact`; ``displacement`` is the lasting one, with that of a press fit. None, and an
+    Point data as in `write_contact`; ``displacement_m`` is the lasting one, with that of a press fit. None, and an
     unloaded.vtu of an earlier run is removed, if both bodies are elastic.
     """
     path = folder / "unloaded.vtu"
@@ -167,10 +167,10 @@ def _write_bodies(
         np.concatenate([body.triangles6 + start for body, start in zip(bodies, starts, strict=False)]),
         QUADRATIC_TRIANGLE,
         point_data={
-            "displacement": _in_space(np.concatenate([_displacement(body, approach) for body in bodies])),
-            "stress": _symmetric_tensor(np.concatenate([body.stress for body in bodies])),
-            "von_mises": np.concatenate([body.von_mises for body in bodies]),
-            "contact_pressure": np.concatenate([body.contact_pressure for body in bodies]),
+            "displacement_m": _in_space(np.concatenate([_displacement(body, approach) for body in bodies])),
+            "stress_Pa": _symmetric_tensor(np.concatenate([body.stress for body in bodies])),
+            "von_mises_Pa": np.concatenate([body.von_mises for body in bodies]),
+            "contact_pressure_Pa": np.concatenate([body.contact_pressure for body in bodies]),
             **_plastic(bodies),
         },
         cell_data={
@@ -219,9 +219,9 @@ def _in_space(values: FloatArray) -> FloatArray:
 
 def _load_data(load: LoadResult) -> dict[str, NDArray[np.generic]]:
     return {
-        "fluid_pressure": np.array([load.fluid_pressure]),
-        "axial_force": np.array([load.axial_force]),
-        "line_load": np.array([load.line_load]),
+        "fluid_pressure_Pa": np.array([load.fluid_pressure]),
+        "axial_force_N": np.array([load.axial_force]),
+        "line_load_N_per_m": np.array([load.line_load]),
     }
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.sampling import LogNormal, Normal
+from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.fields import Quantity, shown
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import UnreadableFileError, read_text
@@ -122,6 +123,15 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
     twice = [name for n, name in enumerate(paths) if name in paths[:n]]
     if twice:
         raise InputError(Problem("design.file", f"has two columns {twice[0]}; remove one", shown(path.name)))
+    again = said_twice(paths)
+    if again:
+        raise InputError(
+            Problem(
+                "design.file",
+                f"has columns {again[0]} and {again[1]}, two words for one entry; remove one",
+                shown(path.name),
+            )
+        )
     entries = [_entry(case, name, path) for name in paths]
     columns: list[list[Value]] = [[] for _ in entries]
     for number, row in enumerate(rows[1:], start=2):

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.analysis.caution import Level
+from fem_seal.analysis.judgement import Verdict
 from fem_seal.arrays import FloatArray
 from fem_seal.studies.designs import MORRIS_LEVELS, SENSITIVITY, unit_points
 from fem_seal.studies.expressions import Constraint, Expression
@@ -79,6 +80,17 @@ class Designs:
     def validity(self) -> pd.Series:
         """How far each design that did not fail can be trusted, in words; empty in files that do not say it yet."""
         return self._told("validity")
+
+    @cached_property
+    def verdict(self) -> pd.Series:
+        """What is said of the requirement at each design that did not fail; empty where nothing was asked."""
+        return self._told("verdict")
+
+    @property
+    def verdicts(self) -> dict[str, int]:
+        """How many designs hold, fail and are undecided; empty where nothing was asked."""
+        found = self.verdict[self.verdict != ""].value_counts()
+        return {str(word): int(found[word]) for word in Verdict if word in found}
 
     @cached_property
     def worst_reason(self) -> pd.Series:

@@ -7,9 +7,11 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
-from fem_seal.case.bodies import MaterialTable
-from fem_seal.case.fields import Number, OneOrMany, Pressures, Quantity, shown
+from fem_seal.case.bodies import MaterialTable, library_table
+from fem_seal.case.drawing_words import same_entry, words_of
+from fem_seal.case.fields import Number, OneOrMany, Pressures, Quantity, Table, shown
 from fem_seal.errors import InputError, Problem
+from fem_seal.material_library import LIBRARY
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
 
@@ -109,10 +111,13 @@ def entry_at(case: Case, path: str) -> Entry:
     table: object = case
     for parent in parents:
         table = _inside(table, parent)
-    fields = _fields(table)
+    fields, words = _fields(table), words_of(type(table)) if isinstance(table, Table) else {}
     known = list(entry_paths(case))
+    if last in words and same_entry(path) in known:
+        return Entry(path, words[last].marker)
     if last not in fields or path.split(".")[0] in _NOT_VARIED or path not in known:
-        near = difflib.get_close_matches(path, known, n=2, cutoff=0.5)
+        in_words = [f"{'.'.join(parents)}.{word}" for word in words]
+        near = difflib.get_close_matches(path, [*known, *in_words], n=2, cutoff=0.5)
         ends_alike = [one for one in known if one.split(".")[-1] == last]
         hints = list(dict.fromkeys([*ends_alike[:2], *near]))[:3]
         listed = f"do you mean {' or '.join(hints)}? " if hints else ""
@@ -127,8 +132,13 @@ def _inside(table: object, key: str) -> object:
     return getattr(table, key, None) if key in _fields(table) else None
 
 
+# A finish in words, "lapped Ra 0.2 um", is one value that changes them as a whole.
+_FINISHES = ("roughness", "roughness.seat", "roughness.closure")
+
+
 def entry_paths(case: Case) -> Iterator[str]:
     """Paths of all entries of a case that a study can vary."""
+    yield from _FINISHES if case.roughness is not None else _FINISHES[:1]
     for name in _fields(case):
         if name not in _NOT_VARIED:
             yield from _paths_below(name, getattr(case, name), _fields(case)[name])
@@ -146,6 +156,8 @@ def with_open_materials(case: Case, paths: list[str]) -> Case:
 
 
 def _as_table(material: Material) -> dict[str, Any]:
+    if LIBRARY.get(material.name) == material:
+        return library_table(material.name)
     numbers = asdict(material)
     entries = {name: Entry(name, _marker(field)) for name, field in _fields(material).items()}
     return {

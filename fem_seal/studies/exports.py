@@ -85,7 +85,9 @@ def dataset(designs: Designs) -> xr.Dataset:
 
     parameters = designs.parameters
     table = designs.table.copy()
-    texts = [name for name in ("status", "reason", "validity", "validity_reasons") if name in table]
+    texts = [
+        name for name in ("status", "reason", "validity", "validity_reasons", "verdict") if name in table
+    ]
     for name in texts:
         table[name] = table[name].fillna("").astype(str)
     if designs.kind == "grid" and not table.duplicated(parameters).any() and len(table):

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
 
 _MOST_LEVELS = 100_000
-_RANGE_KEYS = ("start", "stop", "num", "spacing")
-_DISTRIBUTIONS: dict[str, tuple[str, ...]] = {
+RANGE_KEYS = ("start", "stop", "num", "spacing")
+DISTRIBUTIONS: dict[str, tuple[str, ...]] = {
     "uniform": ("low", "high"),
     "log-uniform": ("low", "high"),
     "normal": ("mean", "std"),
@@ -130,7 +130,7 @@ def _read(entry: Entry, key: str, given: object) -> Value:
 
 def _range(entry: Entry, key: str, given: Mapping[str, Any]) -> tuple[Value, ...]:
     example = '{ start = "30 deg", stop = "60 deg", num = 7, spacing = "linear" or "log" }'
-    _check_keys(key, given, _RANGE_KEYS, _RANGE_KEYS[:3], example)
+    _check_keys(key, given, RANGE_KEYS, RANGE_KEYS[:3], example)
     if not entry.numeric:
         raise InputError(Problem(key, "holds words, which have no range; write a list"))
     start, stop = (float(_read(entry, f"{key}.{name}", given[name])) for name in ("start", "stop"))
@@ -157,12 +157,12 @@ def _range(entry: Entry, key: str, given: Mapping[str, Any]) -> tuple[Value, ...
 
 def _distribution(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
     kind = given["distribution"]
-    if kind not in _DISTRIBUTIONS:
-        listed = ", ".join(f'"{one}"' for one in _DISTRIBUTIONS)
+    if kind not in DISTRIBUTIONS:
+        listed = ", ".join(f'"{one}"' for one in DISTRIBUTIONS)
         raise InputError(Problem(f"{key}.distribution", f"must be one of {listed}", shown(kind)))
     if not entry.numeric:
         raise InputError(Problem(key, "holds words, which have no distribution; write a list"))
-    numbers = _DISTRIBUTIONS[kind]
+    numbers = DISTRIBUTIONS[kind]
     example = "{ " + ", ".join([f'distribution = "{kind}"', *(f"{one} = ..." for one in numbers)]) + " }"
     _check_keys(key, given, ("distribution", *numbers), numbers, example)
     made = _MAKE[kind](entry, key, given)

@@ -12,6 +12,7 @@ import numpy as np
 from fem_seal.analysis.sampling import LogNormal, Normal
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
+from fem_seal.case.drawing_words import same_entry
 from fem_seal.case.fields import shown
 from fem_seal.errors import InputError, Problem
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
@@ -89,7 +90,7 @@ class StudyPlan:
 
 
 # Columns of the study's own table.
-RESERVED = ("number", "status", "reason", "seconds", "key", "validity", "validity_reasons")
+RESERVED = ("number", "status", "reason", "seconds", "key", "validity", "validity_reasons", "verdict")
 
 
 def read_formulas(
@@ -172,6 +173,8 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
 
 # Where asperities yield, a leak rate never stands without its other reading.
 _LEAK_RATE, _BESIDE = "leak_rate_m3_per_s", "leak_rate_capped_m3_per_s"
+# The verdict is a word, which stands in the table of the designs wherever its number does.
+_VERDICT, _MARGIN = "verdict", "margin"
 # Columns that elastic asperities leave empty, and those that uncertain inputs fill all the same.
 _OF_YIELDING = (_BESIDE, "leak_rate_conserved_m3_per_s", "force_for_target_leak_capped_N")
 _SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
@@ -187,6 +190,8 @@ def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[str, ...
     wanted = _asked(study, responses)
     if _LEAK_RATE in wanted and _yields(study):
         wanted.add(_BESIDE)
+    if _VERDICT in wanted:
+        wanted.add(_MARGIN)
     return tuple(name for name in LEAK_COLUMNS if name in wanted)
 
 
@@ -214,7 +219,7 @@ def _texts(value: str | tuple[str, ...] | None) -> tuple[str, ...]:
 
 def _check_responses(study: StudyPlan, responses: Sequence[str]) -> None:
     for n, name in enumerate(responses):
-        if name not in LEAK_COLUMNS:
+        if name not in (*LEAK_COLUMNS, _VERDICT):
             raise InputError(Problem("responses", unknown_column(name), shown(name)))
         if name in responses[:n]:
             raise InputError(Problem("responses", f"names {name} twice; remove one"))
@@ -250,10 +255,11 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
 
 def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     """Columns that stay empty in this case."""
-    for table in COLUMNS[name].needs if name in COLUMNS else ():
+    column = COLUMNS.get(_MARGIN if name == _VERDICT else name)
+    for table in () if column is None else column.needs:
         if getattr(study.case, table) is None:
             raise InputError(Problem(key, f"{name} needs a table [{table}] in the base case"))
-    sampled = name in _SAMPLED and study.case.uncertainty is not None
+    sampled = name in _SAMPLED and study.case.sampled is not None
     if name in (*_OF_YIELDING, *_SAMPLED) and not _yields(study) and not sampled:
         also = " or a table [uncertainty]" if name in _SAMPLED else ""
         raise InputError(Problem(key, f"{name} needs leak.plasticity = true{also} in the base case"))
@@ -272,7 +278,8 @@ _CHECKED = 300
 
 def check_changes(changes: Mapping[str, Any], paths: Sequence[str]) -> None:
     """InputError if an entry is changed and varied."""
-    twice = [path for path in paths if path in changes]
+    changed = {same_entry(path) for path in changes}
+    twice = [path for path in paths if same_entry(path) in changed]
     if twice:
         raise InputError(
             Problem(

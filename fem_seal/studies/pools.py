@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import signal
+import sys
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
@@ -206,7 +207,7 @@ def _uninterrupted() -> Iterator[None]:
 
     A terminal sends the signal to all of them, but it is the one that started them that ends them.
     """
-    if not hasattr(signal, "pthread_sigmask"):  # not on this system: there the workers complain
+    if sys.platform == "win32":  # there the workers complain
         yield
         return
     from multiprocessing import resource_tracker

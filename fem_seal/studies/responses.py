@@ -12,11 +12,14 @@ from functools import partial
 
 from fem_seal import result as seal_result
 from fem_seal.analysis.caution import Validity
-from fem_seal.analysis.flow import Conductivity, Flow, RoughFlow
+from fem_seal.analysis.families import family_law, family_table
+from fem_seal.analysis.flow import Conductivity, Flow, RoughFlow, log_peaks
+from fem_seal.analysis.judgement import Verdict
 from fem_seal.analysis.load_solver import LoadSolver
 from fem_seal.analysis.opening import with_margins
 from fem_seal.analysis.problem import SealProblem, expected_forces, sizing
 from fem_seal.analysis.results import LoadResult
+from fem_seal.analysis.verdict import judged
 from fem_seal.analysis.warnings import load_validity
 from fem_seal.case.case import Case
 from fem_seal.contact.laws import Law
@@ -25,7 +28,7 @@ from fem_seal.contact.refit import solve_fitted
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, Row
 from fem_seal.output.tables import rows_of
-from fem_seal.studies.shared import TabulatedSurface, family_law, family_table, shared_model
+from fem_seal.studies.shared import TabulatedSurface, shared_model
 from leak import ConductivityTable, RoughContact
 from meshes import Sizing
 
@@ -36,7 +39,9 @@ _COMPLETE = (
     "max_accumulated_plastic_strain",
     "load_steps",
 )
-_SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
+_SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin")
+# A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
+LARGEST_MARGIN = 1e6
 FAST = tuple(name for name in LEAK_COLUMNS if name not in _COMPLETE)
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
@@ -56,10 +61,13 @@ class Evaluation:
     validity : Validity
         How far they can be trusted, by the checks of the load itself: errors of the mesh and of the far field are
         found once per geometry and are no part of it.
+    verdict : Verdict or None
+        On the case's requirement; None where its margin is not among the columns.
     """
 
     values: dict[str, float]
     validity: Validity
+    verdict: Verdict | None = None
 
 
 def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> Evaluation:
@@ -80,8 +88,12 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     problem = SealProblem.of(case)
     load = _load(problem, stress=can_yield or "max_von_mises_Pa" in columns, interpolate=interpolate)
     # for the checks alone the table would take too long
-    leaks = any(column.startswith(("leak_rate", "lift_off")) for column in columns)
-    return Evaluation(_read(Row(load), columns), _validity(problem, load, tabulated=leaks and interpolate))
+    leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
+    validity = _validity(problem, load, tabulated=leaks and interpolate)
+    if "margin" in columns:
+        load = load.knowing(validity=validity)
+        load = load.knowing(judgement=judged(case, load, load.leak_range))
+    return Evaluation(_read(Row(load), columns), validity, load.verdict)
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -93,13 +105,13 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         With one fluid pressure.
     columns : sequence of str
         Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` cost milliseconds once geometry and surface
-        are known; any other (knudsen_number, max_accumulated_plastic_strain, load_steps and, with [uncertainty],
-        leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a complete run of the case. So does any column of a
-        case with load.closing = "penetration", load.target_leak_rate, load.largest_earlier_force or _pressure,
+        are known; any other (knudsen_number, max_accumulated_plastic_strain, load_steps and, with [uncertainty] or a
+        finish, leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a complete run of the case. So does any column
+        of a case with load.closing = "penetration", load.target_leak_rate, load.largest_earlier_force or _pressure,
         leak.fluid_in_gap = "local", seat.wall = "fixed" or a stress-strain curve.
     interpolate : bool
         Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
-        see `fem_seal.studies.shared`.
+        see `fem_seal.studies.shared` and `fem_seal.analysis.families`.
 
     Raises
     ------
@@ -107,19 +119,23 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     """
     if takes_complete_run(case, columns):
         return _complete_run(case, columns).values
+    if "margin" in columns:
+        # which asks for the validity
+        return evaluate(case, columns, interpolate=interpolate).values
     stress = "max_von_mises_Pa" in columns
     return _read(Row(_load(SealProblem.of(case), stress=stress, interpolate=interpolate)), columns)
 
 
 def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
-    return {column: COLUMNS[column].number(row) for column in columns}
+    found = {column: COLUMNS[column].number(row) for column in columns}
+    return found | {"margin": min(found["margin"], LARGEST_MARGIN)} if "margin" in found else found
 
 
 def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
     """Whether columns of a case take seconds or minutes, see `responses`."""
     return (
         not set(columns) <= set(FAST)
-        or (case.uncertainty is not None and not set(columns).isdisjoint(_SAMPLED))
+        or (case.sampled is not None and not set(columns).isdisjoint(_SAMPLED))
         or case.load.closing != "sealed-area"
         or case.load.target_leak_rate is not None
         or case.load.earlier is not None
@@ -131,14 +147,14 @@ def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
 
 
 def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
-    result = seal_result.run(case)
+    result = seal_result.run(case, levers=False)
     row, *_ = rows_of(result)
     load = row.load
     cautions = load.validity.without("mesh").cautions
     if any(name.startswith("force_for_target") for name in columns) and load.target_validity is not None:
         # here the force is what the design is judged by
         cautions += load.target_validity.cautions
-    return Evaluation(_read(row, columns), Validity.of(cautions))
+    return Evaluation(_read(row, columns), Validity.of(cautions), load.verdict)
 
 
 def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> LoadResult:
@@ -177,7 +193,7 @@ def _law(problem: SealProblem) -> Law:
 
 
 def _shared_table(contact: ContactSolution, flow: Flow, surface: RoughContact) -> Conductivity:
-    return family_table(flow, surface, contact) or flow.table_of(surface, [contact])
+    return family_table(flow, surface, log_peaks([contact])) or flow.table_of(surface, [contact])
 
 
 def _validity(problem: SealProblem, load: LoadResult, *, tabulated: bool) -> Validity:

@@ -217,7 +217,7 @@ def _keep_fields(
             continue
         # written last: says that the folder is complete, and whose results it holds
         mark = place / "design.json"
-        if mark.exists() and json.loads(mark.read_text())["key"] == key:
+        if mark.exists() and json.loads(mark.read_text(encoding="utf-8"))["key"] == key:
             continue
         inputs = dict(zip(study.names, store.rows([key])[key].inputs, strict=True))
         changes = {one.name: one.entry.written(inputs[one.name]) for one in study.parameters}

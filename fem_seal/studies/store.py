@@ -29,9 +29,10 @@ FILE = "study.sqlite"
 FORMAT_VERSION = 1
 _AT_ONCE = 500
 DONE, FAILED = "done", "failed"
-# Columns of a row besides parameters and outputs. Files of before validity was told do not have the last two.
+# Columns of a row besides parameters and outputs. Files of before validity or a verdict was told do not have the last
+# ones.
 _ABOUT_ROW = ("key", "status", "reason", "seconds")
-_VALIDITY = ("validity", "validity_reasons")
+_TOLD = ("validity", "validity_reasons", "verdict")
 TRUTH = "BOOLEAN"
 
 
@@ -53,6 +54,8 @@ class Row:
         What it took.
     validity, validity_reasons : str or None
         How far its numbers can be trusted, and why no further; None if it failed.
+    verdict : str or None
+        On the requirement of the case; None where it was not asked for.
     """
 
     key: str
@@ -62,6 +65,7 @@ class Row:
     seconds: float
     validity: str | None = None
     validity_reasons: str | None = None
+    verdict: str | None = None
 
 
 class Store:
@@ -156,24 +160,24 @@ class Store:
     def rows(self, keys: Sequence[str]) -> dict[str, Row]:
         """Rows of some keys."""
         columns = ", ".join(
-            ["key", "reason", "seconds", *_VALIDITY, *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
+            ["key", "reason", "seconds", *_TOLD, *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
         )
         found = {}
         for start in range(0, len(keys), _AT_ONCE):
             part = keys[start : start + _AT_ONCE]
             query = f"SELECT {columns} FROM point WHERE key IN ({','.join('?' * len(part))})"
-            for key, reason, seconds, level, why, *values in self._connection.execute(query, part):
+            for key, reason, seconds, level, why, verdict, *values in self._connection.execute(query, part):
                 split = len(self.inputs)
                 inputs = tuple(
                     bool(value) if truth else value
                     for value, truth in zip(values[:split], self._truths, strict=True)
                 )
-                found[key] = Row(key, inputs, tuple(values[split:]), reason, seconds, level, why)
+                found[key] = Row(key, inputs, tuple(values[split:]), reason, seconds, level, why, verdict)
         return found
 
     def write(self, rows: Sequence[Row]) -> None:
         """Keep rows, all of them or - if the process dies - none."""
-        columns = (*_ABOUT_ROW, *_VALIDITY, *map(_quoted, self.inputs), *map(_quoted, self.outputs))
+        columns = (*_ABOUT_ROW, *_TOLD, *map(_quoted, self.inputs), *map(_quoted, self.outputs))
         values = [
             (
                 row.key,
@@ -182,6 +186,7 @@ class Store:
                 row.seconds,
                 row.validity,
                 row.validity_reasons,
+                row.verdict,
                 *row.inputs,
                 *row.outputs,
             )
@@ -224,7 +229,7 @@ class Store:
         import pandas as pd
 
         there = {row[1] for row in self._connection.execute("PRAGMA table_info(point)")}
-        told = [name for name in _VALIDITY if name in there]
+        told = [name for name in _TOLD if name in there]
         columns = ", ".join(
             ["number", "status", "reason", *told, *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
         )
@@ -274,14 +279,15 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
             connection.execute(
                 "CREATE TABLE IF NOT EXISTS design (number INTEGER PRIMARY KEY, key TEXT NOT NULL)"
             )
-            listed = [f"{_quoted(name)} {kind}" for name, kind in inputs.items()]
+            listed = [f"{name} TEXT" for name in _TOLD]
+            listed += [f"{_quoted(name)} {kind}" for name, kind in inputs.items()]
             listed += [f"{_quoted(name)} REAL" for name in outputs]
             connection.execute(
                 "CREATE TABLE IF NOT EXISTS point (key TEXT PRIMARY KEY, status TEXT NOT NULL, reason TEXT, "
-                f"seconds REAL NOT NULL, validity TEXT, validity_reasons TEXT, {', '.join(listed)}) WITHOUT ROWID"
+                f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
             )
             there_already = {row[1] for row in connection.execute("PRAGMA table_info(point)")}
-            for name in _VALIDITY:
+            for name in _TOLD:
                 if name not in there_already:
                     connection.execute(f"ALTER TABLE point ADD COLUMN {name} TEXT")
     except sqlite3.Error as error:
@@ -385,7 +391,7 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
 def _columns(connection: sqlite3.Connection) -> dict[str, str]:
     """Columns of parameters and outputs, with their types."""
     listed = {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)")}
-    return {name: kind for name, kind in listed.items() if name not in (*_ABOUT_ROW, *_VALIDITY)}
+    return {name: kind for name, kind in listed.items() if name not in (*_ABOUT_ROW, *_TOLD)}
 
 
 def _quoted(name: str) -> str:

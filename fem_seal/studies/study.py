@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from fem_seal.case.case import Case, load_case
+from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.messages import problems
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import UnreadableFileError, read_text, read_toml
@@ -45,8 +46,9 @@ class Study(StudyPlan):
 
     Parameters
     ----------
-    base : Case, str or path
-        The case that the designs are variants of.
+    base : Case, str, path or dict
+        The case that the designs are variants of, or a dict of its tables. A dict with an entry ``base`` is a whole
+        study, as its file holds it.
     **tables
         The tables of a study file as they stand there: ``changes``, ``parameters``, ``design``, ``responses``,
         ``derived``, ``constraints``, ``outside_theory``, ``run``, ``report``, ``optimise``, and ``title``.
@@ -65,9 +67,25 @@ class Study(StudyPlan):
     ...     responses=["leak_rate_m3_per_s"],
     ... )
     >>> study.run().table                                                       # doctest: +SKIP
+
+    The same as a dict, with the case in it:
+
+    >>> Study({
+    ...     "base": {
+    ...         "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...         "seat": {"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...         "interface": {"law": "smooth"},
+    ...         "load": {"fluid_pressure": "10 bar"},
+    ...     },
+    ...     "parameters": {"seat.angle": {"start": "30 deg", "stop": "60 deg", "num": 7}},
+    ...     "responses": ["peak_pressure_Pa"],
+    ... })
+    <Study of untitled case: 7 designs over seat.angle; peak_pressure_Pa>
     """
 
-    def __init__(self, base: Case | str | Path, /, **tables: Any) -> None:
+    def __init__(self, base: Case | str | Path | Mapping[str, Any], /, **tables: Any) -> None:
+        if isinstance(base, Mapping):
+            base, tables = _base_and_tables(base, tables)
         self._set_up(base, tables, Path.cwd(), None)
 
     def __repr__(self) -> str:
@@ -207,6 +225,20 @@ def load_study(path: str | Path) -> Study:
     return study
 
 
+def _base_and_tables(
+    given: Mapping[str, Any], tables: Mapping[str, Any]
+) -> tuple[Case | str | Path, dict[str, Any]]:
+    """The case and the tables of a study that is a dict, or of one whose case is."""
+    if "base" not in given:
+        return Case(**given), dict(tables)
+    if tables:
+        raise InputError(
+            Problem(next(iter(tables)), 'is not taken beside a dict with "base", a whole study; put it there')
+        )
+    base, own = given["base"], {key: value for key, value in given.items() if key != "base"}
+    return (Case(**base) if isinstance(base, Mapping) else base), own
+
+
 def _read_tables(tables: dict[str, Any]) -> StudyTables:
     given = {
         name: _dotted(value, name) if name in ("changes", "parameters") else value
@@ -288,6 +320,14 @@ def _placed_files(changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tuple[Parameter, ...]:
     read = []
+    again = said_twice(given)
+    if again:
+        raise InputError(
+            Problem(
+                f"parameters.{again[1]}",
+                f"is {again[0]} in other words, which varies too; remove one of them",
+            )
+        )
     for path, value in given.items():
         try:
             entry = entry_at(case, path)

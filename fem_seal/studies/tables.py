@@ -129,7 +129,7 @@ class StudyTables(Table):
     outside_theory: Literal["leave out", "keep"] = Field(
         "leave out",
         description='designs whose numbers are outside the theory: "leave out" of the best ones, the search and the '
-        'Pareto front, or "keep" them like any other; docs/validity.md says which they are',
+        'Pareto front, or "keep" them like any other; guide/validity in the manual says which they are',
     )
     run: Run = Run()
     report: Report = Report()

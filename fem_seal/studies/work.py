@@ -23,7 +23,6 @@ from fem_seal.studies.time_limit import overtime_reason
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.caution import Validity
     from fem_seal.case.case import Case
     from fem_seal.studies.plan import StudyPlan
 
@@ -149,22 +148,23 @@ def _row(recipe: Recipe, point: Sequence[float]) -> Row:
     start = time.perf_counter()
     files = recipe.files_of(point)
     check_unchanged(files, all_there=False)
-    failure, validity = None, None
+    failure: str | None = None
+    told: tuple[str | None, ...] = ()
     outputs: tuple[float | None, ...] = (None,) * (len(recipe.columns) + len(recipe.derived))
     try:
-        outputs, validity = _outputs(recipe, point)
+        outputs, told = _outputs(recipe, point)
     except Exception as error:  # whatever it is, it is the end of this design and not of the study
         failure = _reason(error)
     # a design reads its files when it needs them: only now is it sure what it has read
     check_unchanged(files, all_there=False)
     seconds = time.perf_counter() - start
-    if validity is None:
-        return Row(recipe.key(point), recipe.inputs(point), outputs, failure, seconds)
-    told = str(validity.level), "; ".join(validity.reasons)
     return Row(recipe.key(point), recipe.inputs(point), outputs, failure, seconds, *told)
 
 
-def _outputs(recipe: Recipe, point: Sequence[float]) -> tuple[tuple[float | None, ...], Validity]:
+def _outputs(
+    recipe: Recipe, point: Sequence[float]
+) -> tuple[tuple[float | None, ...], tuple[str | None, ...]]:
+    """Numbers of a design, and what is told of them: validity, its reasons, verdict."""
     from fem_seal.studies.responses import evaluate
 
     changes = {
@@ -180,7 +180,8 @@ def _outputs(recipe: Recipe, point: Sequence[float]) -> tuple[tuple[float | None
         values[name] = formula(values)
     names = (*recipe.columns, *recipe.derived)
     outputs = tuple(values[name] if math.isfinite(values[name]) else None for name in names)
-    return outputs, found.validity
+    verdict = None if found.verdict is None else str(found.verdict)
+    return outputs, (str(found.validity.level), "; ".join(found.validity.reasons), verdict)
 
 
 def failed_row(recipe: Recipe, point: Sequence[float] | FloatArray, why: str, seconds: float = 0.0) -> Row:

@@ -64,7 +64,7 @@ def profile_picture(result: SealSolution, derived: Derived) -> Picture:
     figure, axes = panels(len(shown) + together, height=3.7, width=WIDTH if closed else _NARROW)
     length = unit_for("length", _reach(loads))
     if together:
-        _all_profiles(axes[0], loads, order, length.size, length.name)
+        all_profiles(axes[0], loads, order, length.size, length.name)
     for view, n in zip(axes[len(axes) - len(shown) :], shown, strict=True):
         _against_closed_forms(
             view, loads[n], load_name(loads[n], loads), derived.loads[n], length.size, length.name
@@ -89,9 +89,20 @@ def _profile_caption(result: SealSolution) -> str:
     return said("captions.profile", *start, "hertz", "gaussian" if rough else "", law)
 
 
-def _all_profiles(
+def all_profiles(
     axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], length: float, unit: str
 ) -> None:
+    """The pressure profiles of all different loads.
+
+    Parameters
+    ----------
+    axes : Axes
+    loads : sequence of LoadResult
+    order : sequence of int
+        Numbers of those that are drawn, from `fem_seal.analysis.load_names.different`.
+    length, unit : float, str
+        What x is divided by, and its name.
+    """
     pressure = unit_for("contact pressure", max(load.contact.profile.peak_pressure for load in loads))
     colour = load_colours(len(order))
     over = load_axis(loads)

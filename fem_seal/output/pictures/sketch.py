@@ -266,12 +266,18 @@ def measures(view: View, case: Case, seat: Outline) -> Iterator[str]:
     heights = [s.start[1] for s in seat.segments]
     chosen = chosen_dimensions(case, "seat")
     x0, floor = view.at((0.0, min(heights)))
-    for row, (key, radius) in enumerate((("bore_radius", min(radii)), ("outer_radius", max(radii)))):
-        colour = GREY if key in chosen else INK
+    in_diameters = case.in_diameters("seat")
+    for row, (what, radius) in enumerate((("bore", min(radii)), ("outer", max(radii)))):
+        colour = GREY if f"{what}_radius" in chosen else INK
+        size = (
+            f"diameter {quantity('length', 2 * radius)}"
+            if in_diameters
+            else f"radius {quantity('length', radius)}"
+        )
         x, y = view.at((radius, 0.0))[0], floor + 24 + 20 * row
         yield _line((x0, y), (x, y), colour, 1.0)
         yield _line((x, y - 4), (x, y + 4), colour, 1.0)
-        yield _text(x0 - 6, y + 5, f"{key.replace('_', ' ')} {quantity('length', radius)}", colour, "end")
+        yield _text(x0 - 6, y + 5, f"{what} {size}", colour, "end")
     x, top = view.at((max(radii), max(heights)))
     colour = GREY if "height" in chosen else INK
     yield _line((x - 10, top), (x - 10, floor), colour, 1.0)

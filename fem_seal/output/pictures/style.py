@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import base64
+import colorsys
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -85,6 +87,11 @@ class Picture:
     caption: str
 
     @property
+    def dark(self) -> bool:
+        """Whether it turns dark where the reader's screen is."""
+        return b"prefers-color-scheme" in self.svg
+
+    @property
     def address(self) -> str:
         """The drawing as a data address: nothing is fetched, and its names cannot clash with the page's."""
         return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode("ascii")
@@ -107,11 +114,12 @@ def panels(
     ratios: Sequence[float] | None = None,
     head: float = 0.36,
     side: float = 0.12,
+    kind: type[Figure] | None = None,
 ) -> tuple[Figure, list[Axes]]:
     """A figure with `count` axes side by side, `head` inches of room above them and `side` on the right."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height))
+    figure = (kind or Figure)(figsize=(width, height))
     axes = figure.subplots(
         1,
         count,
@@ -132,7 +140,40 @@ def svg(figure: Figure) -> bytes:
     """The finished figure."""
     out = BytesIO()
     figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None}, dpi=170)
-    return out.getvalue().replace(b"'DejaVu Sans'", _FONTS.encode())
+    return _in_the_dark(out.getvalue().replace(b"'DejaVu Sans'", _FONTS.encode()))
+
+
+def _in_the_dark(drawing: bytes) -> bytes:
+    """A drawing that turns light into dark where the reader's screen is dark; one with an image in it stays light.
+
+    Light and dark change places and colours stay, so that a scale of colours and what it explains still agree.
+    """
+    if b"<image" in drawing:
+        return drawing
+    found = sorted(set(re.findall(rb"(fill|stroke): #([0-9a-f]{6})", drawing)))
+    rules = "".join(
+        f'[style*="{kind}: #{colour}"]{{{kind}:#{_turned(colour)} !important}}'
+        for kind, colour in ((kind.decode(), colour.decode()) for kind, colour in found)
+    )
+    # what has no colour of its own is black
+    rules = f"text{{fill:#{_turned('000000')}}}{rules}"
+    start = drawing.index(b">", drawing.index(b"<svg")) + 1
+    style = f"<style>@media screen and (prefers-color-scheme: dark){{{rules}}}</style>"
+    return drawing[:start] + style.encode() + drawing[start:]
+
+
+def _turned(colour: str) -> str:
+    """The colour "rrggbb" with light and dark exchanged: white becomes nearly black.
+
+    Examples
+    --------
+    >>> _turned("ffffff"), _turned("000000")
+    ('171717', 'ebebeb')
+    """
+    red, green, blue = (int(colour[n : n + 2], 16) / 255 for n in (0, 2, 4))
+    hue, light, saturation = colorsys.rgb_to_hls(red, green, blue)
+    turned = colorsys.hls_to_rgb(hue, 0.92 - 0.83 * light, saturation)
+    return "".join(f"{round(255 * one):02x}" for one in turned)
 
 
 def label(axes: Axes, title: str, x: str, y: str, *, above: float = 0.09) -> None:

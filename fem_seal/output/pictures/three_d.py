@@ -29,7 +29,7 @@ from fem_seal.output.pictures.fields import QUARTERS
 from fem_seal.output.pictures.style import Picture, svg
 from fem_seal.output.prose import said
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line
-from fem_seal.units import given, quantity, unit_for
+from fem_seal.units import given, quantity, split_unit, unit_for
 from meshes.own_process import OwnProcessError, call_apart
 
 if TYPE_CHECKING:
@@ -369,7 +369,9 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
         },
     )
     if scale:
-        pressure, force = (float(grid.field_data[name][0]) for name in ("fluid_pressure", "axial_force"))
+        pressure, force = (
+            float(_array(grid.field_data, name)[0]) for name in ("fluid_pressure_Pa", "axial_force_N")
+        )
         text = f"{given('fluid pressure', pressure)}, contact force {quantity('force', force)}"
         plotter.add_text(
             text, position=(0.02, 0.94), viewport=True, font_size=12, color=_INK, name="load", render=False
@@ -396,7 +398,7 @@ class _Section:
     @classmethod
     def of(cls, grid: Any, body: int) -> _Section:
         """Of body 0 or 1 in the grid of both, displaced by what the load does."""
-        place = np.asarray(grid.points + grid["displacement"])[:, :2]
+        place = np.asarray(grid.points + _array(grid.point_data, "displacement_m"))[:, :2]
         cells = grid.cells.reshape(-1, 7)[:, 1:][grid["body"] == body]
         triangles = cells[:, QUARTERS].reshape(-1, 3)
         edges = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
@@ -453,6 +455,11 @@ class _Section:
         return found
 
 
+def _array(data: Any, name: str) -> FloatArray:
+    """An array of a file by its name, which in folders of before has no unit at its end."""
+    return np.asarray(data[name if name in data else split_unit(name)[0]])
+
+
 def _pressure(files: LoadFiles, size: float) -> Any:
     """The seat's face with its contact pressure, over the part of the turn that the seat has, a little raised."""
     import pyvista
@@ -460,11 +467,13 @@ def _pressure(files: LoadFiles, size: float) -> Any:
     line = pyvista.read(files.line)
     section = np.asarray(line.points[:, :2])
     if files.around is None:
-        angles, pressure = _angles(_SEAT), np.asarray(line["contact_pressure"])[None, :]
+        angles, pressure = _angles(_SEAT), _array(line.point_data, "contact_pressure_Pa")[None, :]
     else:
         around = pyvista.read(files.around)
         shape = -1, len(section)
-        angle, pressure = (np.asarray(around[name]).reshape(shape) for name in ("angle", "contact_pressure"))
+        angle, pressure = (
+            _array(around.point_data, name).reshape(shape) for name in ("angle_rad", "contact_pressure_Pa")
+        )
         kept = angle[:, 0] <= math.radians(_SEAT[1]) * (1 + 1e-6)
         angles, pressure = angle[kept, 0], pressure[kept]
     tangent = section[-1] - section[0]

@@ -13,12 +13,12 @@ from fem_seal.case.fluid import Fluid
 from fem_seal.case.tables import curves
 from fem_seal.materials import Material
 from fem_seal.output.case_words import (
-    chosen_dimensions,
-    dimensions,
     earlier_load,
+    listed_dimensions,
     section,
     section_text,
 )
+from fem_seal.output.finish import finish_rows
 from fem_seal.output.report.form import form_rows
 from fem_seal.output.report.particles import particle_rows
 from fem_seal.output.report.tables import curve_in_words, path_accuracy
@@ -108,10 +108,9 @@ def _dimensions(case: Case, name: str) -> Iterator[tuple[str, str]]:
     if name == "seat":
         held = "held radially" if body.wall == "fixed" else "free"
         yield "seat, outer wall", held
-    chosen = chosen_dimensions(case, name)
-    for key, value in dimensions(case, name).items():
+    for key, (value, chosen) in listed_dimensions(case, name).items():
         text = f"{trimmed(math.degrees(value))}°" if key.endswith("angle") else given("length", value)
-        yield f"{name}, {key.replace('_', ' ')}", f"{text} (chosen)" if key in chosen else text
+        yield f"{name}, {key.replace('_', ' ')}", f"{text} (chosen)" if chosen else text
 
 
 def _materials(case: Case) -> Iterator[Group]:
@@ -133,6 +132,11 @@ def _material(material: Material) -> list[tuple[str, str]]:
         rows.append((name, "not given" if value is None else given("contact pressure", value)))
     if material.hardening is not None:
         rows.append(("stress over plastic strain", curve_in_words(material.hardening)))
+    if material.thermal_expansion is not None:
+        rows.append(("thermal expansion (not used)", f"{trimmed(1e6 * material.thermal_expansion)}·10⁻⁶ 1/K"))
+    if material.creeps:
+        rows.append(("creep", "creeps: results are those of a short time"))
+    rows += [("condition", material.condition)] if material.condition else []
     return [*rows, ("source", material.source)] if material.source else rows
 
 
@@ -151,7 +155,7 @@ def _roughness(result: SealSolution) -> list[tuple[str, str]]:
     hurst = getattr(given_as, "hurst", None)
     if hurst is not None:
         rows.insert(2, ("Hurst exponent", trimmed(hurst)))
-    return rows
+    return [*rows, *finish_rows(result.case)]
 
 
 def _interface(result: SealSolution) -> list[tuple[str, str]]:

@@ -28,7 +28,9 @@ from fem_seal.output.prose import definitions
 from fem_seal.output.report import case, tables, words
 from fem_seal.output.report.around import around_in_words
 from fem_seal.output.report.form import curve_table, form_in_words, waves_table
+from fem_seal.output.report.levers import lever_lines, lever_note, lever_table
 from fem_seal.output.report.particles import particle_table, particles_in_words
+from fem_seal.output.report.verdict import next_class_of, verdict_facts, verdict_sentences
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
 from fem_seal.version import __version__
@@ -59,6 +61,7 @@ def report(result: SealSolution) -> str:
     sizes = profile_sizes(result, derived)
     return _template().render(
         title=result.case.title or "fem-seal",
+        title_in_css=_in_css(result.case.title or "fem-seal"),
         case_file=None if result.case.file is None else result.case.file.name,
         version=__version__,
         created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
@@ -66,6 +69,17 @@ def report(result: SealSolution) -> str:
         sources=sources(result),
         **_words(result, derived, sizes),
     )
+
+
+def _in_css(text: str) -> str:
+    r"""A text for the foot of printed pages, every letter that could mean something to CSS or HTML escaped.
+
+    Examples
+    --------
+    >>> _in_css('Ball & "cone"')
+    'Ball \\26  \\22 cone\\22 '
+    """
+    return "".join(one if one.isalnum() or one in " ,.-" else f"\\{ord(one):x} " for one in text)
 
 
 def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> list[Picture]:
@@ -111,6 +125,13 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
     load = result.highest
     return {
         "headline": words.headline(result),
+        "verdict": result.verdict,
+        "verdict_says": verdict_sentences(result),
+        "verdict_facts": verdict_facts(result),
+        "next_class": next_class_of(result),
+        "levers": lever_table(result),
+        "strongest_levers": lever_lines(result)[1:],
+        "lever_note": lever_note(result),
         "highest": load_name(load, result.loads),
         "strongest": load_name(result.strongest, result.loads),
         "facts": words.facts(result),

@@ -260,6 +260,7 @@ _NAMES = {
     "spectrum": "spectrum between scans",
     "scan_length": "length of the scans",
     "form": "form error",
+    "lay": "lay",
 }
 _CHANNELS = {
     "bruggeman": "effective medium",
@@ -306,7 +307,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
 
 def interval_note(result: SealSolution) -> str:
     """How the interval was made; empty if there is none."""
-    interval, settings = result.uncertainty, result.case.uncertainty
+    interval, settings, roughness = result.uncertainty, result.case.uncertainty, result.case.roughness
     if interval is None:
         return ""
     given_as = {} if settings is None else settings.spreads
@@ -316,6 +317,7 @@ def interval_note(result: SealSolution) -> str:
         "notes.interval",
         "samples",
         "polynomial" if interval.error is not None else "",
+        "finish" if roughness is not None and roughness.finishes else "",
         "sealed" if sealed > 0 else "",
         "shares",
         samples=interval.samples,

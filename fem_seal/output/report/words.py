@@ -207,7 +207,12 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     return Fact(
         f"{percent(result.uncertainty.confidence)} interval of the leak rate",
         leak_range_text(ends, claimed=not load.validity.outside),
-        "from the uncertain inputs" + (", in both readings of asperities that yield" if load.yields else ""),
+        (
+            "from what the drawing's finish leaves open"
+            if has_finish(result.case)
+            else "from the uncertain inputs"
+        )
+        + (", in both readings of asperities that yield" if load.yields else ""),
     )
 
 
@@ -278,7 +283,9 @@ def _what_leaks(result: SealSolution) -> str:
     if changed:
         shown.append(last)
     span = load_values(highest, loads)
-    rates = [rate_of(load) for load in shown if load.leak is not None]
+    of_finish = result.uncertainty is not None and has_finish(result.case)
+    ranges = dict(zip(map(id, loads), result.leak_ranges, strict=True)) if of_finish else {}
+    rates = [ranges.get(id(load)) or rate_of(load) for load in shown if load.leak is not None]
     if not rates:
         missing = "roughness" if result.surface is None else "fluid"
         after = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
@@ -300,6 +307,10 @@ def _what_leaks(result: SealSolution) -> str:
     ]
     then = f"; after {span}, {told.pop()}" if changed else ""
     claimed = [load for load in shown if ends_told(load) is not None and not load.validity.outside]
+    if of_finish:
+        share = percent(result.uncertainty.confidence) if result.uncertainty else ""
+        said_of = said("readings.finish", "both" if highest.yields else "one", share=share)
+        return f"The seal leaks {' and '.join(told)}{then}. {said_of}"
     sampled = with_samples(highest, result.leak_ranges[loads.index(highest)])
     return " ".join(
         [
@@ -310,13 +321,19 @@ def _what_leaks(result: SealSolution) -> str:
     )
 
 
-def with_samples(load: LoadResult, ends: tuple[float, float] | None) -> str:
+def has_finish(case: Case) -> bool:
+    """Whether a face is given by the finish of a drawing."""
+    return case.roughness is not None and bool(case.roughness.finishes)
+
+
+def with_samples(load: LoadResult, ends: tuple[float, float] | None, *, finish: bool = False) -> str:
     """How far the uncertain inputs widen the leak rate; empty where nothing was sampled, or nothing may be claimed."""
     if load.leak is None or ends in (None, load.leak_range) or load.validity.outside:
         return ""
     assert ends is not None
-    both = "both" if load.yields else "one"
-    return said("readings.sampled", both, rate=leak_range_text(ends, min(load.digits, 2)))
+    both, one = ("both_finish", "one_finish") if finish else ("both", "one")
+    rate = leak_range_text(ends, min(load.digits, 2))
+    return said("readings.sampled", both if load.yields else one, rate=rate)
 
 
 def ends_in_words(load: LoadResult) -> str:
@@ -479,10 +496,15 @@ def leakage_lines(
     doubt = f" ({found.level}: {found.reasons[0]})" if found.reasons else ""
     why = ", because the leak rate is outside the theory" if found.outside else ""
     classes = classes_in_words(leakage_classes(case, load, ends))
+    sampled = with_samples(load, ends, finish=has_finish(case))
     return [
         f"Leak rate at {load_values(load, loads)}: {leakage_text(load)}{doubt}",
         *([f"  {ends_in_words(load)}"] if ends_told(load) is not None else []),
-        *([f"  {sampled[0].upper()}{sampled[1:]}"] if (sampled := with_samples(load, ends)) else []),
+        *(
+            [f"  {sampled[0].upper()}{sampled[1:]}"]
+            if (sampled := with_samples(load, ends, finish=has_finish(case)))
+            else []
+        ),
         f"Leakage class for {nominal_size(case)}: {classes}{why}",
     ]
 

@@ -39,10 +39,13 @@ class Display:
     designs: Designs
 
     def title(self, name: str) -> str:
-        """What a column is called: a parameter by its path, which the user wrote; a response without its SI unit."""
-        if name not in self.designs.about["responses"]:
-            return name
-        return COLUMNS[name].words
+        """What a column is called: a parameter or a response in words, without its SI unit; a formula by its name.
+
+        The section of the parameters has their paths beside the words.
+        """
+        if name in self.designs.about["responses"]:
+            return COLUMNS[name].words
+        return self._words.get(name, name)
 
     def label(self, name: str) -> str:
         """What a column is called, with its unit."""
@@ -104,6 +107,7 @@ class Display:
         kind = ("log" if self.logarithmic(name) else "linear") if self._numeric(name) else "category"
         return {
             "title": {"text": self.label(name)},
+            "automargin": True,
             "type": kind,
             "autorange": True,
             "dtick": self._log_step(name) if kind == "log" else None,
@@ -129,7 +133,8 @@ class Display:
     def best(self, count: int) -> tuple[list[int], dict[str, list[str]]]:
         """Numbers of the best designs, and what they are by their labels, as texts.
 
-        Parameters, responses, derived columns and goals, and the validity unless all are valid.
+        Parameters, responses, derived columns and goals, the verdict if there is one, and the validity unless all are
+        valid.
         """
         designs = self.designs
         numbers = designs.best(count)
@@ -137,8 +142,17 @@ class Display:
         names = dict.fromkeys([*designs.parameters, *about["responses"], *about["derived"], *about["goals"]])
         rows = designs.done.loc[numbers].index
         told = {self.label(name): self.texts(rows, name) for name in names}
+        verdicts = designs.verdict.loc[numbers].tolist()
+        told |= {"verdict": verdicts} if any(verdicts) else {}
         levels = designs.validity.loc[numbers].tolist()
         return numbers, told | ({"validity": levels} if set(levels) - {Level.VALID, ""} else {})
+
+    @cached_property
+    def _words(self) -> dict[str, str]:
+        """Parameters in words; by their path where two of them would be called the same."""
+        words = {name: parameter_words(name) for name in self.designs.parameters}
+        taken = [*words.values(), *(COLUMNS[name].words for name in self.designs.about["responses"])]
+        return {name: name if taken.count(told) > 1 else told for name, told in words.items()}
 
     @cached_property
     def _parameters(self) -> dict[str, dict[str, Any]]:
@@ -174,6 +188,36 @@ class Display:
             return Unit(si, 1.0)
         values = self.numbers(name).to_numpy(dtype=float)
         return unit_for(kind, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
+
+
+# Parts of a path that say nothing more to a reader, and what some keys are called.
+_UNSAID = ("material", "spectrum", "load", "roughness", "interface", "leak", "mesh")
+_CALLED = {"axial_force": "applied force", "q_low": "q low", "q_rolloff": "roll-off", "q_high": "q high"}
+_CALLED |= {
+    "hurst": "Hurst exponent",
+    "youngs_modulus": "Young's modulus",
+    "poissons_ratio": "Poisson's ratio",
+}
+
+
+def parameter_words(path: str) -> str:
+    """The path of a parameter in words.
+
+    Parameters
+    ----------
+    path : str
+
+    Examples
+    --------
+    >>> [parameter_words(one) for one in ("seat.angle", "load.axial_force", "seat.material.hardness")]
+    ['seat angle', 'applied force', 'seat hardness']
+    >>> parameter_words("form.seat.harmonics.0.amplitude")
+    'form seat harmonics 1 amplitude'
+    """
+    *tables, key = path.split(".")
+    # lists are counted from one where people read them
+    parts = [str(int(one) + 1) if one.isdecimal() else one for one in tables if one not in _UNSAID]
+    return " ".join([*parts, _CALLED.get(key, key.replace("_", " "))])
 
 
 def short(value: float | None, digits: int = 4) -> str:
@@ -215,9 +259,12 @@ def _word(value: object) -> str:
 
 # More points than these make a page slow and its plots a blot; a regular part of the designs is drawn then.
 MOST_POINTS = 5000
-BLUE, ORANGE, GREY = "#0969da", "#bc4c00", "#8c959f"
+BLUE, ORANGE, GREY = "#2f81f7", "#bc4c00", "#8c959f"
 LAYOUT: dict[str, Any] = {
     "template": "plotly_white",
+    # the page decides what lies behind, light or dark
+    "paper_bgcolor": "rgba(0,0,0,0)",
+    "plot_bgcolor": "rgba(0,0,0,0)",
     "margin": {"l": 70, "r": 20, "t": 30, "b": 60},
     "height": 460,
 }

@@ -93,13 +93,17 @@ def page(designs: Designs, counts: dict[str, int], reasons: list[tuple[str, int]
     )
 
 
+_VERDICTS = {"holds": "keep the requirement", "undecided": "undecided", "fails": "fail it"}
+
+
 def _headline(designs: Designs, counts: dict[str, int]) -> str:
-    varied = ", ".join(designs.parameters)
+    varied = ", ".join(map(Display(designs).title, designs.parameters))
     total = sum(counts.values())
     failed = f", {counts['failed']} failed" if counts["failed"] else ""
     still = f", {counts['open']} not calculated yet" if counts["open"] else ""
     met = f"; {len(designs.feasible)} meet all constraints" if designs.about["constraints"] else ""
     levels = "".join(f"; {count} {level}" for level, count in designs.levels.items())
+    levels += "".join(f"; {count} {_VERDICTS[word]}" for word, count in designs.verdicts.items())
     both = ""
     if LEAK_RATE in designs.done and len(capped_leak_rates(designs)):
         both = (
@@ -129,13 +133,14 @@ _WITHOUT_SHARES = ("search", "morris")
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with what stands below it."""
+    """A heading with what stands below it; a broad figure is scrolled where the screen is narrow."""
 
     heading: str
     note: str = ""
     figure: Any = ""
     columns: tuple[str, ...] = ()
     rows: tuple[tuple[str, ...], ...] = ()
+    broad: bool = False
 
 
 def sections(designs: Designs) -> Iterator[Section]:
@@ -148,6 +153,10 @@ def sections(designs: Designs) -> Iterator[Section]:
     if designs.done.empty:
         return
     display = Display(designs)
+    drawn_by_chance = is_drawn(designs)
+    if drawn_by_chance:
+        # how often it leaks how much is what such a study asks
+        yield from _how_often(display)
     yield from _best(display)
     part = ""
     if len(designs.done) > MOST_POINTS:
@@ -164,23 +173,46 @@ def sections(designs: Designs) -> Iterator[Section]:
         "All designs",
         "Drag along an axis to pick designs, drag axes to sort them. " + part + _incomplete(designs),
         plots.parallel_plot(display),
+        broad=True,
     )
     yield from _sensitivity(display)
-    if designs.kind not in _WITHOUT_SHARES and LEAK_RATE in designs.done:
-        yield from _distribution(display)
-        yield from _classes(designs)
+    if not drawn_by_chance:
+        yield from _how_often(display)
     yield _columns(display)
 
 
-def _plotted(heading: str, note: str, figure: Figure | None) -> Iterator[Section]:
+def is_drawn(designs: Designs) -> bool:
+    """Whether the designs were drawn from distributions and nothing is looked for among them: a batch of parts.
+
+    Parameters
+    ----------
+    designs : Designs
+    """
+    by_chance = any(one["distribution"] for one in designs.about["parameters"])
+    looked_for = designs.about["goals"] or designs.kind in (*_WITHOUT_SHARES, *SENSITIVITY)
+    return by_chance and not looked_for
+
+
+def _how_often(display: Display) -> Iterator[Section]:
+    designs = display.designs
+    if designs.kind not in _WITHOUT_SHARES and LEAK_RATE in designs.done:
+        yield from _distribution(display)
+        yield from _classes(designs)
+
+
+def _plotted(heading: str, note: str, figure: Figure | None, *, broad: bool = False) -> Iterator[Section]:
     if figure is not None:
-        yield Section(heading, note, _html(figure))
+        yield Section(heading, note, _html(figure), broad=broad)
 
 
 def _html(figure: Figure) -> Any:
     from markupsafe import Markup
 
-    return Markup(figure.to_html(full_html=False, include_plotlyjs=False, config={"displaylogo": False}))
+    return Markup(
+        figure.to_html(
+            full_html=False, include_plotlyjs=False, config={"displaylogo": False, "responsive": True}
+        )
+    )
 
 
 def _best(display: Display) -> Iterator[Section]:
@@ -267,7 +299,7 @@ def _sobol(display: Display, found: Sensitivity) -> Section:
         f"intervals.{' ln is the natural logarithm.' if found.logarithmic else ''}{note}",
         _html(plots_statistics.sensitivity_plot(display, found)),
         ("parameter", "first order", "±", "total", "±"),
-        _ordered(found, columns),
+        _ordered(display, found, columns),
     )
 
 
@@ -290,12 +322,12 @@ def _morris(display: Display, found: Sensitivity) -> Section:
         + factor,
         _html(plots_statistics.sensitivity_plot(display, found)),
         ("parameter", *headings),
-        _ordered(found, columns),
+        _ordered(display, found, columns),
     )
 
 
-def _ordered(found: Sensitivity, columns: list[list[str]]) -> tuple[tuple[str, ...], ...]:
-    rows = list(zip(found.parameters, *columns, strict=True))
+def _ordered(display: Display, found: Sensitivity, columns: list[list[str]]) -> tuple[tuple[str, ...], ...]:
+    rows = list(zip(map(display.title, found.parameters), *columns, strict=True))
     return tuple(rows[n] for n in plots_statistics.order(found))
 
 
@@ -380,12 +412,13 @@ def _of_calculated(designs: Designs) -> str:
 def _columns(display: Display) -> Section:
     about = display.designs.about
     rows = [
-        (name, display.unit(name).name or "–", display.varied(name)) for name in display.designs.parameters
+        (name, display.title(name), display.unit(name).name or "–", display.varied(name))
+        for name in display.designs.parameters
     ]
-    rows += [(name, "", text) for name, text in {**about["derived"], **about["constraints"]}.items()]
+    rows += [(name, name, "", text) for name, text in {**about["derived"], **about["constraints"]}.items()]
     return Section(
         "Parameters and formulas",
         "Formulas count in SI units." if len(rows) > len(about["parameters"]) else "",
-        columns=("column", "unit", "meaning"),
+        columns=("column", "called", "unit", "meaning"),
         rows=tuple(rows),
     )

@@ -64,9 +64,11 @@ def distribution_plot(display: Display) -> Figure | None:
             )
         )
     figure.update_layout(
-        **LAYOUT,
+        **{**LAYOUT, "margin": {**LAYOUT["margin"], "t": 90}},
         xaxis=display.axis(LEAK_RATE),
         yaxis={"title": {"text": "share of the designs"}, "range": [0, 1.02]},
+        # above the plot, where it takes no room from it on a phone
+        legend={"orientation": "h", "x": 0.0, "y": 1.02, "yanchor": "bottom"},
     )
     return figure
 
@@ -90,7 +92,7 @@ def sensitivity_plot(display: Display, found: Sensitivity) -> Figure:
     figure = Figure(
         [
             Bar(
-                y=[found.parameters[n] for n in order(found)],
+                y=[display.title(found.parameters[n]) for n in order(found)],
                 x=(values[order(found)] / size).tolist(),
                 orientation="h",
                 name=name,

@@ -1,0 +1,51 @@
+"""The command `fem-seal explore`: read, serve, open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fem_seal.errors import InputError, Problem
+
+
+def explore(
+    case_file: Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")],
+    port: Annotated[
+        int, typer.Option("--port", min=0, max=65535, help="Of the page; 0 for any that is free.")
+    ] = 8050,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Do not open a browser.")] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            show_default="that of the case file",
+            help="Folder for case files and reports that are written from the page.",
+        ),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+) -> None:
+    """Open a live page of a case on this machine: sliders, and the leak rate that follows them. Ctrl-C ends it."""
+    from fem_seal.case.case import load_case
+
+    case = load_case(case_file)
+    folder = (output or case_file.parent).absolute()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(Problem("--output", f"cannot be created ({error.strerror})", str(folder))) from None
+    from fem_seal.explore.server import serve
+
+    def opened(address: str) -> None:
+        if not quiet:
+            typer.echo(f"{case.title}: {address}   (Ctrl-C ends it)")
+        if not no_browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    serve(case, folder, port, opened)

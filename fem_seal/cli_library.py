@@ -1,0 +1,126 @@
+"""The commands `fem-seal materials` and `fem-seal fluids`: what the libraries hold."""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any
+
+import typer
+
+Json = Annotated[bool, typer.Option("--json", help="Print the entries as JSON, in SI units.")]
+Csv = Annotated[bool, typer.Option("--csv", help="Print the entries as CSV, in SI units.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+# So wide a terminal has room for a column of words beside the numbers.
+_WIDE = 120
+
+
+def materials(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", show_default=False, help="One of them, with source and condition."),
+    ] = None,
+    json: Json = False,
+    csv: Csv = False,
+    debug: Debug = False,
+) -> None:
+    """List the materials of the library: modulus, hardness, yield strength, expansion, condition, source."""
+    from fem_seal.material_library import material
+    from fem_seal.output.library import (
+        ONE_CONDITION,
+        material_cells,
+        material_lines,
+        material_row,
+        material_rows,
+    )
+
+    rows = material_rows() if name is None else [material_row(material(name))]
+    if json or csv:
+        _print_rows(rows, name is not None, json)
+    elif name is not None:
+        _print_lines(material_lines(rows[0]))
+    else:
+        _print_table(*material_cells(rows), "condition", [row["condition"] for row in rows])
+        typer.echo(
+            f"{ONE_CONDITION}\nfem-seal materials NAME tells condition and source of one; --json of all."
+        )
+
+
+def fluids(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", show_default=False, help="One of them, with its source.")
+    ] = None,
+    temperature: Annotated[
+        str, typer.Option("--temperature", "-t", metavar="TEMPERATURE", help='Such as "60 degC".')
+    ] = "20 degC",
+    json: Json = False,
+    csv: Csv = False,
+    debug: Debug = False,
+) -> None:
+    """List the fluids of the library: viscosity, density, range of temperature, source."""
+    from fem_seal.output.library import fluid_cells, fluid_lines, fluid_row, fluid_rows
+    from fem_seal.units import parse_quantity
+
+    kelvin = parse_quantity(temperature, "temperature")
+    rows = fluid_rows(kelvin) if name is None else [fluid_row(name, kelvin)]
+    if json or csv:
+        _print_rows(rows, name is not None, json)
+    elif name is not None:
+        _print_lines(fluid_lines(rows[0]))
+    else:
+        _print_table(*fluid_cells(rows), "source", [row["source"] for row in rows])
+        typer.echo(
+            f"Viscosity and density at {temperature}. fem-seal fluids NAME tells the source of one; --json of all. "
+            'A name "CoolProp:..." in a case takes any fluid of the optional package CoolProp.'
+        )
+
+
+def _print_rows(rows: Sequence[dict[str, Any]], single: bool, as_json_text: bool) -> None:
+    if as_json_text:
+        from fem_seal.files import as_json
+
+        typer.echo(as_json(rows[0] if single else rows))
+        return
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow(rows[0])
+    for row in rows:
+        cells = (", ".join(cell) if isinstance(cell, list) else cell for cell in row.values())
+        writer.writerow("" if cell is None else cell for cell in cells)
+
+
+def _print_lines(lines: Iterable[tuple[str, str]]) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table.grid(padding=(0, 2))
+    for word, text in lines:
+        table.add_row(word, escape(text))
+    _console(Console).print(table)
+
+
+def _print_table(
+    headings: Sequence[str], cells: Sequence[Sequence[str]], more: str, words: Sequence[str]
+) -> None:
+    """Print numbers beside the names, and where the terminal is wide or the output no terminal, words beside them."""
+    from rich import box
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    console = _console(Console)
+    wide = console.width >= _WIDE
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for number, heading in enumerate(headings):
+        table.add_column(escape(heading), justify="left" if number == 0 else "right", no_wrap=True)
+    if wide:
+        table.add_column(f"{more}\n", justify="left", overflow="fold")
+    for line, text in zip(cells, words, strict=True):
+        table.add_row(*(escape(cell) for cell in line), *([escape(text)] if wide else []))
+    console.print(table)
+
+
+def _console(make: Any) -> Any:
+    # what is no terminal has no width
+    return make(highlight=False, **({} if sys.stdout.isatty() else {"width": 10_000}))

@@ -1,0 +1,1 @@
+"""The live page of a case: sliders, and what follows from them."""

@@ -1,0 +1,447 @@
+"""What can be moved on the page for a case: its loads, its surfaces, its hardness, its dimensions and its fluid.
+
+A slider goes over texts as they would stand in the case file, "20.5 bar", so that a file that is written has the very
+numbers of the screen.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+from fem_seal.errors import InputError, Problem
+from fem_seal.studies.entries import Entry, entry_at, entry_paths, with_open_materials
+from fem_seal.units import DIMENSIONS, parse_quantity, unit_for
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+
+Group = Literal["load", "surface", "dimension"]
+# Stops of a slider, and how far it goes to both sides.
+_STOPS = 80
+_WIDE, _NARROW = 5.0, 1.5
+# Keys of the bodies that are no dimensions to try out.
+_LEFT_ALONE = ("interference", "tolerance", "thickness")
+_UNITS = {"length": {"µm": "um"}, "force": {}, "fluid pressure": {}, "contact pressure": {}}
+
+
+@dataclass(frozen=True)
+class Factor:
+    """One thing that can be moved.
+
+    Parameters
+    ----------
+    key : str
+        Its name in designs, without dots.
+    label : str
+        For people.
+    group : {"load", "surface", "dimension"}
+    paths : tuple of str
+        Entries of the case that it sets.
+    stops : tuple of str
+        Values of its slider as they stand in a case file, increasing; the case's own among them.
+    given : str
+        The case's own value.
+    dimension : str
+        Of the quantity, see `fem_seal.units.DIMENSIONS`.
+    note : str
+        What else is to be known.
+    words : str
+        What stands in the case around the value, which is "{}" there.
+    """
+
+    key: str
+    label: str
+    group: Group
+    paths: tuple[str, ...]
+    stops: tuple[str, ...]
+    given: str
+    dimension: str
+    note: str = ""
+    words: str = "{}"
+
+    @property
+    def place(self) -> int:
+        """Number of the stop that is the case's own value."""
+        return self.stops.index(self.given)
+
+    def nearest(self, text: str) -> int:
+        """Number of the stop next to a value."""
+        value = self.value(text)
+        return min(range(len(self.stops)), key=lambda n: abs(self.value(self.stops[n]) - value))
+
+    def check(self, text: str) -> None:
+        """Whether a text may stand here.
+
+        Raises
+        ------
+        InputError
+            If it is no such quantity, or beyond the ends of the slider.
+        """
+        try:
+            value = self.value(text)
+        except ValueError as error:
+            raise InputError(Problem(self.label, str(error), f'"{text}"')) from None
+        low, high = (self.value(self.stops[n]) for n in (0, -1))
+        if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9):
+            reach = f"{self.stops[0]} to {self.stops[-1]}"
+            raise InputError(
+                Problem(
+                    self.label,
+                    f"the slider goes from {reach}; further away start from another case",
+                    f'"{text}"',
+                )
+            )
+
+    def value(self, text: str) -> float:
+        """A value in SI.
+
+        Raises
+        ------
+        QuantityError
+            If the text is no such quantity.
+        """
+        return parse_quantity(text, self.dimension)
+
+
+@dataclass(frozen=True)
+class Factors:
+    """What can be moved, and what cannot.
+
+    Parameters
+    ----------
+    sliders : tuple of Factor
+    fluids : tuple of str
+        Names to choose from, that of the case first; empty where the case has no fluid.
+    left_out : tuple of str
+        Sentences about what is not offered.
+    """
+
+    sliders: tuple[Factor, ...]
+    fluids: tuple[str, ...]
+    left_out: tuple[str, ...]
+
+    def __getitem__(self, key: str) -> Factor:
+        return next(one for one in self.sliders if one.key == key)
+
+    @property
+    def given(self) -> dict[str, str]:
+        """The design that is the case itself."""
+        own = {one.key: one.given for one in self.sliders}
+        return own | ({"fluid": self.fluids[0]} if self.fluids else {})
+
+    def changes(self, case: Case, design: Mapping[str, str]) -> dict[str, Any]:
+        """Entries of a case file that make a design of a case; only what differs from it.
+
+        Parameters
+        ----------
+        case : Case
+        design : mapping
+            From keys of factors to texts; what is missing stays.
+
+        Raises
+        ------
+        InputError
+            If a text is no such quantity.
+        """
+        found: dict[str, Any] = {}
+        for one in self.sliders:
+            text = design.get(one.key, one.given)
+            if text == one.given:
+                continue
+            one.check(text)
+            if one.key == "fluid_pressure":
+                found["load.fluid_pressure"] = _scaled(case.load.fluid_pressure, one, text)
+                required = () if case.requirement is None else case.requirement.pressures
+                if required:
+                    # what is required at a load is required where it goes
+                    found["requirement.fluid_pressure"] = _at_loads(
+                        case, required, found["load.fluid_pressure"]
+                    )
+            elif one.key == "force":
+                found["load.axial_force"] = _forces(case, one, text)
+            else:
+                found |= dict.fromkeys(one.paths, one.words.format(text))
+        fluid = design.get("fluid", self.fluids[0] if self.fluids else "")
+        if self.fluids and fluid != self.fluids[0]:
+            found |= _other_fluid(case, fluid)
+        return found
+
+
+def factors_of(case: Case) -> Factors:
+    """What can be moved on the page for a case.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    found = [one for find in (_pressure, _force, _finishes, _hardness, _dimensions) for one in find(case)]
+    sliders = [one for one in found if isinstance(one, Factor)]
+    left_out = [one for one in found if isinstance(one, str)]
+    return Factors(tuple(sliders), _fluids(case), tuple(left_out))
+
+
+def opened(case: Case) -> Case:
+    """The case with materials of the library written as tables where a slider moves a part of one."""
+    paths = [path for one in _hardness(case) if isinstance(one, Factor) for path in one.paths]
+    return with_open_materials(case, paths)
+
+
+Found = Sequence[Factor | str]
+
+
+def _pressure(case: Case) -> Found:
+    highest = max(case.load.fluid_pressure)
+    several = len(set(case.load.fluid_pressure)) > 1
+    factor = _log_factor(
+        "fluid_pressure",
+        "highest fluid pressure" if several else "fluid pressure",
+        "load",
+        highest,
+        "pressure",
+        text=case.written["load"].get("fluid_pressure"),
+    )
+    note = "the other pressures of the case keep their share of it" if several else ""
+    return [replace(factor, paths=("load.fluid_pressure",), note=note)]
+
+
+def _force(case: Case) -> Found:
+    forces = [force for _, force in case.load.points]
+    largest = max(forces)
+    if largest != min(forces) and min(forces) <= 0:
+        return ["The forces of the case have both signs: they are not offered as a slider."]
+    several = largest != min(forces)
+    label = "largest force" if several else "force"
+    if largest > 0:
+        factor = _log_factor(
+            "force", label, "load", largest, "force", text=case.written["load"].get("axial_force")
+        )
+    elif largest < 0:
+        return ["The force of the case opens the seal: it is not offered as a slider."]
+    else:
+        # of the size of what the fluid does
+        reach = math.pi * case.touch_radius**2 * max(case.load.fluid_pressure)
+        factor = _linear_factor("force", label, "load", 0.0, "force", 0.0, 2 * reach)
+    note = "the other forces of the case keep their share of it" if several else "of spring or actuator"
+    return [replace(factor, paths=("load.axial_force",), note=note)]
+
+
+# What the height of a face is called in its table, the first that is there.
+_WORDS = re.compile(r"\b(Ra|Rq|Rz)\s*=?\s*([0-9.eE+-]+\s*[^\W\d]+)")
+_HEIGHTS = ("Ra", "Rq", "Rz", "rms_height")
+
+
+def _finishes(case: Case) -> Found:
+    if case.roughness is None:
+        return ["The case has no [roughness]: there is no leak rate, and no finish to choose."]
+    written = case.written.get("roughness", {})
+    faces = {"": written} if any(key in written for key in _HEIGHTS) else {}
+    names = {
+        "spectrum": "both faces",
+        "seat": "seat",
+        "closure": "closure",
+        "along": "along",
+        "across": "across",
+    }
+    faces |= {key: written[key] for key in names if isinstance(written.get(key), Mapping)}
+    found: list[Factor | str] = []
+    for key, words in written.items():
+        # a finish in words, "lapped Ra 0.2 um"
+        match = _WORDS.search(words) if key in names and isinstance(words, str) else None
+        if match is not None:
+            path, label = f"roughness.{key}", f"{match[1]}, {names[key]}"
+            value = parse_quantity(match[2], "length")
+            factor = _log_factor(f"finish_{key}", label, "surface", value, "length", text=match[2])
+            around = words[: match.start(2)] + "{}" + words[match.end(2) :]
+            found.append(replace(factor, paths=(path,), words=around))
+    for key, table in faces.items():
+        which = next((name for name in _HEIGHTS if name in table), None)
+        if which is None:
+            found.append(
+                f"The roughness of the {names[key]} is measured: its height is not offered as a slider."
+            )
+            continue
+        path = ".".join(filter(None, ["roughness", key, which]))
+        face = names.get(key, "both faces")
+        name = "rms height" if which == "rms_height" else which
+        label = f"{name}, {face}"
+        value = (
+            parse_quantity(table[which], "length") if isinstance(table[which], str) else float(table[which])
+        )
+        factor = _log_factor(f"finish_{key or 'all'}", label, "surface", value, "length", text=table[which])
+        found.append(replace(factor, paths=(path,)))
+    return found
+
+
+def _hardness(case: Case) -> Found:
+    if case.roughness is None:
+        return []
+    hardness = case.hardness
+    if hardness is None or not case.leak.plasticity:
+        return ["The asperities of the case do not yield: hardness would change nothing and is not offered."]
+    body = min(
+        (body for body in ("closure", "seat") if getattr(case, body).material.hardness is not None),
+        key=lambda body: getattr(case, body).material.hardness,
+    )
+    factor = _log_factor("hardness", f"hardness, {body}", "surface", hardness, "pressure", width=3.0)
+    note = "of the softer body; beyond that of the other one it changes nothing"
+    return [replace(factor, paths=(f"{body}.material.hardness",), note=note)]
+
+
+def _dimensions(case: Case) -> Found:
+    """Every angle and length of the bodies that stands in the case; equal angles of both are one."""
+    known = set(entry_paths(case))
+    entries: list[tuple[Entry, object]] = []
+    for body in ("closure", "seat"):
+        table = case.written.get(body, {})
+        for key, written in table.items():
+            path = f"{body}.{key}"
+            # the drawing's word for what the case keeps as an angle to the axis or a radius
+            kept = path.replace("included_angle", "angle").replace("diameter", "radius")
+            if key in _LEFT_ALONE or kept not in known:
+                continue
+            entry = replace(entry_at(case, kept), path=path)
+            if getattr(entry.marker, "dimension", "") in ("angle", "length"):
+                entries.append((entry, written))
+    angles = [one for one in entries if one[0].path.split(".")[1] in ("angle", "included_angle")]
+    values = [_number(entry, written) for entry, written in angles]
+    linked = len(angles) == 2 and abs(values[0] - values[1]) < 1e-12
+    found: list[Factor | str] = []
+    for entry, written in entries:
+        body, key = entry.path.split(".")
+        words = key.replace("_", " ")
+        paths: tuple[str, ...] = (entry.path,)
+        label = f"{words}, {body}"
+        if linked and (entry, written) in angles:
+            if body == "seat":
+                continue
+            paths, label = tuple(one.path for one, _ in angles), f"{words}, both faces"
+        value = _number(entry, written)
+        made = _of_dimension(entry, f"{body}_{key}", label, value, written)
+        if made is not None:
+            found.append(replace(made, paths=paths))
+    drawn = [body for body in ("closure", "seat") if getattr(case, body).shape == "profile"]
+    found += [f"The {body} comes from a drawing: its dimensions are not offered." for body in drawn]
+    return sorted(found, key=lambda one: isinstance(one, Factor) and "angle" not in one.key)
+
+
+def _number(entry: Entry, written: object) -> float:
+    """A length or an angle in SI, whatever of it the case keeps."""
+    marker: Any = entry.marker
+    return parse_quantity(written, marker.dimension) if isinstance(written, str) else float(str(written))
+
+
+def _of_dimension(entry: Entry, key: str, label: str, value: float, written: object) -> Factor | None:
+    if getattr(entry.marker, "dimension", "") == "angle":
+        degrees = math.degrees(value)
+        full = 180.0 if key.endswith("included_angle") else 90.0
+        low, high = max(0.02 * full, degrees - full / 6), min(0.97 * full, degrees + full / 6)
+        if not low < degrees < high:
+            return None
+        return _linear_factor(key, label, "dimension", value, "angle", math.radians(low), math.radians(high))
+    if value <= 0:
+        return None
+    return _log_factor(key, label, "dimension", value, "length", width=_NARROW, text=written)
+
+
+def _log_factor(
+    key: str,
+    label: str,
+    group: Group,
+    value: float,
+    dimension: str,
+    *,
+    width: float = _WIDE,
+    text: object = None,
+) -> Factor:
+    """Stops that grow by the same share, with three significant digits."""
+    ratio = 2 * math.log(width) / _STOPS
+    values = [value * math.exp(ratio * n) for n in range(-_STOPS // 2, _STOPS // 2 + 1)]
+    return _factor(key, label, group, values, value, dimension, text)
+
+
+def _linear_factor(
+    key: str, label: str, group: Group, value: float, dimension: str, low: float, high: float
+) -> Factor:
+    values = [low + (high - low) * n / _STOPS for n in range(_STOPS + 1)]
+    return _factor(key, label, group, [*values, value], value, dimension, None)
+
+
+def _factor(
+    key: str, label: str, group: Group, values: list[float], value: float, dimension: str, text: object
+) -> Factor:
+    unit, size = _unit(dimension, value or max(values), text)
+    texts = {}
+    for one in sorted(values):
+        number = float(f"{one / size:.3g}")
+        texts[number] = f"{number:g} {unit}"
+    given = text.strip() if isinstance(text, str) else f"{float(f'{value / size:.12g}')!r} {unit}"
+    own = value / size
+    texts = {number: shown for number, shown in texts.items() if abs(number - own) > 1e-6 * abs(own or 1.0)}
+    texts[own] = re.sub(r"\.0 ", " ", given)
+    stops = tuple(texts[number] for number in sorted(texts))
+    return Factor(key, label, group, (), stops, texts[own], dimension)
+
+
+def _unit(dimension: str, value: float, text: object) -> tuple[str, float]:
+    """Unit in which the case gives the value, or that suits it, and its size."""
+    if isinstance(text, str):
+        match = re.fullmatch(r"\s*[-+0-9.eE]+\s*(\S.*?)\s*", text)
+        if match:
+            return match[1], parse_quantity(f"1 {match[1]}", dimension)
+    if dimension == "angle":
+        return "deg", math.radians(1.0)
+    kind = {"length": "length", "force": "force"}.get(dimension)
+    if dimension == "pressure":
+        kind = "contact pressure" if value >= 5e8 else "fluid pressure"
+    unit = unit_for(kind or dimension, value)
+    name = unit.name.replace("µ", "u")
+    return name, unit.size
+
+
+def _scaled(values: Sequence[float], factor: Factor, text: str) -> str | list[str]:
+    """Values of a list in their old proportions, the largest as it stands in a text."""
+    largest, share = max(values), factor.value(text) / factor.value(factor.given)
+    if len(values) == 1:
+        return text
+    unit = DIMENSIONS[factor.dimension].si_unit
+    return [text if one == largest else f"{float(f'{one * share:.6g}')!r} {unit}" for one in values]
+
+
+def _at_loads(case: Case, required: Sequence[float], moved: str | list[str]) -> list[str]:
+    """Pressures of loads after they have been moved."""
+    texts = [moved] if isinstance(moved, str) else moved
+    # of one pressure under several forces there is one text
+    loads = list(zip(case.load.fluid_pressure, texts, strict=False))
+    return [text for one in required for known, text in loads if math.isclose(one, known, rel_tol=1e-9)][
+        : len(loads)
+    ]
+
+
+def _forces(case: Case, factor: Factor, text: str) -> str | list[str]:
+    forces = case.load.axial_force
+    return _scaled(forces, factor, text) if isinstance(forces, tuple) else text
+
+
+def _fluids(case: Case) -> tuple[str, ...]:
+    if case.fluid is None or case.roughness is None:
+        return ()
+    from leak import FLUIDS, GASES
+
+    return tuple(dict.fromkeys([case.fluid.name, *FLUIDS, *GASES]))
+
+
+def _other_fluid(case: Case, name: str) -> dict[str, Any]:
+    """Entries of another fluid of the library in place of the case's own, at its temperature."""
+    table = {"name": name}
+    kept = case.written.get("fluid", {})
+    table |= {key: kept[key] for key in ("temperature", "particles") if key in kept}
+    from leak import is_gas
+
+    if is_gas(name) and "outlet_pressure" in kept:
+        table["outlet_pressure"] = kept["outlet_pressure"]
+    removed = dict.fromkeys(set(kept) - set(table))
+    return {f"fluid.{key}": value for key, value in {**removed, **table}.items()}

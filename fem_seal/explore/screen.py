@@ -1,0 +1,364 @@
+"""What the page shows of a design, as plain numbers: the same of a live answer and of a complete run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_seal.analysis.caution import Level
+from fem_seal.analysis.leakage import leakage_classes
+from fem_seal.analysis.results import highest_load
+from fem_seal.analysis.verdict import limits
+from fem_seal.output.columns import COLUMNS, Row
+from fem_seal.output.report.verdict import next_class_in_words, verdict_facts, verdict_sentences
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.judgement import SealJudgement
+    from fem_seal.analysis.results import LoadResult
+    from fem_seal.arrays import FloatArray
+    from fem_seal.case.case import Case
+    from meshes import Outline
+
+# Columns of leak.csv that stand on the page, those of a leak rate among them.
+LEAK = ("leak_rate_m3_per_s", "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
+SHOWN = (
+    "fluid_pressure_Pa",
+    "axial_force_N",
+    "line_load_N_per_m",
+    "peak_pressure_Pa",
+    "fwhm_m",
+    *LEAK,
+)
+_POINTS = 241
+_ARC_STEPS = 24
+
+
+@dataclass(frozen=True)
+class ShownLoad:
+    """One load.
+
+    Parameters
+    ----------
+    values : dict
+        Columns of leak.csv in SI; NaN where nothing was calculated.
+    applied_force : float
+        [N]
+    level : str
+        How far the numbers can be trusted, see `Level`.
+    reasons : tuple of str
+        Why no further.
+    classes : tuple of str
+        Leakage classes that are met.
+    digits : int
+        That the numbers are worth.
+    """
+
+    values: dict[str, float]
+    applied_force: float
+    level: str = str(Level.VALID)
+    reasons: tuple[str, ...] = ()
+    classes: tuple[str, ...] = ()
+    digits: int = 4
+
+
+@dataclass(frozen=True)
+class ShownProfile:
+    """Pressure and gap across the contact of one load.
+
+    Parameters
+    ----------
+    x : list of float
+        Arc length from first touch [m].
+    pressure : list of float
+        Contact pressure [Pa].
+    gap : list of float
+        Mean separation [m]; NaN where nothing is known of it.
+    fluid : list of float
+        Fluid pressure in the gap [Pa]; empty where it is not known.
+    """
+
+    x: list[float]
+    pressure: list[float]
+    gap: list[float]
+    fluid: list[float]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Both bodies in section.
+
+    Parameters
+    ----------
+    closure, seat : list of tuple
+        Corners (r, z) [m].
+    touch_radius : float
+        Of first touch, which lies at z = 0 [m].
+    angle : float
+        Between the axis and the contact normal [rad].
+    pressure_side : str
+    """
+
+    closure: list[tuple[float, float]]
+    seat: list[tuple[float, float]]
+    touch_radius: float
+    angle: float
+    pressure_side: str
+
+
+@dataclass(frozen=True)
+class Screen:
+    """All that is shown of a design.
+
+    Parameters
+    ----------
+    design : dict
+        From keys of factors to texts.
+    loads : tuple of ShownLoad
+        In the order of the case.
+    shown : int
+        Number of the load whose profile and numbers are shown: that with the highest fluid pressure.
+    profile : ShownProfile or None
+    section : Section or None
+    complete : bool
+        Whether these are the numbers of `fem-seal run`.
+    waiting : str
+        What is still being calculated; empty if nothing is.
+    warnings : tuple of str
+    problem : str
+        Why there is nothing to show; empty if there is.
+    between : tuple of ShownLoad
+        Further loads that fill the curve; the case does not have them.
+    verdict : str
+        "holds", "fails" or "undecided"; empty without a requirement, and while its interval is not there.
+    told : tuple of str
+        The verdict in sentences, or the next class.
+    facts : tuple of tuple
+        Name, value and remark of what it rests on.
+    limits : tuple of tuple
+        Name and leak rate of what is allowed at the load that is shown [m^3/s].
+    widens : bool
+        Whether the interval is still that of both readings alone, and a complete run will widen it.
+    """
+
+    design: dict[str, str]
+    loads: tuple[ShownLoad, ...] = ()
+    shown: int = 0
+    profile: ShownProfile | None = None
+    section: Section | None = None
+    complete: bool = False
+    waiting: str = ""
+    warnings: tuple[str, ...] = ()
+    problem: str = ""
+    between: tuple[ShownLoad, ...] = ()
+    verdict: str = ""
+    told: tuple[str, ...] = ()
+    facts: tuple[tuple[str, str, str], ...] = ()
+    limits: tuple[tuple[str, float], ...] = ()
+    widens: bool = False
+
+    @property
+    def load(self) -> ShownLoad | None:
+        """The load whose numbers are shown."""
+        return self.loads[self.shown] if self.loads else None
+
+
+def screen_of(
+    case: Case,
+    design: Mapping[str, str],
+    loads: Sequence[LoadResult],
+    ranges: Sequence[tuple[float, float] | None] | None = None,
+    judgement: SealJudgement | None = None,
+    **more: Any,
+) -> Screen:
+    """What is shown of some loads of a case.
+
+    Parameters
+    ----------
+    case : Case
+    design : mapping
+    loads : sequence of LoadResult
+    ranges : sequence of tuple, optional
+        Ends of the leak rate's interval at each; those of both readings of yielding asperities unless given.
+    judgement : SealJudgement, optional
+        What is said of the requirement.
+    more
+        Further fields of the screen.
+    """
+    ends = [load.leak_range for load in loads] if ranges is None else ranges
+    number = highest_load(loads)
+    complete = bool(more.get("complete"))
+    widens = not complete and interval_follows(case)
+    # of the round seal alone nothing is claimed
+    withheld = widens or (not complete and case.form is not None)
+    return Screen(
+        dict(design),
+        tuple(shown_load(case, load, end) for load, end in zip(loads, ends, strict=True)),
+        number,
+        profile_of(loads[number]),
+        section_of(case),
+        **_judged(case, loads, ends, judgement, withheld),
+        widens=widens,
+        limits=tuple(
+            (one.name, one.leak_rate / one.ratio[1]) for one in limits(case, loads[number].fluid_pressure)
+        ),
+        **more,
+    )
+
+
+def interval_follows(case: Case) -> bool:
+    """Whether what is not known of a case widens the interval of a complete run, so that no verdict comes before it.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    return case.uncertainty is not None or bool(case.roughness and case.roughness.finishes)
+
+
+@dataclass(frozen=True)
+class _Loads:
+    """As much of a solution as its verdict is told from."""
+
+    case: Case
+    loads: Sequence[LoadResult]
+    leak_ranges: Sequence[tuple[float, float] | None]
+    judgement: SealJudgement | None
+
+    @property
+    def highest(self) -> LoadResult:
+        return self.loads[highest_load(self.loads)]
+
+
+def _judged(
+    case: Case,
+    loads: Sequence[LoadResult],
+    ends: Sequence[tuple[float, float] | None],
+    judgement: SealJudgement | None,
+    withheld: bool,
+) -> dict[str, Any]:
+    found: Any = _Loads(case, loads, ends, judgement)
+    if withheld:
+        return {}
+    if judgement is None:
+        load = found.highest
+        told = "" if load.leak is None else next_class_in_words(case, load, ends[highest_load(loads)])
+        return {"told": (told,) if told else ()}
+    return {
+        "verdict": str(judgement.verdict),
+        "told": tuple(verdict_sentences(found)),
+        "facts": tuple(verdict_facts(found)),
+    }
+
+
+def shown_load(case: Case, load: LoadResult, ends: tuple[float, float] | None = None) -> ShownLoad:
+    """What is shown of one load.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    ends : tuple of float, optional
+        Of the leak rate's interval [m^3/s].
+    """
+    row = Row(load, ends)
+    return ShownLoad(
+        {name: float(COLUMNS[name].number(row)) for name in SHOWN},
+        load.applied_force,
+        str(load.validity.level),
+        load.validity.reasons,
+        tuple(str(one) for one in leakage_classes(case, load, ends)),
+        load.digits,
+    )
+
+
+def without_interval(load: ShownLoad) -> ShownLoad:
+    """A load without the ends of its leak rate.
+
+    Parameters
+    ----------
+    load : ShownLoad
+    """
+    return replace(load, values={**load.values, **dict.fromkeys(LEAK[1:], math.nan)})
+
+
+def without_leak(load: LoadResult) -> ShownLoad:
+    """A load whose leak rate is not there yet.
+
+    Parameters
+    ----------
+    load : LoadResult
+        Without surface and fluid.
+    """
+    row = Row(load)
+    values = {name: math.nan if name in LEAK else float(COLUMNS[name].number(row)) for name in SHOWN}
+    return ShownLoad(values, load.applied_force, digits=load.digits)
+
+
+def profile_of(load: LoadResult) -> ShownProfile:
+    """Pressure and gap of a load.
+
+    Parameters
+    ----------
+    load : LoadResult
+    """
+    contact = load.contact
+    line = contact.profile
+    x = np.asarray(line.x)
+    carries = np.flatnonzero(line.pressure > 1e-3 * line.pressure.max())
+    # as wide again to both sides: what the gap does there is what a drawing would show
+    low, high = float(x[carries[0]]), float(x[carries[-1]])
+    span = slice(
+        int(np.searchsorted(x, low - 0.35 * (high - low))),
+        int(np.searchsorted(x, high + 0.35 * (high - low), side="right")),
+    )
+    step = max(1, (span.stop - span.start) // _POINTS)
+    fluid = vars(load).get("leak_round")
+    pressure = None if fluid is None else fluid.fluid_pressure
+    return ShownProfile(
+        _thinned(x, span, step),
+        _thinned(line.pressure, span, step),
+        _thinned(contact.gap, span, step),
+        [] if pressure is None else _thinned(pressure, span, step),
+    )
+
+
+def _thinned(values: FloatArray, span: slice, step: int) -> list[float]:
+    found: list[float] = np.asarray(values, dtype=float)[span][::step].tolist()
+    return found
+
+
+def section_of(case: Case) -> Section:
+    """Both bodies of a case in first touch.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    contact = case.contact
+    return Section(
+        _corners(contact.closure),
+        _corners(contact.seat),
+        contact.touch_radius,
+        contact.angle,
+        case.load.pressure_side,
+    )
+
+
+def _corners(outline: Outline) -> list[tuple[float, float]]:
+    """Corners of an outline, arcs in short chords."""
+    found: list[tuple[float, float]] = []
+    for segment in outline.segments:
+        found.append(segment.start)
+        if segment.centre is None:
+            continue
+        r, z = segment.centre
+        reach = math.dist(segment.start, segment.centre)
+        first = math.atan2(segment.start[1] - z, segment.start[0] - r)
+        for n in range(1, _ARC_STEPS):
+            at = first + segment.sweep * n / _ARC_STEPS
+            found.append((r + reach * math.cos(at), z + reach * math.sin(at)))
+    return found

@@ -1,0 +1,99 @@
+"""What the page says of a screen: numbers with units and no more digits than they are worth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem_seal.analysis.caution import Level
+from fem_seal.explore.screen import Screen, ShownLoad
+from fem_seal.units import given, leak_range_text, leak_rate_text, quantity_worth
+
+if TYPE_CHECKING:
+    from fem_seal.explore.factors import Factors
+
+_DIGITS = 3
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of the page.
+
+    Parameters
+    ----------
+    name : str
+        Short, unique on the page.
+    what : str
+        What it is.
+    value : str
+        With unit.
+    more : str
+        A remark below it.
+    si : float or None
+        The number itself in SI.
+    """
+
+    name: str
+    what: str
+    value: str
+    more: str = ""
+    si: float | None = None
+
+
+def leak_words(load: ShownLoad) -> str:
+    """The leak rate of a load, an interval where there is one."""
+    rate, low, high = (load.values[f"leak_rate_{end}m3_per_s"] for end in ("", "low_", "high_"))
+    if not math.isfinite(rate) and not math.isfinite(low):
+        return "–"
+    digits, claimed = min(load.digits, _DIGITS), load.level != str(Level.OUTSIDE)
+    if math.isfinite(low) and math.isfinite(high):
+        return leak_range_text((low, high), digits, claimed=claimed)
+    return leak_rate_text(rate, digits, claimed=claimed)
+
+
+def numbers_of(screen: Screen) -> list[Number]:
+    """The numbers of the load that is shown.
+
+    Parameters
+    ----------
+    screen : Screen
+    """
+    load = screen.load
+    if load is None:
+        return []
+    values, digits = load.values, min(load.digits, _DIGITS)
+
+    def number(name: str, what: str, kind: str, column: str, more: str = "") -> Number:
+        return Number(name, what, quantity_worth(kind, values[column], digits), more, values[column])
+
+    wider = "; what is not known widens it when the sliders rest" if screen.widens else ""
+    at = given("fluid pressure", values["fluid_pressure_Pa"])
+    leak = (
+        leak_words(load)
+        if math.isfinite(values["leak_rate_m3_per_s"]) or not screen.waiting
+        else "calculating ..."
+    )
+    found = [
+        Number("leak", "leak rate", leak, f"at {at}{wider}", values["leak_rate_m3_per_s"]),
+        number("peak", "peak contact pressure", "contact pressure", "peak_pressure_Pa"),
+        number("width", "contact width (FWHM)", "length", "fwhm_m"),
+        number("force", "force on the seat", "force", "axial_force_N", "of spring and fluid together"),
+        number("line", "line load", "line load", "line_load_N_per_m"),
+    ]
+    if load.classes:
+        found.append(Number("classes", "leakage class", load.classes[0], ", ".join(load.classes[1:])))
+    return found
+
+
+def changed(factors: Factors, design: dict[str, str], others: Sequence[dict[str, str]]) -> list[str]:
+    """Keys of factors in which some designs differ."""
+    keys = [*(one.key for one in factors.sliders), "fluid"]
+    return [key for key in keys if len({one.get(key) for one in (design, *others)}) > 1]
+
+
+def validity_words(load: ShownLoad) -> tuple[str, str]:
+    """How far a load can be trusted: the class of its colour, and the words."""
+    colour = {str(Level.VALID): "good", str(Level.DOUBTFUL): "warn"}.get(load.level, "bad")
+    return colour, {"good": "within the theory"}.get(colour, load.level)

@@ -1,0 +1,167 @@
+"""The leak over pressure and force as files: CSV, a text file of Modelica tables, a script of MATLAB matrices."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_seal.files import write_text
+from fem_seal.output.prose import said
+from fem_seal.version import __version__
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.leak_map import LeakMap
+    from fem_seal.arrays import FloatArray
+
+CSV, MODELICA, MATLAB = "table.csv", "modelica_tables.txt", "leak_tables.m"
+
+
+def map_rows(found: LeakMap) -> list[dict[str, Any]]:
+    """One row per pressure and force, SI; NaN where nothing was calculated.
+
+    Parameters
+    ----------
+    found : LeakMap
+    """
+    area, mass = found.leakage_area, found.mass_flow
+    per_leak = found.area_of_leak_rate
+    rows = []
+    for n, force in enumerate(found.axial_force.tolist()):
+        for m, pressure in enumerate(found.fluid_pressure.tolist()):
+            validity = found.validity[m][n]
+            low, high = float(found.leak_rate_low[m, n]), float(found.leak_rate_high[m, n])
+            rows.append(
+                {
+                    "fluid_pressure_Pa": pressure,
+                    "axial_force_N": force,
+                    "leak_rate_m3_per_s": float(found.leak_rate[m, n]),
+                    "leak_rate_low_m3_per_s": low,
+                    "leak_rate_high_m3_per_s": high,
+                    "leak_rate_kg_per_s": float(mass[m, n]),
+                    "leakage_area_m2": float(area[m, n]),
+                    "leakage_area_low_m2": low * float(per_leak[m]),
+                    "leakage_area_high_m2": high * float(per_leak[m]),
+                    "validity": found.level[m][n],
+                    "validity_reasons": [] if validity is None else list(validity.reasons),
+                }
+            )
+    return rows
+
+
+def write_map(found: LeakMap, folder: Path) -> None:
+    """Write `CSV` with all points, `MODELICA` and `MATLAB` with the largest part that has no gaps.
+
+    Parameters
+    ----------
+    found : LeakMap
+    folder : pathlib.Path
+    """
+    write_text(folder / CSV, _csv(found))
+    whole = found.complete
+    write_text(folder / MODELICA, modelica_text(whole))
+    write_text(folder / MATLAB, matlab_text(whole))
+
+
+def _csv(found: LeakMap) -> str:
+    rows = map_rows(found)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(rows[0])
+    for row in rows:
+        cells = ("; ".join(one) if isinstance(one, list) else one for one in row.values())
+        writer.writerow(f"{one:.10g}" if isinstance(one, float) else one for one in cells)
+    return text.getvalue()
+
+
+def tables_of(found: LeakMap) -> dict[str, FloatArray]:
+    """Names of the tables for system simulation and their values, shape (m, n): areas only where they are known.
+
+    A gas is given by its mass flow, a liquid by its volume flow.
+
+    Parameters
+    ----------
+    found : LeakMap
+        Without gaps.
+    """
+    factor = (found.density or 1.0) if found.is_gas else 1.0
+    name = "mass_flow" if found.is_gas else "leak_rate"
+    ends = {"": found.leak_rate, "_low": found.leak_rate_low, "_high": found.leak_rate_high}
+    tables = {f"{name}{end}": rate * factor for end, rate in ends.items()}
+    if not np.isnan(found.area_of_leak_rate).any():
+        per_leak = found.area_of_leak_rate[:, None]
+        tables |= {f"leakage_area{end}": rate * per_leak for end, rate in ends.items()}
+    return tables
+
+
+def _with_zero(pressure: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The same with a row for no pressure difference, at which nothing leaks."""
+    return np.append(0.0, pressure), np.vstack([np.zeros(values.shape[1]), values])
+
+
+def modelica_text(found: LeakMap) -> str:
+    """Text file for Modelica.Blocks.Tables.CombiTable2Ds: fluid pressure [Pa] is u1, force [N] is u2.
+
+    Parameters
+    ----------
+    found : LeakMap
+        Without gaps.
+    """
+    lines = ["#1", *(f"# {line}" for line in _about(found))]
+    for name, values in tables_of(found).items():
+        pressure, rows = _with_zero(found.fluid_pressure, values)
+        lines.append(f"double {name}({len(pressure) + 1},{len(found.axial_force) + 1}) # {_unit(name)}")
+        lines.append(_numbers([0.0, *found.axial_force.tolist()]))
+        lines += [_numbers([p, *row]) for p, row in zip(pressure.tolist(), rows.tolist(), strict=True)]
+    return "\n".join(lines) + "\n"
+
+
+def matlab_text(found: LeakMap) -> str:
+    """Script that makes a struct of grid vectors and matrices, as Simscape and Simulink lookup tables take them.
+
+    Parameters
+    ----------
+    found : LeakMap
+        Without gaps.
+    """
+    lines = [f"% {line}" for line in _about(found)]
+    pressure, _ = _with_zero(found.fluid_pressure, found.leak_rate)
+    lines.append(f"leak_tables.fluid_pressure = [{_numbers(pressure.tolist())}]; % Pa")
+    lines.append(f"leak_tables.axial_force = [{_numbers(found.axial_force.tolist())}]; % N")
+    tables = {**tables_of(found), "valid": found.valid}
+    for name, values in tables.items():
+        # at no pressure as valid as at the least
+        rows = (
+            np.vstack([values[:1], values])
+            if name == "valid"
+            else _with_zero(found.fluid_pressure, values)[1]
+        )
+        text = "; ...\n  ".join(_numbers(row) for row in rows.tolist())
+        lines.append(f"leak_tables.{name} = [ ...\n  {text}]; % {_unit(name)}")
+    return "\n".join(lines) + "\n"
+
+
+def _about(found: LeakMap) -> Iterator[str]:
+    # a line break in a title would end the comment
+    yield " ".join(f"{found.title or 'seal'}, {found.fluid}; fem-seal {__version__}".split())
+    for sentence in ("grid", "gas" if found.is_gas else "liquid", "ends"):
+        yield said("leak_map.files", sentence)
+    worst = sorted({word for row in found.level for word in row} - {"valid"})
+    if worst:
+        yield said("leak_map.files", "validity", levels=" and ".join(worst))
+
+
+def _unit(name: str) -> str:
+    if name == "valid":
+        return "1 valid, 0 doubtful, -1 outside the theory"
+    return {"mass_flow": "kg/s", "leak_rate": "m^3/s", "leakage_area": "m^2"}[
+        name.removesuffix("_low").removesuffix("_high")
+    ]
+
+
+def _numbers(values: list[float]) -> str:
+    return " ".join(f"{value:.10g}" for value in values)

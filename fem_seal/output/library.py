@@ -1,0 +1,226 @@
+"""What the libraries of materials and fluids hold, as rows: for the terminal, JSON, CSV and the pages of the manual."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from fem_seal.material_library import ALIASES, LIBRARY
+from fem_seal.materials import Material
+from leak.fluids.find import gas, is_gas, is_liquid, liquid
+from leak.fluids.library import GAS_ENTRIES, LIQUID_ENTRIES
+from leak.fluids.names import ROOM_TEMPERATURE, known_name
+
+ONE_CONDITION = (
+    "Hardness and yield strength are those of one condition; another heat treatment or temper changes them."
+)
+CREEPS = "creeps: contact and closing force change with time, results are those of a short time"
+
+# Of a table of numbers: key in the rows, heading, factor to the unit of the heading, significant digits.
+MATERIAL_COLUMNS = (
+    ("youngs_modulus_Pa", "E\nGPa", 1e-9),
+    ("poissons_ratio", "nu\n", 1.0),
+    ("hardness_Pa", "hardness\nGPa", 1e-9),
+    ("yield_stress_Pa", "yield\nMPa", 1e-6),
+    ("thermal_expansion_1_per_K", "expansion\n1e-6/K", 1e6),
+)
+
+
+def material_row(material: Material) -> dict[str, Any]:
+    """One material in SI units, None where a number is not known.
+
+    Parameters
+    ----------
+    material : Material
+    """
+    return {
+        "name": material.name,
+        "aliases": [word for word, name in ALIASES.items() if name == material.name],
+        "youngs_modulus_Pa": material.youngs_modulus,
+        "poissons_ratio": material.poissons_ratio,
+        "hardness_Pa": material.hardness,
+        "yield_stress_Pa": material.yield_stress,
+        "thermal_expansion_1_per_K": material.thermal_expansion,
+        "creeps": material.creeps,
+        "condition": material.condition,
+        "source": material.source,
+    }
+
+
+def material_rows() -> list[dict[str, Any]]:
+    """All materials of the library."""
+    return [material_row(one) for one in LIBRARY.values()]
+
+
+def fluid_rows(temperature: float = ROOM_TEMPERATURE) -> list[dict[str, Any]]:
+    """All fluids of the library in SI units; None where a fluid has no such number, or not at this temperature.
+
+    Parameters
+    ----------
+    temperature : float
+        [K]
+    """
+    return [fluid_row(entry.name, temperature) for entry in (*LIQUID_ENTRIES, *GAS_ENTRIES)]
+
+
+def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any]:
+    """One fluid of the library in SI units.
+
+    Parameters
+    ----------
+    name : str
+    temperature : float
+        [K]; outside the range of a fluid its viscosity and density are None.
+
+    Raises
+    ------
+    FluidError
+        If the library has no such fluid; the message names the nearest ones.
+    """
+    if is_gas(name):
+        known = gas(name).name
+    elif is_liquid(name):
+        known = liquid(name).name
+    else:
+        known = known_name(name, [one.name for one in (*LIQUID_ENTRIES, *GAS_ENTRIES)], {})
+    (entry,) = (one for one in (*LIQUID_ENTRIES, *GAS_ENTRIES) if one.name == known)
+    row: dict[str, Any] = {
+        "name": known,
+        "state": "gas" if is_gas(known) else "liquid",
+        "temperature_K": temperature,
+        "viscosity_Pa_s": None,
+        "density_kg_per_m3": None,
+        "molar_mass_kg_per_mol": None,
+        "dilute_up_to_Pa": None,
+        "from_K": entry.low,
+        "to_K": entry.high,
+        "source": entry.source,
+    }
+    if is_gas(known):
+        row |= {
+            "molar_mass_kg_per_mol": gas(known).molar_mass,
+            "dilute_up_to_Pa": gas(known).dilute_pressure,
+        }
+    # a round number of degrees must not fail by the last bit of its kelvins
+    if entry.low - 1e-6 <= temperature <= entry.high + 1e-6:
+        if is_gas(known):
+            row |= {"viscosity_Pa_s": gas(known, temperature).viscosity}
+        else:
+            found = liquid(known, temperature)
+            row |= {"viscosity_Pa_s": found.viscosity, "density_kg_per_m3": found.density}
+    return row
+
+
+def shown(value: float | None, factor: float = 1.0, digits: int = 4) -> str:
+    """A number of a row as it stands in a table, a dash where there is none.
+
+    Parameters
+    ----------
+    value : float or None
+    factor : float
+        To the unit of the table.
+    digits : int
+    """
+    return "-" if value is None else f"{value * factor:.{digits}g}"
+
+
+def material_cells(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    """Headings and cells of the numbers of some materials.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        Of `material_rows`.
+    """
+    headings = ["material\n", *(heading for _, heading, _ in MATERIAL_COLUMNS)]
+    cells = [
+        [
+            row["name"] + (" (creeps)" if row["creeps"] else ""),
+            *(shown(row[key], factor) for key, _, factor in MATERIAL_COLUMNS),
+        ]
+        for row in rows
+    ]
+    return headings, cells
+
+
+def fluid_cells(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    """Headings and cells of the numbers of some fluids.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        Of `fluid_rows`.
+    """
+    headings = [
+        "fluid\n",
+        "\n",
+        "viscosity\nmPa s",
+        "density\nkg/m3",
+        "dilute to\nbar",
+        "from\ndegC",
+        "to\ndegC",
+    ]
+    cells = [
+        [
+            row["name"],
+            row["state"],
+            shown(row["viscosity_Pa_s"], 1e3),
+            shown(row["density_kg_per_m3"]),
+            shown(row["dilute_up_to_Pa"], 1e-5),
+            shown(row["from_K"] - 273.15),
+            shown(row["to_K"] - 273.15),
+        ]
+        for row in rows
+    ]
+    return headings, cells
+
+
+def material_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """All that is known of one material, in words.
+
+    Parameters
+    ----------
+    row : dict
+        Of `material_row`.
+    """
+    yield "name", row["name"]
+    if row["aliases"]:
+        yield "also called", ", ".join(row["aliases"])
+    words = {
+        "Young's modulus": ("youngs_modulus_Pa", 1e-9, " GPa"),
+        "Poisson's ratio": ("poissons_ratio", 1.0, ""),
+        "penetration hardness": ("hardness_Pa", 1e-9, " GPa"),
+        "yield strength": ("yield_stress_Pa", 1e-6, " MPa"),
+        "thermal expansion": ("thermal_expansion_1_per_K", 1e6, "e-6/K"),
+    }
+    for word, (key, factor, unit) in words.items():
+        yield word, "not given" if row[key] is None else shown(row[key], factor) + unit
+    if row["creeps"]:
+        yield "creep", CREEPS
+    yield "condition", row["condition"]
+    yield "source", row["source"]
+
+
+def fluid_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """All that is known of one fluid, in words.
+
+    Parameters
+    ----------
+    row : dict
+        Of `fluid_row`.
+    """
+    yield "name", row["name"]
+    yield "state", row["state"]
+    at = f" at {row['temperature_K'] - 273.15:.4g} degC"
+    range_ = f"{row['from_K'] - 273.15:.4g} to {row['to_K'] - 273.15:.4g} degC"
+    if row["viscosity_Pa_s"] is None:
+        yield "viscosity", f"not known{at}"
+    else:
+        yield "viscosity", f"{shown(row['viscosity_Pa_s'], 1e3)} mPa s{at}"
+    if row["density_kg_per_m3"] is not None:
+        yield "density", f"{shown(row['density_kg_per_m3'])} kg/m3{at}"
+    if row["state"] == "gas":
+        yield "molar mass", f"{shown(row['molar_mass_kg_per_mol'], 1e3, 6)} g/mol"
+        yield "dilute ideal gas", f"within 5 % up to {shown(row['dilute_up_to_Pa'], 1e-5)} bar"
+    yield "range", range_
+    yield "source", row["source"]

@@ -1,0 +1,118 @@
+"""The report as a PDF file, printed by a browser that is on the machine anyway."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from fem_seal.errors import DrawingError, OutputError
+
+_NAMED = "FEM_SEAL_BROWSER"
+_COMMANDS = (
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "microsoft-edge",
+    "msedge",
+)
+# Where browsers stand that no command leads to: below a folder that an environment variable names, and on macOS.
+_BELOW = ("ProgramFiles", "ProgramFiles(x86)", "LOCALAPPDATA")
+_ON_WINDOWS = (
+    Path("Microsoft", "Edge", "Application", "msedge.exe"),
+    Path("Google", "Chrome", "Application", "chrome.exe"),
+    Path("Chromium", "Application", "chrome.exe"),
+)
+_ON_MAC = (
+    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
+    "/Applications/Chromium.app/Contents/MacOS/Chromium",
+    "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
+)
+# A report takes some two seconds; a browser that starts for the first time a few more [s].
+_PATIENCE = 120.0
+
+
+def find_browser() -> str | None:
+    """A browser that prints without a window: that of FEM_SEAL_BROWSER, or Chromium, Chrome, Edge; None without one."""
+    return next(_browsers(), None)
+
+
+def _browsers() -> Iterator[str]:
+    named = os.environ.get(_NAMED)
+    if named:
+        yield named
+    yield from (found for name in _COMMANDS if (found := shutil.which(name)))
+    places = [Path(os.environ[key]) / one for key in _BELOW if key in os.environ for one in _ON_WINDOWS]
+    yield from (str(place) for place in (*places, *map(Path, _ON_MAC)) if place.is_file())
+
+
+def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:
+    """Print a page into a PDF file, which takes the place of an old one once it is whole.
+
+    Parameters
+    ----------
+    page : pathlib.Path
+        HTML file.
+    pdf : pathlib.Path
+    browser : str, optional
+        Program of the kind of Chromium; the one that is found unless given.
+
+    Raises
+    ------
+    DrawingError
+        If there is no browser, or it prints nothing.
+    OutputError
+        If the file cannot be written.
+    """
+    browser = browser or find_browser()
+    if browser is None:
+        raise DrawingError(
+            f"no Chromium, Chrome or Edge is found to print {page} with; open it in any browser and print it there, or "
+            f"name a browser of this kind in the environment variable {_NAMED}"
+        )
+    # of a profile of its own, so that a browser that is open neither helps nor hinders
+    with TemporaryDirectory(prefix="fem-seal-") as folder:
+        draft = Path(folder) / "report.pdf"
+        told = _printed(browser, page, draft, Path(folder) / "profile")
+        if not draft.is_file() or not draft.read_bytes().startswith(b"%PDF"):
+            raise DrawingError(
+                f"{browser} printed nothing{told}; open {page} in a browser and print it there"
+            )
+        try:
+            shutil.copyfile(draft, pdf)
+        except OSError as error:
+            raise OutputError(
+                f"{pdf}: cannot be written ({(error.strerror or str(error)).lower()})"
+            ) from None
+    return pdf
+
+
+def _printed(browser: str, page: Path, pdf: Path, profile: Path) -> str:
+    """What the browser said that may explain why there is no file."""
+    command = [
+        browser,
+        "--headless",
+        "--disable-gpu",
+        "--no-first-run",
+        f"--user-data-dir={profile}",
+        "--no-pdf-header-footer",
+        f"--print-to-pdf={pdf}",
+        page.absolute().as_uri(),
+    ]
+    # its sandbox does not work for root, and the page is this program's own
+    if sys.platform != "win32" and os.geteuid() == 0:
+        command.insert(1, "--no-sandbox")
+    try:
+        ended = subprocess.run(command, capture_output=True, timeout=_PATIENCE, check=False)
+    except subprocess.TimeoutExpired:
+        return f" within {_PATIENCE:g} s"
+    except OSError as error:
+        return f" ({(error.strerror or str(error)).lower()})"
+    lines = ended.stderr.decode(errors="replace").strip().splitlines()
+    return f" ({lines[-1]})" if lines else ""

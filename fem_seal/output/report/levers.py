@@ -1,0 +1,149 @@
+"""What the strongest levers are, in an engineer's words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from fem_seal.analysis.load_names import load_name
+from fem_seal.analysis.results import Lever, SealSolution
+from fem_seal.case.case import Case
+from fem_seal.output.prose import said
+from fem_seal.output.report.tables import ReadableTable
+from fem_seal.units import number, percent, quantity, range_text, trimmed, unit_for, worth
+
+# So many are told, and no smaller ones: a change of half a per cent is no lever.
+_TOLD, _SMALLEST = 3, 0.005
+# Keys of steps, by the key of the lever and whether its value falls or rises.
+_STEPS: Mapping[str, tuple[str, str]] = {
+    "rms_height": ("rms_height_less", "rms_height_more"),
+    "hardness": ("hardness_less", "hardness_more"),
+    "youngs_modulus": ("youngs_modulus_less", "youngs_modulus_more"),
+    "q_rolloff": ("q_rolloff_less", "q_rolloff_more"),
+    "hurst": ("hurst_less", "hurst_more"),
+}
+
+
+def told_levers(result: SealSolution) -> list[Lever]:
+    """The strongest levers, those that are told.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return [one for one in result.levers if one.strength > _SMALLEST][:_TOLD]
+
+
+def step_in_words(case: Case, lever: Lever) -> str:
+    """What is changed, and by how much: "halve Ra", "10 % more force of spring or actuator".
+
+    Parameters
+    ----------
+    case : Case
+    lever : Lever
+    """
+    if lever.key == "force":
+        assert lever.before is not None and lever.after is not None  # of a force
+        if lever.before > 0:
+            return said("levers.step", "force", percent=percent(lever.factor - 1.0, 2))
+        return said("levers.step", "force_added", added=quantity("force", lever.after - lever.before, 2))
+    if lever.key in _STEPS:
+        key = _STEPS[lever.key][lever.factor > 1]
+        finish = _finish(case)
+        if key == "rms_height_less" and finish:
+            return said("levers.step", "rms_height_less_finish", finish=finish)
+        return said("levers.step", key, before=_short(lever.before), after=_short(lever.after))
+    return _dimension(lever)
+
+
+def _short(value: float | None) -> str:
+    return "" if value is None else number(value, 2)
+
+
+def _finish(case: Case) -> str:
+    """The heights that the drawing gives: "Ra"; empty where the roughness is given otherwise."""
+    roughness = case.roughness
+    if roughness is None or len(roughness.finishes) < len(roughness.parts):
+        return ""
+    heights = [one.height for one in roughness.finishes.values() if one.height is not None]
+    return " and ".join(dict.fromkeys(heights))
+
+
+def _dimension(lever: Lever) -> str:
+    assert lever.before is not None and lever.after is not None  # of a dimension
+    first, _, both = lever.key.partition(" and ")
+    body, _, key = first.partition(".")
+    kind = "angle" if key.endswith("angle") else "length"
+    unit = unit_for(kind, lever.after - lever.before)
+    by = f"{trimmed(unit.of(lever.after - lever.before))} {unit.name}".replace(" °", "°")
+    if both:
+        return said("levers.step", "angles", by=by)
+    return said("levers.step", "dimension", by=by, body=body, what=key.replace("_", " "))
+
+
+def ratio_in_words(lever: Lever) -> str:
+    """What the step does: "leak × 0.20", or that it seals.
+
+    Parameters
+    ----------
+    lever : Lever
+    """
+    low, high = sorted(lever.ratio)
+    if high == 0:
+        return said("levers.said", "sealed")
+    ends = range_text(*(worth(one, 2) if one else "0" for one in (low, high)))
+    return said("levers.said", "effect", ratio=ends)
+
+
+def _exponents(lever: Lever) -> str:
+    if any(map(math.isnan, lever.exponents)):
+        return "–"
+    return range_text(*(worth(one, 2) for one in sorted(lever.exponents)))
+
+
+def lever_lines(result: SealSolution) -> list[str]:
+    """The strongest levers, for the terminal; empty if nobody asked or nothing moves the leak rate.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = told_levers(result)
+    if not found:
+        return []
+    lines = [said("levers.said", "heading", load=_load(result)) + ":"]
+    for one in found:
+        exponent = said("levers.said", "exponent" if one.straight else "locally", exponents=_exponents(one))
+        lines.append(f"  {step_in_words(result.case, one)}: {ratio_in_words(one)} ({exponent})")
+    return lines
+
+
+def _load(result: SealSolution) -> str:
+    judged = result.judgement
+    load = result.highest if judged is None or judged.number is None else result.loads[judged.number]
+    return load_name(load, result.loads)
+
+
+def lever_table(result: SealSolution) -> ReadableTable:
+    """All levers that move the leak rate: step, ratio, exponent; no rows if nobody asked.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    rows = [
+        (step_in_words(result.case, one), ratio_in_words(one), _exponents(one))
+        for one in result.levers
+        if one.strength > _SMALLEST
+    ]
+    return ReadableTable(("change", "leak rate", "local exponent"), tuple(rows))
+
+
+def lever_note(result: SealSolution) -> str:
+    """What the table of levers means.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return said("levers.said", "note", load=_load(result))

@@ -1,0 +1,249 @@
+"""What is said of a requirement: the verdict in a sentence, what it rests on, and what `fem-seal check` announces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from fem_seal.analysis.caution import Level
+from fem_seal.analysis.judgement import SealJudgement, Shares, Why
+from fem_seal.analysis.leakage import next_class, nominal_size
+from fem_seal.analysis.load_names import load_name
+from fem_seal.analysis.results import LoadResult, SealSolution
+from fem_seal.analysis.verdict import OF_LEAK_RATE, limits
+from fem_seal.case.case import Case
+from fem_seal.output.prose import said
+from fem_seal.units import given, leak_range_text, number, percent, quantity, range_text, worth
+
+# Factors beyond this are told as "more than".
+_FAR = 1000.0
+
+
+_SENTENCES = {
+    Why.OPEN: "open",
+    Why.INTERVAL: "interval",
+    Why.TEST_FLUID: "test_fluid",
+    Why.VISIBLE: "visible",
+    Why.OUTSIDE: "outside",
+    Why.UNKNOWN: "unknown",
+}
+
+
+def factor_text(factor: float) -> str:
+    """A factor with the two digits that it is worth.
+
+    Parameters
+    ----------
+    factor : float
+
+    Examples
+    --------
+    >>> factor_text(3.1415), factor_text(43210.0), factor_text(0.99)
+    ('3.1', 'more than 1000', '0.99')
+    """
+    if factor > _FAR:
+        return f"more than {_FAR:.0f}"
+    return worth(factor, 2)
+
+
+def verdict_sentences(result: SealSolution) -> list[str]:
+    """The verdict with its reason, and what one has to know of it; empty without a requirement.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = result.judgement
+    if found is None:
+        return []
+    return [_verdict(found, _place(result, found)), *_besides(result, found)]
+
+
+def _place(result: SealSolution, found: SealJudgement) -> str:
+    if found.number is not None:
+        return load_name(result.loads[found.number], result.loads)
+    pressure = given("fluid pressure", found.fluid_pressure)
+    return f"{pressure} with {given('force', found.applied_force)}" if found.applied_force else pressure
+
+
+def _verdict(found: SealJudgement, load: str) -> str:
+    judged, limit = found.worst, found.worst.limit
+    low, high = judged.ends
+    over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in judged.ends]
+    return said(
+        "verdict.said",
+        _sentence(found),
+        load=load,
+        low=leak_range_text(low, 2),
+        high=leak_range_text(high, 2),
+        range=leak_range_text((low, high), 2),
+        allowed=_limit_text(limit.leak_rate),
+        limit="required" if limit.name == OF_LEAK_RATE else limit.name,
+        factor=factor_text(judged.margin),
+        times_low=factor_text(over[0]),
+        times_range=range_text(*map(factor_text, over)),
+        fluid=limit.test_fluid,
+        reason=judged.reason,
+    )
+
+
+def _sentence(found: SealJudgement) -> str:
+    """Which of the sentences it is."""
+    judged = found.worst
+    if judged.why is Why.UNKNOWN and found.number is None:
+        return "no_result"
+    if judged.why is Why.UNKNOWN and math.isnan(judged.limit.leak_rate):
+        return "no_limit"
+    if judged.why in _SENTENCES:
+        return _SENTENCES[judged.why]
+    if judged.verdict == "fails":
+        return "fails" if judged.limit.leak_rate else "visible_fails"
+    return "sealed" if math.isinf(judged.margin) else "holds"
+
+
+def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
+    limit, decided = found.worst.limit, found.worst.why in (Why.LIMIT, Why.INTERVAL)
+    if limit.test_fluid and decided and not math.isinf(found.margin):
+        yield said("verdict.said", "converted", fluid=limit.test_fluid, ratio=_ratio(limit.ratio))
+    if found.number is not None and decided:
+        validity = result.loads[found.number].validity
+        if validity.level is Level.DOUBTFUL:
+            yield said("verdict.said", "doubtful", reason=validity.reasons[0])
+    count = len(found.judged) + found.left_out
+    if count > 1:
+        yield said("verdict.said", "several", count=count)
+
+
+def _ratio(ratio: tuple[float, float]) -> str:
+    return range_text(*(number(one, 2) for one in ratio))
+
+
+def _limit_text(leak_rate: float) -> str:
+    return "no visible leakage" if leak_rate == 0 else quantity("flow", leak_rate, 2)
+
+
+def used_in_words(shares: Shares) -> str:
+    """Shares of yield stress and hardness, and the margin to opening: "12 % of the hardness, ..."; empty if unknown.
+
+    Parameters
+    ----------
+    shares : Shares
+    """
+    told = {"yield": shares.yield_stress, "hardness": shares.hardness, "opening": shares.opening}
+    return ", ".join(
+        said("verdict.used", name, share=percent(share), body=shares.body)
+        for name, share in told.items()
+        if share is not None
+    )
+
+
+def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
+    """Margin and shares as the report shows them under the verdict: name, value, remark; empty without a requirement.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = result.judgement
+    if found is None:
+        return []
+    shares, margin = found.shares, found.margin
+    told = "sealed" if math.isinf(margin) else "–" if math.isnan(margin) else factor_text(margin)
+    facts = [("Margin", told, said("verdict.facts", "margin"))]
+    if shares.yield_stress is not None:
+        facts.append(
+            (
+                "Of the yield stress",
+                percent(shares.yield_stress),
+                said("verdict.facts", "yield", body=shares.body),
+            )
+        )
+    if shares.hardness is not None:
+        facts.append(("Of the hardness", percent(shares.hardness), said("verdict.facts", "hardness")))
+    if shares.opening is not None:
+        facts.append(("Left to opening", percent(shares.opening), said("verdict.facts", "opening")))
+    return facts
+
+
+def next_class_in_words(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> str:
+    """Which class would be met next, and by which factor less would have to leak; empty if none would.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    ends : tuple of float or None
+        Of the leak rate's interval [m^3/s].
+    """
+    found = next_class(case, load, ends)
+    if found is None:
+        return ""
+    return said(
+        "verdict.next",
+        "class",
+        standard=found.standard,
+        name=found.name,
+        factor=factor_text(found.factor),
+    )
+
+
+def next_class_of(result: SealSolution) -> str:
+    """`next_class_in_words` of the highest load, where no requirement says what is wanted.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    if result.judgement is not None:
+        return ""
+    highest = result.highest
+    return next_class_in_words(result.case, highest, result.leak_ranges[result.loads.index(highest)])
+
+
+def verdict_lines(result: SealSolution) -> list[str]:
+    """The verdict and what it rests on, for the terminal; of a case without requirement the next class.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = result.judgement
+    if found is None:
+        told = next_class_of(result)
+        return [f"  {told}"] if told else []
+    first, *others = verdict_sentences(result)
+    used = used_in_words(found.shares)
+    return [f"Verdict: {first}", *(f"  {one}" for one in others), *([f"  Used: {used}"] if used else [])]
+
+
+def requirement_lines(case: Case) -> list[str]:
+    """What will be judged, and at which loads; empty without a requirement.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    required, fluid = case.requirement, case.fluid
+    if required is None or fluid is None:
+        return []
+    at: dict[tuple[str, float], list[float]] = {}
+    for pressure in dict.fromkeys(case.load.fluid_pressure):
+        if required.judges(pressure):
+            for limit in limits(case, pressure):
+                at.setdefault((limit.name, limit.leak_rate), []).append(pressure)
+    told = [_announced(name, rate, pressures) for (name, rate), pressures in at.items()]
+    of_class = [limit for limit in limits(case, case.load.fluid_pressure[0]) if limit.name != OF_LEAK_RATE]
+    for limit in of_class:
+        told.append(said("verdict.check", "size", size=nominal_size(case)))
+        if limit.test_fluid:
+            ratio = _ratio(limit.ratio)
+            told.append(said("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name))
+    return told
+
+
+def _announced(name: str, leak_rate: float, pressures: Sequence[float]) -> str:
+    kind = "none" if math.isnan(leak_rate) else "limit" if leak_rate else "zero"
+    ends = [given("fluid pressure", one) for one in (min(pressures), max(pressures))]
+    loads = range_text(*ends) + (f" ({len(pressures)} pressures)" if len(pressures) > 1 else "")
+    allowed, si = _limit_text(leak_rate), f"{number(leak_rate, 3)} m³/s"
+    return said("verdict.check", kind, limit=name, allowed=allowed, si=si, loads=loads)
