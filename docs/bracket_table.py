@@ -1,4 +1,4 @@
-"""Write docs/bracket.md: what the two readings of asperities that yield do to the leak rate of each example.
+"""Write docs/verification/bracket.md: what the two readings of yielding asperities do to each example's leak rate.
 
     python docs/bracket_table.py            # runs every example in examples/, some minutes
     python docs/bracket_table.py ball_cone  # prints the row of one example and writes nothing
@@ -21,7 +21,7 @@ from fem_seal.output.report.words import classes_in_words
 from fem_seal.units import number, quantity
 
 ROOT = Path(__file__).parent.parent
-PAGE = ROOT / "docs" / "bracket.md"
+PAGE = ROOT / "docs" / "verification" / "bracket.md"
 
 HEAD = (
     "example",
@@ -44,7 +44,7 @@ An asperity that yields gives way, and the theory does not say where its metal g
 
 - **Volume conserved everywhere** (C_pl, the default, as in the paper): plastic flow smooths the whole spectrum, valleys
   included; `leak_rate_conserved_m3_per_s`. In direct simulations with the pressure capped at the hardness the valleys
-  stay open: where much yields, this reading is too tight there ([verification.md](verification.md)).
+  stay open: where much yields, this reading is too tight there ([verification](verification.md)).
 - **Changed only where it touches**, under a pressure that the hardness limits; `leak_rate_capped_m3_per_s`. The
   channels are those of an elastic contact at a larger pressure (`leak.theory.capped`). Metal that is displaced into the
   valleys is left out, so that this reading is rather too open.
@@ -56,11 +56,11 @@ surfaces is that of the first reading. Scratches leak beside both. Without `leak
 """
 
 NOTES = """
-Every leak rate is told as this interval, in the files ([columns.md](columns.md)), on the terminal and in the report.
-`leak_rate_m3_per_s` and what follows from it (mass, pV, standard volume, comparisons, goals of a study) are those of
-the first reading. `leak_rate_low_m3_per_s` and `leak_rate_high_m3_per_s` are the ends, with `[uncertainty]` those of
-the samples in both readings ([uncertainty.md](uncertainty.md)). A leakage class is claimed only if both ends meet it;
-otherwise it is "between" the two that they meet.
+Every leak rate is told as this interval, in the files ([columns](../reference/columns.md)), on the terminal and in the
+report. `leak_rate_m3_per_s` and what follows from it (mass, pV, standard volume, comparisons, goals of a study) are
+those of the first reading. `leak_rate_low_m3_per_s` and `leak_rate_high_m3_per_s` are the ends, with `[uncertainty]`
+those of the samples in both readings ([uncertainty](../guide/uncertainty.md)). A leakage class is claimed only if both
+ends meet it; otherwise it is "between" the two that they meet.
 
 Where little has yielded the two readings nearly agree, and either may be the smaller one: C_pl smooths nothing before a
 good part of the contact yields, while the capped contact area grows at once.

@@ -75,7 +75,7 @@ def periodic_spectrum(rolloff: float, cutoff: float, hurst: float) -> leak.Power
 
 def read_direct(folder: Path) -> list[DirectSet]:
     """The direct numerical results in a folder, one set per spectrum and grid."""
-    with (folder / FILE).open() as file:
+    with (folder / FILE).open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     names = list(dict.fromkeys(row["surface_set"] for row in rows))
     return [_set([row for row in rows if row["surface_set"] == name]) for name in names]

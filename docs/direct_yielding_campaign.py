@@ -181,9 +181,9 @@ def _complete(
 ) -> None:
     done: set[tuple[str, ...]] = set()
     if path.exists():
-        with path.open(newline="") as file:
+        with path.open(newline="", encoding="utf-8") as file:
             done = {tuple(row[:5]) for row in csv.reader(file)}
-    with path.open("a", newline="") as file:
+    with path.open("a", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         if not done:
             writer.writerow(columns)

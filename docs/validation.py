@@ -1,4 +1,4 @@
-"""Write docs/validation.md: what experiments measured, beside what the program predicts for them.
+"""Write docs/verification/validation.md: what experiments measured, beside what the program predicts for them.
 
 Run: python docs/validation.py [--all] for the page; python docs/validation.py FILE.toml ... for files of your own.
 """
@@ -23,7 +23,7 @@ from fem_seal.studies.expressions import Expression
 from fem_seal.studies.responses import evaluate
 
 HERE = Path(__file__).parent
-FOLDER, FILE = HERE / "validation", HERE / "validation.md"
+FOLDER, FILE = HERE / "validation", HERE / "verification" / "validation.md"
 # What was predicted for the files as they were: calculating takes minutes, writing the page does not.
 PREDICTIONS = FOLDER / "predictions.json"
 TEMPLATE = "template.toml"

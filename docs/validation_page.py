@@ -16,7 +16,7 @@ HEAD = """\
 # Validation against measurements
 
 [Verification](verification.md) asks whether the equations are solved right; this page asks whether they are the right
-ones. Each experiment is a file in [docs/validation/](validation): a case as every user writes it, what the report does
+ones. Each experiment is a file in `docs/validation/`: a case as every user writes it, what the report does
 not say and between which values it is taken to lie, and what was measured. The prediction is an interval: the least and
 the largest value over all corners of what was not reported and over both readings of yielding asperities
 (`leak_rate_conserved_m3_per_s`, `leak_rate_capped_m3_per_s`). **Nothing is fitted.** The corners are assumptions,
@@ -36,11 +36,11 @@ only in a figure are not read off.
 TEMPLATE = """\
 ## Your own measurements
 
-Copy [validation/template.toml](validation/template.toml) and fill in what you know; a key that your report does not
-give gets the values between which it lies in `[[scenarios]]`. Then
+Copy [docs/validation/template.toml](../validation/template.toml) and fill in what you know; a key that your report
+does not give gets the values between which it lies in `[[scenarios]]`. Then
 
 ```
-python docs/validation.py validation/my_seal.toml
+python docs/validation.py docs/validation/my_seal.toml
 ```
 
 prints the verdict. Files in `docs/validation/` become part of this page with `python docs/validation.py`, which
@@ -226,7 +226,7 @@ def _sections(
 ) -> Iterator[str]:
     for experiment in experiments:
         yield f"## {experiment.title}\n"
-        yield f"{experiment.source}. File: [{experiment.name}](validation/{experiment.name}).\n"
+        yield f"{experiment.source}. File: [{experiment.name}](../validation/{experiment.name}).\n"
         yield f"Reported: {experiment.reported}\n"
         yield f"Not reported: {experiment.not_reported} ({len(experiment.corners())} corners.)\n"
         yield "| what | measured | predicted | verdict | why |\n|---|---|---|---|---|"

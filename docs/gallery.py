@@ -1,0 +1,340 @@
+"""Write docs/cases/: a page for every case and study in examples/, with its pictures and its complete report.
+
+    python docs/gallery.py
+
+A solved example is kept in docs/_build/examples and solved again only after a change of the program or of the examples.
+The tests solve the cases as well and leave them there, so that `make docs` after `make test` solves the studies alone.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import os
+import re
+import shutil
+import sys
+import tomllib
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
+from html import unescape
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fem_seal import SealResult
+
+DOCS = Path(__file__).parent
+ROOT = DOCS.parent
+EXAMPLES = ROOT / "examples"
+KEPT = DOCS / "_build" / "examples"
+# Made from the examples, and nothing else; cases/index.md stands beside them.
+PAGES, SCRIPTS, REPORTS = (
+    DOCS / "cases" / "pages",
+    DOCS / "_build" / "scripts",
+    DOCS / "_build" / "with_pages" / "reports",
+)
+
+# The pictures that say most, after the section; each page shows the first two that its report has.
+TELLING = (
+    "particles",
+    "memory",
+    "imprint",
+    "unrolled",
+    "line_load_around",
+    "leak",
+    "profiles",
+    "stress",
+)
+# What the cards of the index are grouped by; an example that stands nowhere here comes last.
+GROUPS = {
+    "Balls, poppets and rims": (
+        "ball_cone",
+        "drawing_finish",
+        "ball_on_land",
+        "poppet_on_land",
+        "toroidal_edge_on_flat",
+        "profile_from_drawing",
+        "exponential_law",
+        "smooth",
+    ),
+    "Relief valves, gases, particles": ("relief_valve", "helium", "particles"),
+    "Real seats: measured, out of round, scratched": (
+        "measured_seat",
+        "measured_roundness",
+        "oval_seat",
+        "tilted_poppet",
+        "scratched_seat",
+    ),
+    "What a load leaves behind": ("proof_load", "elastoplastic_seat"),
+}
+
+
+def cases() -> list[Path]:
+    """Case files of the examples."""
+    return sorted(EXAMPLES.glob("*.toml"))
+
+
+def studies() -> list[Path]:
+    """Study files of the examples."""
+    return sorted((EXAMPLES / "studies").glob("*.toml"))
+
+
+@cache
+def state() -> str:
+    """What a kept result depends on: the program and the examples, in one number."""
+    seen = hashlib.sha256()
+    for folder in ("fem_seal", "leak", "meshes", "examples"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            inside = path.relative_to(ROOT)
+            made = any(part.endswith((".out", ".leak")) or part == "__pycache__" for part in inside.parts)
+            if path.is_file() and not made:
+                seen.update(str(inside).encode() + path.read_bytes())
+    return seen.hexdigest()
+
+
+def folder_of(example: Path) -> Path:
+    """Where the results of an example are kept."""
+    return KEPT / example.parent.name / example.stem
+
+
+def keep(result: SealResult, example: Path) -> Path:
+    """Write what the page of a case shows.
+
+    Parameters
+    ----------
+    result : SealResult
+    example : Path
+        Its file in examples/.
+
+    Returns
+    -------
+    Path
+        The results folder.
+    """
+    from fem_seal.output.report.words import headline
+
+    folder = folder_of(example)
+    shutil.rmtree(folder, ignore_errors=True)
+    result.write(folder)
+    about = {"headline": headline(result), "warnings": list(result.warnings), "state": state()}
+    (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")
+    return folder
+
+
+def is_kept(example: Path) -> bool:
+    """Whether the results of an example are there and still those that it would have now."""
+    about = folder_of(example) / "page.json"
+    return about.exists() and json.loads(about.read_text(encoding="utf-8"))["state"] == state()
+
+
+def solve(example: Path) -> None:
+    """Solve a case or a study and keep its results."""
+    import fem_seal
+
+    if example.parent == EXAMPLES:
+        keep(fem_seal.run(fem_seal.load_case(example)), example)
+        return
+    folder = folder_of(example)
+    shutil.rmtree(folder, ignore_errors=True)
+    result = fem_seal.load_study(example).run(folder=folder, workers=0)
+    if set(result.counts) - {"done"} and any(result.counts[status] for status in ("failed", "open")):
+        raise SystemExit(f"{example.name}: {result!r}, {result.reasons}")
+    result.report()
+    # table and picture as a notebook shows them, without the title, which the page has
+    shown = re.sub(r"^<p>.*?</p>", "", result._repr_html_())
+    about = {"headline": "", "warnings": [], "shown": shown, "state": state()}
+    (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")
+
+
+def solve_all() -> None:
+    """Solve what is not kept, on all cores."""
+    open_ = [one for one in (*studies(), *cases()) if not is_kept(one)]
+    if not open_:
+        return
+    # The longest first, so that no core waits for the last one: studies, and seals that are not round.
+    open_.sort(key=lambda one: (one.parent == EXAMPLES, "[form" not in one.read_text(encoding="utf-8")))
+    print(f"solving {len(open_)} examples", file=sys.stderr, flush=True)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+        list(pool.map(solve, open_))
+
+
+def pictures(folder: Path) -> dict[str, tuple[bytes, str, str]]:
+    """Drawing, alternative text and caption of every picture of a report."""
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    found = {}
+    for name, figure in re.findall(r'<figure id="picture-(\w+)">(.*?)</figure>', page, re.DOTALL):
+        (data,) = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', figure)
+        (alt,) = re.findall(r'alt="([^"]*)"', figure)
+        (caption,) = re.findall(r"<figcaption>(.*?)</figcaption>", figure, re.DOTALL)
+        found[name] = base64.b64decode(data), unescape(alt), unescape(caption)
+    return found
+
+
+def introduction(text: str) -> str:
+    """The comment at the head of a case file, without the lines that are for programs."""
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        if not line.startswith(("#:", "#   fem-seal")):
+            lines.append(line.removeprefix("#").strip())
+    # "the case of ball_cone.toml" leads there; a page that is named is a link
+    told = re.sub(r"\b((?:guide|theory|reference)/\w+)", r"[\1](/\1.md)", " ".join(lines))
+    return re.sub(r"\b(\w+)\.toml\b", lambda name: f"[{name[0]}](/cases/pages/{name[1]}.md)", told)
+
+
+def case_page(example: Path) -> str:
+    """The page of a case, Markdown; its pictures are written beside it."""
+    name, text, folder = example.stem, example.read_text(encoding="utf-8"), folder_of(example)
+    about = json.loads((folder / "page.json").read_text(encoding="utf-8"))
+    drawn = pictures(folder)
+    chosen = ["sketch", *[one for one in TELLING if one in drawn][:2]]
+    if "seal" in drawn:
+        chosen.append("seal")
+    parts = [f"# {tomllib.loads(text)['title']}", introduction(text), _shown_result(about["headline"])]
+    for one in chosen:
+        drawing, alt, caption = drawn[one]
+        (PAGES / f"{name}_{one}.svg").write_bytes(drawing)
+        wide = "" if one in ("sketch", "seal") else ":class: panels\n"
+        parts.append(f"```{{figure}} {name}_{one}.svg\n:alt: {_line(alt)}\n{wide}\n{_line(caption)}\n```")
+    if about["warnings"]:
+        told = "\n".join(f"- {_line(warning)}" for warning in about["warnings"])
+        parts.append(f"```{{dropdown}} What the program warns of\n{told}\n```")
+    parts.append(_report_link(f"{name}.html"))
+    parts.append(
+        f"## The case\n\n`examples/{example.name}`\n\n"
+        f"```{{literalinclude}} /../examples/{example.name}\n:language: toml\n```"
+    )
+    shutil.copyfile(folder / "report.html", REPORTS / f"{name}.html")
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def study_page(example: Path) -> str:
+    """The page of a study, Markdown."""
+    name, text, folder = example.stem, example.read_text(encoding="utf-8"), folder_of(example)
+    about = json.loads((folder / "page.json").read_text(encoding="utf-8"))
+    (data,) = re.findall(r'<img src="data:image/png;base64,([^"]+)"', about["shown"])
+    (PAGES / f"study_{name}.png").write_bytes(base64.b64decode(data))
+    table = re.sub(r"<img [^>]*>", "", about["shown"])
+    shutil.copyfile(folder / "report.html", REPORTS / f"study_{name}.html")
+    return (
+        f"# {tomllib.loads(text)['title']}\n\n{introduction(text)}\n\n"
+        f"```{{figure}} study_{name}.png\n:alt: first response over the first parameter\n\n"
+        "The first response over the first parameter, one dot for each design; the page of the study has all of them, "
+        f"to be turned, zoomed and filtered.\n```\n\n{_report_link(f'study_{name}.html', 'The page of the study')}\n\n"
+        f"## The designs\n\n```{{raw}} html\n{table}\n```\n\n"
+        f"## The study\n\n`examples/studies/{example.name}`\n\n"
+        f"```{{literalinclude}} /../examples/studies/{example.name}\n:language: toml\n```\n"
+    )
+
+
+def _report_link(file: str, name: str = "The whole report") -> str:
+    # Sphinx copies the reports as they are and knows nothing of them
+    return f'```{{raw}} html\n<p><a href="../../reports/{file}">{name}</a></p>\n```'
+
+
+def _shown_result(headline: str) -> str:
+    return f"```{{admonition}} Result\n{_line(headline)}\n```" if headline else ""
+
+
+def _line(text: str) -> str:
+    """Plain text on one line of Markdown."""
+    return re.sub(r"([\\*_`<\[\]$])", r"\\\1", " ".join(text.split()))
+
+
+def index() -> str:
+    """The gallery, Markdown."""
+    listed = {name for names in GROUPS.values() for name in names}
+    more = tuple(path.stem for path in cases() if path.stem not in listed)
+    parts = [INDEX]
+    for group, names in (*GROUPS.items(), ("More", more)):
+        cards = [_card(name) for name in names if (EXAMPLES / f"{name}.toml").exists()]
+        if cards:
+            parts.append(f"## {group}\n\n" + _grid(cards))
+    parts.append(
+        "## Studies\n\nMany designs of one case.\n\n" + _grid([_study_card(one) for one in studies()])
+    )
+    parts.append(SCRIPTS_AND_NOTEBOOK)
+    listing = "\n".join(
+        [*(f"pages/{one.stem}" for one in cases()), *(f"pages/study_{one.stem}" for one in studies())]
+    )
+    parts.append(f"```{{toctree}}\n:hidden:\n\n{listing}\npages/notebook\nscripts/index\n```")
+    return "\n\n".join(parts) + "\n"
+
+
+INDEX = """\
+# Cases
+
+Every case file, study and script of `examples/`, solved by the program whose manual this is. Each page shows the
+section, the result, the complete input to start from, and leads to the whole report as a run writes it."""
+
+SCRIPTS_AND_NOTEBOOK = """\
+## In Python
+
+- [A notebook of ten lines](pages/notebook.ipynb)
+- [Scripts](scripts/index.rst): single questions, in closed form or with arrays of your own"""
+
+
+def _grid(cards: list[str]) -> str:
+    return "````{grid} 1 2 2 3\n:gutter: 3\n\n" + "\n\n".join(cards) + "\n````"
+
+
+def _card(name: str) -> str:
+    title = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))["title"]
+    return (
+        f"```{{grid-item-card}} {title}\n:img-top: pages/{name}_sketch.svg\n:link: pages/{name}\n"
+        ":link-type: doc\n```"
+    )
+
+
+def _study_card(path: Path) -> str:
+    title = tomllib.loads(path.read_text(encoding="utf-8"))["title"]
+    return (
+        f"```{{grid-item-card}} {title}\n:img-top: pages/study_{path.stem}.png\n:link: pages/study_{path.stem}\n"
+        ":link-type: doc\n```"
+    )
+
+
+def scripts() -> Iterator[tuple[str, str]]:
+    """Names and texts of the scripts, as sphinx-gallery wants them: with a heading in the docstring."""
+    for path in sorted(EXAMPLES.glob("*.py")):
+        title, _, rest = path.read_text(encoding="utf-8").removeprefix('"""').partition("\n")
+        title = title.rstrip(".")
+        # sphinx-gallery runs a script in its folder, but not as a file
+        rest = rest.replace("Path(__file__)", f'Path("{path.name}")')
+        yield path.name, f'"""\n{title}\n{"=" * len(title)}\n{rest}'
+
+
+def write() -> None:
+    """Write pages, pictures, reports, scripts and the notebook."""
+    for folder in (PAGES, SCRIPTS, REPORTS):
+        folder.mkdir(parents=True, exist_ok=True)
+    for case in cases():
+        _write(PAGES / f"{case.stem}.md", case_page(case))
+    for study in studies():
+        _write(PAGES / f"study_{study.stem}.md", study_page(study))
+    _write(DOCS / "cases" / "index.md", index())
+    for name, text in scripts():
+        _write(SCRIPTS / name, text)
+    _write(SCRIPTS / "GALLERY_HEADER.rst", "Scripts\n=======\n\nShort scripts; each prints one result.\n")
+    # what scripts and notebook read
+    for path in EXAMPLES.iterdir():
+        if path.suffix in (".csv", ".toml", ".ipynb"):
+            for folder in (PAGES,) if path.suffix == ".ipynb" else (PAGES, SCRIPTS):
+                _write(folder / path.name, path.read_text(encoding="utf-8"))
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file only if it changes, so that Sphinx reads no page again without need."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    solve_all()
+    write()

@@ -1,0 +1,200 @@
+"""Write what is made of the program at every build: pages of the commands and of Python, numbers of the tutorial.
+
+    python docs/make_reference_pages.py
+
+docs/reference/cli.md from the commands as they are registered, docs/reference/api/ from the public names, by the rooms
+that they live in, docs/tutorial/made/ by doing what the tutorial says.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections import defaultdict
+from collections.abc import Iterator
+from importlib import import_module
+from inspect import cleandoc
+from pathlib import Path
+from subprocess import run
+from tempfile import TemporaryDirectory
+from types import ModuleType
+from typing import Any
+
+from typer.main import get_command
+
+import fem_seal
+import leak
+import meshes
+from fem_seal.cli import app
+
+FOLDER = Path(__file__).parent / "reference"
+
+PACKAGES = {
+    fem_seal: "Cases, results, studies, and the contact for those who bring their own bodies.",
+    leak: "Rough surfaces, contact theory and flow, with plain arrays in SI; needs neither a case nor a mesh.",
+    meshes: "Shapes of seats and closures, first touch, and their triangles.",
+}
+
+
+def commands() -> str:
+    """The page of the command line, Markdown."""
+    parts = [COMMANDS_HEAD]
+    for path, command in _commands(get_command(app), "fem-seal"):
+        arguments = [one for one in command.params if one.param_type_name == "argument"]
+        options = [one for one in command.params if one.param_type_name == "option" and not one.hidden]
+        called = " ".join([path, *(_argument(one) for one in arguments), *(["[OPTIONS]"] if options else [])])
+        parts.append(f"## {path}\n\n{cleandoc(command.help or '')}\n\n```\n{called}\n```\n")
+        rows = [
+            (f"`{one.metavar or one.name.upper()}`", getattr(one, "help", "") or "", "") for one in arguments
+        ]
+        rows += [(f"`{', '.join(one.opts)}`{_value(one)}", one.help or "", _default(one)) for one in options]
+        if rows:
+            parts.append(
+                "| | | default |\n|---|---|---|\n" + "\n".join(f"| {' | '.join(row)} |" for row in rows)
+            )
+    return "\n\n".join(parts) + "\n"
+
+
+COMMANDS_HEAD = """\
+# The command line
+
+`fem-seal COMMAND --help` prints the same. Results go to files, tables to stdout, progress and warnings to stderr.
+
+| exit code | meaning |
+|---|---|
+| 0 | done |
+| 2 | wrong input |
+| 3 | no load can be calculated |
+| 130 | interrupted |
+| 1 | anything else, such as a full disc |"""
+
+
+def _commands(group: Any, path: str) -> Iterator[tuple[str, Any]]:
+    for name, command in group.commands.items():
+        if command.hidden:
+            continue
+        if getattr(command, "commands", None):
+            if command.params:
+                yield f"{path} {name}", command
+            yield from _commands(command, f"{path} {name}")
+        else:
+            yield f"{path} {name}", command
+
+
+def _argument(one: Any) -> str:
+    name = one.metavar or one.name.upper()
+    return name if one.required else f"[{name}]"
+
+
+def _value(one: Any) -> str:
+    return "" if one.is_flag else f" `{one.metavar or one.name.upper()}`"
+
+
+def _default(one: Any) -> str:
+    shown = one.show_default if isinstance(one.show_default, str) else one.default
+    return "" if shown in (None, False, True, (), "") or callable(shown) else f"`{shown}`"
+
+
+def api() -> Iterator[tuple[str, str]]:
+    """Names and texts of the pages of Python, reStructuredText."""
+    listed = "\n".join(f"   {package.__name__}" for package in PACKAGES)
+    yield "index", f"{_heading('Python', '=')}{API_HEAD}\n\n.. toctree::\n   :maxdepth: 2\n\n{listed}\n"
+    for package, about in PACKAGES.items():
+        name = package.__name__
+        parts = [_heading(name, "=") + about]
+        for room, names in _rooms(package).items():
+            title = (
+                cleandoc(import_module(room).__doc__ or "").partition("\n")[0].rstrip(".")
+                if room
+                else "Tables"
+            )
+            entries = "\n".join(f"   {one}" for one in names)
+            parts.append(
+                f"{_heading(title, '-')}.. currentmodule:: {name}\n\n.. autosummary::\n   :toctree: names\n\n{entries}"
+            )
+        yield name, "\n\n".join(parts) + "\n"
+
+
+API_HEAD = """\
+Everything that may be relied upon: the public names of three packages. All numbers are SI. Each name has a page of its
+own with an example that runs with the tests."""
+
+
+def _rooms(package: ModuleType) -> dict[str, list[str]]:
+    """Public names by the room that they live in, "leak.flow"; modules and constants without one come last."""
+    rooms: dict[str, list[str]] = defaultdict(list)
+    for name in package.__all__:
+        if name.startswith("__"):
+            continue
+        one = getattr(package, name)
+        home = getattr(one, "__module__", None)
+        room = ".".join(home.split(".")[:2]) if isinstance(home, str) else ""
+        if isinstance(one, ModuleType):
+            continue
+        rooms[room].append(name)
+    return dict(sorted(rooms.items(), key=lambda item: item[0] or "~"))
+
+
+def _heading(text: str, line: str) -> str:
+    return f"{text}\n{line * len(text)}\n\n"
+
+
+def tutorial(folder: Path) -> None:
+    """What the terminal and the report show of the tutorial's case.
+
+    Parameters
+    ----------
+    folder : Path
+        The tutorial's; the case lies there, what it gives goes to ``made``.
+    """
+    import gallery
+
+    case = fem_seal.load_case(folder / "first_seal.toml")
+    made = folder / "made"
+    made.mkdir(exist_ok=True)
+    with TemporaryDirectory() as place:
+        copy = Path(place) / "first_seal.toml"
+        copy.write_text((folder / copy.name).read_text(encoding="utf-8"), encoding="utf-8")
+        (made / "check.txt").write_text(_terminal("check", copy), encoding="utf-8")
+        (made / "run.txt").write_text(_terminal("run", copy), encoding="utf-8")
+        drawn = gallery.pictures(copy.with_suffix(".out"))
+    for name in ("sketch", "leak"):
+        (made / f"{name}.svg").write_bytes(drawn[name][0])
+    (made / "headline.md").write_text(_quoted(fem_seal.run(case)), encoding="utf-8")
+    (made / "finer.md").write_text(
+        _quoted(fem_seal.run(case.replace({"roughness.Ra": "0.1 um"}))), encoding="utf-8"
+    )
+
+
+def _terminal(command: str, case: Path) -> str:
+    """A command and what it prints."""
+    done = run(
+        [sys.executable, "-m", "fem_seal", command, case.name],
+        cwd=case.parent,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[1]), "OPENBLAS_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+    )
+    if done.returncode:
+        raise SystemExit(f"{command}: {done.stderr}")
+    printed = done.stdout.replace(f"{case.parent}{os.sep}", "")
+    return (
+        f"$ fem-seal {command} {case.name}\n"
+        + "\n".join(line.rstrip() for line in printed.splitlines())
+        + "\n"
+    )
+
+
+def _quoted(result: fem_seal.SealResult) -> str:
+    from fem_seal.output.report.words import headline
+
+    return f"> {headline(result)}\n"
+
+
+if __name__ == "__main__":
+    tutorial(Path(__file__).parent / "tutorial")
+    (FOLDER / "cli.md").write_text(commands(), encoding="utf-8")
+    (FOLDER / "api").mkdir(exist_ok=True)
+    for name, text in api():
+        (FOLDER / "api" / f"{name}.rst").write_text(text, encoding="utf-8")
