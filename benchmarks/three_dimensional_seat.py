@@ -1,6 +1,7 @@
 """A two-lobed seat in fem-seal and as three-dimensional model in CalculiX.
 
-python benchmarks/three_dimensional_seat.py [--quick] writes docs/benchmark_calculix.md. Without CalculiX it says so and
+python benchmarks/three_dimensional_seat.py [--quick] writes docs/verification/benchmark_calculix.md.
+Without CalculiX it says so and
 does nothing.
 """
 
@@ -36,7 +37,7 @@ from fem_seal.contact.local_contact import LocalContact
 from meshes import SealMesh, build_contact
 
 HERE = Path(__file__).resolve().parent
-PAGE = HERE.parent / "docs" / "benchmark_calculix.md"
+PAGE = HERE.parent / "docs" / "verification" / "benchmark_calculix.md"
 AMPLITUDES = (0.5e-6, 1e-6, 2e-6)
 # Lobes of the seat; CalculiX gets the quarter between two planes of symmetry.
 LOBES, QUARTERS = 2, 4
@@ -282,9 +283,9 @@ def page(version: str, found: Comparison) -> str:
         "Written by `benchmarks/three_dimensional_seat.py`.",
         "The case: steel ball of 20 mm in a 45 deg cone, p = p_c exp(-u/u0) with u0 = 0.76 um, axial force of 20 bar "
         f"on the sealed area. The seat's face lies higher along its normal by A cos({LOBES} phi). fem-seal calculates "
-        "the line load around the axis by the long-wave equation ([theory_form.md](theory_form.md)). CalculiX "
-        f"{version} knows nothing of that: it gets a quarter of both bodies as solids (C3D20R, a few C3D15) with the "
-        "same outlines, supports and closing load, the deviation in the nodes of the seat's face, and its own "
+        "the line load around the axis by the long-wave equation ([theory of form errors](../theory/form.md)). "
+        f"CalculiX {version} knows nothing of that: it gets a quarter of both bodies as solids (C3D20R, a few C3D15) "
+        "with the same outlines, supports and closing load, the deviation in the nodes of the seat's face, and its own "
         "exponential contact, surface to surface. The solids are triangles of the section, joined to quadrilaterals "
         "and turned about the axis. Line load and peak pressure are read at the elements' corners; integrated across "
         'the width they miss the applied force by the share under "force", though the reaction does not, and are '

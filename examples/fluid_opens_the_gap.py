@@ -41,8 +41,16 @@ def main() -> float:
 
 
 if __name__ == "__main__":
-    for share in (0.01, 0.1, 0.3, 0.6, 0.9, 0.99):
-        drop = share * PRESSURE
+    import matplotlib.pyplot as plt
+
+    drops, factors = [share * PRESSURE for share in (0.01, 0.1, 0.3, 0.6, 0.9, 0.99)], []
+    for drop in drops:
         uncoupled = leak.leak_rate([0, WIDTH / 2, WIDTH], [PRESSURE] * 3, conductivity(), drop, RADIUS)
-        print(f"{drop / 1e5:5.0f} bar  {flow(drop).leak_rate / uncoupled:6.3f} times the uncoupled leak rate")
+        factors.append(flow(drop).leak_rate / uncoupled)
+        print(f"{drop / 1e5:5.0f} bar  {factors[-1]:6.3f} times the uncoupled leak rate")
+    plt.figure(figsize=(6, 3), layout="constrained")
+    plt.plot([drop / 1e5 for drop in drops], factors, "o-")
+    plt.xlabel("fluid pressure [bar]")
+    plt.ylabel("leak rate over the uncoupled one")
+    plt.show()
     print(f"blown open from {flow(1e6).blow_off_pressure / 1e5:.0f} bar on")

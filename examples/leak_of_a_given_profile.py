@@ -44,5 +44,14 @@ def main() -> float:
 
 
 if __name__ == "__main__":
-    plastic, elastic = leak_rates(Path(__file__).with_name("profile_from_another_code.csv"))
+    import matplotlib.pyplot as plt
+
+    FILE = Path(__file__).with_name("profile_from_another_code.csv")
+    plastic, elastic = leak_rates(FILE)
     print(f"leak rate {plastic * 1e9:.3g} mm^3/s; without yielding asperities {elastic * 1e9:.3g} mm^3/s")
+    x, pressure = np.loadtxt(FILE, delimiter=",", skiprows=2).T
+    plt.figure(figsize=(6, 3), layout="constrained")
+    plt.plot(x, pressure)
+    plt.xlabel("x [mm]")
+    plt.ylabel("contact pressure [MPa]")
+    plt.show()

@@ -31,5 +31,15 @@ def main() -> float:
 
 
 if __name__ == "__main__":
+    import matplotlib.pyplot as plt
+
     FILE.write_text(scan(), encoding="utf-8")
     main()
+    spectrum = leak.measure(leak.read_topography(FILE)).spectrum
+    plt.figure(figsize=(6, 3), layout="constrained")
+    for name, one in (("found in the scan", spectrum), ("put in", TRUE)):
+        plt.loglog(one.wavenumber, one.density, label=name)
+    plt.xlabel("wavenumber [1/m]")
+    plt.ylabel("power spectrum [m⁴]")
+    plt.legend()
+    plt.show()

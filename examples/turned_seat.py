@@ -35,6 +35,12 @@ def main() -> float:
 
 
 if __name__ == "__main__":
-    turned, blasted, scratched = leak_rates((0.2, 1.0, 5.0))
-    for name, rate in (("turned", turned), ("sandblasted", blasted), ("scratched", scratched)):
+    import matplotlib.pyplot as plt
+
+    names, rates = ("turned", "sandblasted", "scratched"), leak_rates((0.2, 1.0, 5.0))
+    for name, rate in zip(names, rates, strict=True):
         print(f"{name:12s} {rate * 1e9:6.0f} mm^3/s")
+    plt.figure(figsize=(6, 3), layout="constrained")
+    plt.bar(names, [rate * 1e9 for rate in rates], width=0.5)
+    plt.ylabel("leak rate [mm³/s]")
+    plt.show()

@@ -1,0 +1,80 @@
+"""Time from a moved slider to what the live page shows of it, on the side of the server.
+
+    python benchmarks/bench_explore.py [CASE.toml ...] [--moves N]
+
+For each slider the median and the largest processor time of some moves in a row, each to a value that was not there
+before, as a hand moves it: with the tables and bodies that the page makes ahead while a slider rests, and without them.
+Processor time, so that what else runs on the machine does not count.
+"""
+
+import argparse
+import json
+import statistics
+import time
+from pathlib import Path
+
+from fem_seal.case.case import load_case
+from fem_seal.explore.figures import figures
+from fem_seal.explore.live import Session
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+DEFAULT = [EXAMPLES / f"{name}.toml" for name in ("ball_cone", "helium", "poppet_on_land")]
+# The page makes ahead what every so many stops need.
+_AHEAD = 4
+
+
+def timed(session: Session, designs: list[dict[str, str]]) -> list[float]:
+    """Processor time of each answer with its pictures [ms]."""
+    found = []
+    for design in designs:
+        start = time.process_time()
+        screen = session.answer(design)
+        for figure in figures(screen, [], dark=False).values():
+            json.dumps(figure.plain())
+        found.append(1e3 * (time.process_time() - start))
+        if screen.problem:
+            print(f"    {design}: {screen.problem}")
+    return found
+
+
+def moves(session: Session, key: str, count: int) -> list[dict[str, str]]:
+    """Designs of a slider that goes to the right from where it stands."""
+    factor = session.factors[key]
+    return [{key: text} for text in factor.stops[factor.place + 1 : factor.place + 1 + count]]
+
+
+def measure(path: Path, count: int) -> None:
+    """Print the times of one case."""
+    case = load_case(path)
+    start = time.process_time()
+    session = Session(case)
+    timed(session, [{}])
+    print(f"{path.stem}: first answer {time.process_time() - start:.2f} s")
+    for factor in session.factors.sliders:
+        designs = moves(session, factor.key, count)
+        if factor.group != "dimension":
+            for design in [*designs[::_AHEAD], *designs[-1:]]:
+                for name in session.needs(design):
+                    session.make(name, design)
+        show(factor.label, timed(session, designs))
+    others = [name for name in ("water", "nitrogen") if name != session.factors.given.get("fluid")]
+    for name in others if session.factors.fluids else []:
+        first, *again = timed(
+            session, [{"fluid": name}, {"fluid": name, "force": session.factors["force"].stops[-1]}]
+        )
+        print(f"    fluid {name}: first time {first:.0f} ms, then {again[0]:.0f} ms")
+
+
+def show(label: str, times: list[float]) -> None:
+    """Print a line."""
+    if times:
+        print(f"    {label}: median {statistics.median(times):.0f} ms, largest {max(times):.0f} ms")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("cases", nargs="*", type=Path, default=DEFAULT)
+    parser.add_argument("--moves", type=int, default=8)
+    chosen = parser.parse_args()
+    for one in chosen.cases:
+        measure(one, chosen.moves)
