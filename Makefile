@@ -1,16 +1,17 @@
 # Everything runs in a virtual environment of its own; `make run` and `make test` set it up on first use.
 VENV ?= .venv
-PYTHON ?= python3
+# the first Python of this machine that is new enough
+PYTHON ?= $(shell .ci/system python)
 
 PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: run test lint check wheel docs clean
+.PHONY: run test lint check wheel docs system clean
 
 run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
 
 test: $(VENV)/.tools
-	@OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile
+	@OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile --durations=10
 
 lint: $(VENV)/.tools
 	@$(VENV)/bin/ruff check .
@@ -25,13 +26,22 @@ check: lint test
 wheel: $(VENV)/.tools
 	@$(VENV)/bin/python tests/wheel.py
 
+# The manual, docs/_build/html/index.html; every warning is an error.
 docs: $(VENV)/.tools
 	@$(VENV)/bin/python docs/make_input_reference.py
+	@$(VENV)/bin/python docs/make_reference_pages.py
+	@$(VENV)/bin/python docs/gallery.py
+	@$(VENV)/bin/python -m sphinx -W --keep-going --quiet -b html -d docs/_build/doctrees docs docs/_build/html
+	@echo docs/_build/html/index.html
 
 clean:
-	rm -rf $(VENV) build *.egg-info .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis examples/*.out
+	rm -rf $(VENV) build *.egg-info .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis examples/*.out docs/_build docs/cases docs/reference/api docs/reference/cli.md docs/tutorial/made
 
-$(VENV)/bin/python:
+# Libraries and the venv module; as root on Debian or Ubuntu they are installed, otherwise the command is printed.
+system:
+	@.ci/system program
+
+$(VENV)/bin/python: | system
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed; name one: make PYTHON=python3.12 ...")'
 	@$(PYTHON) -m venv $(VENV)
 
