@@ -29,6 +29,26 @@ hypothesis.settings.register_profile("repeatable", derandomize=True)
 hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 
+# Files whose tests are long and share nothing but what is quickly made again: each of their tests goes to whichever
+# process is free. All other files stay whole, with what their fixtures have made.
+APART = ("tests/test_examples.py", "tests/test_fem_seal_uncertainty.py", "tests/test_verification_contact.py")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
+    """Tests by file, those of some files one by one, after all others."""
+    if config.getoption("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class Scheduling(LoadFileScheduling):  # type: ignore[misc]
+        def _split_scope(self, nodeid: str) -> str:
+            file = nodeid.split("::", 1)[0]
+            return nodeid if file in APART else file
+
+    return Scheduling(config, log)
+
+
 @pytest.fixture(scope="session")
 def reference_folder() -> Path:
     """Folder with the independent reference numbers; tests/reference unless FEM_SEAL_REFERENCE says where."""

@@ -13,9 +13,8 @@ import pytest
 
 import fem_seal
 from fem_seal import cli
-from fem_seal.analysis.caution import VALIDITY_COLUMNS
 from fem_seal.errors import ConvergenceError
-from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.output.columns import LEAK_COLUMNS, TEXT_COLUMNS
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 CASE = EXAMPLES / "ball_cone.toml"
@@ -68,6 +67,10 @@ def test_version_is_fast():
     assert min(times) < 0.3
 
 
+# What reading a case takes no longer than it must: units that nearly every case is written in need no pint.
+ALSO_HEAVY = {"check": {"pint", "scipy.interpolate", "scipy.optimize", "scipy.ndimage", "scipy.stats"}}
+
+
 @pytest.mark.parametrize("command", ["check", "schema", "leak"])
 def test_commands_without_a_mesh_load_neither_gmsh_nor_pyvista(command, tmp_path):
     arguments = {"check": [CASE], "schema": [], "leak": [PROFILE, CASE, "-o", tmp_path]}[command]
@@ -76,6 +79,7 @@ def test_commands_without_a_mesh_load_neither_gmsh_nor_pyvista(command, tmp_path
         "import sys; from fem_seal.cli import main; "
         f"code = main({words!r}); "
         "heavy = {'gmsh', 'pyvista', 'vtk', 'skfem', 'meshio', 'matplotlib', 'pandas'}; "
+        f"heavy |= {ALSO_HEAVY.get(command, set())}; "
         "print(sorted(heavy & set(sys.modules))); "
         "sys.exit(code)"
     )
@@ -118,22 +122,15 @@ def test_check_quiet_prints_nothing(call):
     assert call("check", "--quiet", CASE) == (0, "", "")
 
 
-def test_schema_accepts_the_examples_and_refuses_slips(call):
-    jsonschema = pytest.importorskip("jsonschema")
-    import tomllib
-
-    code, out, _ = call("schema")
+@pytest.mark.parametrize(("words", "title"), [([], "fem-seal case"), (["--study"], "fem-seal study")])
+def test_schema_is_printed(call, words, title):
+    """What it says of cases and slips: tests/test_fem_seal_schema.py."""
+    code, out, _ = call("schema", *words)
     schema = json.loads(out)
     assert code == 0
-    jsonschema.Draft202012Validator.check_schema(schema)
+    assert schema["title"] == title
     # definitions are called by their subject: no name changes when a file moves
     assert not [name for name in schema["$defs"] if "fem_seal" in name]
-    for path in EXAMPLES.glob("*.toml"):
-        jsonschema.validate(tomllib.loads(path.read_text()), schema)
-    case = tomllib.loads(CASE.read_text())
-    for damage in ({"angel": "45 deg"}, {"angle": 45}, {"shape": "egg"}):
-        with pytest.raises(jsonschema.ValidationError):
-            jsonschema.validate({**case, "seat": {**case["seat"], **damage}}, schema)
 
 
 # --- wrong input ------------------------------------------------------------------------------------------
@@ -347,7 +344,7 @@ def test_run_writes_the_files_of_the_contract(main_job):
     assert contract <= names
     assert not [name for name in names if name.endswith((".part", ".tmp"))]
     header = (folder / "leak.csv").read_text().splitlines()[0]
-    assert header == ",".join((*LEAK_COLUMNS, *VALIDITY_COLUMNS))
+    assert header == ",".join((*LEAK_COLUMNS, *TEXT_COLUMNS))
 
 
 def test_leak_of_the_own_profile_is_the_leak_of_the_run(main_job, call, tmp_path):

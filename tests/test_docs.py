@@ -1,4 +1,4 @@
-"""What docs/architecture.md, the pages of theory and CONTRIBUTING.md name is there."""
+"""What the pages of the manual and CONTRIBUTING.md name is there, and the pages that the program names."""
 
 import ast
 import importlib
@@ -9,9 +9,9 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PAGES = [
-    ROOT / "docs" / "architecture.md",
+    ROOT / "docs" / "developer" / "architecture.md",
     ROOT / "CONTRIBUTING.md",
-    *sorted((ROOT / "docs").glob("theory*.md")),
+    *sorted((ROOT / "docs" / "theory").glob("*.md")),
 ]
 PACKAGES = ("fem_seal", "leak", "meshes")
 
@@ -74,7 +74,7 @@ def test_functions_named_with_their_package_exist(page):
 
 
 def test_every_name_of_the_architecture_page_is_defined_somewhere():
-    known, page = defined(), ROOT / "docs" / "architecture.md"
+    known, page = defined(), ROOT / "docs" / "developer" / "architecture.md"
     names = [token for token in quoted(page) if WORD.fullmatch(token)]
     missing = [
         token
@@ -89,13 +89,43 @@ def test_every_name_of_the_architecture_page_is_defined_somewhere():
 
 def test_the_floors_of_the_architecture_page_are_those_of_the_contract():
     (floors,) = re.findall(
-        r"```\n( fem_seal.*?)```", (ROOT / "docs" / "architecture.md").read_text(), re.DOTALL
+        r"```\n( fem_seal.*?)```", (ROOT / "docs" / "developer" / "architecture.md").read_text(), re.DOTALL
     )
     for package in PACKAGES:
         for room in (path.parent.name for path in (ROOT / package).glob("*/__init__.py")):
             assert re.search(rf"\b{room}\b", floors), room
     for file in re.findall(r"\b(\w+\.py)\b", floors):
         assert (ROOT / "fem_seal" / file).exists()
+
+
+def test_links_of_the_manual_lead_to_files():
+    """Sphinx knows where links of one page to another lead; of files outside of docs/ it does not ask."""
+    pages = sorted((ROOT / "docs").glob("[!_]*/*.md"))
+    assert len(pages) > 25
+    for page in pages:
+        links = re.findall(r"\]\(([^)#\s]+)", page.read_text(encoding="utf-8"))
+        missing = [link for link in links if "://" not in link and not (page.parent / link).exists()]
+        assert not missing, page
+
+
+def test_pages_of_the_manual_that_the_program_names_exist():
+    """Who has installed the program has no files of the repository; it names pages, "theory/form in the manual"."""
+    named = {}
+    for folder, kinds in (
+        ("fem_seal", ("py", "toml", "j2")),
+        ("leak", ("py",)),
+        ("examples", ("toml", "py")),
+    ):
+        for path in (one for kind in kinds for one in (ROOT / folder).rglob(f"*.{kind}")):
+            text = path.read_text(encoding="utf-8")
+            # "guide/form and theory/form in the manual"
+            for several in re.findall(r"\b((?:[a-z]+/\w+(?:, | and )?)+) in the manual", text):
+                for page in re.findall(r"[a-z]+/\w+", several):
+                    named.setdefault(page, path)
+            if path.suffix != ".py":
+                assert "docs/" not in text, path
+    assert len(named) > 10
+    assert not {page: path for page, path in named.items() if not (ROOT / "docs" / f"{page}.md").exists()}
 
 
 def test_code_in_contributing_is_code_of_the_packages():

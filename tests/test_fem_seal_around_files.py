@@ -121,10 +121,10 @@ def test_pressure_on_the_surface_carries_the_force(folder):
         corners = surface.faces.reshape(-1, 5)[:, 1:]
         a, b, c, d = (surface.points.astype(float)[corners[:, k]] for k in range(4))
         upwards = 0.5 * np.cross(c - a, d - b)[:, 2]
-        force = surface["contact_pressure"][corners].mean(axis=1) @ upwards
+        force = surface["contact_pressure_Pa"][corners].mean(axis=1) @ upwards
         # trapezoids over the points of the contact line, and chords of the circle
         assert force == pytest.approx(load.axial_force, rel=2e-3)
-        assert force == pytest.approx(surface.field_data["axial_force"][0], rel=2e-3)
+        assert force == pytest.approx(surface.field_data["axial_force_N"][0], rel=2e-3)
 
 
 def test_point_data_is_what_is_known_around_the_axis(folder):
@@ -133,26 +133,26 @@ def test_point_data_is_what_is_known_around_the_axis(folder):
         surface, around = read(folder / f"around_{n:03}.vtp"), load.around
         pressure, gap = around.pressure_and_gap()
         points = len(result.model.line.x)
-        np.testing.assert_allclose(surface["contact_pressure"], pressure.ravel(), rtol=1e-6, atol=1e-30)
-        np.testing.assert_allclose(surface["gap"], gap.ravel(), rtol=1e-6)
+        np.testing.assert_allclose(surface["contact_pressure_Pa"], pressure.ravel(), rtol=1e-6, atol=1e-30)
+        np.testing.assert_allclose(surface["gap_m"], gap.ravel(), rtol=1e-6)
         for name, values in (
-            ("angle", around.angle),
-            ("gap_change", around.gap_change),
-            ("local_line_load", around.line_load),
-            ("leak_rate_per_radian", around.leak_rate),
+            ("angle_rad", around.angle),
+            ("gap_change_m", around.gap_change),
+            ("local_line_load_N_per_m", around.line_load),
+            ("leak_rate_m3_per_s_per_rad", around.leak_rate),
         ):
             np.testing.assert_allclose(surface[name], np.repeat(values, points), rtol=1e-6)
         angle = np.arctan2(surface.points[:, 1], surface.points[:, 0]) % (2 * np.pi)
-        np.testing.assert_allclose(angle, surface["angle"], atol=1e-6)
-        assert surface.field_data["fluid_pressure"][0] == load.fluid_pressure
+        np.testing.assert_allclose(angle, surface["angle_rad"], atol=1e-6)
+        assert surface.field_data["fluid_pressure_Pa"][0] == load.fluid_pressure
 
 
 def test_without_a_leak_rate_there_is_no_leak_on_the_surface(tmp_path):
     write_around(smooth_oval_result(), tmp_path)
     surface = read(tmp_path / "around_000.vtp")
-    assert "leak_rate_per_radian" not in surface.point_data
+    assert "leak_rate_m3_per_s_per_rad" not in surface.point_data
     # open where the ring parts
-    assert surface["contact_pressure"].min() == 0 and surface["gap"].max() > 1e-6
+    assert surface["contact_pressure_Pa"].min() == 0 and surface["gap_m"].max() > 1e-6
 
 
 def test_many_angles_are_thinned_and_still_closed(tmp_path, monkeypatch):
@@ -200,8 +200,8 @@ def test_paraview_itself_reads_the_series(folder):
     assert found["times"] == [load.fluid_pressure for load in result.loads]
     last = result.loads[-1].around
     pressure, _ = last.pressure_and_gap()
-    assert found["ranges"]["contact_pressure"][1] == pytest.approx(pressure.max(), rel=1e-6)
-    assert found["ranges"]["leak_rate_per_radian"] == pytest.approx(
+    assert found["ranges"]["contact_pressure_Pa"][1] == pytest.approx(pressure.max(), rel=1e-6)
+    assert found["ranges"]["leak_rate_m3_per_s_per_rad"] == pytest.approx(
         [last.leak_rate.min(), last.leak_rate.max()], rel=1e-6
     )
     line = result.model.line

@@ -14,7 +14,8 @@ import fem_seal
 from fem_seal import Case, InputError, Study, load_case
 from fem_seal.case.si_numbers import with_units
 from fem_seal.case.tables import CaseTables
-from fem_seal.materials import LIBRARY, Material, effective_modulus, material
+from fem_seal.material_library import LIBRARY, material
+from fem_seal.materials import Material, effective_modulus
 
 CASE = {
     "closure": ball(),
@@ -293,7 +294,7 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
         ("seat.shape", "conical_lands", 'do you mean "conical-land"?'),
         ("closure.material", "stel", '"steel"'),
         ("closure.material", 3, "is no material"),
-        ("closure.material", {"youngs_modulus": "210 GPa"}, "poissons_ratio: is missing"),
+        ("closure.material", {"name": "mine", "youngs_modulus": "210 GPa"}, "poissons_ratio: is missing"),
         ("seat.material.youngs_modulus", "0.5 MPa", "from 1 MPa to 2 TPa"),
         ("seat.material.youngs_modulus", "3 TPa", "from 1 MPa to 2 TPa"),
         ("seat.material.poissons_ratio", 0.5, "from 0 to 0.499"),

@@ -1,4 +1,4 @@
-"""A level, its reasons, and the thresholds between the levels: what docs/validity.md says."""
+"""A level, its reasons, and the thresholds between the levels: what docs/guide/validity.md says."""
 
 from __future__ import annotations
 
@@ -195,7 +195,7 @@ def test_a_peak_at_the_end_of_the_profile_is_its_largest_value():
 
 
 def test_limits_are_those_of_the_documentation():
-    text = (Path(__file__).parents[1] / "docs" / "validity.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[1] / "docs" / "guide" / "validity.md").read_text(encoding="utf-8")
     rows = {cells[1].strip(): cells[2:4] for line in text.splitlines() if len(cells := line.split("|")) == 5}
 
     def limits(start):

@@ -48,7 +48,10 @@ def shown(capsys, monkeypatch, rows, width=None):
 
 
 def four_digits(row, column):
-    """A number with its zeros, so that columns stay aligned."""
+    """A number with its zeros, so that columns stay aligned; one that is worth less has fewer digits."""
+    digits = output_columns.COLUMNS[column.name].most_digits
+    if digits < 4:
+        return cli._cell(row[column.name], column.unit, digits)
     return f"{column.unit.of(row[column.name]):#.4g}".removesuffix(".")
 
 

@@ -154,15 +154,15 @@ def test_unloaded_vtu_has_residual_stress_and_imprint(result: SealResult, folder
     closure, seat = fields["closure"], fields["seat"]
     assert isinstance(seat, ElastoplasticField)
     n = len(closure.points)
-    for name in ("displacement", "stress", "plastic_strain", "accumulated_plastic_strain"):
+    for name in ("displacement_m", "stress_Pa", "plastic_strain", "accumulated_plastic_strain"):
         assert not np.any(grid[name][:n])  # the elastic ball comes back
-    np.testing.assert_array_equal(grid["displacement"][n:, :2], seat.displacement)
-    np.testing.assert_array_equal(grid["stress"][n:, :4], seat.stress)
-    np.testing.assert_array_equal(grid["von_mises"][n:], seat.von_mises)
+    np.testing.assert_array_equal(grid["displacement_m"][n:, :2], seat.displacement)
+    np.testing.assert_array_equal(grid["stress_Pa"][n:, :4], seat.stress)
+    np.testing.assert_array_equal(grid["von_mises_Pa"][n:], seat.von_mises)
     # a tensor: half the engineering shear strain beside it
     np.testing.assert_array_equal(grid["plastic_strain"][n:, :4], seat.plastic_strain * [1, 1, 1, 0.5])
     np.testing.assert_array_equal(grid["accumulated_plastic_strain"][n:], seat.accumulated_plastic_strain)
-    assert not grid["contact_pressure"].any()
+    assert not grid["contact_pressure_Pa"].any()
     assert von_mises(seat.stress).max() > 0.1 * YIELD
     # plastic flow keeps the volume
     assert np.abs(seat.plastic_strain[:, :3].sum(axis=1)).max() < 1e-12

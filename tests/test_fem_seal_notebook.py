@@ -55,12 +55,15 @@ def test_a_notebook_shows_the_table_and_the_pressure_profiles():
     result = sample_results.rough_result()
     page = result._repr_html_()
     assert page.partition("<tbody>")[2].count("<tr") == len(result.loads)
-    assert "peak_pressure_Pa" in page
+    # in units for people, as in the report
+    assert "peak pressure [MPa]" in page
+    assert f">{result.highest.contact.profile.peak_pressure / 1e6:.4g}<" in page
+    assert "The seal leaks" in page
     assert "<script" not in page
     (drawing,) = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
     assert ElementTree.fromstring(base64.b64decode(drawing)).tag.endswith("svg")
     # a column without a single number says nothing
-    assert "blow_off_pressure_Pa" not in page
+    assert "blow-off" not in page
     assert len(page) < 300_000
 
 
@@ -80,3 +83,84 @@ def test_a_study_and_its_result_are_a_few_lines_and_a_notebook_shows_its_designs
     (drawing,) = re.findall(r'src="data:image/png;base64,([^"]+)"', page)
     assert base64.b64decode(drawing).startswith(b"\x89PNG")
     assert "<script" not in page
+
+
+def test_of_a_long_table_a_notebook_shows_the_first_and_the_last_rows():
+    result = sample_results.rough_result()
+    page = replace(result, loads=result.loads * 20)._repr_html_()
+    assert page.partition("<tbody>")[2].count("<tr") == 21
+
+
+def drawn(axes):
+    """Lines of the axes by their names."""
+    return {line.get_label(): line.get_xydata() for line in axes.get_lines()}
+
+
+def test_plot_draws_leak_rate_interval_and_profiles():
+    result = sample_results.rough_result()
+    figure = result.plot()
+    leak, contact = figure.axes
+    ((_, points),) = drawn(leak).items()
+    assert points[:, 0] == pytest.approx([2.0, 5.0, 20.0])
+    unit = float(points[-1, 1]) / result.loads[-1].leak.leak_rate
+    assert points[:, 1] == pytest.approx([load.leak.leak_rate * unit for load in result.loads])
+    assert "[ml/min]" in leak.get_ylabel() or "[l/min]" in leak.get_ylabel()
+    assert unit == pytest.approx(60e6 if "ml/min" in leak.get_ylabel() else 60e3)
+    (band,) = leak.collections
+    ends = [load.leak_capped.leak_rate for load in result.loads] + [
+        load.leak_conserved.leak_rate for load in result.loads
+    ]
+    heights = band.get_paths()[0].vertices[:, 1] / unit
+    assert (heights.min(), heights.max()) == pytest.approx((min(ends), max(ends)))
+    assert len(drawn(contact)) == len(result.loads)
+    for load, line in zip(result.loads, drawn(contact).values(), strict=True):
+        assert line[:, 1].max() == pytest.approx(load.contact.profile.pressure.max() / 1e6)
+
+
+def test_plot_draws_what_is_required():
+    result = sample_results.rough_result()
+    limit = 0.3 * result.highest.leak.leak_rate
+    judged = replace(result, case=result.case.replace({"requirement.leak_rate": limit}))
+    line = drawn(judged.plot().axes[0])["allowed"]
+    rates = drawn(result.plot().axes[0])
+    (_, points), *_ = rates.items()
+    assert line[0, 1] / points[-1, 1] == pytest.approx(0.3)
+
+
+def test_a_notebook_shows_a_plot_without_pyplot():
+    drawing = sample_results.rough_result().plot()._repr_svg_()
+    assert ElementTree.fromstring(drawing).tag.endswith("svg")
+
+
+def test_plot_of_a_smooth_seal_has_the_profiles_alone_and_draws_into_a_given_figure():
+    from matplotlib.figure import Figure
+
+    given = Figure()
+    result = fem_seal.run(sample_results.smooth_case(load={"fluid_pressure": "20 bar"}))
+    assert result.plot(given) is given
+    (axes,) = given.axes
+    assert axes.get_title(loc="left") == "Contact pressure"
+
+
+CASE = {
+    "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
+    "seat": {"shape": "cone", "angle": "45 deg", "material": "steel"},
+    "interface": {"law": "smooth"},
+    "load": {"fluid_pressure": "10 bar"},
+}
+STUDY = {"parameters": {"seat.angle": ["40 deg", "50 deg"]}, "responses": ["peak_pressure_Pa"]}
+
+
+def test_a_study_is_made_of_a_dict_as_of_its_parts():
+    parts = fem_seal.Study(fem_seal.Case(**CASE), **STUDY)
+    for study in (fem_seal.Study({"base": CASE, **STUDY}), fem_seal.Study(CASE, **STUDY)):
+        assert repr(study) == repr(parts)
+        assert study.points.tolist() == parts.points.tolist()
+    assert fem_seal.Study({"base": fem_seal.Case(**CASE), **STUDY}).points.tolist() == parts.points.tolist()
+
+
+def test_a_study_of_a_dict_says_what_is_wrong():
+    with pytest.raises(fem_seal.InputError, match='responses: is not taken beside a dict with "base"'):
+        fem_seal.Study({"base": CASE, **STUDY}, responses=["fwhm_m"])
+    with pytest.raises(fem_seal.InputError, match="angel"):
+        fem_seal.Study({**CASE, "seat": {"shape": "cone", "angel": "45 deg", "material": "steel"}}, **STUDY)

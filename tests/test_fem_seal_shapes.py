@@ -43,6 +43,7 @@ SEATS = {
     "sphere": {"radius": "26 mm", "contact_angle": "40 deg"},
     "torus": {"centre_radius": "13 mm", "radius": "4 mm"},
     "flat": {"bore_radius": "8 mm"},
+    "flat-land": {"land_inner_diameter": "26 mm", "land_outer_diameter": "30 mm"},
     "sharp-edge": {"bore_radius": "10 mm", "edge_radius": "0.5 mm"},
     "profile": {
         "outline": [
@@ -63,6 +64,7 @@ PAIRS = [
     ("torus", "flat"),
     ("spherical-tip", "torus"),
     ("disc", "cone"),
+    ("disc", "flat-land"),
     ("profile", "cone"),
     ("ball", "profile"),
 ]
@@ -114,6 +116,7 @@ def test_family_from_case_to_results(closure: str, seat: str, tmp_path) -> None:
     shares = contact.profile.pressure[[0, -1]] / contact.profile.pressure.max()
     ends = [abs(a - b) < 1e-9 for a, b in zip(result.seal_mesh.sizing.zone, case.contact.reach, strict=True)]
     assert all(share < 1e-6 or at_the_end for share, at_the_end in zip(shares, ends, strict=True))
+    assert not [one for one in result.warnings if "could not be calculated" in one]
     result.write(tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
     for name in ("closure", "seat"):

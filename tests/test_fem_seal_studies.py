@@ -437,7 +437,7 @@ def test_designs_with_rounded_edges_share_meshes(monkeypatch):
     monkeypatch.setattr(studies_shared, "rounded", lambda sizing, contact, *, exact_size: sizing)
     own = responses(case.replace({"load.fluid_pressure": pressures[0]}), columns)
     for name in columns:
-        # what docs/studies.md promises
+        # what docs/guide/studies.md promises
         assert found[0][name] == pytest.approx(own[name], rel=2e-4), name
 
 
@@ -479,7 +479,7 @@ def test_what_takes_a_complete_run_is_documented(changes, column, monkeypatch):
     monkeypatch.setattr(studies_responses, "_complete_run", lambda case, columns: runs.append(columns))
     studies_responses.evaluate(case, (column,))
     assert runs == [(column,)]
-    text = (CASE.parent.parent / "docs" / "studies.md").read_text()
+    text = (CASE.parent.parent / "docs" / "guide" / "studies.md").read_text()
     paragraph = next(part for part in text.split("\n\n") if "complete `fem-seal run`" in part)
     names = {"seat.material": "stress-strain curve", **{column: column}}
     for key in changes or [column]:
@@ -921,7 +921,7 @@ def test_example(name, tmp_path):
 
 
 def test_every_key_of_a_study_file_is_documented():
-    text = (CASE.parent.parent / "docs" / "studies.md").read_text()
+    text = (CASE.parent.parent / "docs" / "guide" / "studies.md").read_text()
     from fem_seal.case.messages import tables_of
     from fem_seal.studies.tables import StudyTables
 

@@ -89,7 +89,7 @@ def test_the_command_says_how_many_it_left_out(tmp_path, capsys):
     assert main(["study", str(study), "--workers", "0"]) == 0
     told = capsys.readouterr().out
     assert "1 design is left out, its numbers being outside the theory" in told
-    (line,) = [line for line in told.splitlines() if line.startswith("load.axial_force")]
+    (line,) = [line for line in told.splitlines() if line.startswith("applied force")]
     assert line.split()[-1] == "0"
     assert main(["study", str(study), "--workers", "0", "--resume", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)

@@ -33,7 +33,7 @@ LEAK_HEADER = (
     "peak_pressure_max_Pa,line_load_min_over_mean,leak_rate_round_m3_per_s,"
     "leak_rate_scratches_low_m3_per_s,leak_rate_scratches_high_m3_per_s,"
     "leak_rate_conserved_m3_per_s,leak_rate_capped_m3_per_s,force_for_target_leak_capped_N,"
-    "validity,validity_reasons"
+    "margin,verdict,validity,validity_reasons"
 )
 PROFILE_HEADER = "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa"
 
@@ -46,7 +46,8 @@ def test_leak_csv_has_the_agreed_columns_and_the_numbers_of_the_table(tmp_path):
     assert ",".join(table.columns) == LEAK_HEADER
     written = pd.read_csv(path)
     # pandas reads an empty cell as NaN
-    written["validity_reasons"] = written["validity_reasons"].astype(object).fillna("")
+    for name in ("verdict", "validity_reasons"):
+        written[name] = written[name].astype(object).fillna("")
     # ten digits are written
     pd.testing.assert_frame_equal(written, table, rtol=1e-9, atol=0, check_dtype=False)
 
@@ -102,11 +103,12 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "leak_rate_conserved_m3_per_s",
         "leak_rate_capped_m3_per_s",
         "force_for_target_leak_capped_N",
+        "margin",
     ]
     assert table[missing].isna().all().all()
-    assert table.drop(columns=[*missing, "validity_reasons"]).notna().all().all()
-    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(36))
-    assert numbers.shape == (2, 36)
+    assert table.drop(columns=[*missing, "verdict", "validity_reasons"]).notna().all().all()
+    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(37))
+    assert numbers.shape == (2, 37)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):
@@ -147,6 +149,8 @@ def test_summary_is_valid_json_and_complete(tmp_path):
         "discretisation_error",
         "far_field",
         "form",
+        "requirement",
+        "levers",
         "particles",
         "interface_variants",
         "uncertainty",
@@ -252,7 +256,18 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path):
 def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_there():
     output = Path(fem_seal.__file__).parent / "output"
     code = "\n".join(path.read_text("utf-8") for path in output.rglob("*.py"))
-    kinds = ("captions", "notes", "readings", "reasons", "form", "particles", "direct")
+    kinds = (
+        "captions",
+        "notes",
+        "readings",
+        "reasons",
+        "form",
+        "particles",
+        "direct",
+        "verdict",
+        "levers",
+        "leak_map",
+    )
     tables = {f"{kind}.{name}": table for kind in kinds for name, table in prose()[kind].items()}
     assert set(re.findall(r'said\(\s*"([^"]+)"', code)) == set(tables)
     # chosen by the interface law of the case and by the order of its loads

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fem_seal import units
 from fem_seal.errors import QuantityError
 from fem_seal.units import DIMENSIONS, parse_quantity
 
@@ -110,3 +111,9 @@ def test_any_text_is_a_number_or_a_quantity_error(text):
 @given(st.floats(-1e30, 1e30, allow_subnormal=False))
 def test_si_text_round_trips(value):
     assert parse_quantity(f"{value!r} m", "length") == value
+
+
+@pytest.mark.parametrize("dimension", sorted(units._PLAIN))
+def test_usual_units_are_those_of_the_registry(dimension):
+    for unit in units._PLAIN[dimension]:
+        assert units._factor(unit, dimension) == units._registered_factor(unit, dimension), unit

@@ -137,7 +137,7 @@ def test_deformation_is_not_exaggerated(folder):
     section = three_d._Section.of(grid, 0)
     moved = section.points - grid.points[:, :2]
     np.testing.assert_allclose(
-        moved[grid.points[:, 0] > 1e-6], grid["displacement"][grid.points[:, 0] > 1e-6, :2], atol=1e-12
+        moved[grid.points[:, 0] > 1e-6], grid["displacement_m"][grid.points[:, 0] > 1e-6, :2], atol=1e-12
     )
 
 

@@ -55,22 +55,24 @@ def test_fields_come_back_bit_by_bit(result, folder, complaints):
         np.testing.assert_array_equal(grid.points[:, 2], 0.0)
         stress = np.concatenate([body.stress for body in bodies])
         # r is x, z is y, hoop is z: XX YY ZZ XY YZ XZ
-        np.testing.assert_array_equal(grid["stress"][:, :4], stress)
-        np.testing.assert_array_equal(grid["stress"][:, 4:], 0.0)
-        np.testing.assert_array_equal(grid["von_mises"], np.concatenate([body.von_mises for body in bodies]))
+        np.testing.assert_array_equal(grid["stress_Pa"][:, :4], stress)
+        np.testing.assert_array_equal(grid["stress_Pa"][:, 4:], 0.0)
+        np.testing.assert_array_equal(
+            grid["von_mises_Pa"], np.concatenate([body.von_mises for body in bodies])
+        )
         pressure = np.concatenate([body.contact_pressure for body in bodies])
-        np.testing.assert_array_equal(grid["contact_pressure"], pressure)
-        assert grid.field_data["fluid_pressure"][0] == load.fluid_pressure
-        assert grid.field_data["axial_force"][0] == load.axial_force
+        np.testing.assert_array_equal(grid["contact_pressure_Pa"], pressure)
+        assert grid.field_data["fluid_pressure_Pa"][0] == load.fluid_pressure
+        assert grid.field_data["axial_force_N"][0] == load.axial_force
     assert complaints.GetOutput() == ""
 
 
 def test_von_mises_follows_from_the_stress_tensor(folder):
     grid = read(folder / "contact_002.vtu")
-    xx, yy, zz, xy, yz, xz = grid["stress"].T
+    xx, yy, zz, xy, yz, xz = grid["stress_Pa"].T
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).transpose(2, 0, 1)
     deviator = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
-    np.testing.assert_allclose(np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))), grid["von_mises"], rtol=1e-9)
+    np.testing.assert_allclose(np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))), grid["von_mises_Pa"], rtol=1e-9)
 
 
 def test_cells_are_quadratic_triangles_of_two_bodies(result, folder):
@@ -104,7 +106,7 @@ def test_displaced_bodies_leave_the_gap_of_the_solution(result, folder):
     """g0 + (u_closure - u_seat).n, all from the file, is the gap that the contact solver found."""
     contact = result.seal_mesh.contact
     for n, load in enumerate(result.loads):
-        displacement = read(folder / f"contact_{n:03}.vtu")["displacement"]
+        displacement = read(folder / f"contact_{n:03}.vtu")["displacement_m"]
         fields = body_fields(load.contact)
         closure, seat = fields["closure"], fields["seat"]
         x = seat.contact_x
@@ -112,7 +114,7 @@ def test_displaced_bodies_leave_the_gap_of_the_solution(result, folder):
         gap = contact.gap(x) + (opening[:, :2] * contact.normal(x).T).sum(axis=1)
         line = read(folder / f"contact_line_{n:03}.vtp")
         inside = np.abs(x) < 3 * load.contact.profile.std
-        expected = CubicSpline(line["x"], line["gap"])(x)
+        expected = CubicSpline(line["x_m"], line["gap_m"])(x)
         # interpolation between the points is the only difference; the gap is some micrometres
         np.testing.assert_allclose(gap[inside], expected[inside], atol=1e-11)
 
@@ -121,10 +123,10 @@ def test_contact_line_holds_the_profile(result, folder, complaints):
     for n, load in enumerate(result.loads):
         line, profile = read(folder / f"contact_line_{n:03}.vtp"), load.contact.profile
         assert line.n_lines == 1
-        np.testing.assert_array_equal(line["x"], profile.x)
-        np.testing.assert_array_equal(line["contact_pressure"], profile.pressure)
-        np.testing.assert_array_equal(line["gap"], profile.gap)
-        np.testing.assert_array_equal(line["fluid_pressure_in_gap"], load.leak.fluid_pressure)
+        np.testing.assert_array_equal(line["x_m"], profile.x)
+        np.testing.assert_array_equal(line["contact_pressure_Pa"], profile.pressure)
+        np.testing.assert_array_equal(line["gap_m"], profile.gap)
+        np.testing.assert_array_equal(line["fluid_pressure_in_gap_Pa"], load.leak.fluid_pressure)
         np.testing.assert_array_equal(line.points[:, 0], profile.radius)
         # the points lie as far apart in space as x says
         steps = np.linalg.norm(np.diff(line.points, axis=0), axis=1)
@@ -140,7 +142,7 @@ def test_series_names_files_that_exist_with_the_pressures_as_time(result, folder
         reader = pyvista.get_reader(str(folder / f"{name}.pvd"))
         assert reader.time_values == [load.fluid_pressure for load in result.loads]
         reader.set_active_time_value(reader.time_values[-1])
-        assert reader.read()[0].field_data["fluid_pressure"][0] == result.loads[-1].fluid_pressure
+        assert reader.read()[0].field_data["fluid_pressure_Pa"][0] == result.loads[-1].fluid_pressure
     assert complaints.GetOutput() == ""
 
 
@@ -171,4 +173,4 @@ def test_files_of_an_earlier_run_with_more_loads_go_and_others_stay(result, tmp_
 
 def test_without_a_leak_rate_there_is_no_fluid_pressure(tmp_path):
     write_contact_line(smooth_result(), tmp_path)
-    assert "fluid_pressure_in_gap" not in read(tmp_path / "contact_line_000.vtp").point_data
+    assert "fluid_pressure_in_gap_Pa" not in read(tmp_path / "contact_line_000.vtp").point_data

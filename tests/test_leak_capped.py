@@ -1,6 +1,6 @@
 """Asperities that yield only where they touch: limits, order, memory, and direct simulation.
 
-The direct results are those of boundary elements with the pressure capped at the hardness (docs/theory_yielding.md): a
+The direct results are those of boundary elements with the pressure capped at the hardness (docs/theory/yielding.md): a
 campaign whose one half the constants were fitted to, and independent averages that took no part in the fit.
 """
 

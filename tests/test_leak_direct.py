@@ -283,7 +283,7 @@ def test_elastic_rows_of_the_reference():
     """direct_numerical.csv, set A512 (10 surfaces, 512^2, 8 points per shortest wave), on 256^2 with 4.
 
     Four points per shortest wave instead of eight enlarge the area by 6 to 9 %, here taken off, leave the gap as it is
-    and let 3 to 8 % less through (`test_refined_map_is_the_same_surface`, docs/direct.md). Two samples scatter by some
+    and let 3 to 8 % less through (`test_refined_map_is_the_same_surface`). Two samples scatter by some
     2 % in gap, by 0.1 in ln conductivity at the smaller pressure and 0.4 at the larger.
     """
     pressure = [0.01, 0.12]

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.flow.rarefied import flow_factor, poiseuille_flow_rate
+from leak.flow.rarefied import flow_factor, log_flow_factor, poiseuille_flow_rate
 
 R0 = 0.0141421
 SPECTRUM = leak.PowerSpectrum.self_affine(rms_height=0.3e-6, hurst=0.8, q_low=1e4, q_rolloff=1e5, q_high=1e7)
@@ -271,6 +271,12 @@ def test_the_pressure_obeys_the_flow_equation():
     flow = 2 * np.pi * R0 * u**2 * Q / gas.molecular_speed * CubicSpline(x, result.fluid_pressure)(x, 1)
     np.testing.assert_allclose(flow[inside], result.mass_flow, rtol=2e-3)
     assert np.all(np.diff(result.fluid_pressure) >= 0.0)
+
+
+def test_tabulated_flow_factor():
+    """Good to 1e-7 over all D, in the joints of the fit and beyond both ends of the table."""
+    log_D = np.random.default_rng(2).uniform(np.log(1e-9), np.log(1e13), 4000)
+    np.testing.assert_allclose(log_flow_factor(log_D), np.log(flow_factor(np.exp(log_D))), atol=1e-7, rtol=0)
 
 
 def test_table_against_the_effective_medium_itself():

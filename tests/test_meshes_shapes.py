@@ -17,6 +17,7 @@ from meshes import (
     ConicalSeat,
     ContactGeometry,
     Disc,
+    FlatLand,
     FlatSeat,
     GeometryError,
     Outline,
@@ -56,6 +57,7 @@ SEATS: dict[str, Callable[[Shape], Shape]] = {
     "land": lambda closure: ConicalLand.around(BETA, closure, land_width=1 * MM),
     "torus": lambda closure: ToroidalSeat.around(13 * MM, 4 * MM, closure),
     "flat": lambda closure: FlatSeat.on(closure, bore_radius=8 * MM, edge_radius=0.5 * MM),
+    "flat land": lambda closure: FlatLand.on(13 * MM, 15 * MM, closure, edge_radius=0.2 * MM),
     "edge": lambda closure: SharpEdge.around(12 * MM, closure, edge_radius=0.2 * MM, top_angle=-20 * DEG),
 }
 
@@ -84,6 +86,7 @@ EXPECTED = {
     ("torus", "land"): (14 + 3 * SIN, rel(1 / 3)),
     ("torus", "torus"): (14 + 3 * (13 - 14) / (3 + 4), rel(1 / 3, 1 / 4)),
     ("torus", "flat"): (14, rel(1 / 3)),
+    ("torus", "flat land"): (14, rel(1 / 3)),
     ("tip", "cone"): (30 * SIN, rel(1 / 30)),
     ("tip", "land"): (30 * SIN, rel(1 / 30)),
     ("tip", "torus"): (30 * 13 / 34, rel(1 / 30, 1 / 4)),
@@ -92,6 +95,10 @@ EXPECTED = {
     ("disc", "torus"): (13, rel(1 / 4)),
     # along the whole common stretch: its middle counts
     ("disc", "flat"): (0.5 * (8.5 + 15), math.inf),
+    # of the land all that is flat, of the disc all that has no rounding, and both end at 15 mm less a rounding
+    ("disc", "flat land"): (0.5 * (13.2 + 14.8), math.inf),
+    # the inner edge of the land, rounded
+    ("ball", "flat land"): (20 * 13.2 / 20.2, rel(1 / 20, 1 / 0.2)),
     # the cone of the same angle: between nose and shoulder of the poppet, whose arcs touch the face
     ("fitting cone", "cone"): (None, math.inf),
     ("fitting cone", "land"): (None, math.inf),
@@ -190,7 +197,11 @@ def areas() -> list[tuple[str, Outline, float]]:
     up = z[0] - z[1]
     segment = 0.5 * 25**2 * (math.asin(15 / 25) - math.asin(8 / 25)) - 0.5 * (15 * z[0] - 8 * z[1])
     hollow_area = 22 * 15 + 15 * up + 0.5 * 7 * up - segment
+    # 2 mm wide and 1 mm high on a housing whose bottom lies 15 mm below the land
+    raised = FlatLand(13 * MM, 15 * MM, 0.2 * MM, 1 * MM, 30 * MM, 15 * MM)
+    raised_area = (30 - 13) * 14 + 2 * 1 - 2 * cut(0.2, 90 * DEG)
     return [
+        ("flat land", raised.outline, raised_area),
         ("cone", CONE.outline, cone),
         ("torus", TORUS.outline, torus),
         ("tip", SphericalTip(30 * MM, 22 * MM, 0.0, 20 * MM).outline, tip),
@@ -255,7 +266,7 @@ sizes = st.floats(0.3, 3.0)
 @settings(max_examples=60)
 @given(
     st.sampled_from(["ball", "cone", "torus", "tip", "disc"]),
-    st.sampled_from(["cone", "land", "torus", "edge", "flat"]),
+    st.sampled_from(["cone", "land", "torus", "edge", "flat", "flat land"]),
     st.floats(12, 70),
     st.floats(12, 70),
     sizes,
@@ -277,6 +288,7 @@ def test_first_touch_of_random_pairs(
         "land": lambda: ConicalLand.around(other * DEG, body, land_width=small * ring),
         # inside the outermost circle of the thinnest rim and outside its innermost one
         "torus": lambda: ToroidalSeat.around(ring * (10 / 9 - 0.3 * small), small * ring, body),
+        "flat land": lambda: FlatLand.on(ring, ring * (1 + small), body, edge_radius=0.1 * small * ring),
         "edge": lambda: SharpEdge.around(ring, body, edge_radius=0.2 * small * ring),
         "flat": lambda: FlatSeat.on(body, bore_radius=ring, edge_radius=0.2 * small * ring),
     }[seat]()
@@ -340,6 +352,14 @@ def test_every_family_is_meshed_with_good_triangles(closure: str, seat: str) -> 
         (lambda: SharpEdge(1, -0.1, 0, 3, 1), "edge_radius = -0.1"),
         (lambda: FlatSeat.on(BALL), "bore_radius is missing"),
         (lambda: SharpEdge(1, 0.1, 0, 0.5, 1), "outer_radius = 0.5 m"),
+        (lambda: FlatLand.on(2, 1, BALL), "land_outer_radius = 1 m: must exceed land_inner_radius = 2 m"),
+        (lambda: FlatLand(1, 2, 0.6, 1, 3, 1), "edge_radius = 0.6 m: the roundings .* below half"),
+        (lambda: FlatLand(1, 2, 0.1, 0.05, 3, 1), "land_height = 0.05 m: must be at least edge_radius"),
+        (
+            lambda: FlatLand(1, 2, 0.1, 0.1, 1.5, 1),
+            "outer_radius = 1.5 m: must be at least land_outer_radius",
+        ),
+        (lambda: FlatLand(1, 2, 0.1, 0.5, 3, 0.4).outline, "height"),
     ],
 )
 def test_impossible_dimensions_name_key_and_value(make: Callable[[], object], said: str) -> None:

@@ -1,6 +1,6 @@
 """The readings of the flow conductivity against direct simulations that they were not fitted to.
 
-Tolerances are what docs/verification.md states: with a lay of up to 5 a factor 1.4 along and 2.5 across; near the
+Tolerances as in docs/verification/verification.md: with a lay of up to 5 a factor 1.4 along and 2.5 across; near the
 threshold the root mean square of ln, by bins of direct A/A0.
 """
 

@@ -1,0 +1,173 @@
+"""The live page in a real browser: what it shows is what `fem-seal run` gives."""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import fem_seal
+from fem_seal.case.case import load_case
+
+pytest.importorskip("dash", reason="the live page needs the extra [explore]")
+webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
+
+CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+DRIVER = shutil.which("chromedriver")
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None or DRIVER is None,
+    reason="needs chromium and chromedriver (Debian: chromium chromium-driver)",
+)
+CASE = """
+title = "Ball on cone, in a browser"
+[closure]
+shape = "ball"
+radius = "20 mm"
+material = "steel"
+[seat]
+shape = "cone"
+angle = "45 deg"
+material = "steel"
+[roughness.spectrum]
+kind = "self-affine"
+rms_height = "1 um"
+hurst = 0.8
+q_low = "1e4 1/m"
+q_rolloff = "5e4 1/m"
+q_high = "1e6 1/m"
+[fluid]
+name = "water"
+[load]
+fluid_pressure = "20 bar"
+[leak]
+plasticity = false
+[requirement]
+leak_rate = "1 ml/min"
+"""
+SI = {
+    "leak": "leak_rate_m3_per_s",
+    "peak": "peak_pressure_Pa",
+    "width": "fwhm_m",
+    "force": "axial_force_N",
+    "line": "line_load_N_per_m",
+}
+_PATIENCE = 90.0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("explored")
+    (folder / "ball.toml").write_text(CASE, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def address(folder):
+    command = [sys.executable, "-m", "fem_seal", "explore", "ball.toml", "--port", "0", "--no-browser"]
+    page = subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ}
+    )
+    try:
+        line = page.stdout.readline()
+        found = re.search(r"http://127\.0\.0\.1:\d+", line)
+        assert found, line + page.stderr.read()
+        yield found[0]
+    finally:
+        page.send_signal(signal.SIGINT)
+        try:
+            # Ctrl-C ends it, without a word
+            assert (page.wait(timeout=30), page.stderr.read()) == (0, "")
+        finally:
+            page.kill()
+
+
+@pytest.fixture(scope="module")
+def browser(address):
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1400,1000"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    driver.get(address)
+    yield driver
+    driver.quit()
+
+
+def waited(browser, script, *arguments):
+    """What a script returns as soon as it returns anything."""
+    end = time.monotonic() + _PATIENCE
+    while time.monotonic() < end:
+        found = browser.execute_script(script, *arguments)
+        if found:
+            return found
+        time.sleep(0.05)
+    raise AssertionError(f"nothing came of {script}: {browser.find_element('tag name', 'body').text}")
+
+
+# all at once: the page may replace its elements between two questions
+_NUMBERS = """
+const leak = document.getElementById("value-leak"), state = document.getElementById("state");
+const at_rest = !arguments[2] || (state && state.innerText.includes("the numbers of"));
+const number = name => Number(document.getElementById("value-" + name).dataset.si);
+return leak && leak.parentElement.innerText.includes("at " + arguments[0]) && at_rest
+    && Object.fromEntries(arguments[1].map(name => [name, number(name)]));
+"""
+
+
+def numbers(browser, *, pressure, at_rest=True):
+    """Numbers of the page in SI, once they are those of a pressure and, at rest, of a complete run."""
+    return waited(browser, _NUMBERS, pressure, list(SI), at_rest)
+
+
+def shown_by(result):
+    row = result.table.iloc[-1]
+    return {name: float(row[column]) for name, column in SI.items()}
+
+
+def test_the_page_shows_what_a_run_gives_and_writes_it(browser, folder):
+    first = numbers(browser, pressure="20 bar", at_rest=False)
+    browser.find_element("id", "pin").click()
+    thumb = browser.find_element("css selector", "#slider-fluid_pressure [role=slider]")
+    for _ in range(5):
+        thumb.send_keys("\ue014")  # arrow to the right
+    moved = numbers(browser, pressure="24.5 bar")
+    assert moved["force"] == pytest.approx(first["force"] * 24.5 / 20, rel=1e-9)
+
+    # the pinned design stands beside it
+    rows = waited(browser, "return [...document.querySelectorAll('#compare tr')].map(row => row.innerText)")
+    assert any("24.5 bar" in row and "20 bar" in row for row in rows)
+
+    browser.find_element("id", "write").click()
+    said = waited(browser, "return document.getElementById('said').innerText")
+    assert "ball-explored.toml" in said
+    written = fem_seal.run(load_case(folder / "ball-explored.toml"))
+    assert moved == pytest.approx(shown_by(written), rel=1e-9)
+    word = browser.execute_script("return document.getElementById('verdict-word').textContent")
+    assert word == str(written.judgement.verdict)
+
+
+def test_the_page_is_whole_without_a_network_and_says_nothing_in_the_console(browser, address):
+    resources = browser.execute_script(
+        "return performance.getEntriesByType('resource').map(entry => entry.name)"
+    )
+    assert len(resources) > 5
+    assert [one for one in resources if not one.startswith((address, "data:"))] == []
+    assert [entry["message"] for entry in browser.get_log("browser")] == []
+
+
+def test_a_typed_value_is_taken_and_a_wrong_one_explained(browser):
+    field = browser.find_element("css selector", "input[id*=seat_angle]")
+    field.send_keys("\ue009a\ue000", "85 deg\n")
+    problem = waited(browser, "return document.getElementById('problem').innerText")
+    assert "the slider goes from 30 deg to 60 deg" in problem
+    field.send_keys("\ue009a\ue000", "50.5 deg\n")
+    waited(browser, "return document.getElementById('problem').innerText === ''")
+    assert "contact angle 50.5°" in waited(
+        browser,
+        "const g = document.getElementById('graph-section').innerText; return g.includes('50.5') && g",
+    )

@@ -1,0 +1,97 @@
+"""Levers: the steps against complete runs with changed inputs, the exponents against what dimensions demand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from sample_results import case, smooth_result
+
+import fem_seal
+from fem_seal.analysis.levers import _round_step, levers
+from fem_seal.output.report.levers import lever_lines, ratio_in_words, step_in_words, told_levers
+from fem_seal.output.summary import summary
+
+LOAD = {"fluid_pressure": "20 bar"}
+
+
+@cache
+def found():
+    result = fem_seal.run(case(load=LOAD), levers=True)
+    return result, {one.key: one for one in result.levers}
+
+
+def rates(result):
+    load = result.loads[0]
+    return load.leak.leak_rate, load.leak_capped.leak_rate
+
+
+@pytest.mark.parametrize(
+    ("key", "changes"),
+    [
+        ("rms_height", {"roughness.spectrum.rms_height": "0.95 um"}),
+        ("closure.radius", {"closure.radius": "21 mm"}),
+    ],
+)
+def test_a_step_does_what_a_run_with_the_changed_input_does(key, changes):
+    result, known = found()
+    run = fem_seal.run(result.case.replace(changes))
+    ratios = [after / before for before, after in zip(rates(result), rates(run), strict=True)]
+    # tables of conductivity to 1e-5, meshes of their own to a few 1e-4
+    assert known[key].ratio == pytest.approx(ratios, rel=1e-3)
+
+
+def test_a_tenth_more_force_is_that_of_the_contact_where_nothing_else_closes():
+    result, known = found()
+    force = known["force"]
+    assert force.after == pytest.approx(0.1 * result.loads[0].axial_force, rel=1e-12)
+    run = fem_seal.run(result.case.replace({"load.axial_force": force.after}))
+    ratios = [after / before for before, after in zip(rates(result), rates(run), strict=True)]
+    assert force.ratio == pytest.approx(ratios, rel=1e-3)
+    assert force.straight and step_in_words(result.case, force) == "126 N more closing force"
+
+
+def test_modulus_hardness_and_force_together_leave_the_contact_as_it_is():
+    # all pressures of the bodies times one factor: no length changes, and the fluid drives as before
+    _, known = found()
+    for reading in (0, 1):
+        total = sum(known[key].exponents[reading] for key in ("youngs_modulus", "hardness", "force"))
+        # exponents over steps of 2 and 1 per cent, of which the largest is 2
+        assert total == pytest.approx(0.0, abs=0.03)
+
+
+def test_strongest_levers_are_told_with_both_readings():
+    result, known = found()
+    strengths = [one.strength for one in result.levers]
+    assert strengths == sorted(strengths, reverse=True)
+    assert told_levers(result)[0].key == "rms_height"
+    told = known["rms_height"]
+    assert told.factor == 0.5 and told.ratio[1] < told.ratio[0] < 0.3
+    text = lever_lines(result)
+    assert text[0] == "Strongest levers at 20 bar:" and len(text) == 4
+    assert text[1].startswith("  half the roughness heights: leak × ")
+    assert summary(result)["levers"][0]["says"] in text[1]
+
+
+def test_a_lever_that_seals_is_no_exponent():
+    result, known = found()
+    sealing = replace(known["rms_height"], ratio=(0.0, 0.0), exponents=(math.nan, math.nan))
+    assert sealing.strength == math.inf and not sealing.straight
+    assert ratio_in_words(sealing) == "seals"
+    contradicting = replace(known["hardness"], ratio=(0.8, 1.3))
+    assert contradicting.strength == 0.0
+    assert replace(known["force"], ratio=(0.5, 0.5)).straight is False
+    assert step_in_words(result.case, replace(known["force"], before=100.0, factor=1.1)) == (
+        "10 % more force of spring or actuator"
+    )
+
+
+def test_there_are_no_levers_without_a_leak():
+    assert levers(smooth_result()) == ()
+    assert lever_lines(smooth_result()) == []
+
+
+def test_steps_of_lengths_are_round():
+    assert [_round_step(one) for one in (0.02, 0.1e-3, 1e-3)] == pytest.approx([1e-3, 5e-6, 5e-5])

@@ -1,0 +1,342 @@
+"""A requirement and its verdict: limits against the standards, verdicts against their definition."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import pytest
+from sample_results import STEEL, ball, case, cone, rough_result
+
+import fem_seal
+from fem_seal import cli
+from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.chain import _with_judgement
+from fem_seal.analysis.judgement import Judgement, Limit, Verdict, Why
+from fem_seal.analysis.leakage import next_class
+from fem_seal.analysis.verdict import limits, seal_judgement
+from fem_seal.errors import InputError, LoadProblem
+from fem_seal.output.report.page import report
+from fem_seal.output.report.verdict import factor_text, requirement_lines, verdict_lines, verdict_sentences
+from fem_seal.output.summary import summary
+from fem_seal.output.tables import leak_table
+from fem_seal.studies.responses import LARGEST_MARGIN, evaluate
+from leak import FluidError
+from leak.standards import classes_of, leakage_limits, standard_named, visible_leak_rate
+
+OUTSIDE = Validity.of([Caution("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")])
+
+
+def required(result=None, missing=None, **table):
+    """A solved result with a requirement, judged as the chain does."""
+    result = rough_result() if result is None else result
+    changed = replace(result, case=result.case.replace({"requirement": table}))
+    return _with_judgement(changed, missing or {})
+
+
+@pytest.mark.parametrize(
+    ("ends", "verdict", "margin"),
+    [
+        ((0.5, 1.0), "holds", 2.0),
+        ((0.5, 2.0), "holds", 1.0),
+        ((1.0, 4.0), "undecided", 0.5),
+        ((2.0, 4.0), "undecided", 0.5),
+        ((2.001, 4.0), "fails", 0.5),
+        ((0.0, 0.0), "holds", math.inf),
+        ((0.0, 4.0), "undecided", 0.5),
+        ((math.inf, math.inf), "fails", 0.0),
+        ((1.0, math.inf), "undecided", 0.0),
+    ],
+)
+def test_upper_end_within_holds_lower_end_above_fails_all_else_is_undecided(ends, verdict, margin):
+    judged = Judgement.of(Limit("leak rate", 2.0), ends)
+    assert (str(judged.verdict), judged.margin) == (verdict, margin)
+    # outside the theory nothing is claimed, except of a seal that is open
+    outside = Judgement.of(Limit("leak rate", 2.0), ends, OUTSIDE)
+    assert outside.verdict == ("fails" if math.isinf(ends[0]) else "undecided")
+    assert outside.margin == margin
+
+
+def test_without_a_leak_rate_or_a_limit_nothing_is_decided():
+    for limit, ends in ((Limit("leak rate", 2.0), (math.nan, math.nan)), (Limit("x", math.nan), (1.0, 1.0))):
+        judged = Judgement.of(limit, ends)
+        assert judged.verdict is Verdict.UNDECIDED and judged.why is Why.UNKNOWN and math.isnan(judged.margin)
+
+
+def test_no_visible_leakage_is_met_by_none_and_failed_by_a_drop_in_the_shortest_test():
+    seen = visible_leak_rate(gas=False)
+    limit = Limit("ISO 5208 A", 0.0, seen)
+    assert Judgement.of(limit, (0.0, 0.0)).verdict == "holds"
+    assert Judgement.of(limit, (1.01 * seen, 2 * seen)).verdict == "fails"
+    few = Judgement.of(limit, (0.0, 0.5 * seen))
+    assert few.verdict == "undecided" and math.isnan(few.margin)
+    # 1/16 ml in 15 s
+    assert seen == pytest.approx(1e-6 / 16 / 15, rel=1e-12)
+
+
+def test_the_limit_of_a_class_is_that_of_the_standard_and_the_tighter_of_two_counts():
+    result = required(leak_rate="1e-3 m^3/s", standard="iso 5208:2015", **{"class": "g"})
+    # 2 mm³/s per mm of DN 25
+    assert [(one.name, one.leak_rate) for one in limits(result.case, 20e5)] == [
+        ("leak rate", pytest.approx(1e-3)),
+        ("ISO 5208 G", pytest.approx(50e-9, rel=1e-12)),
+    ]
+    assert result.verdict == "fails" and result.judgement.worst.limit.name == "ISO 5208 G"
+    assert required(leak_rate="1e-3 m^3/s").verdict == "holds"
+
+
+def test_the_limit_of_class_v_follows_the_pressure_of_each_load():
+    result = required(standard="ANSI/FCI 70-2", **{"class": "V"})
+    low, _, high = (load.judgement.limit.leak_rate for load in result.loads)
+    assert high / low == pytest.approx(20e5 / 2e5, rel=1e-12)
+
+
+def test_margin_is_the_limit_over_the_upper_end_of_both_readings():
+    result = required(leak_rate="1e-3 m^3/s")
+    for load, (low, high) in zip(result.loads, result.leak_ranges, strict=True):
+        assert low < high
+        assert load.margin == pytest.approx(1e-3 / high, rel=1e-12)
+    low, high = result.leak_ranges[-1]
+    between = required(leak_rate=f"{math.sqrt(low * high)} m^3/s", fluid_pressure="2000 kPa")
+    assert [load.verdict for load in between.loads] == [None, None, "undecided"]
+    assert between.verdict == "undecided" and between.judgement.worst.why is Why.INTERVAL
+    assert between.margin == pytest.approx(math.sqrt(low / high), rel=1e-9)
+
+
+def test_the_worst_load_decides_and_a_load_that_opens_fails():
+    result = required(leak_rate="1e-3 m^3/s")
+    worst = max(result.leak_ranges, key=lambda ends: ends[1])
+    assert result.margin == pytest.approx(1e-3 / worst[1], rel=1e-12)
+    opened = {(64e5, 0.0): LoadProblem("load.axial_force", "the seal is open")}
+    unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
+    assert required(missing=opened, leak_rate="1e-3 m^3/s").verdict == "fails"
+    left = required(missing=unsolved, leak_rate="1e-3 m^3/s")
+    assert left.verdict == "undecided" and left.judgement.left_out == 1 and math.isnan(left.margin)
+    # a failed load is worse than one that is not known
+    assert required(missing=unsolved, leak_rate="1e-12 m^3/s").verdict == "fails"
+
+
+def test_only_the_loads_that_are_asked_for_decide():
+    opened = {(64e5, 0.0): LoadProblem("load.axial_force", "the seal is open")}
+    result = required(missing=opened, leak_rate="1e-3 m^3/s", fluid_pressure=["2 bar", "5 bar"])
+    assert result.verdict == "holds" and result.judgement.judged == (0, 1)
+    assert result.loads[2].verdict is None and result.loads[2].margin is None
+    table = leak_table(result)
+    assert table["verdict"].tolist() == ["holds", "holds", ""] and math.isnan(table["margin"].iloc[2])
+
+
+def test_shares_are_those_of_stress_and_peak():
+    load = rough_result().loads[-1]
+    shares = required(leak_rate="1e-3 m^3/s").judgement.shares
+    # the ball has no yield stress, the seat 1 GPa and 3.5 GPa hardness
+    assert shares.body == "seat"
+    assert shares.yield_stress == pytest.approx(load.contact.fields["seat"].von_mises.max() / 1e9, rel=1e-12)
+    assert shares.hardness == pytest.approx(load.contact.profile.peak_pressure / 3.5e9, rel=1e-12)
+    assert shares.opening is None
+
+
+@pytest.mark.parametrize(
+    ("fluid", "test_fluid", "ratio"),
+    [
+        ({"name": "water"}, "", (1.0, 1.0)),
+        ({"name": "water", "temperature": "5 degC"}, "", (1.0, 1.0)),
+        ({"viscosity": "0.5 mPa s"}, "", (1.0, 1.0)),
+        # viscosity of water at 20 °C: 1.0016 mPa s (IAPWS)
+        ({"viscosity": "46 mPa s"}, "water", (45.9, 45.9)),
+        ({"name": "air"}, "", (1.0, 1.0)),
+        ({"name": "nitrogen"}, "", (1.0, 1.0)),
+        # viscous: 19.6 over 18.2 µPa s; molecular: root of 4.003 over 28.97 g/mol
+        ({"name": "helium"}, "air", (0.372, 1.077)),
+    ],
+)
+def test_a_class_is_judged_for_the_fluid_of_its_test(fluid, test_fluid, ratio):
+    tables = {"fluid": fluid, "requirement": {"standard": "ISO 5208", "class": "D"}}
+    (limit,) = limits(case(**tables), 5e5)
+    assert limit.test_fluid == test_fluid
+    assert limit.ratio == pytest.approx(ratio, rel=5e-3)
+    (own,) = limits(case(fluid=fluid, requirement={"leak_rate": "1 ml/min"}), 5e5)
+    assert own.ratio == (1.0, 1.0)
+
+
+def test_a_gas_that_is_not_that_of_the_test_widens_the_interval():
+    limit = Limit("ISO 5208 D", 1.0, test_fluid="air", ratio=(0.4, 1.1))
+    assert Judgement.of(limit, (0.5, 0.9)).verdict == "holds"
+    assert Judgement.of(limit, (2.6, 3.0)).verdict == "fails"
+    unsure = Judgement.of(limit, (1.5, 2.0))
+    assert unsure.verdict == "undecided" and unsure.why is Why.TEST_FLUID
+    assert unsure.ends == pytest.approx((0.6, 2.2))
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ({}, "requirement"),
+        ({"class": "B"}, "requirement.class"),
+        ({"standard": "ISO 5208"}, "requirement.class"),
+        ({"standard": "ISO 5208", "class": "H"}, "requirement.class"),
+        ({"standard": "DIN 1"}, "requirement.standard"),
+        ({"standard": "FCI 70-2", "class": "IV"}, "requirement.rated_capacity"),
+        ({"standard": "FCI 70-2", "class": "VI"}, "requirement.class"),
+        ({"leak_rate": "1 ml/min", "fluid_pressure": "3 bar"}, "requirement.fluid_pressure"),
+        ({"leak_rate": "1 ml"}, "requirement.leak_rate"),
+        ({"leak_rat": "1 ml/min"}, "requirement.leak_rat"),
+    ],
+)
+def test_what_cannot_be_judged_is_refused_at_its_key(table, key):
+    with pytest.raises(InputError) as refused:
+        case(requirement=table)
+    assert key in [one.key for one in refused.value.problems]
+
+
+def test_without_surface_or_fluid_there_is_nothing_to_judge():
+    with pytest.raises(InputError, match=r"without \[fluid\]"):
+        case(requirement={"leak_rate": "1 ml/min"}, fluid=None)
+
+
+def test_standards_are_found_by_the_names_that_people_give_them():
+    for written in ("ISO 5208", "iso5208", "ISO 5208:2015", "ISO 5208-2015"):
+        assert standard_named(written) == "ISO 5208"
+    assert standard_named("FCI70-2") == "FCI 70-2" and standard_named("EN 12266") is None
+    assert case(requirement={"standard": "API 598"}).requirement.standard_and_class == (
+        "API 598",
+        "metal-seated",
+    )
+    assert "IV" not in classes_of("FCI 70-2", gas=True, rated_capacity=False)
+    with pytest.raises(FluidError):
+        leakage_limits(-1.0, gas=True)
+
+
+def test_report_terminal_and_summary_say_the_same_verdict(capsys):
+    result = required(leak_rate="1 ml/min")
+    first = verdict_sentences(result)[0]
+    assert first.startswith("Fails at 20 bar: at least ")
+    cli.show_verdict(result)
+    assert first in capsys.readouterr().out
+    page = report(result)
+    assert first in page and 'class="verdict fails"' in page
+    told = json.loads(json.dumps(summary(result)["requirement"]))
+    assert told["verdict"] == "fails" and told["says"][0] == first
+    assert told["margin"] == result.margin and told["judged_loads"] == 3
+    assert [row["verdict"] for row in summary(result)["loads"]] == ["fails"] * 3
+
+
+def test_each_way_to_a_verdict_has_its_sentence():
+    solved = rough_result()
+    opened = {(64e5, 10.0): LoadProblem("load.axial_force", "the seal is open")}
+    unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
+    outside = replace(solved, loads=tuple(load.knowing(validity=OUTSIDE) for load in solved.loads))
+    low, high = solved.leak_ranges[-1]
+    told = {
+        "a margin of": required(leak_rate="1e-3 m^3/s"),
+        "the seal is open there": required(missing=opened, leak_rate="1 ml/min"),
+        "which has no result: no convergence": required(missing=unsolved, leak_rate="1e-3 m^3/s"),
+        "outside the theory (seat: 3 times": required(outside, leak_rate="1 ml/min"),
+        "times the allowed": required(leak_rate=f"{0.5 * (low + high)} m^3/s"),
+        "which is seen": required(standard="ISO 5208", **{"class": "A"}),
+    }
+    for words, result in told.items():
+        assert words in verdict_sentences(result)[0]
+    assert verdict_lines(solved)[0].startswith("  ISO 5208 G would take ")
+
+
+def test_factors_claim_no_more_than_two_digits():
+    assert [factor_text(one) for one in (0.0123, 1.05, 12.34, 123.4, 5000.0)] == [
+        "0.012",
+        "1.1",
+        "12",
+        "120",
+        "more than 1000",
+    ]
+
+
+def test_next_class_is_the_loosest_one_that_is_missed():
+    result = rough_result()
+    load, ends = result.highest, result.leak_ranges[-1]
+    found = next_class(result.case, load, ends)
+    # 2 mm³/s per mm of DN 25
+    assert (found.name, found.factor) == ("G", pytest.approx(ends[1] / 50e-9, rel=1e-12))
+    assert next_class(result.case, load, (1e-10, 2.4e-9)).name == "CC"
+    assert next_class(result.case, load.knowing(validity=OUTSIDE), ends) is None
+
+
+def test_check_says_what_will_be_judged_and_where():
+    told = requirement_lines(
+        case(
+            fluid={"viscosity": "46 mPa s"},
+            requirement={"leak_rate": "0.1 ml/min", "standard": "ISO 5208", "class": "D"},
+        )
+    )
+    assert told[0] == "leak rate: 0.10 ml/min (1.67·10⁻⁹ m³/s) at 2 bar to 20 bar (3 pressures)"
+    assert told[1].startswith("ISO 5208 D: 0.15 ml/min (2.50·10⁻⁹ m³/s)")
+    assert "tested with water, of which 46 times as much leaks" in told[3]
+
+
+def test_a_design_of_a_study_is_judged_like_a_run():
+    one = case(load={"fluid_pressure": "20 bar"}, requirement={"leak_rate": "1e-4 m^3/s"})
+    found = evaluate(one, ["leak_rate_high_m3_per_s", "margin"])
+    assert found.verdict == "holds"
+    assert found.values["margin"] == pytest.approx(1e-4 / found.values["leak_rate_high_m3_per_s"], rel=1e-12)
+    of_run = required(leak_rate="1e-4 m^3/s")
+    assert found.values["margin"] == pytest.approx(of_run.loads[-1].margin, rel=5e-3)
+    # nobody asked for it
+    assert evaluate(one, ["peak_pressure_Pa"]).verdict is None
+
+
+def test_a_sealed_design_has_a_margin_that_can_be_compared():
+    soft = {**STEEL, "hardness": "3.5 GPa"}
+    smooth = {"kind": "self-affine", "rms_height": "0.01 um", "hurst": 0.8, "q_low": "1e4 1/m"}
+    tight = case(
+        closure=ball(),
+        seat=cone(soft),
+        roughness={"spectrum": {**smooth, "q_rolloff": "1e4 1/m", "q_high": "1e6 1/m"}},
+        load={"fluid_pressure": "20 bar", "axial_force": "40 kN"},
+        requirement={"leak_rate": "1 ml/min"},
+    )
+    found = evaluate(tight, ["leak_rate_m3_per_s", "margin"])
+    assert found.values["leak_rate_m3_per_s"] == 0.0
+    assert found.values["margin"] == LARGEST_MARGIN
+
+
+def test_a_study_has_the_verdict_beside_its_margin(tmp_path):
+    study = fem_seal.Study(
+        case(load={"fluid_pressure": "20 bar"}, requirement={"leak_rate": "20 ml/min"}),
+        parameters={"roughness.spectrum.rms_height": ["0.5 um", "1.9 um"]},
+        responses=["verdict"],
+    )
+    table = study.run(folder=tmp_path, workers=0).table
+    assert table["verdict"].tolist() == ["holds", "fails"]
+    assert table["margin"].iloc[0] > 1.0 > table["margin"].iloc[1]
+    with pytest.raises(InputError, match=r"\[requirement\]"):
+        fem_seal.Study(
+            case(load={"fluid_pressure": "20 bar"}),
+            parameters={"seat.angle": ["44 deg", "45 deg"]},
+            responses=["verdict"],
+        )
+
+
+def test_nothing_is_said_where_nothing_is_required():
+    result = rough_result()
+    assert result.verdict is None and result.margin is None
+    assert seal_judgement(result.case, result.loads, {}) is None
+    assert leak_table(result)["verdict"].tolist() == [""] * 3
+    assert summary(result)["requirement"] is None
+
+
+@pytest.mark.parametrize("text", ["1.01325 mbar l/s", "0.101325 Pa m^3/s", "1013.25 mbar*cm^3/s"])
+def test_a_gas_may_leak_pressure_times_volume(text):
+    # one atm cm^3/s, the usual conversion: 1.01325 mbar l/s
+    gas = case(fluid={"name": "helium"}, requirement={"leak_rate": text})
+    assert gas.requirement.leak_rate == pytest.approx(1e-6, rel=1e-14)
+    aimed = gas.replace({"load.target_leak_rate": text})
+    assert aimed.load.target_leak_rate == gas.requirement.leak_rate
+    assert gas.replace({"requirement.leak_rate": 1e-6}).requirement.leak_rate == 1e-6
+
+
+def test_of_a_liquid_pressure_times_volume_is_no_amount():
+    with pytest.raises(
+        InputError, match=r"requirement.leak_rate.*leak rate of a gas, and the fluid is a liquid"
+    ):
+        case(requirement={"leak_rate": "1e-3 mbar l/s"})
+    with pytest.raises(InputError, match=r'requirement.leak_rate.*unit "mbar" does not fit'):
+        case(requirement={"leak_rate": "1e-3 mbar"})
