@@ -283,7 +283,7 @@ def test_a_folder_that_is_deleted_during_the_run_is_made_again(tmp_path, monkeyp
 
     folder = tmp_path / "out"
 
-    def run(case, progress):
+    def run(case, **_):
         shutil.rmtree(folder)
         return single_result()
 

@@ -210,7 +210,7 @@ def test_spectrum_between_scans(tmp_path, monkeypatch):
         # asperities that do not yield: one reading instead of two, of which the slower one takes most of the time
         return fem_seal.run(
             case(
-                seat=cone("steel"),
+                leak={"plasticity": False},
                 roughness={"spectrum": spectrum},
                 load={"fluid_pressure": "20 bar"},
                 **tables,
@@ -244,7 +244,7 @@ def test_the_length_of_one_scan_widens_the_interval(tmp_path):
         np.savetxt(path, np.column_stack([x * 1e6, h * 1e6]), delimiter=",", header="x [um], h [um]")
         found = fem_seal.run(
             case(
-                seat=cone("steel"),
+                leak={"plasticity": False},
                 roughness={"spectrum": {"kind": "profile", "file": str(path)}},
                 load={"fluid_pressure": "20 bar"},
                 uncertainty={"samples": 16},

@@ -158,7 +158,7 @@ class Around:
             if not most.leak_rate > 0:
                 # nothing flows through the roughness, but along the grooves
                 most = _above_outlet(max((one.upper for one in found), key=lambda one: one.leak_rate))
-        return replace(self, leak_rate=each / (2 * math.pi), leak=_scaled(most, total), scratches=scratches)
+        return replace(self, leak_rate=each / (2 * math.pi), leak=most.scaled(total), scratches=scratches)
 
     def profile_at(self, angle: float | None) -> PressureProfile:
         """Pressure profile at an angle around the axis [rad], or at the mean line load."""
@@ -292,25 +292,6 @@ def _between(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
 
 def _above_outlet(flow: LeakResult | GasLeakResult) -> LeakResult:
     return flow.above_outlet if isinstance(flow, GasLeakResult) else flow
-
-
-def _scaled(most: LeakResult, leak_rate: float) -> LeakResult:
-    """The flow with another leak rate; mass and pV flow go with it."""
-    if not 0 < most.leak_rate < math.inf:
-        return most
-    share = leak_rate / most.leak_rate
-
-    def times(value: float | None) -> float | None:
-        return None if value is None else share * value
-
-    return replace(
-        most,
-        leak_rate=leak_rate,
-        resistance=most.resistance / share,
-        mass_flow=times(most.mass_flow),
-        throughput=times(most.throughput),
-        standard_leak_rate=times(most.standard_leak_rate),
-    )
 
 
 def around_after(form: FormError, local: LocalContact, before: LocalContact | None) -> Around:

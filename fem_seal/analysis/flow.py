@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
 import numpy as np
@@ -380,6 +380,16 @@ class ProfileFlow:
     bounds: Callable[[PressureProfile, Sequence[Groove]], LeakBounds[Any]]
 
 
+def _made(
+    table: Callable[[Flow, RoughContact, Sequence[float]], Conductivity],
+    peaks: Sequence[float],
+    flow: Flow,
+    surface: RoughContact,
+) -> Conductivity:
+    # by name, because results can be pickled
+    return table(flow, surface, peaks)
+
+
 def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
     """Decimal logarithms of the peak pressures of some contacts, and of those that they remember [Pa]."""
     peaks = [peak for contact in contacts for peak in (contact.pressure.max(), contact.profile.highest)]
@@ -426,11 +436,7 @@ class RoughFlow(Lazy):
         """
         if surface is None:
             return None
-        peaks, of = log_peaks(contacts), table or Flow.table_around
-
-        def make(flow: Flow, surface: RoughContact) -> Conductivity:
-            return of(flow, surface, peaks)
-
+        make = partial(_made, table or Flow.table_around, log_peaks(contacts))
         return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
 
     @cached_property

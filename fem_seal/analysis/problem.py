@@ -197,8 +197,10 @@ class SealProblem:
         Whether the asperities are meant to yield.
     remarks : tuple of str
         What the scans themselves say against their use.
+    of_finish : bool
+        Whether the surface comes from the finish of a drawing.
     usual_only : bool
-        Whether the surface comes from a finish whose range cannot be sampled.
+        Whether it does and its range is not sampled.
     cutoff : float or None
         Wave beyond which a finish says nothing of the surface [m]; None without a finish.
     larger_housing : callable
@@ -221,6 +223,7 @@ class SealProblem:
     hardness: float | None = None
     asperities_yield: bool = False
     remarks: tuple[str, ...] = ()
+    of_finish: bool = False
     usual_only: bool = False
     cutoff: float | None = None
     larger_housing: Callable[[], ContactGeometry | None] = _no_larger_housing
@@ -235,6 +238,7 @@ class SealProblem:
         case : CaseTables
             Whose tables fit together, as those of a `Case` do.
         """
+        of_finish = case.roughness is not None and bool(case.roughness.finishes)
         return cls(
             contact=case.contact,
             materials={"closure": case.closure.material, "seat": case.seat.material},
@@ -249,10 +253,8 @@ class SealProblem:
             hardness=case.hardness,
             asperities_yield=case.leak.plasticity and case.roughness is not None,
             remarks=tuple(case.roughness.remarks()) if case.roughness else (),
-            usual_only=case.fluid is not None
-            and case.roughness is not None
-            and bool(case.roughness.finishes)
-            and case.sampled is None,
+            of_finish=of_finish,
+            usual_only=of_finish and case.fluid is not None and case.sampled is None,
             cutoff=case.roughness.cutoff if case.roughness else None,
             larger_housing=partial(_larger_housing, case),
             file=case.file,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -62,6 +63,8 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
             ),
             file=problem.file,
         )
+    # samples would need the bodies
+    problem = replace(problem, usual_only=problem.of_finish)
     peaks = [float(profile.pressure.max()) for profile in profiles]
     rough = RoughFlow(surface, flow, partial(_conductivity, peaks))
     return [

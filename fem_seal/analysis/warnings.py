@@ -261,8 +261,8 @@ def _of_surface(problem: SealProblem) -> Iterator[Caution]:
             Level.DOUBTFUL,
             "of a finish the usual surface alone, without its interval",
             "the drawing's finish leaves much of the surface open, and its interval is not calculated together with "
-            'bodies that yield or conductivity = "direct": the leak rate is that of the usual surface and may be '
-            "off by a factor of ten",
+            'bodies that yield, conductivity = "direct" or for given pressure profiles: the leak rate is that of the '
+            "usual surface and may be off by a factor of ten",
         )
     for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)

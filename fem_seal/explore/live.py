@@ -123,7 +123,7 @@ class Session:
     >>> session = Session(case)
     >>> screen = session.answer({"fluid_pressure": "40 bar"})
     >>> round(screen.load.values["peak_pressure_Pa"] / 1e6)
-    272
+    271
     """
 
     def __init__(self, case: Case, *, waits: bool = True) -> None:

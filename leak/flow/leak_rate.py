@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Protocol, Self, runtime_checkable
@@ -79,6 +80,41 @@ class LeakResult:
         '1.0e-06'
         """
         return self if density is None else replace(self, mass_flow=density * self.leak_rate)
+
+    def scaled(self, leak_rate: float) -> Self:
+        """The same flow with another leak rate; mass and pV flow go with it.
+
+        Parameters
+        ----------
+        leak_rate : float
+            [m^3/s]
+
+        Returns
+        -------
+        LeakResult
+            The same one if the contact is sealed or open: there is nothing to scale.
+
+        Examples
+        --------
+        >>> drops = LeakResult(1e-9, 1e15, np.zeros(3)).with_density(1000.0)
+        >>> f"{drops.scaled(2e-9).mass_flow:.1e}"
+        '2.0e-06'
+        """
+        if not 0.0 < self.leak_rate < math.inf:
+            return self
+        share = leak_rate / self.leak_rate
+
+        def times(value: float | None) -> float | None:
+            return None if value is None else share * value
+
+        return replace(
+            self,
+            leak_rate=leak_rate,
+            resistance=self.resistance / share if share else math.inf,
+            mass_flow=times(self.mass_flow),
+            throughput=times(self.throughput),
+            standard_leak_rate=times(self.standard_leak_rate),
+        )
 
 
 def leak_rate(

@@ -39,7 +39,7 @@ def heat_capacity_ratio(name: str) -> float | None:
     Examples
     --------
     >>> round(heat_capacity_ratio("nitrogen"), 3), round(heat_capacity_ratio("helium"), 3)
-    (1.399, 1.667)
+    (1.4, 1.667)
     """
     if name.startswith("CoolProp:"):
         from leak.fluids.coolprop import coolprop_heat_capacity

@@ -283,9 +283,8 @@ def _what_leaks(result: SealSolution) -> str:
     if changed:
         shown.append(last)
     span = load_values(highest, loads)
-    of_finish = result.uncertainty is not None and has_finish(result.case)
-    ranges = dict(zip(map(id, loads), result.leak_ranges, strict=True)) if of_finish else {}
-    rates = [ranges.get(id(load)) or rate_of(load) for load in shown if load.leak is not None]
+    ranges = dict(zip(map(id, loads), result.leak_ranges, strict=True))
+    rates = [_widest(load, ranges[id(load)]) for load in shown if load.leak is not None]
     if not rates:
         missing = "roughness" if result.surface is None else "fluid"
         after = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
@@ -307,18 +306,11 @@ def _what_leaks(result: SealSolution) -> str:
     ]
     then = f"; after {span}, {told.pop()}" if changed else ""
     claimed = [load for load in shown if ends_told(load) is not None and not load.validity.outside]
-    if of_finish:
-        share = percent(result.uncertainty.confidence) if result.uncertainty else ""
-        said_of = said("readings.finish", "both" if highest.yields else "one", share=share)
-        return f"The seal leaks {' and '.join(told)}{then}. {said_of}"
-    sampled = with_samples(highest, result.leak_ranges[loads.index(highest)])
-    return " ".join(
-        [
-            f"The seal leaks {' and '.join(told)}{then}.",
-            *([ends_in_words(claimed[0])] if claimed else []),
-            *([f"At {span} {sampled}"] if sampled else []),
-        ]
+    sampled = [load for load in shown if was_sampled(load, ranges[id(load)])]
+    held = (
+        samples_in_words(result.case, sampled[0]) if sampled else ends_in_words(claimed[0]) if claimed else ""
     )
+    return f"The seal leaks {' and '.join(told)}{then}. {held}".rstrip()
 
 
 def has_finish(case: Case) -> bool:
@@ -326,14 +318,32 @@ def has_finish(case: Case) -> bool:
     return case.roughness is not None and bool(case.roughness.finishes)
 
 
-def with_samples(load: LoadResult, ends: tuple[float, float] | None, *, finish: bool = False) -> str:
-    """How far the uncertain inputs widen the leak rate; empty where nothing was sampled, or nothing may be claimed."""
-    if load.leak is None or ends in (None, load.leak_range) or load.validity.outside:
-        return ""
-    assert ends is not None
-    both, one = ("both_finish", "one_finish") if finish else ("both", "one")
-    rate = leak_range_text(ends, min(load.digits, 2))
-    return said("readings.sampled", both if load.yields else one, rate=rate)
+def was_sampled(load: LoadResult, ends: tuple[float, float] | None) -> bool:
+    """Whether uncertain inputs widen the leak rate, and something may be claimed of it.
+
+    Parameters
+    ----------
+    load : LoadResult
+    ends : tuple of float or None
+        Of the interval of its leak rate [m^3/s].
+    """
+    return load.leak is not None and ends not in (None, load.leak_range) and not load.validity.outside
+
+
+def _widest(load: LoadResult, ends: tuple[float, float] | None) -> float | tuple[float, float]:
+    """The leak rate as wide as it is known: with its samples, in both readings, or the only number [m^3/s]."""
+    return ends if ends is not None and was_sampled(load, ends) else rate_of(load)
+
+
+def samples_in_words(case: Case, load: LoadResult) -> str:
+    """What the two ends of a leak rate are whose inputs are uncertain."""
+    assert case.sampled is not None
+    which = "finish" if has_finish(case) else "inputs"
+    return said(
+        "readings.sampled",
+        which + ("_both" if load.yields else ""),
+        share=percent(case.sampled.confidence),
+    )
 
 
 def ends_in_words(load: LoadResult) -> str:
@@ -440,10 +450,24 @@ def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
-def leakage_text(load: LoadResult) -> str:
-    """The leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min"."""
+def leakage_text(load: LoadResult, interval: tuple[float, float] | None = None) -> str:
+    """The leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min".
+
+    Parameters
+    ----------
+    load : LoadResult
+        With a leak rate.
+    interval : tuple of float, optional
+        Its ends [m^3/s]; those of both readings of yielding asperities unless given.
+    """
     assert load.leak is not None
-    ends = ends_told(load) or (load.leak, load.leak)
+    if interval is not None and load.leak.leak_rate == 0:
+        # of what is sealed no mass is known that could be scaled
+        return leak_range_text(interval, min(load.digits, 2))
+    if interval is not None:
+        ends = load.leak.scaled(interval[0]), load.leak.scaled(interval[1])
+    else:
+        ends = ends_told(load) or (load.leak, load.leak)
     digits = min(load.digits, 3 if ends[0] is ends[1] else 2)
     columns = zip(*(_in_units(one) for one in ends), strict=True)
     return " = ".join(
@@ -496,17 +520,19 @@ def leakage_lines(
     doubt = f" ({found.level}: {found.reasons[0]})" if found.reasons else ""
     why = ", because the leak rate is outside the theory" if found.outside else ""
     classes = classes_in_words(leakage_classes(case, load, ends))
-    sampled = with_samples(load, ends, finish=has_finish(case))
+    sampled = was_sampled(load, ends)
     return [
-        f"Leak rate at {load_values(load, loads)}: {leakage_text(load)}{doubt}",
-        *([f"  {ends_in_words(load)}"] if ends_told(load) is not None else []),
-        *(
-            [f"  {sampled[0].upper()}{sampled[1:]}"]
-            if (sampled := with_samples(load, ends, finish=has_finish(case)))
-            else []
-        ),
+        f"Leak rate at {load_values(load, loads)}: {leakage_text(load, ends if sampled else None)}{doubt}",
+        *([f"  {samples_in_words(case, load)}", f"  {_as_given(case, load)}"] if sampled else []),
+        *([f"  {ends_in_words(load)}"] if not sampled and ends_told(load) is not None else []),
         f"Leakage class for {nominal_size(case)}: {classes}{why}",
     ]
+
+
+def _as_given(case: Case, load: LoadResult) -> str:
+    """The leak rate without what is uncertain, in both readings of yielding asperities."""
+    rate = leak_range_text(rate_of(load), min(load.digits, 2))
+    return said("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)
 
 
 # Relative changes below this are not worth a number.
