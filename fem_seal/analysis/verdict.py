@@ -55,7 +55,7 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     )
     found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
     name = " ".join(wanted)
-    test_fluid, ratio = _test_fluid(fluid)
+    test_fluid, ratio = _test_fluid(fluid, fluid_pressure)
     if not found:
         # class VI of FCI 70-2 ends at a diameter
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
@@ -63,18 +63,22 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     return Limit(name, found[0], visible, test_fluid, ratio)
 
 
-def _test_fluid(fluid: Fluid) -> tuple[str, tuple[float, float]]:
+def _test_fluid(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, float]]:
     """The fluid of the test, where it is another one, and its leak rate over that of the case, least and most.
 
-    A liquid leaks in inverse proportion to its viscosity; one that is no thicker than water may be the test's own. The
-    leak of a gas is the sum of a part that goes like one over its viscosity and one that goes like one over the root
-    of its molar mass, so that its ratio to another one's lies between both.
+    A liquid leaks in inverse proportion to its viscosity under that pressure; one that is no thicker than water may be
+    the test's own. The leak of a gas is the sum of a part that goes like one over its viscosity and one that goes like
+    one over the root of its molar mass, so that its ratio to another one's lies between both.
     """
-    from leak import gas, liquid
+    from leak import effective_viscosity_ratio, gas, liquid
 
     own = fluid.gas
     if own is None:
-        ratio = fluid.viscosity / liquid(_TEST_LIQUID, _ROOM).viscosity
+        water = liquid(_TEST_LIQUID, _ROOM)
+        own_viscosity, viscosity = (
+            one.viscosity * effective_viscosity_ratio(one.pressure_law, pressure) for one in (fluid, water)
+        )
+        ratio = own_viscosity / viscosity
         same = ratio <= 1.0 or fluid.name.lower() == _TEST_LIQUID
         return ("", (1.0, 1.0)) if same else (_TEST_LIQUID, (ratio, ratio))
     if fluid.name.lower() in _TEST_GASES:
