@@ -57,7 +57,7 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     )
     found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
     name = " ".join(wanted)
-    test_fluid, ratio = _test_fluid(fluid)
+    test_fluid, ratio = _test_fluid(fluid, fluid_pressure)
     if not found:
         # class VI of FCI 70-2 ends at a diameter
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
@@ -65,19 +65,23 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     return Limit(name, found[0], visible, test_fluid, ratio)
 
 
-def _test_fluid(fluid: Fluid) -> tuple[str, tuple[float, float]]:
+def _test_fluid(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, float]]:
     """The fluid of the test, where it is another one, and its leak rate over that of the case, least and most.
 
-    A liquid leaks in inverse proportion to its viscosity; one that is no thicker than water may be the test's own, and
-    so may water at any temperature of a test. Of gases see `leak.flow.rarefied.flow_ratio_range`.
+    A liquid leaks in inverse proportion to its viscosity under that pressure; one that is no thicker than water may be
+    the test's own, and so may water at any temperature of a test. Of gases see `leak.flow.rarefied.flow_ratio_range`.
     """
-    from leak import gas, liquid
+    from leak import effective_viscosity_ratio, gas, liquid
     from leak.flow.rarefied import flow_ratio_range
 
     own = fluid.gas
     as_in_test = _TEST_TEMPERATURES[0] <= fluid.temperature <= _TEST_TEMPERATURES[1]
     if own is None:
-        ratio = fluid.viscosity / liquid(_TEST_LIQUID, _ROOM).viscosity
+        own_viscosity, tested = (
+            one.viscosity * effective_viscosity_ratio(one.pressure_law, pressure)
+            for one in (fluid, liquid(_TEST_LIQUID, _ROOM))
+        )
+        ratio = own_viscosity / tested
         coldest = liquid(_TEST_LIQUID, _TEST_TEMPERATURES[0]).viscosity
         water = fluid.name.lower() == _TEST_LIQUID and fluid.viscosity <= coldest
         return ("", (1.0, 1.0)) if ratio <= 1.0 or water else (_TEST_LIQUID, (ratio, ratio))
