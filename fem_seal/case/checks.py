@@ -353,13 +353,6 @@ def _yielding(case: CaseTables) -> Iterator[Problem]:
     if not curves(case):
         return
     because, remedy = _remembering(case), "or leave stress_strain out"
-    if case.load.closing == "penetration":
-        yield Problem(
-            "load.closing",
-            f"the fluid pressure between the surfaces is solved together with elastic bodies only, but {because}; use "
-            f'"sealed-area", {remedy}',
-            '"penetration"',
-        )
     if case.load.target_leak_rate is not None:
         yield Problem(
             "load.target_leak_rate",
