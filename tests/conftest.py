@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import os
 from collections.abc import Callable
@@ -32,6 +33,16 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatabl
 # Files whose tests are long and share nothing but what is quickly made again: each of their tests goes to whichever
 # process is free. All other files stay whole, with what their fixtures have made.
 APART = ("tests/test_examples.py", "tests/test_fem_seal_uncertainty.py", "tests/test_verification_contact.py")
+
+
+def pytest_collection_finish() -> None:
+    """Keep the collector of cycles off what stays to the end: modules, tests and the results that tests share.
+
+    With its usual thresholds it goes through all of them thousands of times, most often while pictures are drawn.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 50)
 
 
 @pytest.hookimpl(optionalhook=True)
