@@ -468,15 +468,17 @@ def sizing(problem: SealProblem, law: Law | None = None, forces: Sequence[float]
     return rounded(found, contact, size_given=size_given)
 
 
-def condensed(problem: SealProblem, seal_mesh: SealMesh) -> ContactModel:
+def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | None = None) -> ContactModel:
     """The bodies of a problem on a mesh, condensed.
 
     Parameters
     ----------
     problem : SealProblem
     seal_mesh : SealMesh
+    known : ContactModel, optional
+        Whose closure may be the same, see `fem_seal.contact.model.condense`.
     """
-    return condense(seal_mesh, problem.materials, problem.supports)
+    return condense(seal_mesh, problem.materials, problem.supports, known=known)
 
 
 def expected_forces(problem: SealProblem) -> list[float]:

@@ -156,7 +156,11 @@ class ContactModel:
 
 @single_threaded
 def condense(
-    seal_mesh: SealMesh, materials: Mapping[str, Material], supports: Supports | None = None
+    seal_mesh: SealMesh,
+    materials: Mapping[str, Material],
+    supports: Supports | None = None,
+    *,
+    known: ContactModel | None = None,
 ) -> ContactModel:
     """Factorise both bodies and condense them on the contact line.
 
@@ -165,6 +169,8 @@ def condense(
     materials : mapping
         Material of the body "closure" and of the body "seat".
     supports : Supports, optional
+    known : ContactModel, optional
+        Of the same seal with another seat or support: a closure that is the same, mesh and all, is not factorised anew.
 
     Raises
     ------
@@ -189,9 +195,12 @@ def condense(
     radius = contact.radius(x)
     facing = contact.facing(x)
     area_weight = 2 * np.pi * radius * facing * weight
+    same = known is not None and _same_closure(known, seal_mesh, materials["closure"], x, area_weight)
     # One after the other: SuperLU frees a factor only in the thread that made it, and two threads would leak every one.
     closure, seat = (
-        _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports))
+        known.closure
+        if known is not None and same and name == "closure"
+        else _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports))
         for name in ("closure", "seat")
     )
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
@@ -207,7 +216,25 @@ def condense(
         contact.touch_radius,
         math.cos(contact.angle),
         contact.relative_radius,
-        (harmonic_body(closure), harmonic_body(seat)),
+        (known.harmonics[0] if known is not None and same else harmonic_body(closure), harmonic_body(seat)),
+    )
+
+
+def _same_closure(
+    known: ContactModel, seal_mesh: SealMesh, material: Material, x: FloatArray, area_weight: FloatArray
+) -> bool:
+    """Whether the closure of a model is that of a mesh, to the last digit; supports hold the seat alone."""
+    mine, theirs = seal_mesh.closure, known.closure.basis.mesh
+    pairs = (
+        (mine.p, theirs.p),
+        (mine.t, theirs.t),
+        (x, known.line.x),
+        (area_weight, known.line.area_weight),
+    )
+    return (
+        material == known.closure.material
+        and seal_mesh.contact.touch_radius == known.touch_radius
+        and all(np.array_equal(one, other) for one, other in pairs)
     )
 
 
