@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 
-from fem_seal.case.fields import Throughput, shown
+from fem_seal.case.fields import Drops, Throughput, shown
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import SelfAffine
@@ -368,10 +368,17 @@ def _form(case: CaseTables) -> Iterator[Problem]:
 
 
 def _throughput(case: CaseTables) -> Iterator[Problem]:
-    """Pressure times volume is said of gases: of a liquid it is no amount."""
+    """Pressure times volume is said of gases: of a liquid it is no amount; and no gas falls in drops."""
     required = None if case.requirement is None else case.requirement.leak_rate
     written = {"load.target_leak_rate": case.load.target_leak_rate, "requirement.leak_rate": required}
-    if case.fluid is not None and case.fluid.gas is None:
+    if case.fluid is not None and case.fluid.gas is not None:
+        for key, limit in written.items():
+            if isinstance(limit, Drops):
+                yield Problem(
+                    key,
+                    'is counted in drops, and the fluid is a gas; give a volume over time, such as "0.1 ml/min"',
+                )
+    elif case.fluid is not None:
         for key, limit in written.items():
             if isinstance(limit, Throughput):
                 yield Problem(
