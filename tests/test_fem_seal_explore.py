@@ -15,6 +15,7 @@ from fem_seal.explore.case_file import case_text, free_name, write_case
 from fem_seal.explore.live import Session
 from fem_seal.explore.screen import SHOWN
 from fem_seal.explore.tables import Missing, OwnTable, conductivity
+from fem_seal.explore.words import numbers_of, validity_words
 from fem_seal.explore.worker import Answers, complete_screen, run_of
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -191,6 +192,10 @@ def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known():
         screen = Session(case_with(**required, **tables)).answer({})
         assert (screen.verdict, screen.told, screen.widens) == ("", (), widens)
         assert screen.limits
+        # nor is a seal that is not round called good as a round one
+        leak = next(one for one in numbers_of(screen) if one.name == "leak")
+        assert screen.round == ("round seal" in leak.more) == ("form" in tables)
+        assert (validity_words(screen.load, screen.round)[0] == "good") <= (not screen.round)
 
 
 @pytest.mark.parametrize(
