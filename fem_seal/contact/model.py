@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody
-from fem_seal.bodies.elasticity import node_dofs, stiffness_matrix
+from fem_seal.bodies.condensed import CondensedBody, condense_body
+from fem_seal.bodies.elasticity import stiffness_matrix
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
 from fem_seal.bodies.held_body import HeldBody, Supports, held_body
 from fem_seal.bodies.single_thread import single_threaded
@@ -199,17 +199,22 @@ def condense(
     gap, bend = contact.gap(x), contact.bend(x)
     hollow = contact if contact.normal_turns and contact.closure_curvature > 0 else None
     line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach, hollow)
-    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,
         closure,
         seat,
-        0.5 * (compliance + compliance.T),
+        line_compliance(closure, seat),
         contact.touch_radius,
         math.cos(contact.angle),
         contact.relative_radius,
         (harmonic_body(closure), harmonic_body(seat)),
     )
+
+
+def line_compliance(closure: CondensedBody, seat: CondensedBody) -> FloatArray:
+    """Opening of the gap at the points of the line per unit normal force at each, both bodies together [m/N]."""
+    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
+    return 0.5 * (compliance + compliance.T)
 
 
 def _gauss_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -226,15 +231,6 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
 
 def _condense_body(held: HeldBody) -> CondensedBody:
     stiffness = stiffness_matrix(held.basis, held.material)
-    compliance, solve = held.condensed(stiffness[held.free][:, held.free].tocsc())
-    forces = dict(held.further)
-    if len(held.wall):
-        forces["wall"] = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel()
-    loads = {}
-    for name, force in forces.items():
-        response = held.counted(solve(held.balanced(force)))
-        if name == "wall":
-            response[held.wall] = -1.0
-        axial = float(force[node_dofs(held.basis)[1]].sum())
-        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(response), response)
-    return CondensedBody(held, compliance, loads, solve)
+    free = stiffness[held.free][:, held.free].tocsc()
+    pulled = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel() if len(held.wall) else None
+    return condense_body(held, free, pulled)
