@@ -382,11 +382,6 @@ def test_elastic_results_name_where_and_how_far_the_yield_stress_is_passed() -> 
     ("tables", "key", "said"),
     [
         (
-            {"uncertainty": {"hurst": {"relative": 0.05}}},
-            "uncertainty",
-            r"solve each load on its own, .*remove the table",
-        ),
-        (
             {"load": {"fluid_pressure": "3000 bar"}},
             "load",
             r"coins the body that yields over .* allows [\d.e+]+ N",
@@ -403,9 +398,3 @@ def test_refused_with_a_body_that_yields(
     if key != "load":
         changed = load_case(case_file).replace({"seat.material": elastic})
         assert isinstance(changed.replace(ROUGH, **tables), Case)
-
-
-def test_the_force_for_a_target_is_not_looked_for_either(case_file: Path) -> None:
-    case = load_case(case_file).replace(ROUGH)
-    with pytest.raises(InputError, match="is for elastic bodies, and one has a stress_strain curve"):
-        fem_seal.axial_force_for_leak(case, 1e-9)

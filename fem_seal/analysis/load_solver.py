@@ -439,6 +439,55 @@ def _remembering(contacts: Sequence[ElastoplasticContact]) -> tuple[Elastoplasti
     return tuple(found)
 
 
+def path_again(solver: LoadSolver) -> list[ContactSolution]:
+    """All loads of a problem on the path of bodies that yield, without what is left after the last.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+
+    Raises
+    ------
+    ConvergenceError
+        If a load opens the seal or does not converge.
+    """
+    points = solver.problem.loads.points
+    path, _ = _path(solver, points, unload=False)
+    if len(path.contacts) < len(points):
+        opened = [str(one.error) for one in path.opened.values()]
+        raise ConvergenceError(opened[0] if opened else str(path.stopped))
+    return list(path.contacts)
+
+
+def linearised_again(
+    contacts: Sequence[ContactSolution], law: Law, earlier: ContactSolution | None = None
+) -> list[ContactSolution]:
+    """The same loads of bodies that yield with another law, the bodies linearised where they are.
+
+    What they would have yielded otherwise on the way to the last load step of each load is left out.
+
+    Parameters
+    ----------
+    contacts : sequence of ElastoplasticContact
+        Along a path.
+    law : InterfaceLaw or HardContact
+    earlier : ElastoplasticContact, optional
+        The one before them, which they remember.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    found: list[ContactSolution] = []
+    for contact in contacts if earlier is None else (earlier, *contacts):
+        assert isinstance(contact, ElastoplasticContact) and contact.linear is not None
+        again = solve(
+            contact.linear, law, axial_force=contact.axial_force, loads=contact.loads, start=contact
+        )
+        found.append(again if earlier is None else again.after(found[-1] if found else None))
+    return found if earlier is None else found[1:]
+
+
 def solved_again(
     contacts: Sequence[ContactSolution],
     model: ContactModel,

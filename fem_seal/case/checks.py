@@ -450,12 +450,6 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
     table : Uncertainty
         The case's own, or another one.
     """
-    if curves(case):
-        yield Problem(
-            "uncertainty",
-            f"the samples solve each load on its own, but {_remembering(case)}; remove the table (a study can vary "
-            "the inputs: it solves the whole path of every design), or leave stress_strain out",
-        )
     if case.fluid is not None and case.fluid.gas is not None and table.viscosity is not None:
         yield Problem(
             "uncertainty.viscosity",

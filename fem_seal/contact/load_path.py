@@ -192,6 +192,7 @@ def _with_bodies(
         states=reached.states,
         equilibrium_residuals=reached.residuals,
         load_steps=steps,
+        linear=reached.linear,
     )
 
 
@@ -302,12 +303,15 @@ class ElastoplasticContact(ContactSolution):
         of the last load step.
     load_steps : int
         Steps since the load before.
+    linear : ContactModel or None
+        The bodies linearised at this load: what they answer to a small change of it, or of the interface law.
     """
 
     bodies: Mapping[str, YieldingBody] = field(repr=False)
     states: Mapping[str, BodyState] = field(repr=False)
     equilibrium_residuals: tuple[float, ...] = field(repr=False)
     load_steps: int = 1
+    linear: ContactModel | None = field(default=None, repr=False)
 
     @cached_property
     def unloading(self) -> ContactModel:

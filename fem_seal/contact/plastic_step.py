@@ -45,11 +45,14 @@ class Equilibrium:
         With the fluid between the surfaces; None where the bodies do not touch.
     residuals : tuple of float
         Largest nodal force out of balance over the largest that the elements put on a node, one per iteration.
+    linear : ContactModel or None
+        The bodies linearised there, of which nothing but the contact line is kept; None before the first load.
     """
 
     states: Mapping[str, BodyState]
     contact: ContactSolution | None
     residuals: tuple[float, ...]
+    linear: ContactModel | None = None
 
 
 def press(
@@ -98,13 +101,18 @@ def press(
         if whole.imbalance < settings.tolerance:
             # The contact was solved with linearised bodies; it is one of the true ones.
             true = None if contact is None else replace(contact, model=model)
-            return Equilibrium(whole.states, true, tuple(residuals))
+            return Equilibrium(whole.states, true, tuple(residuals), _of_the_line(linear))
         at = whole if whole.imbalance < allowed else step.shortened(at, whole)
         allowed = at.imbalance
     raise ConvergenceError(
         f"the forces in the bodies are out of balance by {residuals[-1]:.2g} of the largest after "
         f"{settings.max_iterations} iterations"
     )
+
+
+def _of_the_line(linear: ContactModel) -> ContactModel:
+    """A model without the factors of its bodies, which would fill the memory."""
+    return replace(linear, closure=replace(linear.closure, solve=None), seat=replace(linear.seat, solve=None))
 
 
 def unloading_model(
