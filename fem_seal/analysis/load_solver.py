@@ -25,7 +25,6 @@ from fem_seal.contact.load_path import (
 )
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.penetration import (
     blow_off_pressure,
     least_closing_force,
@@ -169,7 +168,7 @@ class LoadSolver:
     @cached_property
     def _first_seal(self) -> FluidAndContact:
         """The same before any load."""
-        return FluidAndContact(self.model, self.problem.law, self._path, self.problem.interference)
+        return FluidAndContact(self.model, self.problem.law, self._path, self.problem.at_rest)
 
     @cached_property
     def _path(self) -> FluidPath:
@@ -183,8 +182,8 @@ class LoadSolver:
         )
 
     def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
-        fit = FurtherLoads.press_fit(self.problem.interference)
-        return solve(self.model, self.problem.law, axial_force=force, loads=fit, start=start)
+        at_rest = self.problem.at_rest
+        return solve(self.model, self.problem.law, axial_force=force, loads=at_rest, start=start)
 
     def _closes(self, fluid_pressure: float) -> float:
         return closing_force(self.problem.touch_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side)
@@ -324,16 +323,16 @@ def _path(
     It is returned beside the path, and each contact remembers those before it.
     """
     problem, settings = solver.problem, PlasticSettings()
-    fit = FurtherLoads.press_fit(problem.interference)
+    at_rest = problem.at_rest
     first = () if problem.loads.earlier is None else (problem.loads.earlier,)
     loads = [
-        PathLoad(closing_force(problem.touch_radius, pressure, force, problem.loads.pressure_side), fit)
+        PathLoad(closing_force(problem.touch_radius, pressure, force, problem.loads.pressure_side), at_rest)
         for pressure, force in (*first, *problem.loads.points[:count])
     ]
     if steps is not None:
         settings = replace(settings, steps=steps)
     try:
-        path = load_path(solver.model, problem.law, loads, at_rest=fit, settings=settings, partial=True)
+        path = load_path(solver.model, problem.law, loads, at_rest=at_rest, settings=settings, partial=True)
     except ConvergenceError as error:
         if not (first and isinstance(error.partial, tuple)):
             raise

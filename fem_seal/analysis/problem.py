@@ -20,6 +20,7 @@ from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import element_sizes, for_yielding
 from fem_seal.errors import InputError, LoadProblem, Problem
@@ -188,7 +189,11 @@ class SealProblem:
     supports : Supports
         How the seat is held.
     interference : float
-        Of a press fit of the seat, on the radius [m]; zero without one.
+        How far a held wall is moved inwards, by a press fit and by heat [m]; zero without.
+    expansion : float
+        Thermal strain of the closure beyond that of the seat [-].
+    temperatures : mapping
+        Of "closure" and "seat" [K]; empty where they are not given.
     contact_size : float or None
         Size of the elements along the contact line, if the user gives it [m].
     hardness : float or None
@@ -219,6 +224,8 @@ class SealProblem:
     form: FormError | None = None
     supports: Supports = _FREE
     interference: float = 0.0
+    expansion: float = 0.0
+    temperatures: Mapping[str, float] = field(default_factory=dict)
     contact_size: float | None = None
     hardness: float | None = None
     asperities_yield: bool = False
@@ -248,7 +255,9 @@ class SealProblem:
             flow=flow_of(case),
             form=None if case.form is None else case.form.error(case.contact.angle, case.touch_radius),
             supports=Supports(wall=getattr(case.seat, "wall", "free")),
-            interference=getattr(case.seat, "interference", None) or 0.0,
+            interference=case.wall_motion,
+            expansion=case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
+            temperatures=case.body_temperatures,
             contact_size=case.mesh.contact_size,
             hardness=case.hardness,
             asperities_yield=case.leak.plasticity and case.roughness is not None,
@@ -274,6 +283,18 @@ class SealProblem:
     def effective_modulus(self) -> float:
         """E* of both bodies [Pa]."""
         return effective_modulus(self.materials["closure"], self.materials["seat"])
+
+    @property
+    def at_rest(self) -> FurtherLoads:
+        """What acts on the bodies without any load: a press fit and heat.
+
+        All is counted from a seal that has grown as the seat does: that changes its scale only, by less than what is
+        neglected elsewhere.
+        """
+        expansion = {"expansion": self.expansion} if self.expansion else {}
+        return FurtherLoads(
+            expansion, FurtherLoads.press_fit(self.interference).seat, temperature=self.temperatures
+        )
 
     @property
     def curves(self) -> list[HardeningCurve]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
@@ -68,6 +68,8 @@ class HeldBody:
         balanced.
     wall : ndarray of int
         Radial dofs of an outer wall that is held and can be moved.
+    free_strain : mapping of ndarray, shape (nodes,)
+        Strain at the nodes that takes no stress [-], of a unit of each way to be heated.
     """
 
     name: str
@@ -81,6 +83,7 @@ class HeldBody:
     balance: FloatArray
     further: Mapping[str, FloatArray]
     wall: NDArray[np.int64]
+    free_strain: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @cached_property
     def contact_dofs(self) -> NDArray[np.int64]:
@@ -237,7 +240,11 @@ def held_body(
             wall = _dofs(basis, "seat_wall", 1)
             held = np.concatenate([held, wall])
     free = np.setdiff1d(np.arange(basis.N), held)
-    return HeldBody(name, basis, material, nodes, contact_x, normal, trace, free, balance, further, wall)
+    # All of a closure can grow beyond what the seat grows, with which the closure's place and size are compared.
+    free_strain = {"expansion": np.ones(len(quadratic_nodes(basis.mesh)[0]))} if name == "closure" else {}
+    return HeldBody(
+        name, basis, material, nodes, contact_x, normal, trace, free, balance, further, wall, free_strain
+    )
 
 
 def trace_matrix(

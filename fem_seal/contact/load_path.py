@@ -44,7 +44,9 @@ class Unloaded:
     def fields(self) -> dict[str, BodyField]:
         """Lasting displacement and residual stress of "closure" and "seat"; plastic strain of those that yield."""
         return fields_at_rest(self.model, self.at_rest) | {
-            name: elastoplastic_field(body.held, body.solid, self.states[name])
+            name: elastoplastic_field(
+                body.held, body.solid, self.states[name], temperature=self.at_rest.temperature.get(name)
+            )
             for name, body in self.bodies.items()
         }
 
@@ -226,7 +228,10 @@ def _between(begin: PathLoad, end: PathLoad, way: float) -> PathLoad:
     return PathLoad(
         (1 - way) * begin.axial_force + way * end.axial_force,
         FurtherLoads(
-            mixed(a.closure, b.closure), mixed(a.seat, b.seat), np.sum(shares, axis=0) if shares else None
+            mixed(a.closure, b.closure),
+            mixed(a.seat, b.seat),
+            np.sum(shares, axis=0) if shares else None,
+            b.temperature or a.temperature,
         ),
     )
 
@@ -274,6 +279,8 @@ class ElastoplasticContact(ContactSolution):
     def fields(self) -> dict[str, BodyField]:
         """Displacement and stress of "closure" and "seat"; of bodies that yield with their plastic strain."""
         return body_fields(self) | {
-            name: elastoplastic_field(body.held, body.solid, self.states[name], self.profile)
+            name: elastoplastic_field(
+                body.held, body.solid, self.states[name], self.profile, self.loads.temperature.get(name)
+            )
             for name, body in self.bodies.items()
         }

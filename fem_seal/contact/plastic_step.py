@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bodies.elasticity import at_quadrature_points
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.bodies.plastic_flow import Flow
@@ -93,7 +94,10 @@ def press(
     in_gap = model.line.area_weight * (0.0 if loads.gap_pressure is None else loads.gap_pressure)
     elastic = _elastic_compliance(model, bodies)
     step = _Step(
-        bodies, before, {name: _further_forces(body.held, magnitudes[name]) for name, body in bodies.items()}
+        bodies,
+        before,
+        {name: _further_forces(body.held, magnitudes[name]) for name, body in bodies.items()},
+        {name: _free_strain(body.held, magnitudes[name]) for name, body in bodies.items()},
     )
     at = step.at(
         {
@@ -146,10 +150,11 @@ class _Step:
     bodies: Mapping[str, YieldingBody]
     before: Mapping[str, BodyState]
     further: Mapping[str, FloatArray]
+    free_strain: Mapping[str, FloatArray | float]
 
     def at(self, displacements: Mapping[str, FloatArray], forces: FloatArray) -> _Iterate:
         flows = {
-            name: body.solid.respond(displacements[name], self.before[name])
+            name: body.solid.respond(displacements[name], self.before[name], self.free_strain[name])
             for name, body in self.bodies.items()
         }
         return _Iterate(
@@ -185,6 +190,8 @@ class _Step:
         unbalanced = internal(flow.stress) - body.held.nodal_forces(forces) - self.further[name]
         stresses = (self.before[name].stress, flow.stress)
         scale = max(float(np.abs(internal(np.abs(stress))).max()) for stress in stresses)
+        # what grows freely has no stress to measure by, only the one that would keep it from growing
+        scale = max(scale, float(np.abs(internal(body.solid.hindered(self.free_strain[name]))).max()))
         return float(np.abs(unbalanced[body.held.free]).max()) / scale if scale > 0 else 0.0
 
 
@@ -249,8 +256,14 @@ def _elastic_compliance(model: ContactModel, bodies: Mapping[str, YieldingBody])
 
 def _further_forces(held: HeldBody, magnitudes: Mapping[str, float]) -> FloatArray:
     """Balanced nodal forces of loads away from the contact line."""
-    forces = (size * held.further[name] for name, size in magnitudes.items() if name != "wall")
+    forces = (size * held.further[name] for name, size in magnitudes.items() if name in held.further)
     return held.balanced(sum(forces, np.zeros(held.basis.N)))
+
+
+def _free_strain(held: HeldBody, magnitudes: Mapping[str, float]) -> FloatArray | float:
+    """Strain at the quadrature points that takes no stress."""
+    heated = [size * held.free_strain[name] for name, size in magnitudes.items() if name in held.free_strain]
+    return at_quadrature_points(held.basis, np.sum(heated, axis=0)) if heated else 0.0
 
 
 def _with_wall(held: HeldBody, displacement: FloatArray, magnitudes: Mapping[str, float]) -> FloatArray:

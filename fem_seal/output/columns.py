@@ -527,6 +527,14 @@ COLUMNS = {
             unit_like="force_for_target_leak_N",
         ),
         Column(
+            "contact_temperature_K",
+            "temperature",
+            "with `[temperature]`: mean of both faces where they press on each other",
+            lambda row: row.load.contact_temperature,
+            heading="temperature of the contact",
+            needs=("temperature",),
+        ),
+        Column(
             "margin",
             "",
             "with `[requirement]`: allowed leak rate over the upper end of the calculated one; infinite where sealed, "

@@ -176,7 +176,7 @@ def _bare_load(problem: SealProblem, stress: bool) -> LoadResult:
 
     def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
         model = shared_model(problem, sizing, stress=stress)
-        contact = solve(model, law, axial_force=force, settings=_SETTINGS)
+        contact = solve(model, law, axial_force=force, loads=problem.at_rest, settings=_SETTINGS)
         found.append(LoadResult(*point, contact, formed=problem.around(contact, law)))
         return found[-1].contacts
 
