@@ -169,13 +169,14 @@ def check(
 ) -> None:
     """Check a case file and print the closed-form results, without solving."""
     from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
+    from fem_seal.analysis.heating import warmed
     from fem_seal.case.case import load_case
     from fem_seal.output import summary
     from fem_seal.output.finish import finish_rows
     from fem_seal.output.report.verdict import requirement_lines
     from fem_seal.output.temperature import temperature_rows
 
-    case = load_case(case_file)
+    case = warmed(load_case(case_file))
     drawn = None
     if picture is not None:
         from fem_seal.output.pictures.section import write_section

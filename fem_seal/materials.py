@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
 
@@ -62,23 +62,32 @@ class OverTemperature:
         if any(after <= before for before, after in pairwise(self.temperature)):
             raise InputError(Problem(self.key, "the temperatures must increase from entry to entry"))
 
-    def reaches(self, temperature: float) -> bool:
-        """Whether the table holds a temperature [K]."""
+    def reaches(self, temperature: float | FloatArray) -> bool:
+        """Whether the table holds a temperature, or all of them [K]."""
         # what 20 degC in kelvin is rounded to
-        return self.temperature[0] - 1e-6 <= temperature <= self.temperature[-1] + 1e-6
+        low, high = self.temperature[0] - 1e-6, self.temperature[-1] + 1e-6
+        return low <= np.min(temperature) and bool(np.max(temperature) <= high)
 
-    def at(self, temperature: float) -> float:
-        """The number at a temperature [K]; InputError outside the table."""
+    @overload
+    def at(self, temperature: float) -> float: ...
+
+    @overload
+    def at(self, temperature: FloatArray) -> FloatArray: ...
+
+    def at(self, temperature: float | FloatArray) -> float | FloatArray:
+        """The number at a temperature, or an array of them [K]; InputError outside the table."""
         low, high = self.temperature[0], self.temperature[-1]
         if not self.reaches(temperature):
+            asked = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
             raise InputError(
                 Problem(
                     self.key,
-                    f"is known from {_celsius(low)} to {_celsius(high)} and asked for at {_celsius(temperature)}; "
+                    f"is known from {_celsius(low)} to {_celsius(high)} and asked for at {_celsius(float(asked))}; "
                     "extend the table, or change the temperature",
                 )
             )
-        return float(np.interp(temperature, self.temperature, self.value))
+        found = np.interp(temperature, self.temperature, self.value)
+        return found if np.ndim(temperature) else float(found)
 
 
 def _celsius(temperature: float) -> str:
@@ -202,8 +211,45 @@ class Material:
         }
         return replace(self, **numbers)  # type: ignore[arg-type]
 
-    def thermal_strain(self, temperature: float, reference: float) -> float:
-        """Strain by which the material grows from one temperature [K] to another.
+    def conductivity(self, temperature: FloatArray) -> FloatArray:
+        """Thermal conductivity at temperatures [W/(m K)].
+
+        Parameters
+        ----------
+        temperature : ndarray
+            [K]
+
+        Raises
+        ------
+        InputError
+            If it is not known, or not there.
+        """
+        if self.thermal_conductivity is None:
+            raise InputError(
+                Problem(
+                    f"{self.name}: thermal_conductivity",
+                    'is not known, and the temperature of the seal is calculated; give it, such as "45 W/(m K)"',
+                )
+            )
+        for table in self.over_temperature:
+            if table.key == "thermal_conductivity":
+                return np.asarray(table.at(temperature))
+        return np.full(np.shape(temperature), self.thermal_conductivity)
+
+    @property
+    def largest_conductivity(self) -> float:
+        """Largest thermal conductivity at any temperature [W/(m K)]; zero if none is known."""
+        tables = [max(table.value) for table in self.over_temperature if table.key == "thermal_conductivity"]
+        return max([*tables, self.thermal_conductivity or 0.0])
+
+    @overload
+    def thermal_strain(self, temperature: float, reference: float) -> float: ...
+
+    @overload
+    def thermal_strain(self, temperature: FloatArray, reference: float) -> FloatArray: ...
+
+    def thermal_strain(self, temperature: float | FloatArray, reference: float) -> float | FloatArray:
+        """Strain by which the material grows from one temperature [K] to others, one or an array.
 
         Its expansion is the mean from 20 degC on, as data sheets have it: e = a(T) (T - 20 degC) - the same at T_ref.
 
@@ -218,11 +264,11 @@ class Material:
         >>> round(steel.thermal_strain(393.15, 293.15) * 1e6, 6)
         1100.0
         """
-        if temperature == reference:
+        if np.array_equal(temperature, reference):
             return 0.0
 
-        def since_room(at: float) -> float:
-            if at == ROOM_TEMPERATURE:
+        def since_room(at: float | FloatArray) -> float | FloatArray:
+            if np.array_equal(at, ROOM_TEMPERATURE):
                 return 0.0
             tables = [table for table in self.over_temperature if table.key == _EXPANSION]
             coefficient = tables[0].at(at) if tables else self.thermal_expansion

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sample_results import case, cone, smooth_case
-from skfem import Basis, MeshTri, condense, solve
+from skfem import Basis, ElementTriP2, MeshTri, condense, solve
 
 import fem_seal
 import leak
@@ -28,7 +29,8 @@ from fem_seal.bodies.elasticity import (
     thermal_load,
 )
 from fem_seal.case.case import Case
-from fem_seal.contact.model import ContactModel
+from fem_seal.contact.conduction import Face, Surroundings, conduct
+from fem_seal.contact.model import ContactModel, line_points
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.solution import fields_at_rest
 from fem_seal.errors import InputError
@@ -188,9 +190,8 @@ def test_a_seal_that_grows_evenly_only_changes_its_scale() -> None:
     sagitta = np.diff(model.line.vertices).max() ** 2 / (8 * 0.02)
     assert both == pytest.approx(scaled + rigid * way, abs=strain * sagitta)
     # which is what is left out: counted from the seat there is no motion at all
-    assert SealProblem.of(heated(temperature={"uniform": "200 degC"})).at_rest.opening(
-        model
-    ) == pytest.approx(0.0)
+    even = SealProblem.of(heated(temperature={"uniform": "200 degC"}))
+    assert even.at_rest(model).opening(model) == pytest.approx(0.0)
 
 
 # ---------------------------------------------------------------- the seal
@@ -206,7 +207,7 @@ def test_equal_expansion_and_uniform_temperature_load_nothing(warm: float, refer
         except InputError as error:
             assert "would grow by" in str(error)  # over 2 %
             continue
-        assert problem.at_rest.closure.get("expansion", 0.0) == 0.0 and problem.at_rest.seat == {}
+        assert problem.expansion == 0.0 and problem.interference == 0.0
 
 
 def test_only_the_fluid_notices_a_uniform_temperature() -> None:
@@ -480,3 +481,295 @@ def test_a_contact_that_heat_moves_to_the_end_of_its_face_is_doubtful() -> None:
     assert "slides" not in " ".join(
         fem_seal.run(heated(GROWING, STEADY, temperature={"closure": "90 degC", "seat": "60 degC"})).warnings
     )
+
+
+# ---------------------------------------------------------------- conduction
+
+CONDUCTING = Material("c", 2e11, 0.3, thermal_expansion=1e-5, thermal_conductivity=40.0)
+POOR = Material("p", 2e11, 0.3, thermal_expansion=1e-5, thermal_conductivity=10.0)
+
+
+def stacked(refine: int, share: float = 0.45) -> tuple[Any, np.ndarray, np.ndarray]:
+    """Two rings on each other, both from 10 to 20 mm and 4 mm high, that touch all over their flat faces.
+
+    Only what conduction asks of a mesh; the arc length is the radius less 15 mm. The seat's nodes on the contact line
+    are those of the closure only with a share of 0.45.
+    """
+    outer = OUTER
+
+    def body(name: str, bottom: float, share: float, ends: dict[str, float]) -> MeshTri:
+        r = np.array([INNER, INNER + share * (outer - INNER), outer])
+        mesh = MeshTri.init_tensor(r, bottom + np.array([0.0, 0.0022, 0.004])).refined(refine)
+        sides = {"inner": (0, INNER), "outer": (0, outer), **{side: (1, z) for side, z in ends.items()}}
+        return mesh.with_boundaries(
+            {
+                f"{name}_{side}": (lambda x, i=i, at=at: np.isclose(x[i], at))
+                for side, (i, at) in sides.items()
+            }
+        )
+
+    made = type("Stack", (), {})()
+    made.seat = body("seat", -0.004, share, {"contact": 0.0, "bottom": -0.004})
+    made.closure = body("closure", 0.0, 0.45, {"contact": 0.0, "top": 0.004})
+    made.contact = type("Line", (), {"coordinate": staticmethod(lambda r, z: r - 0.015)})()
+    ends = np.unique(made.seat.p[0][np.isclose(made.seat.p[1], 0.0)])
+    points, weights = np.polynomial.legendre.leggauss(3)
+    middle, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
+    r = (middle[:, None] + half[:, None] * points).ravel()
+    return made, r - 0.015, 2 * np.pi * r * (half[:, None] * weights).ravel()
+
+
+ALL_OVER = (-1.0, 1.0)
+
+
+def test_a_slab_of_two_metals_with_convection_and_a_contact_conductance() -> None:
+    """Heat through film, slab, contact, slab, film: resistances in series; linear in each body, so exact."""
+    mesh, x, area = stacked(0)
+    conductance, top, bottom = 5e3, Face(500.0, 800.0), Face(300.0, 2000.0)
+    found = conduct(
+        mesh,
+        {"closure": CONDUCTING, "seat": POOR},
+        Surroundings({"top": top, "bottom": bottom}, conductance, ALL_OVER),
+        x,
+        area,
+    )
+    resistances = np.array([1 / 800, 0.004 / 40, 1 / conductance, 0.004 / 10, 1 / 2000])
+    flux = 200 / resistances.sum()
+    heat = flux * np.pi * (OUTER**2 - INNER**2)
+    assert found.heat == pytest.approx({"top": heat, "bottom": -heat}, rel=1e-10)
+    assert found.across == pytest.approx(heat, rel=1e-10)
+    drops = 500 - flux * np.cumsum(resistances)
+    assert found.faces == pytest.approx({"closure": drops[1], "seat": drops[2]}, rel=1e-10)
+    z = quadratic_nodes(mesh.closure)[0][:, 1]
+    assert found.nodes["closure"] == pytest.approx(drops[1] + flux * z / 40, rel=1e-10)
+    # perfect: no step but what is left of it, a thousandth of the change over an element of 0.1 mm or less
+    perfect = conduct(
+        mesh,
+        {"closure": CONDUCTING, "seat": POOR},
+        Surroundings({"top": top, "bottom": bottom}, None, ALL_OVER),
+        x,
+        area,
+    )
+    assert perfect.heat["top"] == pytest.approx(
+        heat * resistances.sum() / np.delete(resistances, 2).sum(), rel=1e-3
+    )
+    assert perfect.faces["closure"] == pytest.approx(perfect.faces["seat"], abs=0.1)
+
+
+def test_heat_across_a_contact_of_unequal_elements_converges() -> None:
+    """The points of the contact line are those of the seat: what the closure's elements make of an even flow."""
+    resistances = np.array([1 / 800, 0.004 / 40, 1 / 5e3, 0.004 / 10, 1 / 2000])
+    heat, errors = 200 / resistances.sum() * np.pi * (OUTER**2 - INNER**2), []
+    for refine in (0, 1, 2, 3):
+        mesh, x, area = stacked(refine, 0.6)
+        around = Surroundings({"top": Face(500.0, 800.0), "bottom": Face(300.0, 2000.0)}, 5e3, ALL_OVER)
+        found = conduct(mesh, {"closure": CONDUCTING, "seat": POOR}, around, x, area)
+        errors.append(abs(found.heat["top"] / heat - 1))
+        assert found.heat["top"] == pytest.approx(-found.heat["bottom"], rel=1e-10)
+        assert found.heat["top"] == pytest.approx(found.across, rel=1e-10)
+    # of first order in the elements, by the points next to the kinks of the closure's trace: 2e-5 with 16 elements
+    assert errors[-1] < 2e-5 and errors[-1] < errors[1] / 5
+
+
+def test_a_cylinder_with_convection_converges_with_third_order() -> None:
+    """T = A + B ln r between the films inside and outside; the joint across it is not seen."""
+    errors, inside, outside = [], Face(480.0, 900.0), Face(300.0, 250.0)
+    films = 1 / (900 * INNER) + 1 / (250 * OUTER) + np.log(OUTER / INNER) / 40
+    per_radian = (480.0 - 300.0) / films  # heat per length over 2 pi
+    for refine in (0, 1, 2, 3):
+        mesh, x, area = stacked(refine)
+        # the contact line itself is a wetted face of neither side where the bodies touch all over
+        found = conduct(
+            mesh,
+            {"closure": CONDUCTING, "seat": CONDUCTING},
+            Surroundings({"inner": inside, "outer": outside}, None, ALL_OVER),
+            x,
+            area,
+        )
+        error = 0.0
+        for name in ("closure", "seat"):
+            basis = Basis(getattr(mesh, name), ElementTriP2(), intorder=6)
+            T = np.empty(basis.N)
+            T[np.concatenate([basis.nodal_dofs[0], basis.facet_dofs[0]])] = found.nodes[name]
+            r = np.asarray(basis.global_coordinates())[0]
+            exact = 480.0 - per_radian * (1 / (900 * INNER) + np.log(r / INNER) / 40)
+            error += np.sum((np.asarray(basis.interpolate(T)) - exact) ** 2 * basis.dx)
+        errors.append(np.sqrt(error))
+        heat = 2 * np.pi * per_radian * 0.008
+        assert sum(found.heat.values()) == pytest.approx(0.0, abs=1e-9 * heat)
+    # nothing drives heat across the joint but what the meshes of both bodies differ in
+    assert abs(found.across) < 1e-8 * heat
+    assert found.heat["inner"] == pytest.approx(heat, rel=1e-6)
+    rates = np.diff(np.log(errors)) / np.log(0.5)
+    assert rates[-1] == pytest.approx(3.0, abs=0.25)
+
+
+def test_a_conductivity_that_falls_with_temperature() -> None:
+    """k = k0 (1 - b (T - T0)): Kirchhoff's transform, int k dT linear over the height."""
+    table = OverTemperature("thermal_conductivity", (300.0, 500.0), (50.0, 30.0))
+    material = Material("k", 2e11, 0.3, thermal_conductivity=40.0, over_temperature=(table,))
+    mesh, x, area = stacked(2)
+    found = conduct(
+        mesh,
+        {"closure": material, "seat": material},
+        Surroundings({"top": Face(500.0), "bottom": Face(300.0)}, None, ALL_OVER),
+        x,
+        area,
+    )
+    whole = 0.5 * (50 + 30) * 200
+    assert found.heat["top"] == pytest.approx(whole / 0.008 * np.pi * (OUTER**2 - INNER**2), rel=1e-3)
+    middle = 300 + (50 - np.sqrt(50**2 - 0.2 * whole / 2)) / 0.1
+    # what is left of the step in a perfect contact
+    assert 0.5 * (found.faces["closure"] + found.faces["seat"]) == pytest.approx(middle, abs=0.02)
+    with pytest.raises(InputError, match="thermal_conductivity"):
+        conduct(
+            mesh,
+            {"closure": STEEL, "seat": STEEL},
+            Surroundings({"top": Face(500.0)}, None, ALL_OVER),
+            x,
+            area,
+        )
+
+
+@settings(max_examples=6, deadline=None)
+@given(
+    st.fixed_dictionaries(
+        {"inner": st.floats(250, 700)},
+        optional={"outer": st.floats(250, 700), "top": st.floats(250, 700), "wall": st.floats(250, 700)},
+    ),
+    st.booleans(),
+    st.sampled_from([None, 1e2, 1e5]),
+)
+def test_heat_of_all_faces_balances_and_temperatures_stay_between_those_around(
+    around: dict[str, float], films: bool, conductance: float | None
+) -> None:
+    seal = warm_mesh()
+    faces = {name: Face(T, 300.0 if films else None) for name, T in around.items()}
+    # a face with a film beside those that have a temperature themselves
+    faces["bottom"] = Face(400.0, 50.0)
+    found = conduct(
+        seal,
+        {"closure": CONDUCTING, "seat": POOR},
+        Surroundings(faces, conductance, (-1e-4, 1e-4)),
+        *line_points(seal),
+    )
+    scale = sum(abs(heat) for heat in found.heat.values())
+    assert abs(sum(found.heat.values())) <= 1e-9 * max(scale, 1.0)
+    of_closure = found.heat.get("top", 0.0)
+    assert isinstance(of_closure, float)
+    given_temperatures = [*around.values(), 400.0]
+    low, high = min(given_temperatures), max(given_temperatures)
+    # quadratic elements overshoot at corners where two given temperatures meet
+    room = 0.15 * (high - low) + 1e-6
+    for nodes in found.nodes.values():
+        assert low - room <= nodes.min() and nodes.max() <= high + room
+
+
+@cache
+def warm_mesh() -> meshes.SealMesh:
+    ball = meshes.Ball(0.02)
+    return meshes.build(
+        ball, meshes.ConicalSeat.around(0.785, ball), meshes.Sizing(4e-5, 1e-4, (-1e-3, 1e-3), 0.3, 0.4, 4e-3)
+    )
+
+
+WARM = {**STEADY, "thermal_conductivity": "40 W/(m K)"}
+
+
+def test_surroundings_of_one_temperature_are_a_uniform_temperature() -> None:
+    around = {"temperature": "200 degC", "heat_transfer": "500 W/(m^2 K)"}
+    calculated = heated(WARM, WARM, temperature={"inner": around, "outer": around})
+    uniform = heated(WARM, WARM, temperature={"uniform": "200 degC"})
+    first, second = contact_of(calculated), contact_of(uniform)
+    # the round-off of a field of 473 K whose differences strain the bodies
+    assert first.pressure == pytest.approx(second.pressure, rel=1e-6)
+    assert first.fields["seat"].temperature == pytest.approx(473.15, abs=1e-6)
+    problem = SealProblem.of(calculated)
+    assert problem.temperatures == pytest.approx({"closure": 473.15, "seat": 473.15}, abs=1e-6)
+
+
+def test_two_held_bodies_without_contact_heat_are_bodies_of_two_temperatures() -> None:
+    """A poor contact leaves the closure as warm as what is above it and the seat as what is below."""
+    faces = {"top": {"temperature": "140 degC"}, "bottom": {"temperature": "60 degC"}}
+    calculated = heated(WARM, WARM, temperature={**faces, "contact_conductance": "1e-3 W/(m^2 K)"})
+    given = heated(WARM, WARM, temperature={"closure": "140 degC", "seat": "60 degC"})
+    first, second = contact_of(calculated), contact_of(given)
+    assert first.pressure == pytest.approx(second.pressure, rel=1e-6)
+    # another course of the same calculation: the field strains the bodies by their stiffness
+    assert first.approach == pytest.approx(second.approach, rel=1e-5)
+    stress = np.abs(first.fields["closure"].stress - second.fields["closure"].stress).max()
+    assert stress < 1e-5 * np.abs(second.fields["closure"].stress).max()
+
+
+def test_a_calculated_temperature_goes_through_case_results_and_study(tmp_path: Path) -> None:
+    over = {"temperature": ["20 degC", "220 degC"], "value": ["210 GPa", "190 GPa"]}
+    warm = case(
+        closure={"shape": "ball", "radius": "20 mm", "material": {**WARM, "youngs_modulus": over}},
+        seat=cone({**WARM, "hardness": "3.5 GPa"}),
+        fluid={"name": "nitrogen"},
+        load={"fluid_pressure": "20 bar"},
+        temperature={
+            "inner": {"temperature": "200 degC", "heat_transfer": "1 kW/(m^2 K)"},
+            "outer": {"temperature": "60 degC", "heat_transfer": "200 W/(m^2 K)"},
+        },
+    )
+    result = fem_seal.run(warm)
+    result.write(tmp_path)
+    at = result.loads[0].contact_temperature
+    assert at is not None and 333.15 < at < 473.15
+    # that at which fluid and materials are taken comes from a mesh of its own, without the contact pressure
+    assert result.case.fluid is not None and result.case.fluid.temperature == pytest.approx(at, abs=1.0)
+    closure = result.problem.temperatures["closure"]
+    modulus = np.interp(closure, [293.15, 493.15], [210e9, 190e9])
+    assert result.problem.materials["closure"].youngs_modulus == pytest.approx(modulus, rel=1e-12)
+    assert "temperature_K" in (tmp_path / "contact_000.vtu").read_text(encoding="utf-8", errors="ignore")
+    row = responses(warm, ("leak_rate_m3_per_s", "contact_temperature_K"))
+    assert row["leak_rate_m3_per_s"] == result.table["leak_rate_m3_per_s"][0]
+    hotter = responses(warm.replace({"temperature.inner.temperature": 500.0}), ("contact_temperature_K",))
+    assert hotter["contact_temperature_K"] > row["contact_temperature_K"]
+
+
+def test_bodies_that_yield_are_heated_by_the_field() -> None:
+    faces = {"inner": {"temperature": "160 degC"}, "wall": {"temperature": "40 degC"}}
+    curve = {"stress_strain": CURVE}
+    elastic = contact_of(heated(WARM, WARM, temperature=faces, mesh={"contact_size": "20 um"}))
+    yielding = contact_of(
+        heated({**WARM, **curve}, {**WARM, **curve}, temperature=faces, mesh={"contact_size": "20 um"})
+    )
+    peak = elastic.profile.peak_pressure
+    # the strain at the quadrature points is the same quadratic field
+    assert yielding.pressure == pytest.approx(elastic.pressure, abs=1e-6 * peak)
+
+
+CONDUCTION_SLIPS = [
+    ({"inner": {"temperature": "80 degC"}, "uniform": "80 degC"}, "temperature", "give either uniform"),
+    (
+        {"uniform": "80 degC", "contact_conductance": "10 W/(m^2 K)"},
+        "temperature.contact_conductance",
+        "no face",
+    ),
+    ({"inner": {"heat_transfer": "10 W/(m^2 K)"}}, "temperature.inner.temperature", "missing"),
+    (
+        {"inner": {"temperature": "80 degC", "heat_transfer": "10 W/m"}},
+        "temperature.inner.heat_transfer",
+        "unit",
+    ),
+]
+
+
+@pytest.mark.parametrize(("table", "key", "message"), CONDUCTION_SLIPS)
+def test_slips_of_faces(table: dict[str, Any], key: str, message: str) -> None:
+    with pytest.raises(InputError, match=message) as error:
+        heated(WARM, WARM, temperature=table)
+    assert error.value.key == key
+
+
+def test_conduction_needs_its_numbers() -> None:
+    with pytest.raises(InputError, match=r"thermal_conductivity: 1.4122: is not known"):
+        heated(WARM, STEADY, temperature={"inner": {"temperature": "80 degC"}})
+    over = {"temperature": ["20 degC", "100 degC"], "value": ["40 W/(m K)", "35 W/(m K)"]}
+    short = heated(
+        {**WARM, "thermal_conductivity": over}, WARM, temperature={"inner": {"temperature": "200 degC"}}
+    )
+    with pytest.raises(InputError, match="is known from 20 degC to 100 degC and asked for at 200 degC"):
+        SealProblem.of(short)

@@ -168,7 +168,7 @@ class LoadSolver:
     @cached_property
     def _first_seal(self) -> FluidAndContact:
         """The same before any load."""
-        return FluidAndContact(self.model, self.problem.law, self._path, self.problem.at_rest)
+        return FluidAndContact(self.model, self.problem.law, self._path, self.problem.at_rest(self.model))
 
     @cached_property
     def _path(self) -> FluidPath:
@@ -182,7 +182,7 @@ class LoadSolver:
         )
 
     def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
-        at_rest = self.problem.at_rest
+        at_rest = self.problem.at_rest(self.model)
         return solve(self.model, self.problem.law, axial_force=force, loads=at_rest, start=start)
 
     def _closes(self, fluid_pressure: float) -> float:
@@ -323,7 +323,7 @@ def _path(
     It is returned beside the path, and each contact remembers those before it.
     """
     problem, settings = solver.problem, PlasticSettings()
-    at_rest = problem.at_rest
+    at_rest = problem.at_rest(solver.model)
     first = () if problem.loads.earlier is None else (problem.loads.earlier,)
     loads = [
         PathLoad(closing_force(problem.touch_radius, pressure, force, problem.loads.pressure_side), at_rest)

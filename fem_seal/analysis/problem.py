@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fem_seal.analysis.around import Around, around_after
 from fem_seal.analysis.flow import Flow
+from fem_seal.analysis.heating import Heating, heating, warmed
 from fem_seal.bodies.held_body import Supports
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.laws import HardContact, Law
@@ -193,7 +194,9 @@ class SealProblem:
     expansion : float
         Thermal strain of the closure beyond that of the seat [-].
     temperatures : mapping
-        Of "closure" and "seat" [K]; empty where they are not given.
+        Of "closure" and "seat", or of their faces where it is calculated [K]; empty where they are not given.
+    heating : Heating or None
+        What warms the seal, where its temperature is calculated.
     contact_size : float or None
         Size of the elements along the contact line, if the user gives it [m].
     hardness : float or None
@@ -226,6 +229,7 @@ class SealProblem:
     interference: float = 0.0
     expansion: float = 0.0
     temperatures: Mapping[str, float] = field(default_factory=dict)
+    heating: Heating | None = None
     contact_size: float | None = None
     hardness: float | None = None
     asperities_yield: bool = False
@@ -245,6 +249,7 @@ class SealProblem:
         case : CaseTables
             Whose tables fit together, as those of a `Case` do.
         """
+        case = warmed(case)
         of_finish = case.roughness is not None and bool(case.roughness.finishes)
         return cls(
             contact=case.contact,
@@ -258,6 +263,7 @@ class SealProblem:
             interference=case.wall_motion,
             expansion=case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
             temperatures=case.body_temperatures,
+            heating=heating(case),
             contact_size=case.mesh.contact_size,
             hardness=case.hardness,
             asperities_yield=case.leak.plasticity and case.roughness is not None,
@@ -284,16 +290,28 @@ class SealProblem:
         """E* of both bodies [Pa]."""
         return effective_modulus(self.materials["closure"], self.materials["seat"])
 
-    @property
-    def at_rest(self) -> FurtherLoads:
+    def at_rest(self, model: ContactModel) -> FurtherLoads:
         """What acts on the bodies without any load: a press fit and heat.
 
-        All is counted from a seal that has grown as the seat does: that changes its scale only, by less than what is
-        neglected elsewhere.
+        All is counted from a seal that has grown as the seat does, at the contact: that changes its scale only, by
+        less than what is neglected elsewhere.
+
+        Parameters
+        ----------
+        model : ContactModel
+            Its bodies, condensed with the temperatures of the problem.
         """
-        expansion = {"expansion": self.expansion} if self.expansion else {}
+        bodies = (model.closure, model.seat)
+        found = {body.held.name: body.held.temperature for body in bodies}
+        if self.heating is None:
+            expansion = {"expansion": self.expansion} if self.expansion else {}
+            fit = FurtherLoads.press_fit(self.interference)
+            return FurtherLoads(expansion, fit.seat, temperature=self.temperatures)
+        wall = self.interference + self.heating.wall_motion(model.seat.held, self.materials["seat"])
         return FurtherLoads(
-            expansion, FurtherLoads.press_fit(self.interference).seat, temperature=self.temperatures
+            {"heat": 1.0},
+            {"heat": 1.0, **FurtherLoads.press_fit(wall if len(model.seat.held.wall) else 0.0).seat},
+            temperature={name: nodes for name, nodes in found.items() if nodes is not None},
         )
 
     @property
@@ -496,7 +514,8 @@ def condensed(problem: SealProblem, seal_mesh: SealMesh) -> ContactModel:
     problem : SealProblem
     seal_mesh : SealMesh
     """
-    return condense(seal_mesh, problem.materials, problem.supports)
+    heat = None if problem.heating is None else problem.heating.of_bodies(seal_mesh, problem.materials)
+    return condense(seal_mesh, problem.materials, problem.supports, heat)
 
 
 def expected_forces(problem: SealProblem) -> list[float]:

@@ -453,7 +453,7 @@ class _Study:
 
 
 # Loads of a body that prescribe how far it moves, whatever its stiffness.
-_IMPOSED = ("wall", "expansion")
+_IMPOSED = ("wall", "expansion", "heat")
 
 
 def stiffer(model: ContactModel, factor: float) -> ContactModel:

@@ -133,19 +133,41 @@ def _press_fit(case: CaseTables) -> Iterator[Problem]:
 def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
     """What in [temperature] contradicts itself, or needs a number that no material has."""
     key = "temperature"
-    given = [name for name in ("uniform", "closure", "seat") if getattr(heat, name) is not None]
-    if given not in (["uniform"], ["closure", "seat"]):
+    bodies = [name for name in ("uniform", "closure", "seat") if getattr(heat, name) is not None]
+    given = [*bodies, *heat.faces]
+    if bodies not in ([], ["uniform"], ["closure", "seat"]) or not given or (bodies and heat.faces):
         yield Problem(
             key,
-            f"names {' and '.join(given) or 'no temperature'}; give either uniform, or closure and seat",
+            f"names {' and '.join(given) or 'no temperature'}; give either uniform, or closure and seat, or faces "
+            "with what is around them (inner, outer, top, bottom, wall)",
         )
         return
+    if heat.contact_conductance is not None and not heat.faces:
+        yield Problem(
+            f"{key}.contact_conductance", "is for heat that is conducted, and no face is named; remove it"
+        )
     fixed = getattr(case.seat, "wall", "free") == "fixed"
     for name in ("housing", "housing_expansion"):
         if getattr(heat, name) is not None and not fixed:
             yield Problem(
                 f"{key}.{name}", 'only with seat.wall = "fixed", but wall = "free"; add it, or remove this'
             )
+    if heat.faces:
+        for name in ("closure", "seat"):
+            material = getattr(case, name).material
+            for number, example in (
+                ("thermal_conductivity", "45 W/(m K)"),
+                ("thermal_expansion", "11e-6 1/K"),
+            ):
+                if getattr(material, number) is None and number not in {
+                    one.key for one in material.over_temperature
+                }:
+                    yield Problem(
+                        f"{name}.material.{number}",
+                        f"{material.name}: is not known, and the temperature is calculated; give it, such as "
+                        f'"{example}"',
+                    )
+        return
     strains = []
     for name in ("closure", "seat") if case.expands or fixed else ():
         try:

@@ -243,6 +243,7 @@ class CaseTables(Table):
 
     _contact: ContactGeometry | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
+    _warm: dict[str, float] = PrivateAttr(default_factory=dict)
 
     @property
     def touch_radius(self) -> float:
@@ -300,10 +301,30 @@ class CaseTables(Table):
 
     @property
     def body_temperatures(self) -> dict[str, float]:
-        """Temperature of "closure" and "seat" [K]; empty where they are not given."""
+        """Temperature of "closure" and "seat", where calculated that of their faces [K]; empty where not known."""
         heat = self.temperature
         given = {} if heat is None else {name: heat.of_body(name) for name in ("closure", "seat")}
-        return {name: value for name, value in given.items() if value is not None}
+        return self._warm or {name: value for name, value in given.items() if value is not None}
+
+    def warmed(self, closure: float, seat: float) -> Self:
+        """The same with the numbers of materials and fluid at temperatures that were calculated.
+
+        Parameters
+        ----------
+        closure, seat : float
+            Of their faces where they touch [K].
+
+        Raises
+        ------
+        InputError
+            If a table of a material, or the fluid, does not reach there.
+        """
+        update: dict[str, Any] = self.bodies_at(closure, seat)
+        if self.fluid is not None and "temperature" not in self.fluid.model_fields_set:
+            update["fluid"] = self.fluid.at(0.5 * (closure + seat))
+        warm = self.model_copy(update=update)
+        warm._warm = {"closure": closure, "seat": seat}
+        return warm
 
     @property
     def expands(self) -> bool:

@@ -16,8 +16,31 @@ _KELVIN = Quantity("temperature", "50 K", "1500 K")
 Kelvin = Annotated[float, _KELVIN]
 
 
+class Face(Table):
+    """A face of the seal and what warms it, where temperatures are calculated: guide/temperature in the manual."""
+
+    temperature: Kelvin = Field(
+        description="of the fluid on the face, or without heat_transfer of the face itself",
+        examples=["180 degC"],
+    )
+    heat_transfer: Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e7 W/(m^2 K)")] | None = (
+        Field(
+            None,
+            description="heat transfer coefficient between face and fluid; the face has the temperature unless given",
+            examples=["500 W/(m^2 K)"],
+        )
+    )
+
+
+# Names of the faces, as they stand in the table.
+FACES = ("inner", "outer", "top", "bottom", "wall")
+
+
 class Temperature(Table):
-    """[temperature]: how warm closure and seat are, all over or each its own; see guide/temperature in the manual."""
+    """[temperature]: how warm closure and seat are: all over, each its own, or by conduction from what is around them.
+
+    See guide/temperature in the manual. The faces are insulated unless they are named.
+    """
 
     uniform: Kelvin | None = Field(
         None, description="of both bodies and, unless it has its own, of the fluid", examples=["80 degC"]
@@ -47,6 +70,25 @@ class Temperature(Table):
             examples=["23e-6 1/K"],
         )
     )
+
+    inner: Face | None = None
+    outer: Face | None = None
+    top: Face | None = None
+    bottom: Face | None = None
+    wall: Face | None = None
+    contact_conductance: (
+        Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e9 W/(m^2 K)")] | None
+    ) = Field(
+        None,
+        description="with faces: thermal conductance of the contact over the width in which the bodies touch; perfect "
+        "unless given",
+        examples=["10 kW/(m^2 K)"],
+    )
+
+    @property
+    def faces(self) -> dict[str, Face]:
+        """Faces of the seal that are not insulated, by their names."""
+        return {name: face for name in FACES if (face := getattr(self, name)) is not None}
 
     def of_body(self, name: str) -> float | None:
         """Temperature of the body "closure" or "seat" [K]; None where it is not given."""

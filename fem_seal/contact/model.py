@@ -20,9 +20,15 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody
-from fem_seal.bodies.elasticity import grown_by_one, node_dofs, stiffness_matrix
+from fem_seal.bodies.elasticity import (
+    at_quadrature_points,
+    grown_by_one,
+    node_dofs,
+    stiffness_matrix,
+    thermal_load,
+)
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
-from fem_seal.bodies.held_body import HeldBody, Supports, held_body
+from fem_seal.bodies.held_body import Heat, HeldBody, Supports, held_body
 from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.materials import Material, effective_modulus
 from fem_seal.units import quantity
@@ -156,7 +162,10 @@ class ContactModel:
 
 @single_threaded
 def condense(
-    seal_mesh: SealMesh, materials: Mapping[str, Material], supports: Supports | None = None
+    seal_mesh: SealMesh,
+    materials: Mapping[str, Material],
+    supports: Supports | None = None,
+    heat: Mapping[str, Heat] | None = None,
 ) -> ContactModel:
     """Factorise both bodies and condense them on the contact line.
 
@@ -165,6 +174,8 @@ def condense(
     materials : mapping
         Material of the body "closure" and of the body "seat".
     supports : Supports, optional
+    heat : mapping, optional
+        Of the bodies whose temperature differs from place to place, by the same names.
 
     Raises
     ------
@@ -189,9 +200,10 @@ def condense(
     radius = contact.radius(x)
     facing = contact.facing(x)
     area_weight = 2 * np.pi * radius * facing * weight
+    warm = heat or {}
     # One after the other: SuperLU frees a factor only in the thread that made it, and two threads would leak every one.
     closure, seat = (
-        _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports))
+        _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports, warm.get(name)))
         for name in ("closure", "seat")
     )
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
@@ -210,6 +222,13 @@ def condense(
         contact.relative_radius,
         (harmonic_body(closure), harmonic_body(seat)),
     )
+
+
+def line_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray]:
+    """Points of the contact line, arc length from first touch [m], and the area that each stands for [m^2]."""
+    x, weight, _ = _gauss_points(seal_mesh)
+    contact = seal_mesh.contact
+    return x, 2 * np.pi * contact.radius(x) * contact.facing(x) * weight
 
 
 def _gauss_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -241,4 +260,9 @@ def _condense_body(held: HeldBody) -> CondensedBody:
         # Nothing keeps the closure from growing: its displacement is known, and it takes no stress.
         grown = held.counted(grown_by_one(held.basis))
         loads["expansion"] = BoundaryLoad(0.0, held.trace @ held.retreat(grown), grown, 1.0)
+    if "heat" in held.free_strain:
+        strain = held.free_strain["heat"]
+        force = thermal_load(held.basis, held.material, at_quadrature_points(held.basis, strain))
+        response = held.counted(solve(force))
+        loads["heat"] = BoundaryLoad(0.0, held.trace @ held.retreat(response), response, strain)
     return CondensedBody(held, compliance, loads, solve)

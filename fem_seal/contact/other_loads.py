@@ -22,7 +22,8 @@ class FurtherLoads:
     closure, seat : mapping
         Magnitude of each of the body's `fem_seal.bodies.condensed.CondensedBody.loads`: fluid pressure [Pa] on the
         "inner" and the "outer" wetted surface; of a seat with fixed wall also "wall", its motion inwards [m]; of a
-        closure also "expansion", its thermal strain beyond that of the seat [-].
+        closure also "expansion", its thermal strain beyond that of the seat [-]; of bodies whose temperature differs
+        from place to place "heat", a share of it.
     gap_pressure : ndarray, shape (m,), optional
         Fluid pressure at the points of the contact line [Pa].
     temperature : mapping, optional
