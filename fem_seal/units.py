@@ -82,6 +82,7 @@ DIMENSIONS = {
         Dimension("pressure", "Pa", ("20 bar", "3.5 GPa", "300 psi")),
         Dimension("force", "N", ("250 N", "1.2 kN", "50 lbf")),
         Dimension("viscosity", "Pa s", ("1 mPa s", "46 cP")),
+        Dimension("pressure-viscosity coefficient", "1/Pa", ("20 1/GPa", "2e-8 1/Pa")),
         Dimension("wavenumber", "1/m", ("1e3 1/m", "3.1 1/um")),
         Dimension("time", "s", ("20 s", "2 min")),
         Dimension("angle", "rad", ("45 deg", "0.785 rad")),
@@ -130,6 +131,7 @@ _PLAIN: dict[str, dict[str, str | float]] = {
     },
     "force": {"N": "1", "kN": "1e3"},
     "viscosity": {"Pa s": "1", "mPa s": "1e-3"},
+    "pressure-viscosity coefficient": {"1/GPa": "1e-9", "1/MPa": "1e-6", "1/Pa": "1"},
     "wavenumber": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6"},
     "time": {"s": "1"},
     "angle": {"rad": "1", "deg": math.pi / 180},
@@ -337,6 +339,7 @@ _UNITS = {
     "force": (Unit("MN", 1e6), Unit("kN", 1e3), Unit("N", 1.0)),
     "line load": (Unit("MN/m", 1e6), Unit("kN/m", 1e3), Unit("N/m", 1.0)),
     "viscosity": (Unit("Pa s", 1.0), Unit("mPa s", 1e-3), Unit("µPa s", 1e-6)),
+    "pressure-viscosity coefficient": (Unit("1/GPa", 1e-9),),
     "throughput": (Unit("mbar l/s", 0.1),),
     "mass flow": (Unit("g/h", 1e-3 / 3600),),
     "angle": (Unit("°", math.pi / 180),),
@@ -380,7 +383,8 @@ def unit_for(kind: str, value: float) -> Unit:
     Parameters
     ----------
     kind : str
-        "length", "contact pressure", "fluid pressure", "flow", "force", "line load", "viscosity", "throughput",
+        "length", "contact pressure", "fluid pressure", "flow", "force", "line load", "viscosity",
+        "pressure-viscosity coefficient", "throughput",
         "mass flow", "angle", "temperature", "volume" or "time".
     value : float
         Usually the largest of those shown together.
@@ -550,6 +554,7 @@ _SI_UNITS = {
     "_kg_per_s": "kg/s",
     "_per_m3": "1/m^3",
     "_N_per_m": "N/m",
+    "_Pa_s": "Pa s",
     "_Pa": "Pa",
     "_N": "N",
     "_rad": "rad",
@@ -581,6 +586,7 @@ _KINDS = {
     "Pa": "contact pressure",
     "N": "force",
     "Pa s": "viscosity",
+    "1/Pa": "pressure-viscosity coefficient",
     "m^3/s": "flow",
     "Pa m^3/s": "throughput",
     "kg/s": "mass flow",

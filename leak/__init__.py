@@ -74,6 +74,15 @@ from leak.flow.scratch import (
 from leak.fluids.contamination import Concentration, ParticleCounts
 from leak.fluids.find import gas, is_gas, is_liquid, liquid
 from leak.fluids.library import FLUIDS, GASES
+from leak.fluids.pressure_law import (
+    Barus,
+    FlowPotential,
+    PressureLaw,
+    PressureTable,
+    Roelands,
+    Tait,
+    effective_viscosity_ratio,
+)
 from leak.fluids.properties import Gas, Liquid
 from leak.standards import (
     LeakageClass,
@@ -116,6 +125,7 @@ __all__ = [
     "AreaFractions",
     "AroundFlow",
     "AroundGasFlow",
+    "Barus",
     "Clogging",
     "Concentration",
     "Conductivity",
@@ -130,6 +140,7 @@ __all__ = [
     "ExponentialLaw",
     "Finish",
     "FinishedSurface",
+    "FlowPotential",
     "FluidError",
     "GapDistribution",
     "Gas",
@@ -155,10 +166,13 @@ __all__ = [
     "ParticleCounts",
     "Paths",
     "PowerSpectrum",
+    "PressureLaw",
+    "PressureTable",
     "Process",
     "ProfileError",
     "ProfileFilter",
     "RemembersLoad",
+    "Roelands",
     "RoughContact",
     "RoughSurfaceLaw",
     "RoughnessParameters",
@@ -173,6 +187,7 @@ __all__ = [
     "StretchedRoughness",
     "SurfaceError",
     "TabulatedLaw",
+    "Tait",
     "anisotropic_medium",
     "area_fractions",
     "around_flow",
@@ -185,6 +200,7 @@ __all__ = [
     "direct",
     "drops_per_minute",
     "effective_medium",
+    "effective_viscosity_ratio",
     "expected_roughness",
     "gas",
     "gas_around_flow",

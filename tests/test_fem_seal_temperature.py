@@ -17,6 +17,7 @@ from skfem import Basis, ElementTriP2, MeshTri, condense, solve
 import fem_seal
 import leak
 import meshes
+from fem_seal.analysis.heating import Heating
 from fem_seal.analysis.load_solver import LoadSolver, solve_loads
 from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.bodies.condensed import body_field
@@ -30,11 +31,13 @@ from fem_seal.bodies.elasticity import (
 )
 from fem_seal.case.case import Case
 from fem_seal.contact.conduction import Face, Surroundings, conduct
+from fem_seal.contact.load_path import load_path
 from fem_seal.contact.model import ContactModel, line_points
 from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.solution import fields_at_rest
 from fem_seal.errors import InputError
-from fem_seal.materials import Material, OverTemperature
+from fem_seal.materials import HardeningCurve, Material, OverTemperature
 from fem_seal.studies.responses import responses
 
 STEEL = Material("steel", 210e9, 0.3, thermal_expansion=11e-6)
@@ -773,3 +776,42 @@ def test_conduction_needs_its_numbers() -> None:
     )
     with pytest.raises(InputError, match="is known from 20 degC to 100 degC and asked for at 200 degC"):
         SealProblem.of(short)
+
+
+def test_a_body_that_yields_by_its_press_fit_is_the_same_by_heat() -> None:
+    """Beyond the elastic limit, with the fluid between the surfaces: a hot seat in a cold bore and a tight one."""
+    soft = {**STEADY, "stress_strain": {"plastic_strain": [0, 0.02], "stress": ["150 MPa", "300 MPa"]}}
+    held = {"wall": "fixed", "outer_radius": "25 mm"}
+    more: dict[str, Any] = {
+        "load": {"fluid_pressure": "20 bar", "closing": "penetration", "axial_force": "2 kN"},
+        "mesh": {"contact_size": "40 um"},
+    }
+    hot = contact_of(
+        heated(STEADY, soft, seat=held, temperature={"uniform": "120 degC", "housing": "20 degC"}, **more)
+    )
+    fitted = contact_of(heated(STEADY, soft, seat={**held, "interference": "25 um"}, **more))
+    assert fitted.states["seat"].plastic.accumulated.max() > 1e-4
+    assert hot.pressure == pytest.approx(fitted.pressure, rel=1e-6, abs=1e3)
+
+
+def test_a_field_of_heat_makes_a_body_yield_as_it_would_by_its_stress() -> None:
+    """Heated through the path, or given as free strain to the solid at once: the same state without a contact."""
+    faces = {"inner": Face(620.0), "wall": Face(300.0)}
+    seal = warm_mesh()
+    curve = HardeningCurve((0.0, 0.05), (250e6, 400e6))
+    soft = Material("s", 2e11, 0.3, thermal_expansion=1.2e-5, thermal_conductivity=20.0, hardening=curve)
+    heating = Heating(Surroundings(faces, None, (-1e-4, 1e-4)), 300.0)
+    materials = {"closure": CONDUCTING, "seat": soft}
+    model = fem_seal.condense(seal, materials, None, heating.of_bodies(seal, materials))
+    loads = FurtherLoads({"heat": 1.0}, {"heat": 1.0})
+    path = load_path(model, fem_seal.HardContact(), [PathLoad(1e3, loads)], at_rest=loads)
+    state = path.unloaded.before["seat"]
+    assert state.plastic.accumulated.max() > 1e-4
+    solid = path.unloaded.bodies["seat"].solid
+    strain = at_quadrature_points(model.seat.basis, model.seat.held.free_strain["heat"])
+    # in balance without a force, and on the yield surface, by what the solid itself says of the strain
+    flow = solid.respond(state.displacement, solid.virgin, strain)
+    scale = np.abs(solid.internal_forces(np.abs(flow.stress))).max()
+    free = model.seat.held.free
+    assert np.abs(solid.internal_forces(flow.stress)[free]).max() < 1e-8 * scale
+    assert flow.state.accumulated == pytest.approx(state.plastic.accumulated, abs=1e-9)

@@ -390,6 +390,7 @@ def flow_of(case: CaseTables) -> Flow | None:
         case.leak.fluid_in_gap,
         case.load.pressure_side,
         direct_settings(case),
+        pressure_law=fluid.pressure_law if fluid.gas is None else None,
     )
 
 

@@ -146,25 +146,31 @@ def with_answers(
         lambda: _forces_capped(solver, len(loads)),
         ([None] * len(loads), ()),
     )
-    applied = dict.fromkeys(load.applied_force for load in loads) if asked else ()
+    # elastic bodies are the same after every load
+    different = {_opening_of(solver, load): load for load in reversed(loads)} if asked else {}
     opens = {
-        force: after.get(
-            f"pressure that opens the seal under {force:.6g} N",
-            partial(solver.blow_off_pressure, force),
+        key: after.get(
+            f"pressure that opens the seal under {load.applied_force:.6g} N",
+            partial(solver.blow_off_pressure, load.applied_force, load.contact),
             None,
         )
-        for force in applied
+        for key, load in different.items()
     }
     return tuple(
         load.knowing(
             effective_radius=effective_radius(load.contact, load.fluid_pressure) if penetrates else None,
-            blow_off_pressure=opens.get(load.applied_force),
+            blow_off_pressure=opens.get(_opening_of(solver, load)),
             force_for_target=force,
             force_for_target_capped=force_capped,
             target_validity=verdict,
         )
         for load, force, force_capped, verdict in zip(loads, forces, capped, verdicts, strict=True)
     ), (*remarks, *more)
+
+
+def _opening_of(solver: LoadSolver, load: LoadResult) -> tuple[float, int | None]:
+    """What the pressure that opens the seal depends on: the applied force, and of bodies that yield the contact."""
+    return load.applied_force, id(load.contact) if solver.yields else None
 
 
 Forces = tuple[list[float | None], list[Validity | None], tuple[Caution, ...]]

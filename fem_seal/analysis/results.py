@@ -237,6 +237,12 @@ class LoadResult(Lazy):
         ends = self.leak_ends
         return None if ends is None else (ends[0].leak_rate, ends[1].leak_rate)
 
+    @property
+    def effective_viscosity(self) -> float | None:
+        """Constant viscosity of a liquid that leaks as much [Pa s]; None without roughness, and for a gas."""
+        flow = None if self.rough is None else self.rough.flow
+        return None if flow is None else flow.effective_viscosity(self.fluid_pressure)
+
     @cached_property
     def critical_separation(self) -> float | None:
         """u_c at the peak pressure [m]; None without roughness."""

@@ -20,6 +20,8 @@ OF_LEAK_RATE = "leak rate"
 # What the standards test with: liquids no thicker than water, air or nitrogen.
 _TEST_LIQUID, _TEST_GASES = "water", ("air", "nitrogen")
 _ROOM = 293.15
+# ... at 5 to 40 °C (ISO 5208).
+_TEST_TEMPERATURES = (278.15, 313.15)
 
 
 def limits(case: Case, fluid_pressure: float) -> tuple[Limit, ...]:
@@ -55,7 +57,7 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     )
     found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
     name = " ".join(wanted)
-    test_fluid, ratio = _test_fluid(fluid)
+    test_fluid, ratio = _test_fluid(fluid, fluid_pressure)
     if not found:
         # class VI of FCI 70-2 ends at a diameter
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
@@ -63,25 +65,29 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     return Limit(name, found[0], visible, test_fluid, ratio)
 
 
-def _test_fluid(fluid: Fluid) -> tuple[str, tuple[float, float]]:
+def _test_fluid(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, float]]:
     """The fluid of the test, where it is another one, and its leak rate over that of the case, least and most.
 
-    A liquid leaks in inverse proportion to its viscosity; one that is no thicker than water may be the test's own. The
-    leak of a gas is the sum of a part that goes like one over its viscosity and one that goes like one over the root
-    of its molar mass, so that its ratio to another one's lies between both.
+    A liquid leaks in inverse proportion to its viscosity under that pressure; one that is no thicker than water may be
+    the test's own, and so may water at any temperature of a test. Of gases see `leak.flow.rarefied.flow_ratio_range`.
     """
-    from leak import gas, liquid
+    from leak import effective_viscosity_ratio, gas, liquid
+    from leak.flow.rarefied import flow_ratio_range
 
     own = fluid.gas
+    as_in_test = _TEST_TEMPERATURES[0] <= fluid.temperature <= _TEST_TEMPERATURES[1]
     if own is None:
-        ratio = fluid.viscosity / liquid(_TEST_LIQUID, _ROOM).viscosity
-        same = ratio <= 1.0 or fluid.name.lower() == _TEST_LIQUID
-        return ("", (1.0, 1.0)) if same else (_TEST_LIQUID, (ratio, ratio))
-    if fluid.name.lower() in _TEST_GASES:
+        own_viscosity, tested = (
+            one.viscosity * effective_viscosity_ratio(one.pressure_law, pressure)
+            for one in (fluid, liquid(_TEST_LIQUID, _ROOM))
+        )
+        ratio = own_viscosity / tested
+        coldest = liquid(_TEST_LIQUID, _TEST_TEMPERATURES[0]).viscosity
+        water = fluid.name.lower() == _TEST_LIQUID and fluid.viscosity <= coldest
+        return ("", (1.0, 1.0)) if ratio <= 1.0 or water else (_TEST_LIQUID, (ratio, ratio))
+    if fluid.name.lower() in _TEST_GASES and as_in_test:
         return "", (1.0, 1.0)
-    test = gas(_TEST_GASES[0], _ROOM)
-    ratios = sorted((own.viscosity / test.viscosity, math.sqrt(own.molar_mass / test.molar_mass)))
-    return _TEST_GASES[0], (ratios[0], ratios[1])
+    return _TEST_GASES[0], flow_ratio_range(gas(_TEST_GASES[0], _ROOM), own)
 
 
 def judged(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> Judgement | None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.fluid_warnings import fluid_cautions, molecule_cautions
 from fem_seal.analysis.form_warnings import LARGEST_EXCESS, form_cautions
 from fem_seal.analysis.load_names import load_name
 from fem_seal.arrays import FloatArray
@@ -154,8 +155,10 @@ def _interface_cautions(
     problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]
 ) -> Iterator[Caution]:
     interface = (_sealed, _nearly_sealed, _range, _long_waves)
-    flow = () if problem.flow is None else (_molecules, _fluid_opens, _dense_gas)
+    flow = () if problem.flow is None else (_fluid_opens,)
     yield from (caution for check in (*interface, *flow) for caution in check(problem, surface, loads))
+    if problem.flow is not None:
+        yield from fluid_cautions(problem.flow, loads)
 
 
 def load_validity(
@@ -253,9 +256,11 @@ def target_validity(problem: SealProblem, surface: Surface, answer: LoadResult) 
 
 def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]) -> Iterator[Caution]:
     model = answers[0].contact.model
-    bodies, interface = (_yielding, _cut_off, _wide, _above_hardness), (_nearly_sealed, _molecules)
+    bodies = (_yielding, _cut_off, _wide, _above_hardness)
     yield from (caution for check in bodies for caution in check(problem, model, answers))
-    yield from (caution for check in interface for caution in check(problem, surface, answers))
+    yield from _nearly_sealed(problem, surface, answers)
+    if problem.flow is not None:
+        yield from molecule_cautions(problem.flow, answers)
 
 
 def _of_surface(problem: SealProblem) -> Iterator[Caution]:
@@ -663,25 +668,6 @@ def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResu
         )
 
 
-def _molecules(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    from leak.fluids.names import molecular_size
-
-    if problem.flow is None:
-        return
-    size = molecular_size(problem.flow.fluid)
-    narrow = [load for load in loads if load.critical_separation and load.critical_separation < size]
-    if narrow:
-        load = min(narrow, key=lambda load: load.critical_separation or 0.0)
-        yield Caution(
-            "molecules",
-            Level.DOUBTFUL,
-            "critical separation below the size of a molecule of the fluid",
-            f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
-            f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm. "
-            "The theory treats the fluid as a continuum; in reality the seal is tight there",
-        )
-
-
 def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     local = problem.flow is not None and problem.flow.fluid_in_gap == "local"
     if local:
@@ -715,23 +701,6 @@ def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
             f"at {load_name(load, loads)} the fluid pressure is not below the peak contact pressure, "
             f"{load.contact.profile.peak_pressure / 1e6:.4g} MPa: the fluid lifts the seal open and there is no "
             "finite leak rate",
-        )
-
-
-def _dense_gas(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    flow = problem.flow
-    if flow is None or flow.gas is None:
-        return
-    gas = flow.gas
-    highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
-    if highest > gas.dilute_pressure:
-        yield Caution(
-            "dense gas",
-            Level.DOUBTFUL,
-            f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas",
-            f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas: above "
-            f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
-            "which the leak rate does not take into account",
         )
 
 

@@ -390,6 +390,23 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
             "remove it",
             f"{fluid.outlet_pressure:.6g} Pa",
         )
+    given = [name for name in ("pressure_viscosity", "roelands_z") if getattr(fluid, name) is not None]
+    if fluid.gas is not None:
+        for name in given:
+            yield Problem(
+                f"fluid.{name}",
+                f"only for a liquid, but {shown(fluid.name)} is a gas; remove it, "
+                'or take the gas of CoolProp, such as "CoolProp:Nitrogen", whose viscosity depends on the pressure',
+            )
+    elif len(given) > 1:
+        yield Problem("fluid.roelands_z", "says the same as fluid.pressure_viscosity; remove one of them")
+    elif fluid.roelands_z is not None and fluid.viscosity <= 1e-4:
+        yield Problem(
+            "fluid.roelands_z",
+            f"Roelands' law says nothing of a liquid as thin as {1e3 * fluid.viscosity:.3g} mPa s; give "
+            "fluid.pressure_viscosity",
+            f"{fluid.roelands_z:g}",
+        )
     if fluid.particles is None:
         return
     if case.roughness is None:
@@ -420,13 +437,6 @@ def _yielding(case: CaseTables) -> Iterator[Problem]:
     if not curves(case):
         return
     because, remedy = _remembering(case), "or leave stress_strain out"
-    if case.load.closing == "penetration":
-        yield Problem(
-            "load.closing",
-            f"the fluid pressure between the surfaces is solved together with elastic bodies only, but {because}; use "
-            f'"sealed-area", {remedy}',
-            '"penetration"',
-        )
     if case.load.target_leak_rate is not None:
         yield Problem(
             "load.target_leak_rate",

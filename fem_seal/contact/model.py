@@ -12,21 +12,15 @@ expansion are further columns of the same factorisation.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody
-from fem_seal.bodies.elasticity import (
-    at_quadrature_points,
-    grown_by_one,
-    node_dofs,
-    stiffness_matrix,
-    thermal_load,
-)
+from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
+from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
 from fem_seal.bodies.held_body import Heat, HeldBody, Supports, held_body
 from fem_seal.bodies.single_thread import single_threaded
@@ -211,12 +205,11 @@ def condense(
     gap, bend = contact.gap(x), contact.bend(x)
     hollow = contact if contact.normal_turns and contact.closure_curvature > 0 else None
     line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach, hollow)
-    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,
         closure,
         seat,
-        0.5 * (compliance + compliance.T),
+        line_compliance(closure, seat),
         contact.touch_radius,
         math.cos(contact.angle),
         contact.relative_radius,
@@ -229,6 +222,12 @@ def line_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray]:
     x, weight, _ = _gauss_points(seal_mesh)
     contact = seal_mesh.contact
     return x, 2 * np.pi * contact.radius(x) * contact.facing(x) * weight
+
+
+def line_compliance(closure: CondensedBody, seat: CondensedBody) -> FloatArray:
+    """Opening of the gap at the points of the line per unit normal force at each, both bodies together [m/N]."""
+    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
+    return 0.5 * (compliance + compliance.T)
 
 
 def _gauss_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -245,24 +244,21 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
 
 def _condense_body(held: HeldBody) -> CondensedBody:
     stiffness = stiffness_matrix(held.basis, held.material)
-    compliance, solve = held.condensed(stiffness[held.free][:, held.free].tocsc())
-    forces = dict(held.further)
-    if len(held.wall):
-        forces["wall"] = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel()
-    loads = {}
-    for name, force in forces.items():
-        response = held.counted(solve(held.balanced(force)))
-        if name == "wall":
-            response[held.wall] = -1.0
-        axial = float(force[node_dofs(held.basis)[1]].sum())
-        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(response), response)
-    if held.name == "closure":
-        # Nothing keeps the closure from growing: its displacement is known, and it takes no stress.
-        grown = held.counted(grown_by_one(held.basis))
-        loads["expansion"] = BoundaryLoad(0.0, held.trace @ held.retreat(grown), grown, 1.0)
-    if "heat" in held.free_strain:
-        strain = held.free_strain["heat"]
-        force = thermal_load(held.basis, held.material, at_quadrature_points(held.basis, strain))
-        response = held.counted(solve(force))
-        loads["heat"] = BoundaryLoad(0.0, held.trace @ held.retreat(response), response, strain)
-    return CondensedBody(held, compliance, loads, solve)
+    free = stiffness[held.free][:, held.free].tocsc()
+    pulled = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel() if len(held.wall) else None
+    body = condense_body(held, free, pulled)
+    return replace(body, loads={**body.loads, **dict(_heated(body))})
+
+
+def _heated(body: CondensedBody) -> Iterator[tuple[str, BoundaryLoad]]:
+    """Answer of an elastic body to a unit of each way to be heated, by name."""
+    held = body.held
+    for name, strain in held.free_strain.items():
+        if name == "expansion":
+            # Nothing keeps a closure from growing as a whole: its displacement is known, and it takes no stress.
+            response = held.counted(grown_by_one(held.basis))
+        else:
+            assert body.solve is not None  # just condensed
+            force = thermal_load(held.basis, held.material, at_quadrature_points(held.basis, strain))
+            response = held.counted(body.solve(force))
+        yield name, BoundaryLoad(0.0, held.trace @ held.retreat(response), response, strain)

@@ -256,7 +256,8 @@ COLUMNS = {
         Column(
             "leak_rate_m3_per_s",
             "flow",
-            "volume per time through the whole circumference; of a gas the volume at 101325 Pa and its temperature",
+            "volume per time through the whole circumference; of a liquid at atmospheric pressure, of a gas at "
+            "101325 Pa and its temperature",
             lambda row: _rate(row.load.leak),
             heading="leak rate",
             short="leak rate",
@@ -533,6 +534,15 @@ COLUMNS = {
             lambda row: row.load.contact_temperature,
             heading="temperature of the contact",
             needs=("temperature",),
+        ),
+        Column(
+            "effective_viscosity_Pa_s",
+            "viscosity",
+            "of a liquid: constant viscosity with which as much would leak, above that at atmospheric pressure where "
+            "the liquid thickens",
+            lambda row: row.load.effective_viscosity,
+            title="effective viscosity",
+            needs=_FLOW,
         ),
         Column(
             "margin",

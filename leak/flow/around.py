@@ -15,6 +15,7 @@ from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import checked_profile, checked_side
 from leak.flow.gas_flow import checked_outlet
 from leak.flow.rarefied import flow_factor
+from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
 
 # Of the conductance with free flow around: more is no resistance.
@@ -48,7 +49,7 @@ class AroundFlow:
     """
 
     leak_rate: float
-    """Q [m^3/s]; zero where the contact is sealed all around."""
+    """Q at atmospheric pressure [m^3/s]; zero where the contact is sealed all around."""
     inlet_flow: FloatArray
     """Across the edge on the high-pressure side, per angle, shape (k,) [m^3/(s rad)]."""
     outlet_flow: FloatArray
@@ -107,6 +108,7 @@ def around_flow(
     pressure_drop: float,
     *,
     pressure_side: str = "outer",
+    pressure_law: PressureLaw | None = None,
 ) -> AroundFlow:
     """Solve the Reynolds equation div(sigma grad p_f) = 0 on the ring for a liquid.
 
@@ -124,6 +126,8 @@ def around_flow(
         Delta P [Pa].
     pressure_side : {"outer", "inner"}
         Side of the high fluid pressure: larger or smaller x.
+    pressure_law : PressureLaw, optional
+        How the liquid thickens and is compressed, see `leak.leak_flow`: the equation is solved for its potential psi.
 
     Returns
     -------
@@ -157,10 +161,13 @@ def around_flow(
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
     checked_side(pressure_side)
     ring = _Ring(xs, rs, _checked_conductivity(conductivity, xs.size))
-    first, last = (0.0, drop) if pressure_side == "outer" else (drop, 0.0)
+    potential = FlowPotential(pressure_law, drop)
+    whole = float(potential(drop))
+    first, last = (0.0, whole) if pressure_side == "outer" else (whole, 0.0)
     found = ring.solved(first, last)
     edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
-    return AroundFlow(found.flow, edges[0], edges[1], ring.radial * drop, found.potential)
+    pressure = potential.pressure(found.potential)
+    return AroundFlow(found.flow, edges[0], edges[1], ring.radial * whole, pressure)
 
 
 def gas_around_flow(

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 from leak.errors import FluidError, positive
+from leak.fluids.pressure_law import PressureTable
 from leak.fluids.properties import Gas, Liquid
 
 PREFIX = "CoolProp:"
 _ATMOSPHERE = 101325.0
+# Tables over pressure: the highest [Pa], number of values, and the fewest that are of use.
+_HIGHEST, _PRESSURES, _FEWEST = 1e9, 81, 4
 # Pressure at which a gas is dilute for any purpose.
 _DILUTE = 1000.0
 
@@ -33,7 +39,27 @@ def coolprop_liquid(name: str, temperature: float, pressure: float = _ATMOSPHERE
     if not fluid.startswith("INCOMP::") and "liquid" not in _ask(package.PhaseSI, name, T, pressure, fluid):
         raise FluidError(f"fluid = {name!r}: is not a liquid at {T:g} K and {pressure:g} Pa")
     eta, rho = (_ask(package.PropsSI, name, T, pressure, fluid, key) for key in ("V", "D"))
-    return Liquid(name, eta, rho, T, _source(package))
+    law = None if fluid.startswith("INCOMP::") else _pressure_law(fluid, T, pressure)
+    return Liquid(name, eta, rho, T, _source(package), law)
+
+
+@lru_cache(maxsize=16)
+def _pressure_law(fluid: str, T: float, pressure: float) -> PressureTable | None:
+    """Viscosity and density up to where the package knows them or the liquid freezes; None if they end soon."""
+    package = _package(fluid)
+    first = [package.PropsSI(key, "T", T, "P", pressure, fluid) for key in ("V", "D")]
+    most = min(float(package.PropsSI("PMAX", fluid)), _HIGHEST) - pressure
+    found = [(0.0, 1.0, 1.0)]
+    for p in np.linspace(0.0, most, _PRESSURES)[1:].tolist():
+        try:
+            values = [package.PropsSI(key, "T", T, "P", pressure + p, fluid) for key in ("V", "D")]
+        except ValueError:
+            break
+        ratios = [value / one for value, one in zip(values, first, strict=True)]
+        if not all(0.0 < ratio < np.inf for ratio in ratios):
+            break
+        found.append((p, *ratios))
+    return PressureTable(*zip(*found, strict=True)) if len(found) > _FEWEST else None
 
 
 def coolprop_gas(name: str, temperature: float) -> Gas:

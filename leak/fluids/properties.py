@@ -7,24 +7,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from leak.errors import FluidError, positive
+from leak.fluids.pressure_law import PressureLaw
 
 
 @dataclass(frozen=True)
 class Liquid:
-    """A Newtonian, incompressible liquid at one temperature.
+    """A Newtonian liquid at one temperature.
 
     Parameters
     ----------
     name : str
         What it is.
     viscosity : float
-        Dynamic viscosity [Pa s].
+        Dynamic viscosity at atmospheric pressure [Pa s].
     density : float
-        [kg/m^3]
+        At atmospheric pressure [kg/m^3].
     temperature : float
         At which both hold [K].
     source : str
         Where the numbers come from.
+    pressure_law : PressureLaw or None
+        Viscosity and density over pressure; None where nothing is known of them.
 
     Raises
     ------
@@ -43,6 +46,7 @@ class Liquid:
     density: float
     temperature: float
     source: str
+    pressure_law: PressureLaw | None = None
 
     def __post_init__(self) -> None:
         for key, unit in (("viscosity", "Pa s"), ("density", "kg/m^3"), ("temperature", "K")):

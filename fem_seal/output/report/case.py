@@ -53,7 +53,7 @@ def seal_groups(result: SealSolution) -> list[Group]:
     case = result.case
     groups = [Group("Geometry", _geometry(result)), Group("Load", _load(case))]
     if case.fluid is not None:
-        groups.append(Group("Fluid", list(_fluid(case.fluid))))
+        groups.append(Group("Fluid", list(_fluid(case.fluid, max(case.load.fluid_pressure)))))
     if case.temperature is not None:
         groups.append(Group("Temperature", list(temperature_rows(case, result.problem))))
     if case.form is not None:
@@ -61,10 +61,14 @@ def seal_groups(result: SealSolution) -> list[Group]:
     return groups
 
 
-def _fluid(fluid: Fluid) -> Iterator[tuple[str, str]]:
+def _fluid(fluid: Fluid, highest: float) -> Iterator[tuple[str, str]]:
     yield "name", fluid.name
     yield "temperature", celsius(fluid.temperature)
     yield "viscosity", quantity("viscosity", fluid.viscosity, 4)
+    law = fluid.pressure_law
+    if law is not None and fluid.gas is None:
+        there = float(law.viscosity_ratio(highest)) * fluid.viscosity
+        yield f"viscosity at {given('fluid pressure', highest)}", quantity("viscosity", there, 3)
     if fluid.gas is not None and fluid.outlet_pressure is not None:
         yield "molar mass", f"{trimmed(1e3 * fluid.gas.molar_mass)} g/mol"
         outlet = given("fluid pressure", fluid.outlet_pressure) if fluid.outlet_pressure else "vacuum"
