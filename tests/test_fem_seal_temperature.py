@@ -726,6 +726,8 @@ def test_a_calculated_temperature_goes_through_case_results_and_study(tmp_path: 
     modulus = np.interp(closure, [293.15, 493.15], [210e9, 190e9])
     assert result.problem.materials["closure"].youngs_modulus == pytest.approx(modulus, rel=1e-12)
     assert "temperature_K" in (tmp_path / "contact_000.vtu").read_text(encoding="utf-8", errors="ignore")
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert 'id="picture-temperature"' in report and "inside, heat into the seal" in report
     row = responses(warm, ("leak_rate_m3_per_s", "contact_temperature_K"))
     assert row["leak_rate_m3_per_s"] == result.table["leak_rate_m3_per_s"][0]
     hotter = responses(warm.replace({"temperature.inner.temperature": 500.0}), ("contact_temperature_K",))

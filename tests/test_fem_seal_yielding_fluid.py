@@ -148,7 +148,8 @@ def test_even_pressure_all_around_makes_nothing_yield() -> None:
     seat = model.seat.held
     places = seat.basis.doflocs[0][seat.wall]
     strain = p * (1 - 2 * STEEL.poissons_ratio) / E
-    fluid = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p), strain * float(places.max()))
+    tight = FurtherLoads.press_fit(strain * float(places.max()))
+    fluid = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p), tight)
     few = PlasticSettings(steps=2)
     alone, wet = (
         load_path(model, LAW, [PathLoad(force, loads)], settings=few, unload=False).contacts[0]

@@ -433,8 +433,16 @@ def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResul
 def _moved_by_heat(
     problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
 ) -> Iterator[Caution]:
-    """How far the closure, grown beyond the seat, slides along it: the place of contact is that of the drawing."""
-    slide = abs(problem.expansion) * problem.touch_radius / model.touch_normal_z
+    """How far the faces slide along each other: the place of contact is that of the drawing."""
+    if not problem.temperatures:
+        return
+    at_rest, outwards = problem.at_rest(model), []
+    for body in (model.closure, model.seat):
+        touch = body.held.contact_dofs[0, np.argmin(np.abs(body.contact_x))]
+        outwards.append(float(at_rest.displacement(body, model)[touch]))
+    # the closure follows along the axis, so that the faces stay together
+    beyond = outwards[0] - outwards[1]
+    slide = abs(beyond) / model.touch_normal_z
     contact = problem.contact
     bends = abs(contact.closure_curvature * contact.seat_curvature)
     turn = 0.0 if contact.normal_turns else slide * bends * min(contact.relative_radius, 1 / _TINY)
@@ -444,10 +452,10 @@ def _moved_by_heat(
             "heat",
             Level.DOUBTFUL,
             f"heat moves the faces {1e6 * slide:.3g} um along each other",
-            f"the closure grows by {100 * problem.expansion:.3g} % more than the seat and slides {1e6 * slide:.3g} um "
-            f"along it, which turns the contact normal by {math.degrees(turn):.2g} deg; the nearest end of a face is "
-            f"{1e6 * ends:.4g} um away. The contact is calculated at the place where the drawing has it: give the "
-            "dimensions of the hot parts instead, with that temperature as reference",
+            f"where they touch the closure moves {1e6 * beyond:.3g} um outwards beyond the seat and slides "
+            f"{1e6 * slide:.3g} um along it, which turns the contact normal by {math.degrees(turn):.2g} deg; the "
+            f"nearest end of a face is {1e6 * ends:.4g} um away. The contact is calculated where the drawing has it: "
+            "give the dimensions of the hot parts instead, with that temperature as reference",
         )
 
 

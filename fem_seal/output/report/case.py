@@ -55,7 +55,10 @@ def seal_groups(result: SealSolution) -> list[Group]:
     if case.fluid is not None:
         groups.append(Group("Fluid", list(_fluid(case.fluid, max(case.load.fluid_pressure)))))
     if case.temperature is not None:
-        groups.append(Group("Temperature", list(temperature_rows(case, result.problem))))
+        problem = result.problem
+        heating = problem.heating
+        field = None if heating is None else heating.field(result.seal_mesh, problem.materials)
+        groups.append(Group("Temperature", list(temperature_rows(case, problem, field))))
     if case.form is not None:
         groups.append(Group("Form error", form_rows(case.form)))
     return groups
