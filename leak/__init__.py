@@ -47,6 +47,7 @@ from leak.flow.conductivity import (
 from leak.flow.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
 from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
 from leak.flow.groove_section import EllipticGroove, GrooveSection, SinusoidalGroove
+from leak.flow.inertia import GasInertia, gas_inertia
 from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
 from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
 from leak.flow.memory import LoadMemory
@@ -84,6 +85,7 @@ from leak.fluids.pressure_law import (
     effective_viscosity_ratio,
 )
 from leak.fluids.properties import Gas, Liquid
+from leak.fluids.real_gas import GasPotential, RealGas, real_gas_flow_ratio
 from leak.standards import (
     LeakageClass,
     LeakageLimit,
@@ -146,7 +148,9 @@ __all__ = [
     "Gas",
     "GasConductivity",
     "GasConductivityTable",
+    "GasInertia",
     "GasLeakResult",
+    "GasPotential",
     "GaussianLine",
     "Groove",
     "GrooveSection",
@@ -171,6 +175,7 @@ __all__ = [
     "Process",
     "ProfileError",
     "ProfileFilter",
+    "RealGas",
     "RemembersLoad",
     "Roelands",
     "RoughContact",
@@ -205,6 +210,7 @@ __all__ = [
     "gas",
     "gas_around_flow",
     "gas_conductivity_table",
+    "gas_inertia",
     "gas_leak_flow",
     "gas_scratch_flow",
     "gaussian_line",
@@ -231,6 +237,7 @@ __all__ = [
     "rarefied_conductivity",
     "read_topographies",
     "read_topography",
+    "real_gas_flow_ratio",
     "relative_contact_area",
     "remaining_fraction",
     "roughness_parameters",

@@ -144,6 +144,7 @@ def test_schema_is_printed(call, words, title):
         ('angle = "45 deg"', 'angel = "45 deg"', "do you mean angle?"),
         ('radius = "20 mm"', "radius = 20", "closure.radius"),
         ('radius = "20 mm"', "radius = 20 mm", "not valid TOML"),
+        ('radius = "20 mm"', "radius = 20 mm", "need quotes"),
         ('radius = "20 mm"', 'radius = "20 bar"', "closure.radius"),
         (', hardness = "3.5 GPa"', "", "needs a hardness"),
         ('q_low = "1e3 1/m"', 'q_low = "1e9 1/m"', "q_low"),

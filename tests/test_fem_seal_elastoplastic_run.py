@@ -382,11 +382,6 @@ def test_elastic_results_name_where_and_how_far_the_yield_stress_is_passed() -> 
     ("tables", "key", "said"),
     [
         (
-            {"load": {"target_leak_rate": "1e-9 m^3/s"}},
-            "load.target_leak_rate",
-            r"list the forces in load\.axial_force",
-        ),
-        (
             {"uncertainty": {"hurst": {"relative": 0.05}}},
             "uncertainty",
             r"solve each load on its own, .*remove the table",

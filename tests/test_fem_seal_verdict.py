@@ -14,11 +14,12 @@ from fem_seal import cli
 from fem_seal.analysis.caution import Caution, Level, Validity
 from fem_seal.analysis.chain import _with_judgement
 from fem_seal.analysis.judgement import Judgement, Limit, Verdict, Why
-from fem_seal.analysis.leakage import next_class
+from fem_seal.analysis.leakage import leakage_classes, next_class
 from fem_seal.analysis.verdict import limits, seal_judgement
 from fem_seal.errors import InputError, LoadProblem
 from fem_seal.output.report.page import report
 from fem_seal.output.report.verdict import factor_text, requirement_lines, verdict_lines, verdict_sentences
+from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate
@@ -346,3 +347,45 @@ def test_of_a_liquid_pressure_times_volume_is_no_amount():
         case(requirement={"leak_rate": "1e-3 mbar l/s"})
     with pytest.raises(InputError, match=r'requirement.leak_rate.*unit "mbar" does not fit'):
         case(requirement={"leak_rate": "1e-3 mbar"})
+
+
+def test_a_class_is_claimed_for_the_fluid_of_its_test_whether_it_is_required_or_not():
+    """An oil as thick as 46 times water, which leaks 46 times less, meets the classes that the water meets."""
+    solved = rough_result()
+    load = solved.highest
+    water = solved.case.replace({"fluid": {"viscosity": "1.0016 mPa s"}})
+    oil = solved.case.replace({"fluid": {"viscosity": "46.0736 mPa s"}})
+    for ends in ((1e-10, 2.4e-9), (1e-12, 1e-11), (1e-9, 1.0)):
+        of_oil = (ends[0] / 46, ends[1] / 46)
+        assert leakage_classes(oil, load, of_oil) == leakage_classes(water, load, ends)
+    assert next_class(oil, load, (1e-10 / 46, 2.4e-9 / 46)).name == "CC"
+    assert leakage_lines(oil, load, solved.loads)[-1].startswith(
+        "  Classes are those of a test with water, of which 46"
+    )
+    assert "Classes are those" not in "".join(leakage_lines(water, load, solved.loads))
+    (tile,) = (one for one in facts(replace(solved, case=oil)) if one.name.startswith("Leakage class"))
+    assert tile.remark.endswith("of which 46 times as much leaks")
+
+
+def test_a_limit_in_mbar_litres_per_second_is_compared_in_them():
+    solved = rough_result()
+    gas = replace(solved, case=solved.case.replace({"fluid": {"name": "helium"}}))
+    _, high = gas.leak_ranges[-1]
+    # 1 mbar l/s is 0.1 Pa m³/s, at 101325 Pa
+    for limit, told in ((high * 101325 / 0.1 / 1000, "allowed"), (high * 101325 / 0.1 * 1000, "is allowed")):
+        (sentence, *_) = verdict_sentences(required(gas, leak_rate=f"{limit!r} mbar l/s"))
+        assert told in sentence and sentence.count("mbar l/s") == 2 and "/min" not in sentence
+    (announced, *_) = requirement_lines(required(gas, leak_rate="2e-3 mbar l/s").case)
+    assert announced.startswith("leak rate: 0.0020 mbar l/s (1.97·10⁻⁹ m³/s)")
+
+
+def test_a_verdict_with_doubt_says_so_in_its_first_words():
+    doubt = Validity.of([Caution("channels", Level.DOUBTFUL, "leak rate up to a factor 3.3 off", "...")])
+    solved = rough_result()
+    doubted = replace(solved, loads=tuple(load.knowing(validity=doubt) for load in solved.loads))
+    for limit in ("1e-3 m^3/s", "1e-29 m^3/s"):
+        plain, *_ = verdict_sentences(required(solved, leak_rate=limit))
+        first, *others = verdict_sentences(required(doubted, leak_rate=limit))
+        assert "with doubt" not in plain
+        assert first == plain.replace(" bar:", " bar, with doubt:", 1)
+        assert others[0] == "The leak rate there is doubtful: leak rate up to a factor 3.3 off."

@@ -11,7 +11,11 @@ import pytest
 from conftest import STEEL
 from plastic_solids import HARDENING, LAW, YIELD, E, seal
 
+import fem_seal
 import leak
+from fem_seal.analysis.load_solver import LoadSolver, SolvedLoads, model_and_contacts
+from fem_seal.analysis.problem import SealProblem
+from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.bodies.elasticity import node_dofs
 from fem_seal.bodies.held_body import Supports
 from fem_seal.contact.coupled import FluidAndContact
@@ -274,3 +278,93 @@ def test_bodies_answer_to_unloading_as_their_path_does() -> None:
     ).contacts
     foretold = solve(coined.unloading, LAW, axial_force=0.7 * spring)
     assert less.pressure == pytest.approx(foretold.pressure, rel=1e-3, abs=1e-3 * less.pressure.max())
+
+
+# ---------------------------------------------------------------- from the case file
+
+VALVE = {
+    "closure": {"shape": "ball", "radius": "10 mm", "material": "tungsten carbide"},
+    "seat": {
+        "shape": "cone",
+        "angle": "45 deg",
+        "material": {
+            "youngs_modulus": "210 GPa",
+            "poissons_ratio": 0.3,
+            "hardness": "1.5 GPa",
+            "stress_strain": {"plastic_strain": [0, 0.05], "stress": ["250 MPa", "350 MPa"]},
+        },
+    },
+    "roughness": {
+        "spectrum": {
+            "kind": "self-affine",
+            "rms_height": "1 um",
+            "hurst": 0.8,
+            "q_low": "5e3 1/m",
+            "q_rolloff": "5e4 1/m",
+            "q_high": "2e6 1/m",
+        }
+    },
+    "fluid": {"name": "water"},
+    "load": {
+        "pressure_side": "inner",
+        "closing": "penetration",
+        "axial_force": "6 kN",
+        "largest_earlier_force": "6 kN",
+        "fluid_pressure": ["100 bar", "350 bar", "450 bar", "100 bar"],
+    },
+    "mesh": {"contact_size": "60 um"},
+}
+
+
+def valve(**load: object) -> fem_seal.Case:
+    return fem_seal.Case(**{**VALVE, "load": {**VALVE["load"], **load}})  # type: ignore[arg-type]
+
+
+@cache
+def valve_run() -> tuple[SealProblem, ContactModel, SolvedLoads]:
+    problem = SealProblem.of(valve())
+    _, model, solved = model_and_contacts(problem)
+    return problem, model, solved
+
+
+def test_a_relief_valve_from_its_case() -> None:
+    problem, model, solved = valve_run()
+    # 450 bar is more than the spring holds on a radius of 7.07 mm; the loads after it go on
+    assert list(solved.failures) == [2]
+    assert "give an axial_force above" in solved.problems[2].message
+    assert [contact.loads.closure["inner"] for contact in solved.contacts] == [100e5, 350e5, 100e5]
+    assert solved.unloaded is not None and "seat" in solved.unloaded.imprints
+    assert solved.earlier is not None and solved.earlier.axial_force == 6000.0
+    # the path of the case is that of the solver called by hand
+    solver = LoadSolver(problem, model)
+    path = load_path(
+        model, problem.law, [solver.on_path(0.0, 6000.0), solver.on_path(100e5, 6000.0)], unload=False
+    )
+    assert path.contacts[1].pressure == pytest.approx(solved.contacts[0].pressure, rel=1e-9)
+    opens = solver.blow_off_pressure(6000.0, solved.contacts[0])
+    assert opens == pytest.approx(6000 / (math.pi * problem.touch_radius**2), rel=0.02)
+    # after a larger load less leaks than through surfaces that remember nothing
+    flow = SealFlow.of(problem)
+    assert flow is not None
+    first, high, again = solved.contacts
+    assert flow.leak_of(high, 350e5).leak_rate > 3.5 * flow.leak_of(first, 100e5).leak_rate
+    assert flow.leak_of(again, 100e5).leak_rate == pytest.approx(
+        flow.leak_of(first, 100e5).leak_rate, rel=0.02
+    )
+
+
+@pytest.mark.parametrize("closing", ["penetration", "sealed-area"])
+def test_the_force_for_a_target_leaks_the_target_as_a_case_of_its_own(closing: str) -> None:
+    asked = valve(closing=closing, fluid_pressure="100 bar", axial_force="3 kN", largest_earlier_force=None)
+    target = 0.5 * leak_of(asked)
+    (force,) = fem_seal.axial_force_for_leak(asked, target)
+    # another mesh, sized for another force
+    assert leak_of(asked.replace({"load.axial_force": f"{force:.12g} N"})) == pytest.approx(target, rel=1e-2)
+
+
+def leak_of(case: fem_seal.Case) -> float:
+    problem = SealProblem.of(case)
+    _, _, solved = model_and_contacts(problem)
+    flow = SealFlow.of(problem)
+    assert flow is not None
+    return flow.leak_of(solved.contacts[-1], problem.loads.points[-1][0]).leak_rate

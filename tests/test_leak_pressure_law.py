@@ -10,7 +10,7 @@ from scipy.integrate import quad
 
 import leak
 from leak.fluids.library import _petroleum_law
-from leak.fluids.water import WaterUnderPressure, water_density, water_viscosity
+from leak.fluids.water import water_density, water_law, water_viscosity
 
 R0, WIDTH, SIGMA = 0.014, 1e-3, 1e-15
 X = np.linspace(0.0, WIDTH, 101)
@@ -53,7 +53,7 @@ def test_viscosity_of_water(temperature, density, viscosity):
 def test_water_against_iapws_95(temperature):
     """The difference of the two formulations of density is below 0.03 % up to 2000 bar."""
     CoolProp = pytest.importorskip("CoolProp.CoolProp")
-    water, atmosphere = WaterUnderPressure(temperature), 2e5
+    water, atmosphere = water_law(temperature), 2e5
     for key, ratio in (("V", water.viscosity_ratio), ("D", water.density_ratio)):
         of = [
             CoolProp.PropsSI(key, "T", temperature, "P", p + atmosphere, "Water") for p in (0.0, 1e8, 1.8e8)
@@ -61,9 +61,18 @@ def test_water_against_iapws_95(temperature):
         np.testing.assert_allclose(ratio([1e8, 1.8e8]), np.array(of[1:]) / of[0], rtol=1e-3)
 
 
+def test_the_table_of_water_is_its_formulation():
+    p = np.linspace(0.0, 2e8, 333)
+    for T in (273.15, 300.0, 383.15):
+        density = water_density(T, 101325.0 + p)
+        viscosity = water_viscosity(T, density)
+        np.testing.assert_allclose(water_law(T).density_ratio(p), density / density[0], rtol=1e-9)
+        np.testing.assert_allclose(water_law(T).viscosity_ratio(p), viscosity / viscosity[0], rtol=1e-8)
+
+
 def test_cold_water_first_becomes_thinner_and_its_law_goes_on_beyond_its_range():
-    assert float(WaterUnderPressure(283.15).viscosity_ratio(1e8)) < 0.97
-    far = WaterUnderPressure(313.15).viscosity_ratio(np.linspace(1.5e8, 1e9, 50))
+    assert float(water_law(283.15).viscosity_ratio(1e8)) < 0.97
+    far = water_law(313.15).viscosity_ratio(np.linspace(1.5e8, 1e9, 50))
     assert np.all(np.diff(far) > 0.0)
     assert far[-1] < 3.0
 
@@ -156,7 +165,7 @@ def test_potential_of_barus_has_a_closed_form(alpha, highest, share):
     )
 
 
-@pytest.mark.parametrize("law", [OIL, WaterUnderPressure(283.15), leak.Barus(3e-9, leak.Tait(2e8))])
+@pytest.mark.parametrize("law", [OIL, water_law(283.15), leak.Barus(3e-9, leak.Tait(2e8))])
 def test_potential_against_quadrature(law):
     potential = leak.FlowPotential(law, 3e8)
     for p in (1e6, 0.7e8, 3e8):

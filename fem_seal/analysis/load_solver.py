@@ -147,7 +147,21 @@ class LoadSolver:
     def at_contact_force(
         self, fluid_pressure: float, contact_force: float, start: ContactSolution | None = None
     ) -> tuple[ContactSolution, float]:
-        """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N]."""
+        """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N].
+
+        Bodies that yield begin as new ones, or after the largest load before those of the problem, and go to this load
+        alone. With the fluid between the surfaces F_N is then what is left of the applied force by the circle of first
+        touch, near to what they carry.
+
+        Raises
+        ------
+        InputError
+            If bodies that yield are open there.
+        ConvergenceError
+        """
+        if self.yields:
+            applied = contact_force - self._closes(fluid_pressure)
+            return _end_of_path(self, [(fluid_pressure, applied)]), applied
         if self.problem.loads.closing == "sealed-area":
             contact = self._sealed_area(contact_force, start).after(self.earlier)
             return contact, contact_force - self._closes(fluid_pressure)
@@ -319,12 +333,13 @@ def solve_loads(solver: LoadSolver) -> SolvedLoads:
 
 def _solved_path(solver: LoadSolver) -> SolvedLoads:
     """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
-    path, earlier = _path(solver, len(solver.problem.loads.points))
+    points = solver.problem.loads.points
+    path, earlier = _path(solver, points)
     failures: dict[int, Exception] = {
-        number: solver.open_seal(*solver.problem.loads.points[number], opened.error, opened.model)
+        number: solver.open_seal(*points[number], opened.error, opened.model)
         for number, opened in path.opened.items()
     }
-    closed = [number for number in range(len(solver.problem.loads.points)) if number not in failures]
+    closed = [number for number in range(len(points)) if number not in failures]
     unsolved = closed[len(path.contacts) :]
     if path.stopped is not None:
         failures.update(dict.fromkeys(unsolved, path.stopped))
@@ -364,25 +379,35 @@ def solve_load(
     """
     if not solver.yields:
         return solver.solve(*solver.problem.loads.points[number], start=start)
-    path, _ = _path(solver, number + 1, steps, unload=False)
-    if number in path.opened:
-        opened = path.opened[number]
-        raise solver.open_seal(*solver.problem.loads.points[number], opened.error, opened.model)
+    return _end_of_path(solver, solver.problem.loads.points[: number + 1], steps)
+
+
+def _end_of_path(
+    solver: LoadSolver, points: Sequence[tuple[float, float]], steps: int | None = None
+) -> ElastoplasticContact:
+    path, _ = _path(solver, points, steps, unload=False)
+    last = len(points) - 1
+    if last in path.opened:
+        raise solver.open_seal(*points[last], path.opened[last].error, path.opened[last].model)
     if path.stopped is not None:
         raise path.stopped
     return path.contacts[-1]
 
 
 def _path(
-    solver: LoadSolver, count: int, steps: int | None = None, *, unload: bool = True
+    solver: LoadSolver,
+    points: Sequence[tuple[float, float]],
+    steps: int | None = None,
+    *,
+    unload: bool = True,
 ) -> tuple[LoadPath, ElastoplasticContact | None]:
-    """The first `count` loads of the case and the unloading; the largest load before them is the first of the path.
+    """Fluid pressures [Pa] and applied forces [N] one after the other; the largest load before them is the first.
 
     It is returned beside the path, and each contact remembers those before it.
     """
     problem, settings = solver.problem, PlasticSettings()
     first = () if problem.loads.earlier is None else (problem.loads.earlier,)
-    loads = [solver.on_path(*point) for point in (*first, *problem.loads.points[:count])]
+    loads = [solver.on_path(*point) for point in (*first, *points)]
     if steps is not None:
         settings = replace(settings, steps=steps)
     at_rest = problem.at_rest(solver.model)

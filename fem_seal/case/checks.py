@@ -38,7 +38,6 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *_flow(case),
         *_direct(case),
         *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
-        *_yielding(case),
         *_form(case),
         *_throughput(case),
         *([] if case.requirement is None else _requirement(case, case.requirement)),
@@ -430,20 +429,6 @@ def _remembering(case: CaseTables) -> str:
     """Which bodies remember their loads, in words."""
     bodies = [name for name in ("closure", "seat") if getattr(case, name).material.hardening is not None]
     return f"a body that yields ({' and '.join(bodies)}: material.stress_strain) depends on its load history"
-
-
-def _yielding(case: CaseTables) -> Iterator[Problem]:
-    """What in a case with a stress_strain curve needs bodies that do not remember their loads."""
-    if not curves(case):
-        return
-    because, remedy = _remembering(case), "or leave stress_strain out"
-    if case.load.target_leak_rate is not None:
-        yield Problem(
-            "load.target_leak_rate",
-            f"the force for it is found by trial, and {because}, trials included; list the forces in load.axial_force "
-            f"instead, {remedy}",
-            f"{case.load.target_leak_rate:.4g} m^3/s",
-        )
 
 
 def _form(case: CaseTables) -> Iterator[Problem]:

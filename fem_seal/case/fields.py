@@ -97,6 +97,11 @@ class Quantity(Entry):
 class Throughput(float):
     """A leak rate [m^3/s] that was written as pressure times volume over time, which is said of gases only."""
 
+    @property
+    def pressure_volume(self) -> float:
+        """As it was written [Pa m^3/s]."""
+        return self * _ATMOSPHERE
+
 
 @dataclass(frozen=True)
 class LeakRate(Quantity):

@@ -17,6 +17,7 @@ from leak.flow.gas_flow import checked_outlet
 from leak.flow.rarefied import flow_factor
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
+from leak.fluids.real_gas import GasPotential
 
 # Of the conductance with free flow around: more is no resistance.
 _MOST = 1e9
@@ -180,7 +181,7 @@ def gas_around_flow(
     *,
     pressure_side: str = "outer",
 ) -> AroundGasFlow:
-    """Mass flow of a gas, div(rho sigma grad p_f) = 0 with rho = p_f/(R_s T), isothermal.
+    """Mass flow of a gas, div(rho sigma grad p_f) = 0 with rho = p_f/(R_s T) or that of a real gas, isothermal.
 
     Parameters
     ----------
@@ -189,7 +190,7 @@ def gas_around_flow(
     conductivity : callable or array_like
         sigma_eff of the rarefied gas, shape (m, k), at its absolute pressures p_f; falls with p_f no faster than 1/p_f.
         It is asked with p_f of shape (m, 1), the same all around, to learn k, and of shape (m, k). An array is a gas
-        without slip.
+        without slip. Of a real gas at the viscosity of the dilute one.
     gas : Gas
     inlet_pressure, outlet_pressure : float
         Absolute; the outlet may be a vacuum [Pa].
@@ -207,7 +208,8 @@ def gas_around_flow(
     -----
     rho sigma grad p_f = sigma grad(p_f^2)/(2 R_s T): without slip linear in p_f^2, and as exact as `around_flow`. With
     slip sigma is taken at the last p_f, over and over, half of the change at a time; `radial_flow` likewise, with a gas
-    pressure of its own. In a vacuum, where sigma is infinite, its value at 1 mPa is used.
+    pressure of its own. Of a real gas w/2 of `GasPotential` takes the place of
+    p_f^2/2. In a vacuum, where sigma is infinite, its value at 1 mPa is used.
 
     Examples
     --------
@@ -224,15 +226,16 @@ def gas_around_flow(
     checked_side(pressure_side)
     low, high = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
     per_density = gas.specific_gas_constant * gas.temperature
-    across = _gas_state(xs, rs, conductivity, low, high, around=False)
-    found = _gas_state(xs, rs, conductivity, low, high, around=True)
+    of = GasPotential(gas.real, p_in)
+    across = _gas_state(xs, rs, conductivity, (low, high), of, around=False)
+    found = _gas_state(xs, rs, conductivity, (low, high), of, around=True)
     edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
     return AroundGasFlow(
         found.flow / per_density,
         edges[0] / per_density,
         edges[1] / per_density,
         0.5 * (across.first + across.last) / per_density,
-        np.sqrt(np.maximum(2.0 * found.potential, 0.0)),
+        of.pressure(2.0 * found.potential),
     )
 
 
@@ -271,7 +274,7 @@ def rarefied_conductivity(
     flight = gas.viscosity * gas.molecular_speed
 
     def sigma(pressure: FloatArray) -> FloatArray:
-        D = np.maximum(np.maximum(pressure, _VACUUM) * gap / flight, 1e-100)
+        D = np.maximum(gas.flow_pressure(np.maximum(pressure, _VACUUM)) * gap / flight, 1e-100)
         R = table.rarefaction(contact, np.log(D))
         return np.asarray(gap**3 * flow_factor(D) * R / (12.0 * gas.viscosity))
 
@@ -282,24 +285,25 @@ def _gas_state(
     x: FloatArray,
     radius: FloatArray,
     conductivity: ArrayLike | GasConductivityField,
-    first: float,
-    last: float,
+    ends: tuple[float, float],
+    of: GasPotential,
     *,
     around: bool,
 ) -> _Solved:
-    """Solution in the potential p_f^2/2, with or without links around the contact."""
+    """Solution in the potential w/2, p_f^2/2 of an ideal gas, with or without links around the contact."""
+    first, last = (0.5 * float(of(end)) for end in ends)
     if not callable(conductivity):
         ring = _Ring(x, radius, _checked_conductivity(conductivity, x.size), around)
-        return ring.solved(0.5 * first**2, 0.5 * last**2)
+        return ring.solved(first, last)
     known = np.linspace(0.0, 1.0, x.size)[:, None]
-    columns = np.asarray(conductivity(np.full((x.size, 1), max(first, last)))).shape[-1]
-    pressure = np.sqrt(first**2 + (last**2 - first**2) * known) * np.ones(columns)
+    columns = np.asarray(conductivity(np.full((x.size, 1), max(ends)))).shape[-1]
+    pressure = of.pressure(2.0 * (first + (last - first) * known)) * np.ones(columns)
     before = np.inf
     for _ in range(_MOST_ITERATIONS):
         at = np.maximum(pressure, _VACUUM)
         ring = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), around)
-        found = ring.solved(0.5 * first**2, 0.5 * last**2)
-        new = np.sqrt(np.maximum(2.0 * found.potential, 0.0))
+        found = ring.solved(first, last)
+        new = of.pressure(2.0 * found.potential)
         if abs(found.flow - before) <= _CONVERGED * found.flow:
             return found
         before = found.flow

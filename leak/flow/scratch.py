@@ -335,9 +335,9 @@ def gas_scratch_flow(
 
     Notes
     -----
-    As `scratch_flow`, for the mass flow: every conductance carries the density p_f/(R_s T) and the factor of the
-    rarefied gas, in a scratch that of a slit as wide as each place of the section is deep. p_f less the outlet pressure
-    holds the scratch open.
+    As `scratch_flow`, for the mass flow: every conductance carries the density p_f/(R_s T), or that of a real gas, and
+    the factor of the rarefied gas, in a scratch that of a slit as wide as each place of the section is deep. p_f less
+    the outlet pressure holds the scratch open.
 
     Examples
     --------
@@ -370,19 +370,19 @@ def gas_scratch_flow(
     def rough(pressure: FloatArray, at: slice) -> FloatArray:
         if table is None:
             return np.zeros(pressure.shape)
-        p_f = np.maximum(pressure, _VACUUM)
-        D = np.maximum(p_f * gap[at] / flight, 1e-100)
+        q = gas.flow_pressure(np.maximum(pressure, _VACUUM))
+        D = np.maximum(q * gap[at] / flight, 1e-100)
         R = table.rarefaction(np.broadcast_to(contact.first_loading[at], D.shape), np.log(D))
         sigma = gap[at] ** 3 * flow_factor(D) * R / (12.0 * gas.viscosity)
-        return np.asarray(2.0 * np.pi * contact.radius[at] * sigma * p_f / per_density)
+        return np.asarray(2.0 * np.pi * contact.radius[at] * sigma * q / per_density)
 
     def along(groove: Groove) -> Mobility:
         path = groove.path(contact.radius)
 
         def mobility(pressure: FloatArray, at: slice) -> FloatArray:
-            p_f = np.maximum(pressure, _VACUUM)
-            K = groove.section.gas_conductance(nominal[at] - (pressure - p_out), modulus, gas, p_f)
-            return np.asarray(K * p_f / (per_density * path[at]))
+            q = gas.flow_pressure(np.maximum(pressure, _VACUUM))
+            K = groove.section.gas_conductance(nominal[at] - (pressure - p_out), modulus, gas, q)
+            return np.asarray(K * q / (per_density * path[at]))
 
         return mobility
 

@@ -11,7 +11,7 @@ import numpy as np
 from leak.fluids.names import ROOM_TEMPERATURE, checked_temperature
 from leak.fluids.pressure_law import Barus, PressureLaw, Roelands, Tait
 from leak.fluids.properties import Gas, Liquid
-from leak.fluids.water import WaterUnderPressure
+from leak.fluids.water import water_law
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ LIQUID_ENTRIES = (
         383.15,
         "viscosity: IAPWS SR6-08(2011), liquid water at 0.1 MPa, uncertainty 1 %; density: G. S. Kell, J. Chem. Eng. "
         "Data 20, 97 (1975); under pressure: viscosity IAPWS R12-08, density IAPWS R7-97(2012), region 1",
-        lambda T, viscosity: WaterUnderPressure(T),
+        lambda T, viscosity: water_law(T),
     ),
     _petroleum(
         "hydraulic oil ISO VG 32",

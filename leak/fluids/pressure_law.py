@@ -377,14 +377,23 @@ class PressureTable:
 
     def viscosity_ratio(self, pressure: ArrayLike) -> FloatArray:
         """eta/eta0 at pressures above atmospheric [Pa]."""
-        return _along(self.pressures, self.viscosity_ratios, pressure)
+        return cubic_of_logarithms(self.pressures, self.viscosity_ratios, pressure)
 
     def density_ratio(self, pressure: ArrayLike) -> FloatArray:
         """rho/rho0 at pressures above atmospheric [Pa]."""
-        return _along(self.pressures, self.density_ratios, pressure)
+        return cubic_of_logarithms(self.pressures, self.density_ratios, pressure)
 
 
-def _along(at: tuple[float, ...], ratios: tuple[float, ...], pressure: ArrayLike) -> FloatArray:
+def cubic_of_logarithms(at: tuple[float, ...], ratios: tuple[float, ...], pressure: ArrayLike) -> FloatArray:
+    """Ratios at other pressures: their logarithms are cubic splines, and go on straight beyond the last one.
+
+    Parameters
+    ----------
+    at, ratios : tuple of float
+        Pressures, increasing [Pa], and positive values there.
+    pressure : array_like
+        [Pa]
+    """
     p = np.asarray(pressure, dtype=float)
     spline = _spline(at, ratios)
     inside, last = np.minimum(p, at[-1]), at[-1]

@@ -384,7 +384,8 @@ def _classes(designs: Designs) -> Iterator[Section]:
     yield Section(
         "Leakage classes",
         f"Share {_of_calculated(designs)} that meet each class of {standard}, for {base}.{unclaimed} Classes "
-        "say what the leak rate allows; the standard prescribes test pressure and fluid of its own.",
+        "say what the leak rate allows; the standard prescribes test pressure and fluid of its own, to which the leak "
+        "rates are not converted here. A complete run of a design does so.",
         columns=("class", "allowed leak rate", "share of the designs"),
         rows=tuple(
             (name, leak_rate_text(most) if most else "none", f"{100 * share:.4g} %")
