@@ -27,7 +27,7 @@ def temperature_rows(
         return
     calculated = problem.heating is not None
     for name, temperature in problem.temperatures.items():
-        yield f"temperature of the {name}" + (" at the contact" if calculated else ""), celsius(temperature)
+        yield f"{name} at the contact" if calculated else f"temperature of the {name}", celsius(temperature)
     yield "dimensions hold at", celsius(case.temperature.reference)
     for name, face in case.temperature.faces.items():
         film = face.heat_transfer
