@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -311,6 +311,49 @@ class Pressures(Entry):
         return {"anyOf": [one, many, spaced]}
 
 
+@dataclass(frozen=True)
+class OverTemperatureTable(Entry):
+    """A number of a material, or a table ``{ temperature, value }`` of it; a float or the pair of both as tuples.
+
+    Parameters
+    ----------
+    one : Quantity or Number
+        What each value is.
+    """
+
+    one: Quantity | Number
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return self.one.range
+
+    def read(self, value: object) -> float | tuple[tuple[float, ...], tuple[float, ...]]:
+        """The number, or temperatures [K] and values; ValueError names the entry that is wrong."""
+        if not isinstance(value, Mapping):
+            return self.one.read(value)
+        if set(value) != {"temperature", "value"} or not all(
+            isinstance(column, (list, tuple)) and column for column in value.values()
+        ):
+            raise ValueError(
+                'a table over temperature is { temperature = ["20 degC", "300 degC"], value = [...] }, two lists'
+            )
+        return (
+            tuple(_TEMPERATURE.read_part(one, f"temperature {n}") for n, one in _count(value["temperature"])),
+            tuple(self.one.read_part(one, f"value {n}") for n, one in _count(value["value"])),
+        )
+
+    @property
+    def _schema(self) -> dict[str, Any]:
+        # in short: it stands at every number of every material
+        columns = {"temperature": {"type": "array"}, "value": {"type": "array"}}
+        one, table = self.one._schema, {"type": "object", "properties": columns, "required": [*columns]}
+        return {"anyOf": [one, table]}
+
+
+_TEMPERATURE = Quantity("temperature", "0 K", "3000 K")
+
+
 def _count(entries: list[Any] | tuple[Any, ...]) -> enumerate[Any]:
     return enumerate(entries, start=1)
 
@@ -371,6 +414,8 @@ def quantities_of(field: FieldInfo) -> Iterator[Quantity]:
             yield marker.pressure
         elif isinstance(marker, Place):
             yield marker.length
+        elif isinstance(marker, OverTemperatureTable) and isinstance(marker.one, Quantity):
+            yield marker.one
 
 
 def _markers(annotation: Any) -> Iterator[Any]:
