@@ -168,7 +168,7 @@ def check(
     debug: Debug = False,
 ) -> None:
     """Check a case file and print the closed-form results, without solving."""
-    from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
+    from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
     from fem_seal.case.case import load_case
     from fem_seal.output import summary
     from fem_seal.output.finish import finish_rows
@@ -186,7 +186,8 @@ def check(
 
     numbers["contact_size_m"] = sizing(SealProblem.of(case)).contact_size
     numbers["requirement"] = summary.requirement_numbers(case)
-    _warn([*_remarks(case), *filter(None, [nearly_open(derived), closed_form_limits(case, derived)])])
+    limits = [nearly_open(derived), strain_limit(derived), closed_form_limits(case, derived)]
+    _warn([*_remarks(case), *filter(None, limits)])
     if json:
         typer.echo(as_json(numbers))
     elif not quiet:

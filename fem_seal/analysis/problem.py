@@ -506,8 +506,14 @@ def _expected_force(problem: SealProblem, fluid_pressure: float, applied_force: 
     )
 
 
+# Half-width of Hertz's contact over the radius of relative curvature, the angle by which the faces turn against each
+# other [rad], where a leak rate by the theory of small strains is some 5 % off, and where 20 %
+# (docs/guide/validity.md).
+TURNED, LARGEST_TURNING = 0.07, 0.25
+
+
 def largest_force(problem: SealProblem) -> float:
-    """Largest force F_N with small strains [N]: Hertz half-width a tenth of contact radius and relative curvature.
+    """Largest force F_N that small strains describe [N], from Hertz's half-width over contact radius and curvature.
 
     Parameters
     ----------
@@ -518,7 +524,7 @@ def largest_force(problem: SealProblem) -> float:
     if math.isinf(R):
         # Faces that fit each other: the pressure at which Hertz' contact would be as wide, all over the face.
         start, end = contact.reach
-        f = (end - start) * modulus / 20
+        f = (end - start) * modulus * LARGEST_TURNING / 2
     else:
-        f = math.pi * modulus * (min(r0, R) / 10) ** 2 / (4 * R)
+        f = math.pi * modulus * (LARGEST_TURNING * min(r0, R)) ** 2 / (4 * R)
     return f / line_load(1.0, r0, contact.angle)
