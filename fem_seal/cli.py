@@ -168,7 +168,7 @@ def check(
     debug: Debug = False,
 ) -> None:
     """Check a case file and print the closed-form results, without solving."""
-    from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
+    from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
     from fem_seal.analysis.heating import warmed
     from fem_seal.case.case import load_case
     from fem_seal.output import summary
@@ -189,7 +189,8 @@ def check(
     problem = SealProblem.of(case)
     numbers["contact_size_m"] = sizing(problem).contact_size
     numbers["requirement"] = summary.requirement_numbers(case)
-    _warn([*_remarks(case), *filter(None, [nearly_open(derived), closed_form_limits(case, derived)])])
+    limits = [nearly_open(derived), strain_limit(derived), closed_form_limits(case, derived)]
+    _warn([*_remarks(case), *filter(None, limits)])
     if json:
         typer.echo(as_json(numbers))
     elif not quiet:

@@ -549,8 +549,14 @@ def _expected_force(problem: SealProblem, fluid_pressure: float, applied_force: 
     )
 
 
+# Half-width of Hertz's contact over the radius of relative curvature, the angle by which the faces turn against each
+# other [rad], where a leak rate by the theory of small strains is some 5 % off, and where 20 %
+# (docs/guide/validity.md).
+TURNED, LARGEST_TURNING = 0.07, 0.25
+
+
 def largest_force(problem: SealProblem) -> float:
-    """Largest force F_N with small strains [N]: half-width a tenth of contact radius and relative curvature.
+    """Largest force F_N that small strains describe [N], from the half-width over contact radius and curvature.
 
     That of Hertz, and where a body yields that of full plasticity as well.
 
@@ -563,10 +569,10 @@ def largest_force(problem: SealProblem) -> float:
     if math.isinf(R):
         # Faces that fit each other: the pressure at which Hertz' contact would be as wide, all over the face.
         start, end = contact.reach
-        f = (end - start) * modulus / 20
+        f = (end - start) * modulus * LARGEST_TURNING / 2
     else:
-        f = math.pi * modulus * (min(r0, R) / 10) ** 2 / (4 * R)
+        f = math.pi * modulus * (LARGEST_TURNING * min(r0, R)) ** 2 / (4 * R)
     if problem.curves:
         per_line_load = plastic_half_width(1.0, min(curve.stress[-1] for curve in problem.curves))
-        f = min(f, min(r0, R) / 10 / per_line_load)
+        f = min(f, LARGEST_TURNING * min(r0, R) / per_line_load)
     return f / line_load(1.0, r0, contact.angle)

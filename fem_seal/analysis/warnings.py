@@ -13,6 +13,7 @@ from fem_seal.analysis.caution import Caution, Level, Validity
 from fem_seal.analysis.fluid_warnings import fluid_cautions, molecule_cautions
 from fem_seal.analysis.form_warnings import LARGEST_EXCESS, form_cautions
 from fem_seal.analysis.load_names import load_name
+from fem_seal.analysis.problem import LARGEST_TURNING, TURNED
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
@@ -137,6 +138,7 @@ def load_cautions(
         _near_opening,
         _yielding,
         _table_left,
+        _turned,
         _cut_off,
         _wide,
         _thick_layer,
@@ -212,7 +214,7 @@ def earlier_cautions(problem: SealProblem, earlier: LoadResult) -> Iterator[Caut
     problem : SealProblem
     earlier : LoadResult
     """
-    for check in (_yielding, _table_left, _cut_off, _above_hardness):
+    for check in (_yielding, _table_left, _turned, _cut_off, _above_hardness):
         for caution in check(problem, earlier.contact.model, [earlier]):
             reason, text = (
                 f"largest earlier load: {caution.reason}",
@@ -256,7 +258,7 @@ def target_validity(problem: SealProblem, surface: Surface, answer: LoadResult) 
 
 def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]) -> Iterator[Caution]:
     model = answers[0].contact.model
-    bodies = (_yielding, _cut_off, _wide, _above_hardness)
+    bodies = (_yielding, _turned, _cut_off, _wide, _above_hardness)
     yield from (caution for check in bodies for caution in check(problem, model, answers))
     yield from _nearly_sealed(problem, surface, answers)
     if problem.flow is not None:
@@ -360,6 +362,23 @@ def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadR
                 f"{name}: plastic strain reaches {100 * zone.strain:.3g} % at {load_name(load, loads)}; the "
                 f"theory is for small strains, and above {100 * _LARGE_STRAIN:g} % imprint and width are estimates",
             )
+
+
+def _turned(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    load = max(loads, key=lambda load: load.contact.turning)
+    turned = load.contact.turning
+    if turned > TURNED:
+        much = turned > LARGEST_TURNING
+        yield Caution(
+            "small strain",
+            Level.OUTSIDE if much else Level.DOUBTFUL,
+            f"faces turned against each other by {turned:.2g} rad, too far for small-strain theory",
+            f"at {load_name(load, loads)} the load turns the faces against each other by {turned:.2g} rad (of smooth "
+            "bodies the half-width of the contact over the radius of relative curvature). The theory is for small "
+            f"strains and rotations: above {TURNED:g} rad a leak rate that falls steeply with pressure is off by more "
+            f"than 5 %, above {LARGEST_TURNING:g} rad by more than 20 %. A smaller load, a larger edge radius or "
+            "stiffer materials remove the problem",
+        )
 
 
 def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
