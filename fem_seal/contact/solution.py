@@ -194,6 +194,8 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
             body,
             body.displacement(solution.point_forces) + loads.displacement(body, model),
             _at_contact(body, model, solution.pressure),
+            loads.free_strain(body, model),
+            loads.temperature.get(name),
         )
         for name, body in (("closure", model.closure), ("seat", model.seat))
     }
@@ -209,7 +211,12 @@ def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyFi
     """
     return {
         name: body_field(
-            name, body, loads.displacement(body, model), np.zeros(len(quadratic_nodes(body.basis.mesh)[0]))
+            name,
+            body,
+            loads.displacement(body, model),
+            np.zeros(len(quadratic_nodes(body.basis.mesh)[0])),
+            loads.free_strain(body, model),
+            loads.temperature.get(name),
         )
         for name, body in (("closure", model.closure), ("seat", model.seat))
     }
