@@ -556,9 +556,9 @@ TURNED, LARGEST_TURNING = 0.07, 0.25
 
 
 def largest_force(problem: SealProblem) -> float:
-    """Largest force F_N that small strains describe [N], from the half-width over contact radius and curvature.
+    """Largest force F_N that small strains describe [N], from Hertz's half-width over contact radius and curvature.
 
-    That of Hertz, and where a body yields that of full plasticity as well.
+    Where a body yields that of full plasticity over a tenth of them as well.
 
     Parameters
     ----------
@@ -574,5 +574,5 @@ def largest_force(problem: SealProblem) -> float:
         f = math.pi * modulus * (LARGEST_TURNING * min(r0, R)) ** 2 / (4 * R)
     if problem.curves:
         per_line_load = plastic_half_width(1.0, min(curve.stress[-1] for curve in problem.curves))
-        f = min(f, LARGEST_TURNING * min(r0, R) / per_line_load)
+        f = min(f, min(r0, R) / 10 / per_line_load)
     return f / line_load(1.0, r0, contact.angle)
