@@ -34,6 +34,7 @@ tera- = 1e12 = T-
 meter = [length] = m = metre
 second = [time] = s
 gram = [mass] = g
+kelvin = [temperature] = K
 radian = [] = rad
 degree = 3.141592653589793 / 180 * radian = deg = ° = degrees
 inch = 0.0254 * meter = in
@@ -47,6 +48,8 @@ newton = 1000 * gram * meter / second ** 2 = N
 kilogram_force = 9.80665 * newton = kgf = kp
 pound_force = 4.4482216152605 * newton = lbf
 pascal = newton / meter ** 2 = Pa
+joule = newton * meter = J
+watt = joule / second = W
 bar = 1e5 * pascal
 standard_atmosphere = 101325 * pascal = atm
 pounds_per_square_inch = pound_force / inch ** 2 = psi
@@ -79,10 +82,14 @@ DIMENSIONS = {
         Dimension("pressure", "Pa", ("20 bar", "3.5 GPa", "300 psi")),
         Dimension("force", "N", ("250 N", "1.2 kN", "50 lbf")),
         Dimension("viscosity", "Pa s", ("1 mPa s", "46 cP")),
+        Dimension("pressure-viscosity coefficient", "1/Pa", ("20 1/GPa", "2e-8 1/Pa")),
         Dimension("wavenumber", "1/m", ("1e3 1/m", "3.1 1/um")),
         Dimension("time", "s", ("20 s", "2 min")),
         Dimension("angle", "rad", ("45 deg", "0.785 rad")),
         Dimension("temperature", "K", ("20 degC", "293.15 K")),
+        Dimension("thermal expansion", "1/K", ("11e-6 1/K", "11 um/(m K)")),
+        Dimension("thermal conductivity", "W/(m K)", ("45 W/(m K)", "0.045 W/(mm K)")),
+        Dimension("heat transfer", "W/(m^2 K)", ("500 W/(m^2 K)", "10 kW/(m^2 K)")),
         Dimension("spectral density", "m^4", ("1e-18 m^4", "1e6 nm^4")),
         Dimension("leak rate", "m^3/s", ("1e-3 cm^3/s", "0.5 ml/min")),
         Dimension("throughput", "Pa m^3/s", ("1e-3 mbar l/s", "1e-4 Pa m^3/s")),
@@ -124,9 +131,13 @@ _PLAIN: dict[str, dict[str, str | float]] = {
     },
     "force": {"N": "1", "kN": "1e3"},
     "viscosity": {"Pa s": "1", "mPa s": "1e-3"},
+    "pressure-viscosity coefficient": {"1/GPa": "1e-9", "1/MPa": "1e-6", "1/Pa": "1"},
     "wavenumber": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6"},
     "time": {"s": "1"},
     "angle": {"rad": "1", "deg": math.pi / 180},
+    "thermal expansion": {"1/K": "1"},
+    "thermal conductivity": {"W/(m K)": "1"},
+    "heat transfer": {"W/(m^2 K)": "1"},
     "leak rate": {"m^3/s": "1"},
     "throughput": {"Pa m^3/s": "1", "mbar l/s": "0.1"},
 }
@@ -328,6 +339,7 @@ _UNITS = {
     "force": (Unit("MN", 1e6), Unit("kN", 1e3), Unit("N", 1.0)),
     "line load": (Unit("MN/m", 1e6), Unit("kN/m", 1e3), Unit("N/m", 1.0)),
     "viscosity": (Unit("Pa s", 1.0), Unit("mPa s", 1e-3), Unit("µPa s", 1e-6)),
+    "pressure-viscosity coefficient": (Unit("1/GPa", 1e-9),),
     "throughput": (Unit("mbar l/s", 0.1),),
     "mass flow": (Unit("g/h", 1e-3 / 3600),),
     "angle": (Unit("°", math.pi / 180),),
@@ -371,7 +383,8 @@ def unit_for(kind: str, value: float) -> Unit:
     Parameters
     ----------
     kind : str
-        "length", "contact pressure", "fluid pressure", "flow", "force", "line load", "viscosity", "throughput",
+        "length", "contact pressure", "fluid pressure", "flow", "force", "line load", "viscosity",
+        "pressure-viscosity coefficient", "throughput",
         "mass flow", "angle", "temperature", "volume" or "time".
     value : float
         Usually the largest of those shown together.
@@ -541,9 +554,11 @@ _SI_UNITS = {
     "_kg_per_s": "kg/s",
     "_per_m3": "1/m^3",
     "_N_per_m": "N/m",
+    "_Pa_s": "Pa s",
     "_Pa": "Pa",
     "_N": "N",
     "_rad": "rad",
+    "_K": "K",
     "_m": "m",
 }
 
@@ -572,6 +587,7 @@ _KINDS = {
     "Pa": "contact pressure",
     "N": "force",
     "Pa s": "viscosity",
+    "1/Pa": "pressure-viscosity coefficient",
     "m^3/s": "flow",
     "Pa m^3/s": "throughput",
     "kg/s": "mass flow",

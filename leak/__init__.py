@@ -47,6 +47,7 @@ from leak.flow.conductivity import (
 from leak.flow.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
 from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
 from leak.flow.groove_section import EllipticGroove, GrooveSection, SinusoidalGroove
+from leak.flow.inertia import GasInertia, gas_inertia
 from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
 from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
 from leak.flow.memory import LoadMemory
@@ -74,7 +75,17 @@ from leak.flow.scratch import (
 from leak.fluids.contamination import Concentration, ParticleCounts
 from leak.fluids.find import gas, is_gas, is_liquid, liquid
 from leak.fluids.library import FLUIDS, GASES
+from leak.fluids.pressure_law import (
+    Barus,
+    FlowPotential,
+    PressureLaw,
+    PressureTable,
+    Roelands,
+    Tait,
+    effective_viscosity_ratio,
+)
 from leak.fluids.properties import Gas, Liquid
+from leak.fluids.real_gas import GasPotential, RealGas, real_gas_flow_ratio
 from leak.standards import (
     LeakageClass,
     LeakageLimit,
@@ -116,6 +127,7 @@ __all__ = [
     "AreaFractions",
     "AroundFlow",
     "AroundGasFlow",
+    "Barus",
     "Clogging",
     "Concentration",
     "Conductivity",
@@ -130,12 +142,15 @@ __all__ = [
     "ExponentialLaw",
     "Finish",
     "FinishedSurface",
+    "FlowPotential",
     "FluidError",
     "GapDistribution",
     "Gas",
     "GasConductivity",
     "GasConductivityTable",
+    "GasInertia",
     "GasLeakResult",
+    "GasPotential",
     "GaussianLine",
     "Groove",
     "GrooveSection",
@@ -155,10 +170,14 @@ __all__ = [
     "ParticleCounts",
     "Paths",
     "PowerSpectrum",
+    "PressureLaw",
+    "PressureTable",
     "Process",
     "ProfileError",
     "ProfileFilter",
+    "RealGas",
     "RemembersLoad",
+    "Roelands",
     "RoughContact",
     "RoughSurfaceLaw",
     "RoughnessParameters",
@@ -173,6 +192,7 @@ __all__ = [
     "StretchedRoughness",
     "SurfaceError",
     "TabulatedLaw",
+    "Tait",
     "anisotropic_medium",
     "area_fractions",
     "around_flow",
@@ -185,10 +205,12 @@ __all__ = [
     "direct",
     "drops_per_minute",
     "effective_medium",
+    "effective_viscosity_ratio",
     "expected_roughness",
     "gas",
     "gas_around_flow",
     "gas_conductivity_table",
+    "gas_inertia",
     "gas_leak_flow",
     "gas_scratch_flow",
     "gaussian_line",
@@ -215,6 +237,7 @@ __all__ = [
     "rarefied_conductivity",
     "read_topographies",
     "read_topography",
+    "real_gas_flow_ratio",
     "relative_contact_area",
     "remaining_fraction",
     "roughness_parameters",

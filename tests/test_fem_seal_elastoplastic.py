@@ -22,9 +22,10 @@ from fem_seal.bodies.plastic_flow import PlasticState, radial_return
 from fem_seal.case.case import load_case
 from fem_seal.contact.imprint import Imprint
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.load_path import LoadPath, PathLoad, load_path
+from fem_seal.contact.load_path import LoadPath, load_path
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.yielding import yielded_zone
 from fem_seal.errors import ConvergenceError, InputError
@@ -197,7 +198,7 @@ def test_a_body_without_curve_does_not_yield() -> None:
 def test_below_the_yield_stress_the_result_is_the_elastic_one(law: Law) -> None:
     """Both bodies as yielding ones that never yield, under fluid on all surfaces and with a fixed, moved wall."""
     model, force = seal(law, 2e6, closure=STRONG, seat=STRONG, supports=Supports(wall="fixed"))
-    fluid = FurtherLoads.of_fluid(2e6, 1e5, np.full(len(model.line.x), 5e5), interference=2e-6)
+    fluid = FurtherLoads.of_fluid(2e6, 1e5, np.full(len(model.line.x), 5e5), FurtherLoads.press_fit(2e-6))
     elastic = solve(model, law, axial_force=force, loads=fluid)
     fit = FurtherLoads.press_fit(2e-6)
     path = load_path(model, law, [PathLoad(force, fluid)], at_rest=fit, settings=PlasticSettings(steps=1))
@@ -340,7 +341,7 @@ def test_steps_are_halved_before_giving_up() -> None:
         ConvergenceError, match=r"load step from .* N to .* N .*out of balance by .*lower the load"
     ) as caught:
         load_path(model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1))
-    assert [contact.axial_force for contact in caught.value.partial] == [0.02 * force]
+    assert [contact.axial_force for contact in caught.value.partial.contacts] == [0.02 * force]
     path = load_path(
         model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1), partial=True
     )

@@ -1,5 +1,6 @@
 """A drawing's finish in the case file: keys, words, changes, interval."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
@@ -8,8 +9,13 @@ import numpy as np
 import pytest
 
 import fem_seal
+from fem_seal.analysis.problem import SealProblem
+from fem_seal.analysis.profile_file import ImportedProfile
+from fem_seal.analysis.profile_leak import leak_of_profiles
 from fem_seal.case.finish import ProcessName, read_finish
 from fem_seal.output.finish import finish_numbers, finish_rows
+from fem_seal.output.report.words import facts, headline, leakage_lines
+from fem_seal.units import leak_range_text
 from leak.surfaces.finish import PROCESSES
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"
@@ -128,6 +134,42 @@ def test_an_interval_comes_without_being_asked_for(solved):
     assert interval.runs <= 40
     # what the ends are uncertain by themselves
     assert interval.error < 0.25
+
+
+def test_the_widest_interval_leads_on_terminal_and_in_report(solved):
+    load, ends = solved.loads[0], solved.leak_ranges[0]
+    first, held, usual, _ = leakage_lines(solved.case, load, solved.loads, ends)
+    assert f": {leak_range_text(ends, 2)} = " in first
+    assert leak_range_text(ends, 2) in headline(solved)
+    assert "90 % of the samples" in held and "both readings" in held
+    assert held.strip() in headline(solved)
+    assert leak_range_text((load.leak.leak_rate, load.leak_capped.leak_rate), 2) in usual
+    # in ml/min and in drops the ends are in the same ratio
+    for part in first.split(": ", 1)[1].split(" = ")[:2]:
+        low, high = (float(one) for one in re.findall(r"(\d+\.?\d*) to (\d+\.?\d*) ", part)[0])
+        assert high / low == pytest.approx(ends[1] / ends[0], rel=0.11)  # two digits each
+
+
+def test_the_report_shows_the_widest_interval_first_and_in_its_other_units(solved):
+    load, ends = solved.highest, solved.leak_ranges[solved.loads.index(solved.highest)]
+    tiles = facts(solved)
+    assert [one.name for one in tiles[:3]] == [
+        "90 % interval of the leak rate",
+        "In other units",
+        "Leak rate, usual finish",
+    ]
+    assert tiles[0].value == leak_range_text(ends)
+    first = leakage_lines(solved.case, load, solved.loads, ends)[0]
+    assert tiles[1].value in first and tiles[1].remark in first
+    assert tiles[2].value == leak_range_text((load.leak.leak_rate, load.leak_capped.leak_rate))
+
+
+def test_given_profiles_say_that_they_know_the_usual_surface_only(solved):
+    problem = SealProblem.of(solved.case)
+    found = solved.loads[0].contact.profile
+    profile = ImportedProfile(found.x, found.pressure, None, None)
+    (load,) = leak_of_profiles(problem, [profile])
+    assert "usual surface alone" in load.validity.reasons[0]
 
 
 def test_coarse_ratios_are_those_of_complete_samples(solved):

@@ -175,7 +175,13 @@ def test_coupled_flow_is_that_of_leak():
     profile, p = load.contact.profile, load.fluid_pressure
     sigma = result.surface.conductivity_table(1e-3, 1e9).at(result.case.fluid.viscosity)
     direct = leak.coupled_leak_flow(
-        profile.x, profile.pressure, sigma, p, profile.radius, pressure_side="inner"
+        profile.x,
+        profile.pressure,
+        sigma,
+        p,
+        profile.radius,
+        pressure_side="inner",
+        pressure_law=result.case.fluid.pressure_law,
     )
     assert load.leak.leak_rate == pytest.approx(direct.leak_rate, rel=1e-4)
     alone = leak.leak_rate(profile.x, profile.pressure, sigma, p, profile.radius)

@@ -147,3 +147,126 @@ def test_summary_and_report_hold_units_and_class():
 def test_the_viscosity_of_a_gas_is_no_factor_of_its_leak():
     with pytest.raises(InputError, match="only for a liquid"):
         case(fluid={"name": "helium"}, uncertainty={"viscosity": {"relative": 0.1}})
+
+
+# -------------------------------------------------------------------- liquids that thicken
+
+# the fluid lifts the ball with 113 kN
+THICK = {"load": {"fluid_pressure": ["1800 bar"], "axial_force": "118 kN", "pressure_side": "inner"}}
+
+
+def leak_of(**fluid):
+    """Leak and warnings of a liquid at 1800 bar."""
+    result = fem_seal.run(case(fluid=fluid, **THICK), levers=False)
+    (load,) = result.loads
+    return load, " ".join(result.warnings)
+
+
+def test_thickening_divides_the_leak_rate_by_its_mean():
+    own = {"name": "our oil", "viscosity": "3 mPa s"}
+    plain, said = leak_of(**own)
+    barus, _ = leak_of(**own, pressure_viscosity="10 1/GPa")
+    roelands, _ = leak_of(**own, roelands_z=0.67)
+    assert "viscosity of our oil under 1800 bar is not known" in said
+    x = 10e-9 * 1.8e8
+    assert barus.leak.leak_rate / plain.leak.leak_rate == pytest.approx(-math.expm1(-x) / x, rel=1e-9)
+    law = leak.Roelands(0.67, 3e-3)
+    assert plain.leak.leak_rate / roelands.leak.leak_rate == pytest.approx(
+        leak.effective_viscosity_ratio(law, 1.8e8), rel=1e-9
+    )
+    # the factors that the warning names enclose what such oils do
+    low, high = (float(one) for one in said.split("in truth ")[1].split(" times")[0].split(" to "))
+    assert low < barus.leak.leak_rate / plain.leak.leak_rate < high
+
+
+def test_diesel_of_the_library():
+    load, said = leak_of(name="diesel")
+    diesel = leak.liquid("diesel")
+    assert load.effective_viscosity / diesel.viscosity == pytest.approx(2.53, abs=0.01)
+    # what leaks has expanded to atmospheric pressure
+    assert load.leak.mass_flow == pytest.approx(load.leak.leak_rate * diesel.density, rel=1e-12)
+    assert "thicken" not in said
+
+
+def test_own_viscosity_of_a_library_liquid_keeps_its_law():
+    thin, thick = (case(fluid={"name": "diesel", "viscosity": text}).fluid for text in ("2 mPa s", "4 mPa s"))
+    assert thin.pressure_law.coefficient < thick.pressure_law.coefficient
+    assert case(fluid={"name": "diesel", "pressure_viscosity": "0 1/GPa"}).fluid.pressure_law.viscosity_ratio(
+        1e8
+    ) == pytest.approx(1.0)
+    assert case(fluid={"name": "diesel", "viscosity": "0.01 mPa s"}).fluid.pressure_law is not None
+
+
+@pytest.mark.parametrize(
+    ("fluid", "said"),
+    [
+        ({"name": "helium", "pressure_viscosity": "20 1/GPa"}, "only for a liquid.*CoolProp"),
+        ({"viscosity": "1 mPa s", "pressure_viscosity": "20 1/GPa", "roelands_z": 0.6}, "remove one of them"),
+        ({"viscosity": "0.05 mPa s", "roelands_z": 0.6}, "as thin as 0.05 mPa s"),
+        ({"viscosity": "1 mPa s", "pressure_viscosity": "20 GPa"}, 'such as "20 1/GPa"'),
+        ({"viscosity": "1 mPa s", "pressure_viscosity": "-1 1/GPa"}, "out of range"),
+    ],
+)
+def test_keys_of_thickening_that_make_no_sense(fluid, said):
+    with pytest.raises(InputError, match=said):
+        case(fluid=fluid)
+
+
+def test_fluid_opens_less_where_it_is_thick_next_to_the_inlet():
+    """The high pressure gets less far: of a penetrated contact the leak falls by more than the mean viscosity."""
+    settings = {"load": {"fluid_pressure": ["300 bar"], "axial_force": "3 kN", "closing": "penetration"}}
+    plain, thick = (
+        fem_seal.run(
+            case(fluid={"viscosity": "3 mPa s", "pressure_viscosity": f"{alpha} 1/GPa"}, **settings),
+            levers=False,
+        ).loads[0]
+        for alpha in (0, 60)
+    )
+    before, after = (
+        np.trapezoid(load.leak.fluid_pressure, load.contact.profile.x) for load in (plain, thick)
+    )
+    assert after < before
+    ratio = leak.effective_viscosity_ratio(leak.Barus(60e-9), 3e7)
+    assert thick.leak.leak_rate < plain.leak.leak_rate / ratio
+
+
+# -------------------------------------------------------------------- gases at high pressure
+
+DENSE = {"load": {"fluid_pressure": ["700 bar"], "axial_force": "46 kN", "pressure_side": "inner"}}
+
+
+def test_dense_gas_says_how_much_and_names_the_real_gas():
+    warnings = " ".join(fem_seal.run(case(fluid={"name": "hydrogen"}, **DENSE), levers=False).warnings)
+    assert "hydrogen at 701 bar is not a dilute ideal gas" in warnings
+    assert "about 0.69 times as much leaks" in warnings
+    assert '[fluid] name = "CoolProp:Hydrogen" calculates with the real gas' in warnings
+
+
+def test_real_hydrogen_leaks_less():
+    pytest.importorskip("CoolProp")
+    ideal, real = (
+        fem_seal.run(case(fluid={"name": name}, **DENSE), levers=False)
+        for name in ("hydrogen", "CoolProp:Hydrogen")
+    )
+    assert not any("dilute" in text or "extrapolated" in text for text in real.warnings)
+    ratio = real.loads[0].leak.mass_flow / ideal.loads[0].leak.mass_flow
+    # the viscosities of both libraries differ by up to 2 %, and slip adds a little
+    assert ratio == pytest.approx(0.680, rel=0.04)
+
+
+def test_a_gas_that_is_liquid_at_the_inlet_is_outside_the_theory():
+    pytest.importorskip("CoolProp")
+    result = fem_seal.run(case(fluid={"name": "CoolProp:CarbonDioxide"}, **DENSE), levers=False)
+    assert result.loads[0].validity.outside
+    assert any("condenses at 57.29 bar" in text for text in result.warnings)
+
+
+def test_gas_through_a_wide_gap_chokes():
+    """Of a lightly loaded rough seat: what viscous flow says is more than sound allows."""
+    rough = {"spectrum": {"kind": "self-affine", "rms_height": "20 um", "hurst": 0.8,
+             "q_low": "1e3 1/m", "q_rolloff": "1e4 1/m", "q_high": "1e6 1/m"}}  # fmt: skip
+    load = {"fluid_pressure": ["20 bar"], "axial_force": "1.5 kN", "pressure_side": "inner"}
+    result = fem_seal.run(case(fluid={"name": "nitrogen"}, roughness=rough, load=load), levers=False)
+    (said,) = (text for text in result.warnings if "Mach number" in text)
+    assert "it chokes" in said and "less leaks" in said
+    assert not any("Mach" in text for text in helium_result().warnings)

@@ -52,8 +52,8 @@ def example(folder: Path, load: str) -> Path:
 # ---------------------------------------------------------------- loads without a contact
 
 
-def test_open_and_overstrained_loads_are_left_out_and_the_others_are_as_if_they_had_never_been():
-    mixed = seal(["10 bar", "20 bar", "15 bar", "10 bar"], ["1 kN", "1 kN", "1 kN", "10 MN"])
+def test_open_and_crushing_loads_are_left_out_and_the_others_are_as_if_they_had_never_been():
+    mixed = seal(["10 bar", "20 bar", "15 bar", "10 bar"], ["1 kN", "1 kN", "1 kN", "100 MN"])
     result = fem_seal.run(mixed)
     table = result.table
     assert table.fluid_pressure_Pa.tolist() == [10e5, 15e5]
@@ -61,13 +61,15 @@ def test_open_and_overstrained_loads_are_left_out_and_the_others_are_as_if_they_
     np.testing.assert_allclose(table.leak_rate_m3_per_s, alone.leak_rate_m3_per_s, rtol=1e-9)
     opened, strained = (text for text in result.warnings if "left out" in text)
     assert "the seal is open at a fluid pressure of 20 bar" in opened and "above 1256.64 N" in opened
-    assert strained.startswith("at 10 bar with 1e+07 N: a contact force of") and "small strains" in strained
+    assert (
+        strained.startswith("at 10 bar with 1e+08 N: a contact force of") and "effective modulus" in strained
+    )
     assert [load.hertz is None for load in derive(mixed).loads] == [False, True, False, True]
 
 
 @pytest.mark.parametrize("closing", ["sealed-area", "penetration"])
 def test_the_same_loads_are_left_out_with_every_closing_mode(closing):
-    mixed = seal(["5 bar", "20 bar", "10 bar"], ["1 kN", "0 N", "10 MN"], closing=closing)
+    mixed = seal(["5 bar", "20 bar", "10 bar"], ["1 kN", "0 N", "100 MN"], closing=closing)
     assert sorted(problem.kind for problem in refused_loads(mixed).values()) == ["open", "strain"]
     result = fem_seal.run(mixed)
     assert result.table.fluid_pressure_Pa.tolist() == [5e5]
@@ -121,11 +123,11 @@ def test_a_path_ends_before_a_load_whose_traces_are_not_known():
     path = case(
         seat=cone(yielding),
         load={
-            "fluid_pressure": ["5 bar", "100 bar", "20 kbar", "10 bar"],
+            "fluid_pressure": ["5 bar", "100 bar", "60 kbar", "10 bar"],
             "axial_force": ["0 N", "-1 MN", "0 N", "0 N"],
         },
     )
-    # an open seal leaves no traces, what is outside the theory does
+    # an open seal leaves no traces, what crushes the face does
     assert {n: problem.kind for n, problem in refused_loads(path).items()} == {
         1: "open",
         2: "strain",

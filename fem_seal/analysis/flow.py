@@ -23,9 +23,11 @@ from leak import (
     Groove,
     LeakBounds,
     LeakResult,
+    PressureLaw,
     RoughContact,
     around_flow,
     coupled_leak_flow,
+    effective_viscosity_ratio,
     gas_around_flow,
     gas_conductivity_table,
     gas_leak_flow,
@@ -65,7 +67,7 @@ class Flow:
     fluid : str
         Its name.
     viscosity : float
-        [Pa s]
+        Of a liquid at atmospheric pressure [Pa s].
     density : float or None
         Of a gas at 101325 Pa [kg/m^3]; None if unknown.
     gas : Gas or None
@@ -83,6 +85,8 @@ class Flow:
         Of the simulation, with conductivity "direct".
     end : {-1, 0, 1}
         Of the interval that a simulation gives.
+    pressure_law : PressureLaw or None
+        How a liquid thickens and is compressed; None where nothing is known of it.
     """
 
     fluid: str
@@ -95,6 +99,19 @@ class Flow:
     pressure_side: PressureSide = "outer"
     direct: DirectSettings | None = None
     end: int = 0
+    pressure_law: PressureLaw | None = None
+
+    def effective_viscosity(self, fluid_pressure: float) -> float | None:
+        """Of a liquid: the viscosity of one that does not thicken and leaks as much [Pa s]; None for a gas.
+
+        Parameters
+        ----------
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        if self.gas is not None:
+            return None
+        return self.viscosity * effective_viscosity_ratio(self.pressure_law, fluid_pressure)
 
     @property
     def simulated(self) -> DirectSettings | None:
@@ -199,7 +216,14 @@ class Flow:
             if self.fluid_in_gap == "local":
                 assert largest is None  # the case's own checks refuse it
                 found: LeakResult = coupled_leak_flow(
-                    x, pressure, sigma, fluid_pressure, radius, pressure_side=side, ends=ends
+                    x,
+                    pressure,
+                    sigma,
+                    fluid_pressure,
+                    radius,
+                    pressure_side=side,
+                    ends=ends,
+                    pressure_law=self.pressure_law,
                 )
             else:
                 found = leak_flow(
@@ -211,6 +235,7 @@ class Flow:
                     pressure_side=side,
                     ends=ends,
                     largest_pressure=largest,
+                    pressure_law=self.pressure_law,
                 )
             return found.with_density(self.density)
         gas, outlet = self.gas, self.outlet_pressure
@@ -264,6 +289,7 @@ class Flow:
                 pressure_side=side,
                 ends=ends,
                 largest_pressure=profile.largest,
+                pressure_law=self.pressure_law,
             )
             return replace(found, upper=found.upper.with_density(self.density))
         assert self.gas is not None  # the table is one of a gas
@@ -306,6 +332,7 @@ class Flow:
         side = self.pressure_side
         if isinstance(table, ConductivityTable):
             sigma = table.at(self.viscosity).at_log_pressure(log_pressure)
+            # psi of a liquid that thickens obeys the same equation: it changes no share
             found = around_flow(profile.x, profile.radius, sigma, fluid_pressure, pressure_side=side)
             return found.leak_rate / found.radial_leak_rate - 1.0
         assert self.gas is not None  # the table is one of a gas

@@ -237,6 +237,12 @@ class LoadResult(Lazy):
         ends = self.leak_ends
         return None if ends is None else (ends[0].leak_rate, ends[1].leak_rate)
 
+    @property
+    def effective_viscosity(self) -> float | None:
+        """Constant viscosity of a liquid that leaks as much [Pa s]; None without roughness, and for a gas."""
+        flow = None if self.rough is None else self.rough.flow
+        return None if flow is None else flow.effective_viscosity(self.fluid_pressure)
+
     @cached_property
     def critical_separation(self) -> float | None:
         """u_c at the peak pressure [m]; None without roughness."""
@@ -273,6 +279,18 @@ class LoadResult(Lazy):
     def max_von_mises_at(self) -> tuple[str, float, float]:
         """Name of the body and place (r, z) [m] of `max_von_mises`."""
         return self.largest_stress[1]
+
+    @property
+    def contact_temperature(self) -> float | None:
+        """Mean temperature of both faces where they press on each other [K]; None where it is not given."""
+        contact = self.contact
+        model = contact.model
+        faces = [
+            contact.loads.face_temperature(body, contact.pressure, model)
+            for body in (model.closure, model.seat)
+        ]
+        known = [one for one in faces if one is not None]
+        return sum(known) / 2 if len(known) == 2 else None
 
     @property
     def gap_pressure(self) -> NDArray[np.float64] | None:

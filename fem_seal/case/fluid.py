@@ -8,15 +8,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import ConfigDict, Field, model_validator
 
 from fem_seal.case.fields import Number, Numbers, OneOrMany, Quantity, Table, shown
-from fem_seal.errors import QuantityError
+from fem_seal.errors import InputError, Problem, QuantityError
 from fem_seal.units import parse_quantity
 
 if TYPE_CHECKING:
-    from leak import Gas, Liquid, ParticleCounts
+    from leak import Gas, Liquid, ParticleCounts, PressureLaw
 
 _COOLPROP = "CoolProp:"
 _ATMOSPHERE = 101325.0
 _ROOM_TEMPERATURE = 293.15
+# Above this pressure an exponential says too much of most liquids.
+_BARUS_HOLDS = 1e8
+# Roelands' law says nothing of thinner liquids [Pa s].
+_LEAST_OF_ROELANDS = 1e-4
 
 
 class Particles(Table):
@@ -88,7 +92,21 @@ class Fluid(Table):
         json_schema_extra={"default": "20 degC"},
     )
     viscosity: Annotated[float, Quantity("viscosity", "1e-4 mPa s", "1e6 Pa s")] = Field(
-        description="dynamic viscosity; taken from the library unless given", examples=["1 mPa s"]
+        description="dynamic viscosity, of a liquid at atmospheric pressure; taken from the library unless given",
+        examples=["1 mPa s"],
+    )
+    pressure_viscosity: (
+        Annotated[float, Quantity("pressure-viscosity coefficient", "0 1/GPa", "100 1/GPa")] | None
+    ) = Field(
+        None,
+        description="of a liquid that thickens under pressure: alpha of Barus' law, viscosity times exp(alpha p); the "
+        "library's own law unless given; see guide/fluids in the manual",
+        examples=["20 1/GPa"],
+    )
+    roelands_z: Annotated[float, Number(0, 2, exclusive_low=True)] | None = Field(
+        None,
+        description="instead: exponent Z of Roelands' law, which bends less than Barus' above some 500 bar",
+        examples=[0.67],
     )
     outlet_pressure: Annotated[float, Quantity("pressure", "0 Pa", "10 GPa")] | None = Field(
         None,
@@ -121,6 +139,24 @@ class Fluid(Table):
         """The entry of the library with this name at this temperature, None for a fluid of the user's own."""
         return _entry(self.name, self.temperature)
 
+    def at(self, temperature: float) -> Fluid:
+        """The same fluid at another temperature; a viscosity of the user's own stays.
+
+        Raises
+        ------
+        InputError
+            If its properties are not known there.
+        """
+        before = self.library_entry
+        try:
+            entry = _entry(self.name, temperature)
+        except ValueError as error:
+            raise InputError(Problem("fluid.temperature", f"in the film, {error}")) from None
+        update: dict[str, float] = {"temperature": temperature}
+        if before is not None and entry is not None and before.viscosity == self.viscosity:
+            update["viscosity"] = entry.viscosity
+        return self.model_copy(update=update)
+
     @property
     def gas(self) -> Gas | None:
         """The gas with the case's viscosity; None for a liquid."""
@@ -130,6 +166,25 @@ class Fluid(Table):
 
         entry = self.library_entry
         return replace(entry, viscosity=self.viscosity) if isinstance(entry, Gas) else None
+
+    @property
+    def pressure_law(self) -> PressureLaw | None:
+        """Viscosity and density over pressure, the case's own before the library's; None where nothing is known."""
+        from dataclasses import replace
+
+        from leak import Barus, Liquid, Roelands
+
+        entry = self.library_entry
+        known = entry.pressure_law if isinstance(entry, Liquid) else None
+        compression = known.compression if isinstance(known, Barus | Roelands) else None
+        if self.pressure_viscosity is not None:
+            return Barus(self.pressure_viscosity, compression, _BARUS_HOLDS)
+        if self.roelands_z is not None and self.viscosity > _LEAST_OF_ROELANDS:
+            return Roelands(self.roelands_z, self.viscosity, compression)
+        if isinstance(known, Roelands) and self.viscosity > _LEAST_OF_ROELANDS:
+            # a thicker oil thickens more
+            return replace(known, viscosity=self.viscosity)
+        return known
 
     @property
     def density(self) -> float | None:

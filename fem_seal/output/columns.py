@@ -256,7 +256,8 @@ COLUMNS = {
         Column(
             "leak_rate_m3_per_s",
             "flow",
-            "volume per time through the whole circumference; of a gas the volume at 101325 Pa and its temperature",
+            "volume per time through the whole circumference; of a liquid at atmospheric pressure, of a gas at "
+            "101325 Pa and its temperature",
             lambda row: _rate(row.load.leak),
             heading="leak rate",
             short="leak rate",
@@ -525,6 +526,23 @@ COLUMNS = {
             short="capped",
             shown_in="N",
             unit_like="force_for_target_leak_N",
+        ),
+        Column(
+            "contact_temperature_K",
+            "temperature",
+            "with `[temperature]`: mean of both faces where they press on each other",
+            lambda row: row.load.contact_temperature,
+            heading="temperature of the contact",
+            needs=("temperature",),
+        ),
+        Column(
+            "effective_viscosity_Pa_s",
+            "viscosity",
+            "of a liquid: constant viscosity with which as much would leak, above that at atmospheric pressure where "
+            "the liquid thickens",
+            lambda row: row.load.effective_viscosity,
+            title="effective viscosity",
+            needs=_FLOW,
         ),
         Column(
             "margin",

@@ -14,6 +14,8 @@ from leak.fluids.names import ROOM_TEMPERATURE, known_name
 ONE_CONDITION = (
     "Hardness and yield strength are those of one condition; another heat treatment or temper changes them."
 )
+# Pressure at which a listing shows how a liquid thickens [Pa].
+_HIGH = 1e8
 CREEPS = "creeps: contact and closing force change with time, results are those of a short time"
 
 # Of a table of numbers: key in the rows, heading, factor to the unit of the heading, significant digits.
@@ -90,6 +92,7 @@ def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any
         "temperature_K": temperature,
         "viscosity_Pa_s": None,
         "density_kg_per_m3": None,
+        "viscosity_at_1000_bar_Pa_s": None,
         "molar_mass_kg_per_mol": None,
         "dilute_up_to_Pa": None,
         "from_K": entry.low,
@@ -108,6 +111,9 @@ def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any
         else:
             found = liquid(known, temperature)
             row |= {"viscosity_Pa_s": found.viscosity, "density_kg_per_m3": found.density}
+            if found.pressure_law is not None:
+                ratio = float(found.pressure_law.viscosity_ratio(_HIGH))
+                row |= {"viscosity_at_1000_bar_Pa_s": ratio * found.viscosity}
     return row
 
 
@@ -217,6 +223,10 @@ def fluid_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield "viscosity", f"not known{at}"
     else:
         yield "viscosity", f"{shown(row['viscosity_Pa_s'], 1e3)} mPa s{at}"
+    if row["viscosity_at_1000_bar_Pa_s"] is not None:
+        yield "at 1000 bar", f"{shown(row['viscosity_at_1000_bar_Pa_s'], 1e3, 3)} mPa s"
+    elif row["state"] == "liquid" and row["viscosity_Pa_s"] is not None:
+        yield "at 1000 bar", "not known"
     if row["density_kg_per_m3"] is not None:
         yield "density", f"{shown(row['density_kg_per_m3'])} kg/m3{at}"
     if row["state"] == "gas":

@@ -15,7 +15,9 @@ from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import checked_profile, checked_side
 from leak.flow.gas_flow import checked_outlet
 from leak.flow.rarefied import flow_factor
+from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
+from leak.fluids.real_gas import GasPotential
 
 # Of the conductance with free flow around: more is no resistance.
 _MOST = 1e9
@@ -48,7 +50,7 @@ class AroundFlow:
     """
 
     leak_rate: float
-    """Q [m^3/s]; zero where the contact is sealed all around."""
+    """Q at atmospheric pressure [m^3/s]; zero where the contact is sealed all around."""
     inlet_flow: FloatArray
     """Across the edge on the high-pressure side, per angle, shape (k,) [m^3/(s rad)]."""
     outlet_flow: FloatArray
@@ -107,6 +109,7 @@ def around_flow(
     pressure_drop: float,
     *,
     pressure_side: str = "outer",
+    pressure_law: PressureLaw | None = None,
 ) -> AroundFlow:
     """Solve the Reynolds equation div(sigma grad p_f) = 0 on the ring for a liquid.
 
@@ -124,6 +127,8 @@ def around_flow(
         Delta P [Pa].
     pressure_side : {"outer", "inner"}
         Side of the high fluid pressure: larger or smaller x.
+    pressure_law : PressureLaw, optional
+        How the liquid thickens and is compressed, see `leak.leak_flow`: the equation is solved for its potential psi.
 
     Returns
     -------
@@ -157,10 +162,13 @@ def around_flow(
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
     checked_side(pressure_side)
     ring = _Ring(xs, rs, _checked_conductivity(conductivity, xs.size))
-    first, last = (0.0, drop) if pressure_side == "outer" else (drop, 0.0)
+    potential = FlowPotential(pressure_law, drop)
+    whole = float(potential(drop))
+    first, last = (0.0, whole) if pressure_side == "outer" else (whole, 0.0)
     found = ring.solved(first, last)
     edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
-    return AroundFlow(found.flow, edges[0], edges[1], ring.radial * drop, found.potential)
+    pressure = potential.pressure(found.potential)
+    return AroundFlow(found.flow, edges[0], edges[1], ring.radial * whole, pressure)
 
 
 def gas_around_flow(
@@ -173,7 +181,7 @@ def gas_around_flow(
     *,
     pressure_side: str = "outer",
 ) -> AroundGasFlow:
-    """Mass flow of a gas, div(rho sigma grad p_f) = 0 with rho = p_f/(R_s T), isothermal.
+    """Mass flow of a gas, div(rho sigma grad p_f) = 0 with rho = p_f/(R_s T) or that of a real gas, isothermal.
 
     Parameters
     ----------
@@ -182,7 +190,7 @@ def gas_around_flow(
     conductivity : callable or array_like
         sigma_eff of the rarefied gas, shape (m, k), at its absolute pressures p_f; falls with p_f no faster than 1/p_f.
         It is asked with p_f of shape (m, 1), the same all around, to learn k, and of shape (m, k). An array is a gas
-        without slip.
+        without slip. Of a real gas at the viscosity of the dilute one.
     gas : Gas
     inlet_pressure, outlet_pressure : float
         Absolute; the outlet may be a vacuum [Pa].
@@ -200,7 +208,8 @@ def gas_around_flow(
     -----
     rho sigma grad p_f = sigma grad(p_f^2)/(2 R_s T): without slip linear in p_f^2, and as exact as `around_flow`. With
     slip sigma is taken at the last p_f, over and over, half of the change at a time; `radial_flow` likewise, with a gas
-    pressure of its own. In a vacuum, where sigma is infinite, its value at 1 mPa is used.
+    pressure of its own. Of a real gas w/2 of `GasPotential` takes the place of
+    p_f^2/2. In a vacuum, where sigma is infinite, its value at 1 mPa is used.
 
     Examples
     --------
@@ -217,15 +226,16 @@ def gas_around_flow(
     checked_side(pressure_side)
     low, high = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
     per_density = gas.specific_gas_constant * gas.temperature
-    across = _gas_state(xs, rs, conductivity, low, high, around=False)
-    found = _gas_state(xs, rs, conductivity, low, high, around=True)
+    of = GasPotential(gas.real, p_in)
+    across = _gas_state(xs, rs, conductivity, (low, high), of, around=False)
+    found = _gas_state(xs, rs, conductivity, (low, high), of, around=True)
     edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
     return AroundGasFlow(
         found.flow / per_density,
         edges[0] / per_density,
         edges[1] / per_density,
         0.5 * (across.first + across.last) / per_density,
-        np.sqrt(np.maximum(2.0 * found.potential, 0.0)),
+        of.pressure(2.0 * found.potential),
     )
 
 
@@ -264,7 +274,7 @@ def rarefied_conductivity(
     flight = gas.viscosity * gas.molecular_speed
 
     def sigma(pressure: FloatArray) -> FloatArray:
-        D = np.maximum(np.maximum(pressure, _VACUUM) * gap / flight, 1e-100)
+        D = np.maximum(gas.flow_pressure(np.maximum(pressure, _VACUUM)) * gap / flight, 1e-100)
         R = table.rarefaction(contact, np.log(D))
         return np.asarray(gap**3 * flow_factor(D) * R / (12.0 * gas.viscosity))
 
@@ -275,24 +285,25 @@ def _gas_state(
     x: FloatArray,
     radius: FloatArray,
     conductivity: ArrayLike | GasConductivityField,
-    first: float,
-    last: float,
+    ends: tuple[float, float],
+    of: GasPotential,
     *,
     around: bool,
 ) -> _Solved:
-    """Solution in the potential p_f^2/2, with or without links around the contact."""
+    """Solution in the potential w/2, p_f^2/2 of an ideal gas, with or without links around the contact."""
+    first, last = (0.5 * float(of(end)) for end in ends)
     if not callable(conductivity):
         ring = _Ring(x, radius, _checked_conductivity(conductivity, x.size), around)
-        return ring.solved(0.5 * first**2, 0.5 * last**2)
+        return ring.solved(first, last)
     known = np.linspace(0.0, 1.0, x.size)[:, None]
-    columns = np.asarray(conductivity(np.full((x.size, 1), max(first, last)))).shape[-1]
-    pressure = np.sqrt(first**2 + (last**2 - first**2) * known) * np.ones(columns)
+    columns = np.asarray(conductivity(np.full((x.size, 1), max(ends)))).shape[-1]
+    pressure = of.pressure(2.0 * (first + (last - first) * known)) * np.ones(columns)
     before = np.inf
     for _ in range(_MOST_ITERATIONS):
         at = np.maximum(pressure, _VACUUM)
         ring = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), around)
-        found = ring.solved(0.5 * first**2, 0.5 * last**2)
-        new = np.sqrt(np.maximum(2.0 * found.potential, 0.0))
+        found = ring.solved(first, last)
+        new = of.pressure(2.0 * found.potential)
         if abs(found.flow - before) <= _CONVERGED * found.flow:
             return found
         before = found.flow

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, inf, log
 
 import numpy as np
@@ -14,6 +14,7 @@ from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
 from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile, checked_side
 from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure, leak_flow
+from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.numerics.curves import spline_slopes
 
 # The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
@@ -58,6 +59,7 @@ def coupled_leak_flow(
     *,
     pressure_side: str = "outer",
     ends: tuple[float | None, float | None] | None = None,
+    pressure_law: PressureLaw | None = None,
 ) -> CoupledLeakResult:
     """Leak rate with the fluid pressure taken off the load of the asperities, place by place.
 
@@ -67,7 +69,7 @@ def coupled_leak_flow(
 
     Parameters
     ----------
-    x, p, conductivity, pressure_drop, radius, pressure_side, ends
+    x, p, conductivity, pressure_drop, radius, pressure_side, ends, pressure_law
         See `leak.leak_flow`; p is the total nominal pressure, asperities and fluid together.
 
     Returns
@@ -93,6 +95,8 @@ def coupled_leak_flow(
     beyond it p_f = Delta P. Nothing is clipped. p_f at the lift-off point rises with Q up to the peak of p, so that Q
     exists, uniquely, for every Delta P below the peak: the blow-off pressure.
 
+    Of a liquid that thickens, psi(p_f) (`leak.FlowPotential`) is integrated in place of p_f.
+
     Examples
     --------
     A uniform contact, 4 MPa over 1 mm, sigma = B/p; in closed form Q = (2 pi r B/W) ln(p/(p - Delta P)):
@@ -110,7 +114,9 @@ def coupled_leak_flow(
     if pressure_side == "inner":
         # Everything below has its low side at small x.
         low, high = checked_ends(ends)
-        seen = coupled_leak_flow(-xs[::-1], ps[::-1], conductivity, drop, rs[::-1], ends=(-high, -low))
+        seen = coupled_leak_flow(
+            -xs[::-1], ps[::-1], conductivity, drop, rs[::-1], ends=(-high, -low), pressure_law=pressure_law
+        )
         lift = None if seen.lift_off_x is None else -seen.lift_off_x
         arrays = seen.fluid_pressure[::-1], seen.contact_pressure[::-1]
         return CoupledLeakResult(seen.leak_rate, seen.resistance, *arrays, lift, seen.blow_off_pressure)
@@ -124,14 +130,17 @@ def coupled_leak_flow(
     curve = ResistanceCurve.of(by_log_pressure(conductivity), float(log_p.max()))
     if blow_off - drop >= curve.sealing_pressure:
         # It drops over the sealed part, wherever in it: as without coupling.
-        fluid = leak_flow(xs, ps, conductivity, drop, rs, ends=ends).fluid_pressure
+        fluid = leak_flow(xs, ps, conductivity, drop, rs, ends=ends, pressure_law=pressure_law).fluid_pressure
         return CoupledLeakResult(0.0, float("inf"), fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
     # A step must end at the peak, or p_f could not rise to it.
     peak = float(fine[np.argmax(log_p)])
     path = _Path.over(profile, np.union1d(_first_steps(profile, fine, log_p, np.log(_CUT * drop), end), peak))
-    log_Q = _flow_for(drop, path, curve, curve.guess(drop, path.pressures, path.log_lengths), _ROUGH)
-    path = _Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak))
-    log_Q = _flow_for(drop, path, curve, log_Q, _CLOSE)
+    liquid = None if pressure_law is None else _Thickening.of(FlowPotential(pressure_law, blow_off))
+    path = replace(path, liquid=liquid)
+    whole = drop if pressure_law is None else float(FlowPotential(pressure_law, drop)(drop))
+    log_Q = _flow_for(whole, path, curve, curve.guess(whole, path.pressures, path.log_lengths), _ROUGH)
+    path = replace(_Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak)), liquid=liquid)
+    log_Q = _flow_for(whole, path, curve, log_Q, _CLOSE)
     fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
     with np.errstate(over="ignore"):
         Q, resistance = float(np.exp(log_Q)), float(np.exp(np.log(drop) - log_Q))
@@ -151,6 +160,8 @@ class _Path:
     """p at both stages of each step [Pa]."""
     log_lengths: list[tuple[float, float]]
     """ln(_STAGE h/(2 pi r)) at both stages."""
+    liquid: _Thickening | None = None
+    """None for a liquid that pressure does not change."""
 
     @classmethod
     def over(cls, profile: ContactProfile, x: FloatArray) -> _Path:
@@ -163,6 +174,15 @@ class _Path:
 
     def fluid_pressure(self, log_Q: float, curve: ResistanceCurve) -> tuple[FloatArray, FloatArray]:
         """p_f and ln(p - p_f) at the ends of the steps for one flow, shape (N + 1,) [Pa]."""
+        potential, left = self.potential(log_Q, curve)
+        if self.liquid is not None:
+            potential = [self.liquid.at(y)[0] for y in potential]
+        return np.array(potential), np.array(left)
+
+    def potential(self, log_Q: float, curve: ResistanceCurve) -> tuple[list[float], list[float]]:
+        """psi(p_f) [Pa], which is p_f of a liquid that does not thicken, and ln(p - p_f) at the ends of the steps."""
+        if self.liquid is not None:
+            return self._of_thickening(log_Q, curve, self.liquid)
         y = 0.0
         guess = curve.lowest
         out, left = [y], [guess]
@@ -174,7 +194,22 @@ class _Path:
             y += rise
             out.append(y)
             left.append(guess)
-        return np.array(out), np.array(left)
+        return out, left
+
+    def _of_thickening(
+        self, log_Q: float, curve: ResistanceCurve, liquid: _Thickening
+    ) -> tuple[list[float], list[float]]:
+        y, guess = 0.0, curve.lowest
+        out, left = [0.0], [guess]
+        weight = (1.0 - _STAGE) / _STAGE
+        for (p1, p2), (length1, length2) in zip(self.pressures, self.log_lengths, strict=True):
+            rise, guess = curve.rise_of_potential(p1, y, log_Q + length1, guess, liquid)
+            y += weight * rise
+            rise, guess = curve.rise_of_potential(p2, y, log_Q + length2, guess, liquid)
+            y += rise
+            out.append(y)
+            left.append(guess)
+        return out, left
 
 
 def _first_steps(
@@ -213,11 +248,11 @@ def _even(x: FloatArray, way: FloatArray, count: int) -> FloatArray:
     return np.interp(np.linspace(0.0, total[-1], count + 1), total, x)
 
 
-def _flow_for(drop: float, path: _Path, curve: ResistanceCurve, guess: float, tolerance: float) -> float:
-    """ln Q at which p_f reaches `drop` at the end of the path: secant steps, bisected where they leave the bracket."""
+def _flow_for(whole: float, path: _Path, curve: ResistanceCurve, guess: float, tolerance: float) -> float:
+    """ln Q at which psi(p_f) reaches `whole` at the end: secant steps, bisected where they leave the bracket."""
 
     def miss(log_Q: float) -> float:
-        return float(path.fluid_pressure(log_Q, curve)[0][-1]) / drop - 1.0
+        return path.potential(log_Q, curve)[0][-1] / whole - 1.0
 
     low, high = -np.inf, np.inf
     old, at = guess, miss(guess)
@@ -290,6 +325,52 @@ _NONE = 1e-200
 _NEWTON_STEPS = 60
 # Newton's error squares with each step.
 _NEWTON_CLOSE = 1e-8
+# Values of a liquid over pressure: the cubic between them is off by less than 1e-9 for thickening by e^10.
+_PRESSURES = 401
+
+
+@dataclass(frozen=True, eq=False)
+class _Thickening:
+    """p_f and psi of each other, number by number: cubic between values whose slopes are known."""
+
+    pressures: list[float]
+    potentials: list[float]
+    mobilities: list[float]
+    """dpsi/dp there."""
+
+    @classmethod
+    def of(cls, potential: FlowPotential) -> _Thickening:
+        p = np.linspace(0.0, potential.highest, _PRESSURES)
+        return cls(p.tolist(), potential(p).tolist(), potential.mobility(p).tolist())
+
+    def at(self, psi: float) -> tuple[float, float]:
+        """p_f and dp_f/dpsi; straight beyond the table."""
+        y = self.potentials
+        if psi <= 0.0:
+            return psi / self.mobilities[0], 1.0 / self.mobilities[0]
+        if psi >= y[-1]:
+            return self.pressures[-1] + (psi - y[-1]) / self.mobilities[-1], 1.0 / self.mobilities[-1]
+        k = bisect_right(y, psi) - 1
+        return _cubic(psi, y, self.pressures, 1.0 / self.mobilities[k], 1.0 / self.mobilities[k + 1], k)
+
+    def potential(self, pressure: float) -> float:
+        """psi at p_f."""
+        p = self.pressures
+        if not 0.0 < pressure < p[-1]:
+            end = 0 if pressure <= 0.0 else -1
+            return self.potentials[end] + (pressure - p[end]) * self.mobilities[end]
+        k = bisect_right(p, pressure) - 1
+        return _cubic(pressure, p, self.potentials, self.mobilities[k], self.mobilities[k + 1], k)[0]
+
+
+def _cubic(
+    at: float, x: list[float], y: list[float], first: float, last: float, k: int
+) -> tuple[float, float]:
+    """Value and slope of the cubic in cell k with the slopes at its ends."""
+    h = x[k + 1] - x[k]
+    t, rise, d0, d1 = (at - x[k]) / h, y[k + 1] - y[k], h * first, h * last
+    c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
+    return y[k] + t * (d0 + t * (c2 + t * c3)), (d0 + t * (2.0 * c2 + 3.0 * t * c3)) / h
 
 
 @dataclass(frozen=True, eq=False)
@@ -388,6 +469,53 @@ class ResistanceCurve:
             return room - w, v
         # Of two numbers that add up to `room` the smaller one is the accurate one.
         return (exp(G) if v > G else room - w), v
+
+    def rise_of_potential(
+        self, p: float, psi: float, log_flow: float, guess: float, liquid: _Thickening
+    ) -> tuple[float, float]:
+        """Rise a/sigma(w) of psi over a step, with w = p - p_f at its end, and ln w.
+
+        Newton on ln[w + p_f(psi + a/sigma(w)) - p_f(psi)] = ln(room) in v = ln w, as in `rise`; p_f(psi) rises, so that
+        the left side does, and a step that leaves the bracket is halved.
+
+        Parameters
+        ----------
+        p : float
+            [Pa]
+        psi : float
+            Before the step [Pa].
+        log_flow, guess
+            See `rise`.
+        liquid : _Thickening
+        """
+        before, slope = liquid.at(psi)
+        room = p - before
+        if not room > 0.0:
+            return 0.0, guess
+        target = log(room)
+        top = min(target, self.highest)
+        v, low, high = min(guess, top), -inf, top
+        for _ in range(_NEWTON_STEPS):
+            G, dG = self.at(v)
+            rise = exp(min(G + log_flow, 600.0))
+            # of a small rise the difference of two pressures would be all round-off
+            after, steep = liquid.at(psi + rise)
+            lift = after - before if rise > 1e-6 * (psi + rise) else rise * slope
+            own = exp(v)
+            excess = log(own + lift) - target
+            low, high = (v, high) if excess < 0.0 else (low, v)
+            new = v - excess * (own + lift) / (own + steep * rise * dG)
+            if not low <= new <= high:
+                new = 0.5 * (low + high) if low > -inf else min(v - 1.0, top)
+            moved, v = abs(new - v), new
+            if moved < _NEWTON_CLOSE:
+                break
+        w = exp(v) if v > -700.0 else 0.0
+        rise = exp(min(self.at(v)[0] + log_flow, 600.0))
+        # Of two numbers that add up to `room` the smaller one is the accurate one.
+        if v == self.highest < target or rise * slope > w:
+            return liquid.potential(p - w) - psi, v
+        return rise, v
 
     def guess(
         self,

@@ -23,6 +23,7 @@ from leak.flow.leak_rate import LeakResult
 from leak.flow.rarefied import poiseuille_flow_rate
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.fluids.properties import Gas
+from leak.fluids.real_gas import GasPotential
 from leak.standards import STANDARD_PRESSURE, STANDARD_TEMPERATURE
 
 # Each iteration takes most of the error away; with a vacuum ahead of wide gaps a third of it.
@@ -119,8 +120,8 @@ def gas_leak_flow(
 ) -> GasLeakResult:
     """Mass flow of a gas through a contact pressure profile.
 
-    The constant mass flow G obeys dp_f/dx = -G/(2 pi r rho(p_f) sigma_eff(p, p_f)) with rho = p_f/(R_s T) and sigma_eff
-    of the rarefied gas. The gas pressure must be small against the contact pressure.
+    The constant mass flow G obeys dp_f/dx = -G/(2 pi r rho(p_f) sigma_eff(p, p_f)) with rho = p_f/(R_s T), or that of a
+    real gas, and sigma_eff of the rarefied gas. The gas pressure must be small against the contact pressure.
 
     Parameters
     ----------
@@ -155,7 +156,8 @@ def gas_leak_flow(
     With ds = dx/(2 pi r u_eff^3), F = 12 eta sigma_eff/u_eff^3 and w = p_f^2 + 2 c p_f the equation is
     dw/ds = -24 eta R_s T G (p_f + c)/(p_f F). In the continuum F = 1, free molecules have F ~ 1/p_f, and slip
     p_f F = p_f + c with c = 6 (1.0162) eta v0/u: taken at the narrowest place, the right side hardly depends on p_f in
-    all three. It is integrated with the last p_f, over and over; a vacuum at the outlet is no special case.
+    all three. It is integrated with the last p_f, over and over; a vacuum at the outlet is no special case. A real gas
+    has q = (p_f/Z)(eta0/eta) in place of p_f on the right side and in F, and w = int 2 (q + c) dp_f.
 
     Examples
     --------
@@ -279,11 +281,12 @@ class _Path:
 
     def flow(self, first: float, last: float) -> tuple[float, FloatArray]:
         """Mass flow, and the gas pressure at the edges of the cells, for the pressures at both ends."""
-        ends = self._potential(first), self._potential(last)
+        of = GasPotential(self.gas.real, max(first, last), self.slip_pressure)
+        ends = float(of(first)), float(of(last))
         potential = [np.full(one.shape, max(ends)) for one in self.separation]
         before, share = np.inf, 1.0
         for _ in range(_MOST_ITERATIONS):
-            gains = self._gains([self._pressure(w) for w in potential])
+            gains = self._gains([of.pressure(w) for w in potential])
             slopes = [resistance / gain for resistance, gain in zip(self.resistance, gains, strict=True)]
             parts = [part.integral(slope) for part, slope in zip(self.used, slopes, strict=True)]
             total = float(sum(part.sum() for part in parts))
@@ -299,19 +302,12 @@ class _Path:
         edges = np.concatenate([[0.0], np.cumsum(np.concatenate(parts))])
         start = 0 if self.panels[0] is None else 1
         at_edges = edges[start : start + self.panels[1].log_pressure.shape[0] + 1] / total
-        return flow, self._pressure(ends[0] * (1.0 - at_edges) + ends[1] * at_edges)
-
-    def _potential(self, pressure: float) -> float:
-        return pressure * (pressure + 2.0 * self.slip_pressure)
-
-    def _pressure(self, potential: FloatArray) -> FloatArray:
-        c, w = self.slip_pressure, np.maximum(potential, 0.0)
-        return w / (c + np.sqrt(c * c + w))
+        return flow, of.pressure(ends[0] * (1.0 - at_edges) + ends[1] * at_edges)
 
     def _gains(self, pressures: list[FloatArray]) -> list[FloatArray]:
-        """p_f F/(p_f + c) in each part, F = 12 eta sigma_eff/u_eff^3; all points at once."""
+        """q F/(q + c) in each part, F = 12 eta sigma_eff/u_eff^3; all points at once."""
         log_contact, log_width = self._at_all_points
-        pressure = np.concatenate([p.ravel() for p in pressures])
+        pressure = self.gas.flow_pressure(np.concatenate([p.ravel() for p in pressures]))
         log_D = np.log(np.maximum(pressure, 1e-300)) + log_width
         R = self.table.rarefaction(log_contact, log_D)
         p_F = 6.0 * poiseuille_flow_rate(np.exp(log_D)) * R * np.exp(-log_width)

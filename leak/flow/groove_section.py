@@ -135,7 +135,7 @@ class EllipticGroove:
             E* [Pa].
         gas : Gas
         gas_pressure : array_like
-            Absolute pressure of the gas [Pa].
+            Absolute pressure of the gas, of a real one its `Gas.flow_pressure` [Pa].
         """
         angle = 0.25 * np.pi * (1.0 + gauss(_NODES)[0])
         depth = self.open_depth(pressure, effective_modulus)[..., None] * np.cos(angle)

@@ -21,6 +21,7 @@ from leak.flow.contact_profile import (
     checked_profile,
     checked_side,
 )
+from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.numerics.curves import MonotoneCurve, spline_slopes
 
 
@@ -51,7 +52,7 @@ class LeakResult:
     """
 
     leak_rate: float
-    """Q, of a gas at 101325 Pa and its temperature [m^3/s]; zero where the contact is sealed."""
+    """Q at atmospheric pressure, of a gas at 101325 Pa and its temperature [m^3/s]; zero where sealed."""
     resistance: float
     """Pressure drop over Q [Pa s/m^3]; infinite where sealed."""
     fluid_pressure: FloatArray
@@ -71,7 +72,7 @@ class LeakResult:
         Parameters
         ----------
         density : float or None
-            [kg/m^3]; None leaves the mass unknown.
+            At atmospheric pressure, where the leak rate is counted [kg/m^3]; None leaves the mass unknown.
 
         Examples
         --------
@@ -178,6 +179,7 @@ def leak_flow(
     pressure_side: str = "outer",
     ends: tuple[float | None, float | None] | None = None,
     largest_pressure: ArrayLike | None = None,
+    pressure_law: PressureLaw | None = None,
 ) -> LeakResult:
     """Leak rate, flow resistance and fluid pressure along a contact pressure profile.
 
@@ -200,6 +202,15 @@ def leak_flow(
         Largest nominal pressure that each place has carried before, shape (n,) [Pa]; it is interpolated and continued
         like p, and counts where it exceeds p. The conductivity must know what it leaves behind, as that of a
         `RoughContact` does (`leak.flow.memory`). None: every place carries more than ever before.
+    pressure_law : PressureLaw, optional
+        How the liquid thickens and is compressed; the conductivity is that at atmospheric pressure, which is on the
+        low side. None: pressure does not change it.
+
+    Notes
+    -----
+    What is constant along x is the mass flow: Q = psi(Delta P)/int dx/(2 pi r sigma_eff), the volume at atmospheric
+    pressure, with psi(p) = int_0^p (rho/rho0)(eta0/eta) dp' (`leak.FlowPotential`). psi(p_f) falls over the contact as
+    the pressure of a liquid that does not thicken: p_f itself falls steeply next to the high pressure.
 
     Examples
     --------
@@ -221,6 +232,12 @@ def leak_flow(
     >>> first, after = (leak.leak_flow(x, p, water, 1e5, 0.014, largest_pressure=most) for most in (None, 2 * p))
     >>> after.leak_rate < first.leak_rate
     True
+
+    An oil that thickens by 20/GPa; in closed form Q is (1 - exp(-alpha Delta P))/(alpha Delta P) of that without:
+
+    >>> thin, thick = (leak.leak_flow(x, p, water, 5e7, 0.014, pressure_law=law) for law in (None, leak.Barus(20e-9)))
+    >>> f"{thick.leak_rate / thin.leak_rate:.6f} {1.0 - np.exp(-1.0):.6f}"
+    '0.632121 0.632121'
     """
     x_all, p_all, r_all = checked_profile(x, p, radius)
     drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
@@ -243,7 +260,10 @@ def leak_flow(
     fraction = np.interp(x_all, profile.x, fraction_at_nodes)
     if pressure_side == "inner":
         fraction = 1.0 - fraction
-    return LeakResult(0.0 if np.isinf(total) else drop / total, total, drop * fraction)
+    potential = FlowPotential(pressure_law, drop)
+    whole = float(potential(drop))
+    rate = 0.0 if np.isinf(total) else whole / total
+    return LeakResult(rate, drop / rate if rate > 0.0 else float("inf"), potential.pressure(whole * fraction))
 
 
 def _resistances(

@@ -27,6 +27,7 @@ from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by
 from leak.flow.network import Line, NetworkFlow, network_flow
 from leak.flow.rarefied import flow_factor
 from leak.flow.rough_contact import RoughContact
+from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
 from leak.numerics.gauss import gauss
 
@@ -201,6 +202,7 @@ def scratch_flow(
     pressure_side: str = "outer",
     ends: tuple[float | None, float | None] | None = None,
     largest_pressure: ArrayLike | None = None,
+    pressure_law: PressureLaw | None = None,
 ) -> LeakBounds[LeakResult]:
     """Flow of a liquid through a contact with scratches or a spiral lay.
 
@@ -214,9 +216,11 @@ def scratch_flow(
         sigma_eff(p) of the roughness, see `leak.leak_flow`. None: nothing flows but along the scratches, from the
         first to the last point of the profile, where p > 0.
     viscosity : float
-        [Pa s]
+        At atmospheric pressure [Pa s].
     effective_modulus : float
         E* of both bodies [Pa].
+    pressure_law : PressureLaw, optional
+        How the liquid thickens and is compressed, see `leak.leak_flow`.
 
     Returns
     -------
@@ -232,9 +236,10 @@ def scratch_flow(
     -----
     The fluid pressure p_f in the scratch, above that of the low side, holds it open: K is taken at p - p_f, and
 
-        Q = [2 pi r sigma_eff(p) + sum of K(p - p_f) dx/ds] dp_f/dx
+        Q = [2 pi r sigma_eff(p) + sum of K(p - p_f) dx/ds] m(p_f) dp_f/dx
 
-    is solved for p_f (upper bound; s runs along the scratch). For the lower bound every scratch has a p_f of its own
+    is solved for p_f (upper bound; s runs along the scratch, and m = (rho/rho0)(eta0/eta) is one without
+    `pressure_law`). For the lower bound every scratch has a p_f of its own
     where it is deeper than the rough gap, u_eff = (12 eta sigma_eff)^(1/3); elsewhere the gap is so wide that the
     scratch is lost in it. A network whose links are cut carries less: the lower bound never exceeds the upper one.
 
@@ -264,13 +269,14 @@ def scratch_flow(
     contact, deeper = _Contact.through(profile, _liquid_gap(conductivity, eta)).cut(grooves, modulus)
     rough = 2.0 * np.pi * contact.radius * contact.gap**3 / (12.0 * eta)
     nominal = contact.pressure
+    thickens = FlowPotential(pressure_law, drop).mobility
 
     def along(groove: Groove) -> Mobility:
         path = groove.path(contact.radius)
 
         def mobility(pressure: FloatArray, at: slice) -> FloatArray:
             K = groove.section.liquid_conductance(nominal[at] - pressure, modulus, eta)
-            return np.asarray(K / path[at])
+            return np.asarray(K * thickens(pressure) / path[at])
 
         return mobility
 
@@ -281,7 +287,7 @@ def scratch_flow(
 
     bounds = _Bounds(
         contact,
-        lambda pressure, at: np.broadcast_to(rough[at], pressure.shape),
+        lambda pressure, at: rough[at] * thickens(pressure),
         tuple(along(groove) for groove in grooves),
         deeper,
         tuple(nominal - groove.section.closing_pressure(modulus) for groove in grooves),
@@ -329,9 +335,9 @@ def gas_scratch_flow(
 
     Notes
     -----
-    As `scratch_flow`, for the mass flow: every conductance carries the density p_f/(R_s T) and the factor of the
-    rarefied gas, in a scratch that of a slit as wide as each place of the section is deep. p_f less the outlet pressure
-    holds the scratch open.
+    As `scratch_flow`, for the mass flow: every conductance carries the density p_f/(R_s T), or that of a real gas, and
+    the factor of the rarefied gas, in a scratch that of a slit as wide as each place of the section is deep. p_f less
+    the outlet pressure holds the scratch open.
 
     Examples
     --------
@@ -364,19 +370,19 @@ def gas_scratch_flow(
     def rough(pressure: FloatArray, at: slice) -> FloatArray:
         if table is None:
             return np.zeros(pressure.shape)
-        p_f = np.maximum(pressure, _VACUUM)
-        D = np.maximum(p_f * gap[at] / flight, 1e-100)
+        q = gas.flow_pressure(np.maximum(pressure, _VACUUM))
+        D = np.maximum(q * gap[at] / flight, 1e-100)
         R = table.rarefaction(np.broadcast_to(contact.first_loading[at], D.shape), np.log(D))
         sigma = gap[at] ** 3 * flow_factor(D) * R / (12.0 * gas.viscosity)
-        return np.asarray(2.0 * np.pi * contact.radius[at] * sigma * p_f / per_density)
+        return np.asarray(2.0 * np.pi * contact.radius[at] * sigma * q / per_density)
 
     def along(groove: Groove) -> Mobility:
         path = groove.path(contact.radius)
 
         def mobility(pressure: FloatArray, at: slice) -> FloatArray:
-            p_f = np.maximum(pressure, _VACUUM)
-            K = groove.section.gas_conductance(nominal[at] - (pressure - p_out), modulus, gas, p_f)
-            return np.asarray(K * p_f / (per_density * path[at]))
+            q = gas.flow_pressure(np.maximum(pressure, _VACUUM))
+            K = groove.section.gas_conductance(nominal[at] - (pressure - p_out), modulus, gas, q)
+            return np.asarray(K * q / (per_density * path[at]))
 
         return mobility
 

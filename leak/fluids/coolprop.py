@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 from leak.errors import FluidError, positive
+from leak.fluids.pressure_law import PressureTable
 from leak.fluids.properties import Gas, Liquid
+from leak.fluids.real_gas import RealGas
 
 PREFIX = "CoolProp:"
 _ATMOSPHERE = 101325.0
+# Tables over pressure: the highest [Pa], number of values, and the fewest that are of use.
+_HIGHEST, _PRESSURES, _FEWEST = 1e9, 81, 4
+_HIGHEST_OF_GAS, _PRESSURES_OF_GAS = 3e8, 161
 # Pressure at which a gas is dilute for any purpose.
 _DILUTE = 1000.0
 
@@ -33,11 +41,34 @@ def coolprop_liquid(name: str, temperature: float, pressure: float = _ATMOSPHERE
     if not fluid.startswith("INCOMP::") and "liquid" not in _ask(package.PhaseSI, name, T, pressure, fluid):
         raise FluidError(f"fluid = {name!r}: is not a liquid at {T:g} K and {pressure:g} Pa")
     eta, rho = (_ask(package.PropsSI, name, T, pressure, fluid, key) for key in ("V", "D"))
-    return Liquid(name, eta, rho, T, _source(package))
+    law = None if fluid.startswith("INCOMP::") else _pressure_law(fluid, T, pressure)
+    return Liquid(name, eta, rho, T, _source(package), law)
+
+
+@lru_cache(maxsize=16)
+def _pressure_law(fluid: str, T: float, pressure: float) -> PressureTable | None:
+    """Viscosity and density up to where the package knows them or the liquid freezes; None if they end soon."""
+    package = _package(fluid)
+    first = [package.PropsSI(key, "T", T, "P", pressure, fluid) for key in ("V", "D")]
+    most = min(float(package.PropsSI("PMAX", fluid)), _HIGHEST) - pressure
+    found = [(0.0, 1.0, 1.0)]
+    for p in np.linspace(0.0, most, _PRESSURES)[1:].tolist():
+        try:
+            values = [package.PropsSI(key, "T", T, "P", pressure + p, fluid) for key in ("V", "D")]
+        except ValueError:
+            break
+        ratios = [value / one for value, one in zip(values, first, strict=True)]
+        if not all(0.0 < ratio < np.inf for ratio in ratios):
+            break
+        found.append((p, *ratios))
+    if len(found) < _FEWEST:
+        return None
+    p, eta, rho = (tuple(column) for column in zip(*found, strict=True))
+    return PressureTable(p, eta, rho)
 
 
 def coolprop_gas(name: str, temperature: float) -> Gas:
-    """Dilute gas at a temperature [K].
+    """Gas at a temperature [K], with its density and viscosity under pressure.
 
     Parameters
     ----------
@@ -56,7 +87,36 @@ def coolprop_gas(name: str, temperature: float) -> Gas:
     if "gas" not in _ask(package.PhaseSI, name, T, _DILUTE, fluid):
         raise FluidError(f"fluid = {name!r}: is not a gas at {T:g} K and {_DILUTE:g} Pa")
     eta, molar_mass = (_ask(package.PropsSI, name, T, _DILUTE, fluid, key) for key in ("V", "M"))
-    return Gas(name, molar_mass, eta, T, _source(package))
+    return Gas(name, molar_mass, eta, T, _source(package), real=_real_gas(fluid, T))
+
+
+@lru_cache(maxsize=16)
+def _real_gas(fluid: str, T: float) -> RealGas | None:
+    """Z and viscosity up to where the gas condenses or the package knows no more; None if that is at once."""
+    package = _package(fluid)
+    dilute = package.PropsSI("V", "T", T, "P", _DILUTE, fluid)
+    R_s = package.PropsSI("GAS_CONSTANT", fluid) / package.PropsSI("M", fluid)
+    condenses = float(package.PropsSI("TCRIT", fluid)) > T
+    try:
+        # just before the bubble point of a mixture, and the vapour pressure of a substance
+        most = 0.999999 * float(package.PropsSI("P", "T", T, "Q", 1, fluid)) if condenses else _HIGHEST_OF_GAS
+    except ValueError:
+        return None
+    most = min(most, _HIGHEST_OF_GAS, float(package.PropsSI("PMAX", fluid)))
+    found = [(0.0, 1.0, 1.0)]
+    # closer together where the gas is dilute
+    for p in (most * np.linspace(0.0, 1.0, _PRESSURES_OF_GAS)[1:] ** 2).tolist():
+        try:
+            rho, eta = (package.PropsSI(key, "T", T, "P", p, fluid) for key in ("D", "V"))
+        except ValueError:
+            break
+        if not (0.0 < rho < np.inf and 0.0 < eta < np.inf):
+            break
+        found.append((p, p / (rho * R_s * T), eta / dilute))
+    if len(found) < _FEWEST:
+        return None
+    pressures, Z, ratios = (tuple(column) for column in zip(*found, strict=True))
+    return RealGas(pressures, Z, ratios, condenses and len(found) == _PRESSURES_OF_GAS)
 
 
 def coolprop_heat_capacity(name: str) -> float:

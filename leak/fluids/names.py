@@ -30,9 +30,50 @@ def checked_temperature(name: str, temperature: float, low: float, high: float) 
     if not low - 1e-6 <= T <= high + 1e-6:
         raise FluidError(
             f"temperature = {T:.6g} K ({T - 273.15:.6g} degC): the properties of {name} are known from {low:g} to "
-            f"{high:g} K ({low - 273.15:.4g} to {high - 273.15:.4g} degC)"
+            f"{high:g} K ({low - 273.15:.4g} to {high - 273.15:.4g} degC){_elsewhere(name)}"
         )
     return T
+
+
+# What the optional package CoolProp calls the entries that it has, too.
+_COOLPROP = MappingProxyType(
+    {
+        "water": "Water",
+        "ethanol": "Ethanol",
+        "helium": "Helium",
+        "hydrogen": "Hydrogen",
+        "nitrogen": "Nitrogen",
+        "oxygen": "Oxygen",
+        "argon": "Argon",
+        "air": "Air",
+        "methane": "Methane",
+        "carbon dioxide": "CarbonDioxide",
+    }
+)
+
+
+def coolprop_name(name: str) -> str | None:
+    """The same fluid of the optional package CoolProp, as a case file asks for it; None if it has no such fluid.
+
+    Parameters
+    ----------
+    name : str
+        Of the library.
+
+    Examples
+    --------
+    >>> coolprop_name("hydrogen")
+    'CoolProp:Hydrogen'
+    """
+    found = _COOLPROP.get(name)
+    return None if found is None else f"CoolProp:{found}"
+
+
+def _elsewhere(name: str) -> str:
+    other = coolprop_name(name)
+    if other is None:
+        return ""
+    return f'; "{other}" of the optional package CoolProp (pip install "fem-seal[coolprop]") knows more'
 
 
 # Kinetic diameters: D. W. Breck, Zeolite Molecular Sieves, Wiley (1974), table 8.1 (air: nitrogen's).

@@ -5,26 +5,32 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from leak.arrays import FloatArray
 from leak.errors import FluidError, positive
+from leak.fluids.pressure_law import PressureLaw
+from leak.fluids.real_gas import RealGas
 
 
 @dataclass(frozen=True)
 class Liquid:
-    """A Newtonian, incompressible liquid at one temperature.
+    """A Newtonian liquid at one temperature.
 
     Parameters
     ----------
     name : str
         What it is.
     viscosity : float
-        Dynamic viscosity [Pa s].
+        Dynamic viscosity at atmospheric pressure [Pa s].
     density : float
-        [kg/m^3]
+        At atmospheric pressure [kg/m^3].
     temperature : float
         At which both hold [K].
     source : str
         Where the numbers come from.
+    pressure_law : PressureLaw or None
+        Viscosity and density over pressure; None where nothing is known of them.
 
     Raises
     ------
@@ -43,6 +49,7 @@ class Liquid:
     density: float
     temperature: float
     source: str
+    pressure_law: PressureLaw | None = None
 
     def __post_init__(self) -> None:
         for key, unit in (("viscosity", "Pa s"), ("density", "kg/m^3"), ("temperature", "K")):
@@ -55,7 +62,7 @@ GAS_CONSTANT = 8.314462618
 
 @dataclass(frozen=True)
 class Gas:
-    """A dilute ideal gas at one temperature.
+    """A gas at one temperature, dilute and ideal unless more is known of it.
 
     Parameters
     ----------
@@ -71,6 +78,8 @@ class Gas:
         Where the numbers come from.
     dilute_pressure : float
         Up to this pressure density and viscosity are those of the dilute ideal gas within 5 % [Pa].
+    real : RealGas or None
+        What pressure makes of density and viscosity; None for an ideal dilute gas.
 
     Raises
     ------
@@ -91,6 +100,7 @@ class Gas:
     temperature: float
     source: str
     dilute_pressure: float = float("inf")
+    real: RealGas | None = None
 
     def __post_init__(self) -> None:
         for key, unit in (("molar_mass", "kg/mol"), ("viscosity", "Pa s"), ("temperature", "K")):
@@ -109,9 +119,15 @@ class Gas:
         return float(np.sqrt(2.0 * self.specific_gas_constant * self.temperature))
 
     def density(self, pressure: float) -> float:
-        """Rho = p/(R_s T) [kg/m^3]."""
+        """Rho = p/(R_s T) of the ideal gas, in which leak rates are counted [kg/m^3]."""
         return pressure / (self.specific_gas_constant * self.temperature)
 
+    def flow_pressure(self, pressure: ArrayLike) -> FloatArray:
+        """Pressure at which the ideal dilute gas has the same rho/eta; p itself of such a gas [Pa]."""
+        p = np.asarray(pressure, dtype=float)
+        return p if self.real is None else self.real.flow_pressure(p)
+
     def mean_free_path(self, pressure: float) -> float:
-        """Mean free path lambda = (eta/p) sqrt(pi R_s T/2) [m]."""
-        return 0.5 * float(np.sqrt(np.pi)) * self.viscosity * self.molecular_speed / pressure
+        """Mean free path lambda = (eta/rho) sqrt(pi/(2 R_s T)), of an ideal gas (eta/p) sqrt(pi R_s T/2) [m]."""
+        q = float(self.flow_pressure(pressure))
+        return 0.5 * float(np.sqrt(np.pi)) * self.viscosity * self.molecular_speed / q

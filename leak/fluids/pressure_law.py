@@ -1,0 +1,408 @@
+"""What pressure makes of a liquid: how it thickens, how it is compressed, and the flow potential that follows.
+
+Notation: p the pressure above atmospheric, eta0 and rho0 at atmospheric pressure. A steady flow carries mass,
+rho u^3/(12 eta) dp/dx = const, so that m(p) = (rho/rho0) (eta0/eta) counts and psi(p) = int_0^p m dp' (Kirchhoff's
+transformation) obeys the equation of a liquid that does not thicken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+from leak.errors import FluidError, positive
+from leak.numerics.gauss import gauss
+
+
+@runtime_checkable
+class PressureLaw(Protocol):
+    """Viscosity and density of a liquid over pressure, at one temperature.
+
+    Examples
+    --------
+    >>> import leak
+    >>> isinstance(leak.Barus(20e-9), leak.PressureLaw)
+    True
+    """
+
+    @property
+    def highest_pressure(self) -> float:
+        """Up to here the law is known to hold; it goes on beyond [Pa]."""
+
+    @property
+    def uncertainty(self) -> float:
+        """Of the logarithm of the viscosity ratio, as a share of it [-]."""
+
+    def viscosity_ratio(self, pressure: ArrayLike) -> FloatArray:
+        """eta/eta0 at pressures above atmospheric [Pa], any shape."""
+
+    def density_ratio(self, pressure: ArrayLike) -> FloatArray:
+        """rho/rho0 at pressures above atmospheric [Pa], any shape."""
+
+
+@dataclass(frozen=True)
+class Tait:
+    """Density under pressure, rho0/rho = 1 - C log10(1 + p/B).
+
+    Parameters
+    ----------
+    pressure : float
+        B [Pa].
+    share : float
+        C [-]; 0.2 holds for nearly all hydrocarbons.
+
+    References
+    ----------
+    J. H. Dymond, R. Malhotra, Int. J. Thermophys. 9, 941 (1988).
+
+    Examples
+    --------
+    >>> f"{float(Tait(91.6e6).density_ratio(100e6)):.3f}"
+    '1.068'
+    """
+
+    pressure: float
+    share: float = 0.2
+
+    def __post_init__(self) -> None:
+        positive(FluidError, "pressure", self.pressure, "Pa")
+        positive(FluidError, "share", self.share, "-")
+
+    @classmethod
+    def of_bulk_modulus(cls, bulk_modulus: float) -> Tait:
+        """With the isothermal bulk modulus at atmospheric pressure, B ln(10)/C.
+
+        Parameters
+        ----------
+        bulk_modulus : float
+            [Pa]
+
+        Examples
+        --------
+        >>> law = Tait.of_bulk_modulus(1.6e9)
+        >>> f"{1e4 / (float(law.density_ratio(1e4)) - 1.0):.3g}"
+        '1.6e+09'
+        """
+        modulus = positive(FluidError, "bulk_modulus", bulk_modulus, "Pa")
+        return cls(0.2 * modulus / float(np.log(10.0)))
+
+    def density_ratio(self, pressure: ArrayLike) -> FloatArray:
+        """rho/rho0 at pressures above atmospheric [Pa]."""
+        p = np.asarray(pressure, dtype=float)
+        return 1.0 / (1.0 - self.share * np.log10(1.0 + p / self.pressure))
+
+
+@dataclass(frozen=True)
+class Barus:
+    """Viscosity eta = eta0 exp(alpha p).
+
+    Parameters
+    ----------
+    coefficient : float
+        alpha [1/Pa].
+    compression : Tait or None
+        None for a liquid of constant density.
+    highest_pressure : float
+        Up to which the law is known to hold [Pa].
+    uncertainty : float
+        Of alpha, as a share of it [-].
+
+    Raises
+    ------
+    FluidError
+        The coefficient is not a finite number, or negative.
+
+    References
+    ----------
+    C. Barus, Am. J. Sci. 45, 87 (1893).
+
+    Examples
+    --------
+    >>> f"{float(Barus(20e-9).viscosity_ratio(100e6)):.2f}"
+    '7.39'
+    """
+
+    coefficient: float
+    compression: Tait | None = None
+    highest_pressure: float = float("inf")
+    uncertainty: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.coefficient < float("inf"):
+            raise FluidError(f"coefficient = {self.coefficient!r}: must not be negative [1/Pa]")
+
+    def viscosity_ratio(self, pressure: ArrayLike) -> FloatArray:
+        """eta/eta0 at pressures above atmospheric [Pa]."""
+        return np.exp(self.coefficient * np.asarray(pressure, dtype=float))
+
+    def density_ratio(self, pressure: ArrayLike) -> FloatArray:
+        """rho/rho0 at pressures above atmospheric [Pa]."""
+        return _density_ratio(self.compression, pressure)
+
+
+# Roelands' limits for all liquids: the viscosity at the pole of his chart and the pressure that belongs to it.
+_LEAST_LOG_VISCOSITY = -9.67
+_ROELANDS_PRESSURE = 1.0 / 5.1e-9
+
+
+@dataclass(frozen=True)
+class Roelands:
+    """Viscosity ln(eta/eta0) = (ln(eta0/(Pa s)) + 9.67) [(1 + 5.1e-9 p/Pa)^Z - 1].
+
+    Parameters
+    ----------
+    exponent : float
+        Z, 0.5 to 0.8 for most oils and fuels [-].
+    viscosity : float
+        eta0 [Pa s].
+    compression, highest_pressure, uncertainty
+        See `Barus`; the law was found to hold up to some 3000 bar.
+
+    Raises
+    ------
+    FluidError
+        A value is impossible: of a liquid thinner than 0.063 mPa s the law says nothing.
+
+    References
+    ----------
+    C. J. A. Roelands, J. C. Vlugter, H. I. Waterman, J. Basic Eng. 85, 601 (1963); C. J. A. Roelands, thesis, Delft
+    (1966).
+
+    Examples
+    --------
+    A mineral oil of 40 mPa s has a pressure-viscosity coefficient of 22/GPa:
+
+    >>> oil = Roelands(0.67, viscosity=0.04)
+    >>> f"{oil.coefficient * 1e9:.1f} 1/GPa, {float(oil.viscosity_ratio(100e6)):.2f} times at 1000 bar"
+    '22.0 1/GPa, 7.78 times at 1000 bar'
+    """
+
+    exponent: float
+    viscosity: float
+    compression: Tait | None = None
+    highest_pressure: float = 3e8
+    uncertainty: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive(FluidError, "exponent", self.exponent, "-")
+        positive(FluidError, "viscosity", self.viscosity, "Pa s")
+        if self._height <= 0.0:
+            raise FluidError(
+                f"viscosity = {self.viscosity!r}: Roelands' law holds above 0.063 mPa s only; use Barus'"
+            )
+
+    @property
+    def _height(self) -> float:
+        return float(np.log(self.viscosity)) - _LEAST_LOG_VISCOSITY
+
+    @property
+    def coefficient(self) -> float:
+        """alpha = d ln(eta)/dp at atmospheric pressure [1/Pa]."""
+        return self.exponent * self._height / _ROELANDS_PRESSURE
+
+    def viscosity_ratio(self, pressure: ArrayLike) -> FloatArray:
+        """eta/eta0 at pressures above atmospheric [Pa]."""
+        p = np.asarray(pressure, dtype=float) / _ROELANDS_PRESSURE
+        return np.exp(self._height * np.expm1(self.exponent * np.log1p(p)))
+
+    def density_ratio(self, pressure: ArrayLike) -> FloatArray:
+        """rho/rho0 at pressures above atmospheric [Pa]."""
+        return _density_ratio(self.compression, pressure)
+
+
+def _density_ratio(compression: Tait | None, pressure: ArrayLike) -> FloatArray:
+    p = np.asarray(pressure, dtype=float)
+    return np.ones(p.shape) if compression is None else compression.density_ratio(p)
+
+
+# -------------------------------------------------------------------- the flow potential
+
+# Panels between zero and the highest pressure, and Gauss points in each: 1e-13 of psi for thickening by e^40.
+_PANELS, _POINTS = 96, 6
+_NEWTON_STEPS, _NEWTON_CLOSE = 40, 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class FlowPotential:
+    """psi(p) = int_0^p (rho/rho0)(eta0/eta) dp', from zero to a highest pressure; beyond it psi goes on straight.
+
+    Parameters
+    ----------
+    law : PressureLaw or None
+        None for a liquid that pressure does not change: psi = p.
+    highest : float
+        [Pa]
+
+    Examples
+    --------
+    Barus' law has a closed form, psi = (1 - exp(-alpha p))/alpha:
+
+    >>> potential = FlowPotential(Barus(20e-9), 100e6)
+    >>> f"{float(potential(100e6)):.9g} {(1 - np.exp(-2.0)) / 20e-9:.9g}"
+    '43233235.8 43233235.8'
+    >>> f"{float(potential.pressure(potential(30e6))):.9g}"
+    '30000000'
+    """
+
+    law: PressureLaw | None
+    highest: float
+
+    def __call__(self, pressure: ArrayLike) -> FloatArray:
+        """psi at pressures [Pa], shape kept [Pa]."""
+        p = np.asarray(pressure, dtype=float)
+        if self.law is None:
+            return p
+        at, psi = self._table
+        inside = np.clip(p, 0.0, self.highest)
+        k = np.clip(np.searchsorted(at, inside, side="right") - 1, 0, _PANELS - 1)
+        nodes, weights = gauss(_POINTS)
+        half = 0.5 * (inside - at[k])
+        here = self.mobility(at[k][..., None] + half[..., None] * (1.0 + nodes))
+        ends = self._ends
+        out = np.where(p > self.highest, (p - self.highest) * ends[1], np.minimum(p, 0.0) * ends[0])
+        return np.asarray(psi[k] + half * (here @ weights) + out)
+
+    def pressure(self, potential: ArrayLike) -> FloatArray:
+        """p at values of psi [Pa], shape kept [Pa]."""
+        target = np.asarray(potential, dtype=float)
+        if self.law is None:
+            return target
+        at, psi = self._table
+        first, last = self._ends
+        inside = np.clip(target, 0.0, psi[-1])
+        p = np.interp(inside, psi, at)
+        for _ in range(_NEWTON_STEPS):
+            step = (inside - self(p)) / self.mobility(p)
+            p = np.clip(p + step, 0.0, self.highest)
+            if not np.any(np.abs(step) > _NEWTON_CLOSE * self.highest):
+                break
+        out = np.where(target > psi[-1], (target - psi[-1]) / last, np.minimum(target, 0.0) / first)
+        return np.asarray(p + out)
+
+    def mobility(self, pressure: ArrayLike) -> FloatArray:
+        """m = dpsi/dp = (rho/rho0)(eta0/eta) at pressures [Pa], shape kept [-]."""
+        p = np.asarray(pressure, dtype=float)
+        if self.law is None:
+            return np.ones(p.shape)
+        held = np.clip(p, 0.0, self.highest)
+        return np.asarray(self.law.density_ratio(held) / self.law.viscosity_ratio(held))
+
+    @cached_property
+    def _table(self) -> tuple[FloatArray, FloatArray]:
+        """Ends of the panels, and psi there."""
+        at = np.linspace(0.0, self.highest, _PANELS + 1)
+        nodes, weights = gauss(_POINTS)
+        half = 0.5 * np.diff(at)
+        parts = half * (self.mobility(at[:-1, None] + half[:, None] * (1.0 + nodes)) @ weights)
+        return at, np.concatenate([[0.0], np.cumsum(parts)])
+
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        first, last = self.mobility(np.array([0.0, self.highest]))
+        return float(first), float(last)
+
+
+def effective_viscosity_ratio(law: PressureLaw | None, pressure_drop: float) -> float:
+    """Viscosity over eta0 of a liquid that does not change and lets as much through, Delta P/psi(Delta P) [-].
+
+    Parameters
+    ----------
+    law : PressureLaw or None
+    pressure_drop : float
+        From Delta P above atmospheric pressure to atmospheric pressure [Pa].
+
+    Examples
+    --------
+    >>> f"{effective_viscosity_ratio(Barus(20e-9), 50e6):.4f}"
+    '1.5820'
+    """
+    drop = positive(FluidError, "pressure_drop", pressure_drop, "Pa")
+    return drop / float(FlowPotential(law, drop)(drop))
+
+
+# -------------------------------------------------------------------- tables
+
+
+@dataclass(frozen=True)
+class PressureTable:
+    """Viscosity and density over pressure from values; between them their logarithms are cubic splines.
+
+    Parameters
+    ----------
+    pressures : tuple of float
+        Above atmospheric pressure, increasing from zero, at least four [Pa].
+    viscosity_ratios, density_ratios : tuple of float
+        eta/eta0 and rho/rho0 there [-].
+    uncertainty : float
+        See `Barus`.
+
+    Raises
+    ------
+    FluidError
+        The values cannot be used.
+
+    Examples
+    --------
+    >>> law = PressureTable((0.0, 1e7, 2e7, 3e7), (1.0, 1.1, 1.21, 1.331), (1.0, 1.0, 1.0, 1.0))
+    >>> f"{float(law.viscosity_ratio(1.5e7)):.5f}"
+    '1.15369'
+    """
+
+    pressures: tuple[float, ...]
+    viscosity_ratios: tuple[float, ...]
+    density_ratios: tuple[float, ...]
+    uncertainty: float = 0.0
+
+    def __post_init__(self) -> None:
+        p = self.pressures
+        if len(p) < 4 or p[0] != 0.0 or any(b <= a for a, b in pairwise(p)):
+            raise FluidError(f"pressures = {p!r}: must be at least four, increasing from zero [Pa]")
+        for name in ("viscosity_ratios", "density_ratios"):
+            values = getattr(self, name)
+            if len(values) != len(p) or not all(0.0 < one < float("inf") for one in values):
+                raise FluidError(
+                    f"{name} = {values!r}: must be {len(p)} positive numbers, one for each pressure"
+                )
+
+    @property
+    def highest_pressure(self) -> float:
+        """Last pressure of the table [Pa]."""
+        return self.pressures[-1]
+
+    def viscosity_ratio(self, pressure: ArrayLike) -> FloatArray:
+        """eta/eta0 at pressures above atmospheric [Pa]."""
+        return cubic_of_logarithms(self.pressures, self.viscosity_ratios, pressure)
+
+    def density_ratio(self, pressure: ArrayLike) -> FloatArray:
+        """rho/rho0 at pressures above atmospheric [Pa]."""
+        return cubic_of_logarithms(self.pressures, self.density_ratios, pressure)
+
+
+def cubic_of_logarithms(at: tuple[float, ...], ratios: tuple[float, ...], pressure: ArrayLike) -> FloatArray:
+    """Ratios at other pressures: their logarithms are cubic splines, and go on straight beyond the last one.
+
+    Parameters
+    ----------
+    at, ratios : tuple of float
+        Pressures, increasing [Pa], and positive values there.
+    pressure : array_like
+        [Pa]
+    """
+    p = np.asarray(pressure, dtype=float)
+    spline = _spline(at, ratios)
+    inside, last = np.minimum(p, at[-1]), at[-1]
+    beyond = np.maximum(p - last, 0.0) * float(spline(last, 1))
+    return np.asarray(np.exp(spline(inside) + beyond))
+
+
+@lru_cache(maxsize=32)
+def _spline(at: tuple[float, ...], ratios: tuple[float, ...]):  # type: ignore[no-untyped-def]
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(np.array(at), np.log(ratios))
