@@ -91,10 +91,11 @@ def test_commands_without_a_mesh_load_neither_gmsh_nor_pyvista(command, tmp_path
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-def test_usage_errors_leave_with_2():
+def test_usage_errors_leave_with_2(call):
     assert program("no-such-command").returncode == 2
-    assert program("run").returncode == 2
-    assert program("run", CASE, "--no-such-option").returncode == 2
+    # what `main` returns the process leaves with
+    assert call("run")[0] == 2
+    assert call("run", CASE, "--no-such-option")[0] == 2
 
 
 # --- check and schema -------------------------------------------------------------------------------------
