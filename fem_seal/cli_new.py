@@ -41,6 +41,15 @@ def new(
     pressure: Annotated[str | None, _option("Fluid pressure, one or several", "6 bar, 16 bar")] = None,
     axial_force: Annotated[str | None, _option("Closing force of spring or actuator", "300 N")] = None,
     leak_rate: Annotated[str | None, _option("Largest allowed leak rate", "0.1 ml/min")] = None,
+    leakage_class: Annotated[
+        str | None,
+        typer.Option(
+            "--class",
+            metavar="VALUE",
+            show_default=False,
+            help='Required leakage class, such as "B" of ISO 5208.',
+        ),
+    ] = None,
     entries: Annotated[
         list[str] | None,
         typer.Option(
@@ -80,6 +89,7 @@ def new(
         "pressure": pressure,
         "axial-force": axial_force,
         "leak-rate": leak_rate,
+        "class": leakage_class,
     }
     given = {key: value for key, value in answers.items() if value is not None}
     text = _with_options(text, name, given, entries or [])

@@ -92,7 +92,9 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
     except UnicodeDecodeError:
         message = f"is not a text file; a {kind} file in TOML is needed"
     except tomllib.TOMLDecodeError as error:
-        message = f'is not valid TOML: {error}. Texts and quantities need quotes: radius = "20 mm"'
+        heading = "declaration" in str(error)  # of a table, which no quotes mend
+        quotes = "" if heading else '. Texts and quantities need quotes: radius = "20 mm"'
+        message = f"is not valid TOML: {error}{quotes}"
     except RecursionError:
         message = f"is not a {kind} file: nested too deeply"
     except UnreadableFileError as error:

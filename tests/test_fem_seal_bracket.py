@@ -219,7 +219,8 @@ def test_outside_the_theory_no_interval_is_claimed():
 def test_the_interval_of_a_gas_is_told_in_its_own_unit():
     result = fem_seal.run(case(fluid={"name": "helium"}, load={"fluid_pressure": "3 bar"}))
     (load,) = result.loads
-    line, sentence, _ = leakage_lines(result.case, load, result.loads)
+    line, sentence, _, tested = leakage_lines(result.case, load, result.loads)
+    assert "a test with air" in tested
     (ends,) = re.findall(r": ([\d.]+) to ([\d.]+) mbar l/s = ", line)
     low, high = (one.throughput * 10 for one in load.leak_ends)
     assert [float(one) for one in ends] == pytest.approx([low, high], rel=TWO_DIGITS)

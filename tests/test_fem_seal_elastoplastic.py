@@ -22,9 +22,10 @@ from fem_seal.bodies.plastic_flow import PlasticState, radial_return
 from fem_seal.case.case import load_case
 from fem_seal.contact.imprint import Imprint
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.load_path import LoadPath, PathLoad, load_path
+from fem_seal.contact.load_path import LoadPath, load_path
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.yielding import yielded_zone
 from fem_seal.errors import ConvergenceError, InputError
@@ -340,7 +341,7 @@ def test_steps_are_halved_before_giving_up() -> None:
         ConvergenceError, match=r"load step from .* N to .* N .*out of balance by .*lower the load"
     ) as caught:
         load_path(model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1))
-    assert [contact.axial_force for contact in caught.value.partial] == [0.02 * force]
+    assert [contact.axial_force for contact in caught.value.partial.contacts] == [0.02 * force]
     path = load_path(
         model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1), partial=True
     )

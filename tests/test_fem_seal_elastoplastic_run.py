@@ -21,9 +21,10 @@ from fem_seal.analysis.closed_forms import derive, profile_sizes
 from fem_seal.analysis.load_names import different, load_axis, load_name
 from fem_seal.bodies.fields import ElastoplasticField, von_mises
 from fem_seal.case.case import Case, load_case
-from fem_seal.contact.load_path import ElastoplasticContact, PathLoad, load_path
+from fem_seal.contact.load_path import ElastoplasticContact, load_path
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.yielding import plastic_zone, yielding_of
 from fem_seal.errors import InputError
 from fem_seal.loads import closing_force
@@ -381,21 +382,6 @@ def test_elastic_results_name_where_and_how_far_the_yield_stress_is_passed() -> 
     ("tables", "key", "said"),
     [
         (
-            {"load": {"closing": "penetration", "axial_force": "1 kN"}},
-            "load.closing",
-            r"seat: material\.stress_strain\) depends on its load history; use \"sealed-area\"",
-        ),
-        (
-            {"load": {"target_leak_rate": "1e-9 m^3/s"}},
-            "load.target_leak_rate",
-            r"list the forces in load\.axial_force",
-        ),
-        (
-            {"uncertainty": {"hurst": {"relative": 0.05}}},
-            "uncertainty",
-            r"solve each load on its own, .*remove the table",
-        ),
-        (
             {"load": {"fluid_pressure": "3000 bar"}},
             "load",
             r"coins the body that yields over .* allows [\d.e+]+ N",
@@ -412,9 +398,3 @@ def test_refused_with_a_body_that_yields(
     if key != "load":
         changed = load_case(case_file).replace({"seat.material": elastic})
         assert isinstance(changed.replace(ROUGH, **tables), Case)
-
-
-def test_the_force_for_a_target_is_not_looked_for_either(case_file: Path) -> None:
-    case = load_case(case_file).replace(ROUGH)
-    with pytest.raises(InputError, match="is for elastic bodies, and one has a stress_strain curve"):
-        fem_seal.axial_force_for_leak(case, 1e-9)

@@ -14,7 +14,7 @@ from fem_seal.analysis.profile_file import ImportedProfile
 from fem_seal.analysis.profile_leak import leak_of_profiles
 from fem_seal.case.finish import ProcessName, read_finish
 from fem_seal.output.finish import finish_numbers, finish_rows
-from fem_seal.output.report.words import headline, leakage_lines
+from fem_seal.output.report.words import facts, headline, leakage_lines
 from fem_seal.units import leak_range_text
 from leak.surfaces.finish import PROCESSES
 
@@ -148,6 +148,20 @@ def test_the_widest_interval_leads_on_terminal_and_in_report(solved):
     for part in first.split(": ", 1)[1].split(" = ")[:2]:
         low, high = (float(one) for one in re.findall(r"(\d+\.?\d*) to (\d+\.?\d*) ", part)[0])
         assert high / low == pytest.approx(ends[1] / ends[0], rel=0.11)  # two digits each
+
+
+def test_the_report_shows_the_widest_interval_first_and_in_its_other_units(solved):
+    load, ends = solved.highest, solved.leak_ranges[solved.loads.index(solved.highest)]
+    tiles = facts(solved)
+    assert [one.name for one in tiles[:3]] == [
+        "90 % interval of the leak rate",
+        "In other units",
+        "Leak rate, usual finish",
+    ]
+    assert tiles[0].value == leak_range_text(ends)
+    first = leakage_lines(solved.case, load, solved.loads, ends)[0]
+    assert tiles[1].value in first and tiles[1].remark in first
+    assert tiles[2].value == leak_range_text((load.leak.leak_rate, load.leak_capped.leak_rate))
 
 
 def test_given_profiles_say_that_they_know_the_usual_surface_only(solved):

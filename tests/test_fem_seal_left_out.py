@@ -158,6 +158,7 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
         ("load_validity", "validity at 2 bar"),
     ],
 )
+@pytest.mark.usefixtures("unrendered")
 def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, monkeypatch, tmp_path):
     monkeypatch.setattr(chain, broken, Mock(side_effect=ZeroDivisionError("float division by zero")))
     result = fem_seal.run(case())
@@ -250,6 +251,7 @@ def test_stress_that_nobody_can_calculate_costs_neither_contact_nor_leak(monkeyp
     assert (tmp_path / "leak.csv").is_file() and (tmp_path / "profile.csv").is_file()
 
 
+@pytest.mark.usefixtures("unrendered")
 @pytest.mark.parametrize("broken", ["write_report", "write_contact", "write_imprint_csv", "write_summary"])
 def test_a_file_that_cannot_be_made_costs_no_other(broken, monkeypatch, tmp_path):
     monkeypatch.setattr(files, broken, Mock(side_effect=KeyError("no such picture")))

@@ -43,6 +43,20 @@ def test_a_step_does_what_a_run_with_the_changed_input_does(key, changes):
     assert known[key].ratio == pytest.approx(ratios, rel=1e-3)
 
 
+def test_half_of_a_drawing_s_value_is_that_of_a_run_with_it():
+    # Ra of Gaussian heights 0.16 and 0.08 um: lambda_c is 0.8 mm and 0.25 mm; all else is known, so that no samples run
+    known = {"process": "lapped", "hurst": 0.8, "q_rolloff": "3e5 1/m", "q_high": "1e7 1/m"}
+    result = fem_seal.run(case(load=LOAD, roughness={"Rq": "0.2 um", **known}), levers=True)
+    run = fem_seal.run(result.case.replace({"roughness.Rq": "0.1 um"}))
+    ratios = [after / before for before, after in zip(rates(result), rates(run), strict=True)]
+    (lever,) = (one for one in result.levers if one.key == "rms_height")
+    assert step_in_words(result.case, lever) == "halve Rq"
+    assert lever.ratio == pytest.approx(ratios, rel=1e-3)
+    # longer waves alone would be left over
+    longer = fem_seal.run(result.case.replace({"roughness.Rq": "0.1 um", "roughness.lambda_c": "0.8 mm"}))
+    assert rates(longer)[0] < 0.97 * rates(run)[0]
+
+
 def test_a_tenth_more_force_is_that_of_the_contact_where_nothing_else_closes():
     result, known = found()
     force = known["force"]

@@ -77,7 +77,16 @@ def test_options_replace_entries_and_keep_the_comments(call, tmp_path) -> None:
     code, _, err = call(
         *("-t", "ball-valve", "--diameter", "60 mm", "--pressure", "10 bar, 20 bar", "--fluid", "helium"),
         *("--seat-material", '{ name = "stellite 6", hardness = "4.2 GPa" }', "--leak-rate", "1 ml/min"),
-        *("--set", "seat.land_width=2 mm", "--set", 'output.folder="there"', "--title", "mine"),
+        *(
+            "--set",
+            "seat.land_width=2 mm",
+            "--set",
+            'output.folder="there"',
+            "--title",
+            "mine",
+            "--class",
+            "B",
+        ),
     )
     assert (code, err) == (0, "")
     text = (tmp_path / "ball-valve.toml").read_text(encoding="utf-8")
@@ -85,7 +94,7 @@ def test_options_replace_entries_and_keep_the_comments(call, tmp_path) -> None:
     assert tables["closure"]["diameter"] == "60 mm"
     assert tables["load"]["fluid_pressure"] == ["10 bar", "20 bar"]
     assert tables["seat"]["material"]["hardness"] == "4.2 GPa"
-    assert tables["requirement"] == {"standard": "ISO 5208", "class": "D", "leak_rate": "1 ml/min"}
+    assert tables["requirement"] == {"standard": "ISO 5208", "class": "B", "leak_rate": "1 ml/min"}
     assert tables["output"] == {"folder": "there"}
     assert tables["title"] == "mine"
     assert text.count("#") == template("ball-valve").count("#")
@@ -146,6 +155,12 @@ def test_questions_are_asked_again_until_they_fit(tmp_path, monkeypatch) -> None
     assert case.closure.radius == 0.0075
     assert case.load.fluid_pressure == (5e5, 9e5)
     assert case.fluid.name == "water"
+
+
+def test_every_question_has_its_option(call) -> None:
+    for question in QUESTIONS:
+        _, out, err = call("-t", "flat-set", f"--{question.name}", "x")
+        assert "do you mean flat-seat?" in out + err
 
 
 def test_every_question_has_an_entry_in_some_template() -> None:

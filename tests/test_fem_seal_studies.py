@@ -14,8 +14,11 @@ import pandas as pd
 import pytest
 
 import fem_seal
+import leak
 from fem_seal import InputError, Study, load_study
 from fem_seal import result as seal_result
+from fem_seal.analysis.families import family_table
+from fem_seal.analysis.flow import Flow
 from fem_seal.analysis.sampling import LogNormal, Normal
 from fem_seal.errors import Problem
 from fem_seal.folders import alone
@@ -400,6 +403,20 @@ def test_fast_way_gives_the_numbers_of_a_complete_run(changes):
         # another mesh, both within 2e-4 of the limit of small elements; the stress is a maximum over nodes
         tolerance = 1e-2 if name == "max_von_mises_Pa" else 3e-4
         assert value == pytest.approx(complete[name], rel=tolerance, nan_ok=True), name
+
+
+def test_conductivities_of_a_family_are_those_of_the_surface_itself_up_to_half_its_sealing_pressure():
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=0.15e-6, hurst=0.8, q_low=1e4, q_rolloff=6e4, q_high=6e6
+    )
+    surface = leak.RoughContact(spectrum, effective_modulus=115e9, hardness=3.5e9)
+    sealing = surface.sealing_pressure
+    table = family_table(Flow("water", 1e-3), surface, [math.log10(sealing)])
+    p = np.geomspace(1e-7, 0.5, 40) * sealing
+    # cubes of u_eff, asked for without any table
+    found, own = np.asarray(table.effective_separation(p)) ** 3, surface.effective_separation(p) ** 3
+    assert found == pytest.approx(own, rel=7e-4)
+    assert found[p < 0.03 * sealing] == pytest.approx(own[p < 0.03 * sealing], rel=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -14,11 +14,12 @@ from fem_seal import cli
 from fem_seal.analysis.caution import Caution, Level, Validity
 from fem_seal.analysis.chain import _with_judgement
 from fem_seal.analysis.judgement import Judgement, Limit, Verdict, Why
-from fem_seal.analysis.leakage import next_class
+from fem_seal.analysis.leakage import leakage_classes, next_class
 from fem_seal.analysis.verdict import limits, seal_judgement
 from fem_seal.errors import InputError, LoadProblem
 from fem_seal.output.report.page import report
 from fem_seal.output.report.verdict import factor_text, requirement_lines, verdict_lines, verdict_sentences
+from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate
@@ -146,8 +147,14 @@ def test_shares_are_those_of_stress_and_peak():
         ({"viscosity": "46 mPa s"}, "water", (45.9, 45.9)),
         ({"name": "air"}, "", (1.0, 1.0)),
         ({"name": "nitrogen"}, "", (1.0, 1.0)),
-        # viscous: 19.6 over 18.2 µPa s; molecular: root of 4.003 over 28.97 g/mol
-        ({"name": "helium"}, "air", (0.372, 1.077)),
+        # thicker than the water of any test
+        ({"name": "water", "viscosity": "10 mPa s"}, "water", (9.98, 9.98)),
+        # viscous: 19.6 over 18.2 µPa s; molecular: root of 4.003 over 28.97 g/mol = 0.372; but where D = 0.0123 of
+        # helium is 0.0357 of air, Fukui & Kaneko give Q_P 2.97 and 2.44: 0.372 x 2.44/2.97
+        ({"name": "helium"}, "air", (0.305, 1.077)),
+        # hot gas: 26.0 over 18.2 µPa s, 1.27 times as fast; D = 0.0796 and 0.1447: Q_P 2.13 and 1.89, 1.89/2.13/1.27
+        ({"name": "air", "temperature": "200 degC"}, "air", (0.701, 1.431)),
+        ({"name": "air", "temperature": "40 degC"}, "", (1.0, 1.0)),
     ],
 )
 def test_a_class_is_judged_for_the_fluid_of_its_test(fluid, test_fluid, ratio):
@@ -333,6 +340,17 @@ def test_a_gas_may_leak_pressure_times_volume(text):
     assert gas.replace({"requirement.leak_rate": 1e-6}).requirement.leak_rate == 1e-6
 
 
+@pytest.mark.parametrize(
+    ("text", "per_minute"), [("3 drops/min", 3), ("1 drop / h", 1 / 60), (".5 drops/s", 30)]
+)
+def test_a_limit_may_be_counted_in_drops(text, per_minute):
+    limit = case(requirement={"leak_rate": text}).requirement.leak_rate
+    # 16 drops are a millilitre
+    assert limit == pytest.approx(per_minute / 16 * 1e-6 / 60, rel=1e-14)
+    with pytest.raises(InputError, match=r"requirement.leak_rate.*counted in drops, and the fluid is a gas"):
+        case(fluid={"name": "helium"}, requirement={"leak_rate": text})
+
+
 def test_of_a_liquid_pressure_times_volume_is_no_amount():
     with pytest.raises(
         InputError, match=r"requirement.leak_rate.*leak rate of a gas, and the fluid is a liquid"
@@ -340,3 +358,45 @@ def test_of_a_liquid_pressure_times_volume_is_no_amount():
         case(requirement={"leak_rate": "1e-3 mbar l/s"})
     with pytest.raises(InputError, match=r'requirement.leak_rate.*unit "mbar" does not fit'):
         case(requirement={"leak_rate": "1e-3 mbar"})
+
+
+def test_a_class_is_claimed_for_the_fluid_of_its_test_whether_it_is_required_or_not():
+    """An oil as thick as 46 times water, which leaks 46 times less, meets the classes that the water meets."""
+    solved = rough_result()
+    load = solved.highest
+    water = solved.case.replace({"fluid": {"viscosity": "1.0016 mPa s"}})
+    oil = solved.case.replace({"fluid": {"viscosity": "46.0736 mPa s"}})
+    for ends in ((1e-10, 2.4e-9), (1e-12, 1e-11), (1e-9, 1.0)):
+        of_oil = (ends[0] / 46, ends[1] / 46)
+        assert leakage_classes(oil, load, of_oil) == leakage_classes(water, load, ends)
+    assert next_class(oil, load, (1e-10 / 46, 2.4e-9 / 46)).name == "CC"
+    assert leakage_lines(oil, load, solved.loads)[-1].startswith(
+        "  Classes are those of a test with water, of which 46"
+    )
+    assert "Classes are those" not in "".join(leakage_lines(water, load, solved.loads))
+    (tile,) = (one for one in facts(replace(solved, case=oil)) if one.name.startswith("Leakage class"))
+    assert tile.remark.endswith("of which 46 times as much leaks")
+
+
+def test_a_limit_in_mbar_litres_per_second_is_compared_in_them():
+    solved = rough_result()
+    gas = replace(solved, case=solved.case.replace({"fluid": {"name": "helium"}}))
+    _, high = gas.leak_ranges[-1]
+    # 1 mbar l/s is 0.1 Pa m³/s, at 101325 Pa
+    for limit, told in ((high * 101325 / 0.1 / 1000, "allowed"), (high * 101325 / 0.1 * 1000, "is allowed")):
+        (sentence, *_) = verdict_sentences(required(gas, leak_rate=f"{limit!r} mbar l/s"))
+        assert told in sentence and sentence.count("mbar l/s") == 2 and "/min" not in sentence
+    (announced, *_) = requirement_lines(required(gas, leak_rate="2e-3 mbar l/s").case)
+    assert announced.startswith("leak rate: 0.0020 mbar l/s (1.97·10⁻⁹ m³/s)")
+
+
+def test_a_verdict_with_doubt_says_so_in_its_first_words():
+    doubt = Validity.of([Caution("channels", Level.DOUBTFUL, "leak rate up to a factor 3.3 off", "...")])
+    solved = rough_result()
+    doubted = replace(solved, loads=tuple(load.knowing(validity=doubt) for load in solved.loads))
+    for limit in ("1e-3 m^3/s", "1e-29 m^3/s"):
+        plain, *_ = verdict_sentences(required(solved, leak_rate=limit))
+        first, *others = verdict_sentences(required(doubted, leak_rate=limit))
+        assert "with doubt" not in plain
+        assert first == plain.replace(" bar:", " bar, with doubt:", 1)
+        assert others[0] == "The leak rate there is doubtful: leak rate up to a factor 3.3 off."

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.flow.rarefied import flow_factor, log_flow_factor, poiseuille_flow_rate
+from leak.flow.rarefied import flow_factor, flow_ratio_range, log_flow_factor, poiseuille_flow_rate
 
 R0 = 0.0141421
 SPECTRUM = leak.PowerSpectrum.self_affine(rms_height=0.3e-6, hurst=0.8, q_low=1e4, q_rolloff=1e5, q_high=1e7)
@@ -429,3 +429,25 @@ def test_next_to_sealing_the_flow_vanishes_without_a_fault(short, inlet):
     assert found.mass_flow >= 0.0
     assert found.knudsen_number > 1.0
     assert np.all((found.fluid_pressure >= 0.0) & (found.fluid_pressure <= inlet * (1 + 1e-9)))
+
+
+@pytest.mark.parametrize("name", ["helium", "carbon dioxide"])
+def test_no_contact_lets_more_or_less_of_another_gas_through_than_any_gap(name):
+    other, air = leak.gas(name), leak.gas("air")
+    least, most = flow_ratio_range(air, other)
+    x = np.linspace(-0.3e-3, 0.3e-3, 41)
+    ratios = []
+    for heights in (0.003e-6, 0.03e-6, 0.3e-6, 3e-6):
+        spectrum = leak.PowerSpectrum(SPECTRUM.wavenumber, SPECTRUM.density * (heights / 0.3e-6) ** 2)
+        surface = leak.RoughContact(spectrum, effective_modulus=115e9)
+        p = 0.05 * surface.sealing_pressure * (1.0 - (x / 0.31e-3) ** 2)
+        table = leak.gas_conductivity_table(surface, 1e-4 * p.max(), 1.01 * p.max(), num=12)
+        for inlet, outlet in ((2e5, 1e5), (1e3, 1e2), (1e5, 0.0)):
+            found = [
+                leak.gas_leak_flow(x, p, table, one, inlet, outlet, R0).throughput for one in (air, other)
+            ]
+            ratios.append(found[0] / found[1])
+    assert least <= min(ratios) and max(ratios) <= most
+    molecular = other.molar_mass / air.molar_mass
+    # the minimum shows: beyond what viscosities and masses alone would allow
+    assert min(ratios) < 0.95 * molecular**0.5 if molecular < 1.0 else max(ratios) > 1.03 * molecular**0.5

@@ -22,7 +22,8 @@ from plastic_solids import (
 from scipy.linalg import solveh_banded
 
 from fem_seal.bodies.elasticity import pressure_load
-from fem_seal.contact.load_path import PathLoad, load_path
+from fem_seal.contact.load_path import load_path
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.materials import HardeningCurve, Material
 

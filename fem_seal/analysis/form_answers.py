@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_seal.analysis.around import Around, LeakCurve, around_after
 from fem_seal.analysis.flow import as_first_loaded
-from fem_seal.analysis.leakage import leakage_classes
+from fem_seal.analysis.leakage import fluid_of_test, leakage_classes
 from fem_seal.analysis.problem import largest_force
 from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
 from fem_seal.errors import ConvergenceError, OpenSealError
@@ -236,7 +236,11 @@ def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:
         for one in leakage_classes(case, replace(load, formed=None))
         if one.name is not None and one.limit is not None
     ]
-    return (f"{met[0].standard} {met[0].name}", met[0].limit) if met and met[0].limit else None
+    if not met or not met[0].limit or case.fluid is None:
+        return None
+    # in the case's own fluid
+    most = fluid_of_test(case.fluid, load.fluid_pressure)[1][1]
+    return f"{met[0].standard} {met[0].name}", met[0].limit / most
 
 
 def _allowed(case: Case, load: LoadResult, asked: _Formed, given: FormError) -> Allowed | None:

@@ -11,7 +11,14 @@ from fem_seal.units import quantity
 if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult
     from fem_seal.case.case import Case
+    from fem_seal.case.fluid import Fluid
     from leak import LeakageClass
+
+# What the standards test with: liquids no thicker than water, air or nitrogen.
+_TEST_LIQUID, _TEST_GASES = "water", ("air", "nitrogen")
+_ROOM = 293.15
+# ... at 5 to 40 °C (ISO 5208).
+_TEST_TEMPERATURES = (278.15, 313.15)
 
 
 @dataclass(frozen=True)
@@ -62,6 +69,59 @@ def nominal_size(case: Case) -> NominalSize:
     return NominalSize(nominal_size_of_bore(diameter), diameter, circle, True)
 
 
+def fluid_of_test(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, float]]:
+    """The fluid of the test, where it is another one, and its leak rate over that of the case, least and most.
+
+    A liquid leaks in inverse proportion to its viscosity under that pressure; one that is no thicker than water may be
+    the test's own, and so may water at any temperature of a test. Of gases see `leak.flow.rarefied.flow_ratio_range`.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    pressure : float
+        That drives the leak [Pa].
+
+    Returns
+    -------
+    tuple
+        Its name, empty where the case's own is one of the test, and both ratios.
+    """
+    from leak import effective_viscosity_ratio, gas, liquid
+    from leak.flow.rarefied import flow_ratio_range
+
+    own = fluid.gas
+    as_in_test = _TEST_TEMPERATURES[0] <= fluid.temperature <= _TEST_TEMPERATURES[1]
+    if own is None:
+        own_viscosity, tested = (
+            one.viscosity * effective_viscosity_ratio(one.pressure_law, pressure)
+            for one in (fluid, liquid(_TEST_LIQUID, _ROOM))
+        )
+        ratio = own_viscosity / tested
+        coldest = liquid(_TEST_LIQUID, _TEST_TEMPERATURES[0]).viscosity
+        water = fluid.name.lower() == _TEST_LIQUID and fluid.viscosity <= coldest
+        return ("", (1.0, 1.0)) if ratio <= 1.0 or water else (_TEST_LIQUID, (ratio, ratio))
+    if fluid.name.lower() in _TEST_GASES and as_in_test:
+        return "", (1.0, 1.0)
+    return _TEST_GASES[0], flow_ratio_range(gas(_TEST_GASES[0], _ROOM), own)
+
+
+def in_the_test(case: Case, load: LoadResult, ends: tuple[float, float] | None = None) -> tuple[float, float]:
+    """Ends of the leak rate of a load, converted to the fluid of the standards' tests [m^3/s].
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+        With a leak rate.
+    ends : tuple of float, optional
+        Those of the case's own fluid; both readings of yielding asperities unless given.
+    """
+    assert load.leak is not None and case.fluid is not None
+    low, high = ends or load.leak_range or (load.leak.leak_rate, load.leak.leak_rate)
+    _, (least, most) = fluid_of_test(case.fluid, load.fluid_pressure)
+    return low * least, high * most
+
+
 @dataclass(frozen=True)
 class NextClass:
     """The class that is next to be met.
@@ -70,7 +130,7 @@ class NextClass:
     ----------
     standard, name : str
     factor : float
-        By which the leak rate would have to be smaller.
+        By which the leak rate would have to be smaller, in the fluid of the test.
     """
 
     standard: str
@@ -94,7 +154,7 @@ def next_class(case: Case, load: LoadResult, ends: tuple[float, float] | None = 
 
     if load.leak is None or load.validity.outside:
         return None
-    _, high = ends or load.leak_range or (0.0, load.leak.leak_rate)
+    _, high = in_the_test(case, load, ends)
     gas = load.leak.throughput is not None
     limits = leakage_limits(nominal_size(case).size, gas=gas)
     missed = [one for one in limits if one.standard == limits[0].standard and 0 < one.leak_rate < high]
@@ -109,6 +169,8 @@ def leakage_classes(
 ) -> tuple[LeakageClass, ...]:
     """The tightest class of each standard that a load meets; empty without a leak rate, and outside the theory.
 
+    They are judged, and their limits stand, for the fluid of the standard's test (`in_the_test`).
+
     Parameters
     ----------
     case : Case
@@ -122,7 +184,7 @@ def leakage_classes(
     if load.leak is None or load.validity.outside:
         return ()
     size = nominal_size(case)
-    low, high = ends or load.leak_range or (load.leak.leak_rate, load.leak.leak_rate)
+    low, high = in_the_test(case, load, ends)
     return leakage_class(
         low,
         size.size,

@@ -180,7 +180,8 @@ class _Bench:
         if surface.hardness is not None:
             steps["hardness"] = _TWICE
         values: dict[str, float | None] = {
-            "rms_height": surface.spectrum.rms_height,
+            # of a drawing the height that it gives is halved, and not the rms height of the gap
+            "rms_height": None if self._drawn else surface.spectrum.rms_height,
             "hardness": surface.hardness,
         }
         part = self_affine_part(roughness)
@@ -197,13 +198,41 @@ class _Bench:
 
     def _with_surface(self, key: str) -> Callable[[float], LoadResult]:
         def solved(factor: float) -> LoadResult:
-            assert self.problem.surface is not None  # of `usable`
-            surface = changed_surface(self.case, self.problem.surface, {key: factor})
+            surface = self._changed(key, factor)
             model = stiffer(self.result.model, factor if key == "youngs_modulus" else 1.0)
             problem = replace(self.problem, surface=surface)
             return self.solved(problem, model, self.load.applied_force, self.load.contact)
 
         return solved
+
+    @property
+    def _drawn(self) -> dict[str, float]:
+        """Heights that a drawing gives [m], by their key in the case; none unless all the roughness is from it."""
+        roughness = self.case.roughness
+        if roughness is None or len(roughness.finishes) < len(roughness.parts):
+            return {}
+        if roughness.height is not None:
+            return {f"roughness.{roughness.height}": getattr(roughness, roughness.height)}
+        return {
+            f"roughness.{face}.{one.height}": getattr(one, one.height)
+            for face, one in roughness.finishes.items()
+            if one.height is not None
+        }
+
+    def _changed(self, key: str, factor: float) -> RoughContact:
+        """The surface with one input changed.
+
+        Half of a drawing's value may be measured with another filter, and stand for other waves. A small change of it
+        is one of heights alone: the filters change in steps.
+        """
+        surface, drawn = self.problem.surface, self._drawn
+        assert surface is not None  # of `usable`
+        if key != "rms_height" or factor != 1.0 / _TWICE or not drawn:
+            return changed_surface(self.case, surface, {key: factor})
+        halved = self.case.replace({path: factor * value for path, value in drawn.items()})
+        assert halved.roughness is not None
+        spectrum, peklenik = halved.roughness.combined()
+        return replace(surface, spectrum=spectrum, peklenik=peklenik)
 
     def dimensions(self) -> list[Lever]:
         """Lengths and angles at the contact that the case gives, each with a mesh of its own."""

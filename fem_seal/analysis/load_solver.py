@@ -8,17 +8,19 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
+import numpy as np
+
 from fem_seal.analysis.afterwards import told
 from fem_seal.analysis.around import Around
 from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.analysis.seal_flow import SealFlow
+from fem_seal.arrays import FloatArray
 from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
 from fem_seal.contact.laws import Law
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
     LoadPath,
-    PathLoad,
     Unloaded,
     load_path,
     yielding_bodies,
@@ -26,6 +28,7 @@ from fem_seal.contact.load_path import (
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.path_loads import FluidLoad, PathLoad
 from fem_seal.contact.penetration import (
     blow_off_pressure,
     least_closing_force,
@@ -113,19 +116,53 @@ class LoadSolver:
                 seal, closing_force=axial_force, fluid_pressure=fluid_pressure, start=start
             )
         except OpenSealError as error:
-            least = least_closing_force(seal, fluid_pressure)
-            allowed = "" if least is None else f"; give an axial_force above {least:.5g} N"
-            problem = Problem(
-                "load.axial_force",
-                f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",
-                f"{axial_force:.6g} N",
-            )
-            raise InputError(problem, file=self.problem.file) from error
+            raise self._open_seal(seal, fluid_pressure, axial_force, error) from error
+
+    def open_seal(
+        self, fluid_pressure: float, axial_force: float, error: OpenSealError, model: ContactModel
+    ) -> InputError:
+        """What is said of a load that opens a seal whose bodies are those of a model."""
+        return self._open_seal(replace(self.seal, model=model), fluid_pressure, axial_force, error)
+
+    def _open_seal(
+        self, seal: FluidAndContact, fluid_pressure: float, axial_force: float, error: OpenSealError
+    ) -> InputError:
+        least = least_closing_force(seal, fluid_pressure)
+        allowed = "" if least is None else f"; give an axial_force above {least:.5g} N"
+        problem = Problem(
+            "load.axial_force",
+            f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",
+            f"{axial_force:.6g} N",
+        )
+        return InputError(problem, file=self.problem.file)
+
+    def on_path(self, fluid_pressure: float, axial_force: float) -> PathLoad | FluidLoad:
+        """A load of the problem as one on the path of bodies that yield, by its way of closing."""
+        fit = FurtherLoads.press_fit(self.problem.interference)
+        if self._on_sealed_area:
+            return PathLoad(axial_force + self._closes(fluid_pressure), fit)
+        path = self._path
+        remembers = None if self.problem.loads.earlier is None else self._path_after
+        return FluidLoad(axial_force, fluid_pressure, path, self.problem.interference, remembers)
 
     def at_contact_force(
         self, fluid_pressure: float, contact_force: float, start: ContactSolution | None = None
     ) -> tuple[ContactSolution, float]:
-        """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N]."""
+        """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N].
+
+        Bodies that yield begin as new ones, or after the largest load before those of the problem, and go to this load
+        alone. With the fluid between the surfaces F_N is then what is left of the applied force by the circle of first
+        touch, near to what they carry.
+
+        Raises
+        ------
+        InputError
+            If bodies that yield are open there.
+        ConvergenceError
+        """
+        if self.yields:
+            applied = contact_force - self._closes(fluid_pressure)
+            return _end_of_path(self, [(fluid_pressure, applied)]), applied
         if self.problem.loads.closing == "sealed-area":
             contact = self._sealed_area(contact_force, start).after(self.earlier)
             return contact, contact_force - self._closes(fluid_pressure)
@@ -134,18 +171,41 @@ class LoadSolver:
         ).after(self.earlier)
         return contact, contact.closing_force
 
-    def blow_off_pressure(self, axial_force: float) -> float:
-        """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not."""
+    def blow_off_pressure(self, axial_force: float, contact: ContactSolution | None = None) -> float:
+        """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not.
+
+        Parameters
+        ----------
+        axial_force : float
+            Of spring or actuator [N].
+        contact : ContactSolution, optional
+            From which the pressure rises, the force staying as it is: bodies that yield keep what they have gone
+            through. Without it they are as new.
+        """
         loads = self.problem.loads
         if loads.closing == "penetration":
-            return blow_off_pressure(self.seal, closing_force=axial_force)
+            return blow_off_pressure(self._seal_after(contact), closing_force=axial_force)
         return blow_off_of_sealed_area(self.problem.touch_radius, axial_force, loads.pressure_side)
 
-    def opening_force(self, fluid_pressure: float) -> float | None:
-        """Force of spring or actuator [N] below which the seal is open at a fluid pressure [Pa]; None if not found."""
+    def opening_force(self, fluid_pressure: float, contact: ContactSolution | None = None) -> float | None:
+        """Force of spring or actuator [N] below which the seal is open at a fluid pressure [Pa]; None if not found.
+
+        `contact` as in `blow_off_pressure`.
+        """
         if self.problem.loads.closing == "penetration":
-            return least_closing_force(self.seal, fluid_pressure)
+            return least_closing_force(self._seal_after(contact), fluid_pressure)
         return -self._closes(fluid_pressure)
+
+    def _seal_after(self, contact: ContactSolution | None) -> FluidAndContact:
+        """The seal with bodies that have gone through the loads up to a contact."""
+        if not isinstance(contact, ElastoplasticContact):
+            return self.seal
+        seal = replace(self.seal, model=contact.unloading)
+        if self.problem.loads.earlier is None:
+            return seal
+        pressure = contact.pressure
+        largest = pressure if contact.largest is None else np.maximum(pressure, contact.largest)
+        return replace(seal, path=self._path_after(largest))
 
     @property
     def yields(self) -> bool:
@@ -160,11 +220,16 @@ class LoadSolver:
     @cached_property
     def seal(self) -> FluidAndContact:
         """What stays the same at every load."""
-        earlier, path = self.earlier, self._first_seal.path
-        if earlier is None or self.flow is None or not isinstance(path, FlowThrough):
+        earlier = None if self.yields else self.earlier
+        if earlier is None:
             return self._first_seal
-        remembers = partial(self.flow.as_first_loaded, largest=earlier.pressure)
-        return replace(self._first_seal, path=replace(path, as_first_loaded=remembers))
+        return replace(self._first_seal, path=self._path_after(earlier.pressure))
+
+    def _path_after(self, largest: FloatArray) -> FluidPath:
+        """The fluid's way between surfaces of which each place has carried a pressure before [Pa], shape (m,)."""
+        if self.flow is None or not isinstance(self._path, FlowThrough):
+            return self._path
+        return replace(self._path, as_first_loaded=partial(self.flow.as_first_loaded, largest=largest))
 
     @cached_property
     def _first_seal(self) -> FluidAndContact:
@@ -269,15 +334,20 @@ def solve_loads(solver: LoadSolver) -> SolvedLoads:
 
 def _solved_path(solver: LoadSolver) -> SolvedLoads:
     """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
-    numbers = range(len(solver.problem.loads.points))
-    try:
-        path, earlier = _path(solver, len(numbers))
-    except ConvergenceError as error:
-        contacts: tuple[ContactSolution, ...] = error.partial if isinstance(error.partial, tuple) else ()
-        failures = {number: error for number in numbers[len(contacts) :]}
-        return SolvedLoads(contacts, None, failures, None if failures else error)
-    unsolved = {} if path.stopped is None else dict.fromkeys(numbers[len(path.contacts) :], path.stopped)
-    return SolvedLoads(path.contacts, path.unloaded, unsolved, earlier=earlier)
+    points = solver.problem.loads.points
+    path, earlier = _path(solver, points)
+    failures: dict[int, Exception] = {
+        number: solver.open_seal(*points[number], opened.error, opened.model)
+        for number, opened in path.opened.items()
+    }
+    closed = [number for number in range(len(points)) if number not in failures]
+    unsolved = closed[len(path.contacts) :]
+    if path.stopped is not None:
+        failures.update(dict.fromkeys(unsolved, path.stopped))
+    not_unloaded = None if unsolved or path.unloaded is not None else path.stopped
+    return SolvedLoads(
+        path.contacts, path.unloaded, dict(sorted(failures.items())), not_unloaded, earlier=earlier
+    )
 
 
 def _problem(error: Exception) -> LoadProblem:
@@ -308,40 +378,57 @@ def solve_load(
         If the load leaves the seal open.
     ConvergenceError
     """
-    if solver.yields:
-        path, _ = _path(solver, number + 1, steps)
-        if path.stopped is not None:
-            raise path.stopped
-        return path.contacts[-1]
-    return solver.solve(*solver.problem.loads.points[number], start=start)
+    if not solver.yields:
+        return solver.solve(*solver.problem.loads.points[number], start=start)
+    return _end_of_path(solver, solver.problem.loads.points[: number + 1], steps)
+
+
+def _end_of_path(
+    solver: LoadSolver, points: Sequence[tuple[float, float]], steps: int | None = None
+) -> ElastoplasticContact:
+    path, _ = _path(solver, points, steps, unload=False)
+    last = len(points) - 1
+    if last in path.opened:
+        raise solver.open_seal(*points[last], path.opened[last].error, path.opened[last].model)
+    if path.stopped is not None:
+        raise path.stopped
+    return path.contacts[-1]
 
 
 def _path(
-    solver: LoadSolver, count: int, steps: int | None = None
-) -> tuple[LoadPath, ContactSolution | None]:
-    """The first `count` loads of the case and the unloading; the largest load before them is the first of the path.
+    solver: LoadSolver,
+    points: Sequence[tuple[float, float]],
+    steps: int | None = None,
+    *,
+    unload: bool = True,
+) -> tuple[LoadPath, ElastoplasticContact | None]:
+    """Fluid pressures [Pa] and applied forces [N] one after the other; the largest load before them is the first.
 
     It is returned beside the path, and each contact remembers those before it.
     """
     problem, settings = solver.problem, PlasticSettings()
-    fit = FurtherLoads.press_fit(problem.interference)
     first = () if problem.loads.earlier is None else (problem.loads.earlier,)
-    loads = [
-        PathLoad(closing_force(problem.touch_radius, pressure, force, problem.loads.pressure_side), fit)
-        for pressure, force in (*first, *problem.loads.points[:count])
-    ]
+    loads = [solver.on_path(*point) for point in (*first, *points)]
     if steps is not None:
         settings = replace(settings, steps=steps)
+    fit = FurtherLoads.press_fit(problem.interference)
     try:
-        path = load_path(solver.model, problem.law, loads, at_rest=fit, settings=settings, partial=True)
+        path = load_path(
+            solver.model, problem.law, loads, at_rest=fit, settings=settings, partial=True, unload=unload
+        )
     except ConvergenceError as error:
-        if not (first and isinstance(error.partial, tuple)):
+        if not isinstance(error.partial, LoadPath):
             raise
-        raise ConvergenceError(str(error), partial=_remembering(error.partial)[1:]) from error
+        path = error.partial
     if not first:
         return path, None
+    if 0 in path.opened:
+        raise solver.open_seal(*first[0], path.opened[0].error, path.opened[0].model)
+    if not path.contacts:
+        return replace(path, stopped=ConvergenceError(f"the largest earlier load: {path.stopped}")), None
     earlier, *contacts = _remembering(path.contacts)
-    return replace(path, contacts=tuple(contacts)), earlier
+    opened = {number - 1: one for number, one in path.opened.items()}
+    return replace(path, contacts=tuple(contacts), opened=opened), earlier
 
 
 def _remembering(contacts: Sequence[ElastoplasticContact]) -> tuple[ElastoplasticContact, ...]:
@@ -350,6 +437,55 @@ def _remembering(contacts: Sequence[ElastoplasticContact]) -> tuple[Elastoplasti
     for contact in contacts:
         found.append(contact.after(found[-1]) if found else contact)
     return tuple(found)
+
+
+def path_again(solver: LoadSolver) -> list[ContactSolution]:
+    """All loads of a problem on the path of bodies that yield, without what is left after the last.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+
+    Raises
+    ------
+    ConvergenceError
+        If a load opens the seal or does not converge.
+    """
+    points = solver.problem.loads.points
+    path, _ = _path(solver, points, unload=False)
+    if len(path.contacts) < len(points):
+        opened = [str(one.error) for one in path.opened.values()]
+        raise ConvergenceError(opened[0] if opened else str(path.stopped))
+    return list(path.contacts)
+
+
+def linearised_again(
+    contacts: Sequence[ContactSolution], law: Law, earlier: ContactSolution | None = None
+) -> list[ContactSolution]:
+    """The same loads of bodies that yield with another law, the bodies linearised where they are.
+
+    What they would have yielded otherwise on the way to the last load step of each load is left out.
+
+    Parameters
+    ----------
+    contacts : sequence of ElastoplasticContact
+        Along a path.
+    law : InterfaceLaw or HardContact
+    earlier : ElastoplasticContact, optional
+        The one before them, which they remember.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    found: list[ContactSolution] = []
+    for contact in contacts if earlier is None else (earlier, *contacts):
+        assert isinstance(contact, ElastoplasticContact) and contact.linear is not None
+        again = solve(
+            contact.linear, law, axial_force=contact.axial_force, loads=contact.loads, start=contact
+        )
+        found.append(again if earlier is None else again.after(found[-1] if found else None))
+    return found if earlier is None else found[1:]
 
 
 def solved_again(

@@ -25,7 +25,7 @@ def with_margins(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[LoadR
     side, found = solver.problem.loads.pressure_side, []
     for load in loads:
         pressure, applied_force = load.fluid_pressure, load.applied_force
-        held = solver.opening_force(pressure) if side == "outer" and applied_force < 0 else None
+        held = solver.opening_force(pressure, load.contact) if side == "outer" and applied_force < 0 else None
         margin = opening_margin(pressure, applied_force, side, opens=load.blow_off_pressure, held=held)
         found.append(load.knowing(opening=margin))
     return tuple(found)

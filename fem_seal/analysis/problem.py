@@ -24,7 +24,7 @@ from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import element_sizes, for_yielding
 from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.form import FormError
-from fem_seal.loads import PressureSide, expected_force, line_load
+from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
@@ -468,15 +468,17 @@ def sizing(problem: SealProblem, law: Law | None = None, forces: Sequence[float]
     return rounded(found, contact, size_given=size_given)
 
 
-def condensed(problem: SealProblem, seal_mesh: SealMesh) -> ContactModel:
+def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | None = None) -> ContactModel:
     """The bodies of a problem on a mesh, condensed.
 
     Parameters
     ----------
     problem : SealProblem
     seal_mesh : SealMesh
+    known : ContactModel, optional
+        Whose closure may be the same, see `fem_seal.contact.model.condense`.
     """
-    return condense(seal_mesh, problem.materials, problem.supports)
+    return condense(seal_mesh, problem.materials, problem.supports, known=known)
 
 
 def expected_forces(problem: SealProblem) -> list[float]:
@@ -508,7 +510,9 @@ def _expected_force(problem: SealProblem, fluid_pressure: float, applied_force: 
 
 
 def largest_force(problem: SealProblem) -> float:
-    """Largest force F_N with small strains [N]: Hertz half-width a tenth of contact radius and relative curvature.
+    """Largest force F_N with small strains [N]: half-width a tenth of contact radius and relative curvature.
+
+    That of Hertz, and where a body yields that of full plasticity as well.
 
     Parameters
     ----------
@@ -522,4 +526,7 @@ def largest_force(problem: SealProblem) -> float:
         f = (end - start) * modulus / 20
     else:
         f = math.pi * modulus * (min(r0, R) / 10) ** 2 / (4 * R)
+    if problem.curves:
+        per_line_load = plastic_half_width(1.0, min(curve.stress[-1] for curve in problem.curves))
+        f = min(f, min(r0, R) / 10 / per_line_load)
     return f / line_load(1.0, r0, contact.angle)

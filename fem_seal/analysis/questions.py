@@ -61,7 +61,9 @@ def contacts_at_target(
     Notes
     -----
     The leak rate falls with the force on the solid contact; ln Q over ln F_N is bracketed around what a Gaussian
-    profile says and its root found on a mesh sized for it, one contact of the condensed bodies per step.
+    profile says and its root found on a mesh sized for it, one contact of the condensed bodies per step. Where a body
+    yields each step is a path of its own from the new seal, or from the largest load before those of the problem, so
+    that the force leaks the target in a case that has only this load.
     """
     target = problem.loads.target_leak_rate if target_leak_rate is None else target_leak_rate
     if target is None or not target > 0:
@@ -73,10 +75,6 @@ def contacts_at_target(
         )
     if capped:
         flow = replace(flow, surface=flow.surface.capped)
-    if problem.curves:
-        raise target_problem(
-            problem, "is for elastic bodies, and one has a stress_strain curve; leave it out", target
-        )
     # up and down again, or under several forces, a pressure may come more than once
     pressures = dict.fromkeys(problem.loads.fluid_pressure)
     expected = {pressure: expected_contact_force(flow, pressure, target) for pressure in pressures}
@@ -146,25 +144,31 @@ def with_answers(
         lambda: _forces_capped(solver, len(loads)),
         ([None] * len(loads), ()),
     )
-    applied = dict.fromkeys(load.applied_force for load in loads) if asked else ()
+    # elastic bodies are the same after every load
+    different = {_opening_of(solver, load): load for load in reversed(loads)} if asked else {}
     opens = {
-        force: after.get(
-            f"pressure that opens the seal under {force:.6g} N",
-            partial(solver.blow_off_pressure, force),
+        key: after.get(
+            f"pressure that opens the seal under {load.applied_force:.6g} N",
+            partial(solver.blow_off_pressure, load.applied_force, load.contact),
             None,
         )
-        for force in applied
+        for key, load in different.items()
     }
     return tuple(
         load.knowing(
             effective_radius=effective_radius(load.contact, load.fluid_pressure) if penetrates else None,
-            blow_off_pressure=opens.get(load.applied_force),
+            blow_off_pressure=opens.get(_opening_of(solver, load)),
             force_for_target=force,
             force_for_target_capped=force_capped,
             target_validity=verdict,
         )
         for load, force, force_capped, verdict in zip(loads, forces, capped, verdicts, strict=True)
     ), (*remarks, *more)
+
+
+def _opening_of(solver: LoadSolver, load: LoadResult) -> tuple[float, int | None]:
+    """What the pressure that opens the seal depends on: the applied force, and of bodies that yield the contact."""
+    return load.applied_force, id(load.contact) if solver.yields else None
 
 
 Forces = tuple[list[float | None], list[Validity | None], tuple[Caution, ...]]
@@ -212,11 +216,16 @@ def _on_model(
 
     def excess(log_force: float) -> float:
         start = next(reversed(known.values()))[0] if known else None
-        contact, applied_force = solver.at_contact_force(fluid_pressure, math.exp(log_force), start)
+        try:
+            contact, applied_force = solver.at_contact_force(fluid_pressure, math.exp(log_force), start)
+        except InputError:
+            # open bodies that yield: everything flows
+            return log_excess(math.inf, target)
         known[log_force] = contact, applied_force
         return log_excess(flow.leak_of(contact, fluid_pressure).leak_rate, target)
 
-    root = _root_near(excess, math.log(expected))
+    highest = math.log(largest_force(solver.problem)) if solver.yields else math.inf
+    root = _root_near(excess, math.log(expected), highest)
     if root is None:
         raise target_problem(
             solver.problem,
@@ -231,14 +240,17 @@ def _on_model(
     return load.knowing(rough=RoughFlow.of(flow.surface, flow.flow, load.contacts))
 
 
-def _root_near(excess: Callable[[float], float], expected: float) -> float | None:
-    """Place where a falling function is zero, looked for from an expected place outwards."""
+def _root_near(excess: Callable[[float], float], expected: float, highest: float = math.inf) -> float | None:
+    """Place where a falling function is zero, looked for from an expected place outwards, up to the highest."""
     from scipy.optimize import brentq
 
-    at, value = expected, excess(expected)
+    at = min(expected, highest)
+    value = excess(at)
     step = 0.1 * math.copysign(1.0, value)
     for _ in range(12):
-        ahead = at + step
+        ahead = min(at + step, highest)
+        if ahead == at:
+            return None
         beyond = excess(ahead)
         if beyond * value <= 0:
             return float(brentq(excess, at, ahead, xtol=_ACCURACY))

@@ -13,7 +13,7 @@ from fem_seal.analysis.around import LeakCurve
 from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow, as_first_loaded
 from fem_seal.analysis.problem import expected_forces
 from fem_seal.contact.sizing import Opening, contact_width
-from fem_seal.loads import line_load
+from fem_seal.loads import line_load, plastic_half_width
 from fem_seal.profile import PressureProfile, remembered
 
 if TYPE_CHECKING:
@@ -93,10 +93,17 @@ class SealFlow:
         return self.flow.table_around(self.surface, (low, high + above))
 
     def expected_profile(self, contact_force: float) -> PressureProfile:
-        """Gaussian with the line load and the expected width of a contact that carries a force F_N [N]."""
+        """Gaussian with the line load and the expected width of a contact that carries a force F_N [N].
+
+        A body that yields is coined over the width of full plasticity at least.
+        """
         contact = self.problem.contact
         f = line_load(contact_force, contact.touch_radius, contact.angle)
         std = contact_width(self.problem.law, f, self._opening, self.problem.effective_modulus).std
+        if self.problem.curves:
+            softest = min(curve.yield_stress for curve in self.problem.curves)
+            # an even pressure over 2 a has the standard deviation a/sqrt(3)
+            std = max(std, plastic_half_width(f, softest) / math.sqrt(3))
         x = std * np.linspace(-_REACH, _REACH, _POINTS)
         pressure = f / (math.sqrt(2 * math.pi) * std) * np.exp(-0.5 * (x / std) ** 2)
         radius = np.maximum(contact.touch_radius + x * math.cos(contact.angle), 0.1 * contact.touch_radius)

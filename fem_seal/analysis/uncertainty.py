@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.families import family_table
-from fem_seal.analysis.load_solver import solved_again
+from fem_seal.analysis.load_solver import LoadSolver, linearised_again, path_again, solved_again
+from fem_seal.analysis.problem import condensed
 from fem_seal.analysis.response_surface import ResponseSurface, fit
 from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution, coarse_leak_rates, leak_rates
 from fem_seal.analysis.sampling import UncertainInput, sobol_points
@@ -33,8 +34,12 @@ from fem_seal.errors import ConvergenceError, InputError, Problem
 
 if TYPE_CHECKING:
     from fem_seal.analysis.flow import Conductivity, Flow
+    from fem_seal.analysis.problem import SealProblem
     from fem_seal.case.case import Case
+    from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.materials import Material
     from leak import PowerSpectrum, RoughContact
 
 _FIRST_RUNS = 16
@@ -45,6 +50,9 @@ _ERROR_OF_STD = 0.03
 _SMALLEST_ERROR = 2e-4
 # Beside the runs of the polynomial: samples at both ends of the interval, calculated to see how well it does there.
 _CHECKS = 4
+# Bodies that yield are linearised at the loads of the case, unless these checks, which go through all loads, differ by
+# more than the first and by more than this share of the width of ln Q that holds nine tenths of the samples.
+_LARGEST_OF_LINEAR, _SHARE_OF_SCATTER = 0.03, 0.06
 
 
 def leak_interval(
@@ -59,6 +67,12 @@ def leak_interval(
     inputs, a polynomial through these runs gives the others; if not (a sample is sealed or blown open), all are
     calculated. A liquid's viscosity needs no runs: Q is inversely proportional to it. Where asperities yield, each run
     gives the leak rate in both readings of the theory, on the same contact.
+
+    Bodies that yield have a path. What touches the surface alone changes the law between them: the bodies are
+    linearised at each load of the case, plastic flow of its last load step included, and pressed together anew with the
+    law of the sample. The samples at both ends of the interval go through all loads, and if that changes their leak
+    rate by more than 3 %, and than 6 % of the width of the interval in ln Q, so do all others, unless some are sealed;
+    they do at once if Young's moduli are uncertain.
 
     Parameters
     ----------
@@ -113,7 +127,11 @@ _LOADS = 5
 
 
 def _interval_of_finish(
-    result: SealSolution, settings: Uncertainty, progress: Callable[[str], None]
+    result: SealSolution,
+    settings: Uncertainty,
+    progress: Callable[[str], None],
+    *,
+    whole_paths: bool = False,
 ) -> LeakInterval:
     """The interval of a finish, a factor of ten or more, for the price of few runs.
 
@@ -122,7 +140,8 @@ def _interval_of_finish(
     """
     chosen = _representative(result.loads)
     part = replace(result, loads=tuple(result.loads[n] for n in chosen))
-    study = replace(_Study.of(part, settings), coarse=True)
+    study = _Study.of(part, settings)
+    study = replace(study, coarse=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
     usual, viscosity = study.of_coarse, study.viscosity[:, None]
     terms = (study.scores.shape[1] + 1) * (study.scores.shape[1] + 2) // 2
     goal = min(math.ceil(_RUNS_PER_TERM * terms) + 1, len(study.uniform), _MOST_RUNS)
@@ -145,9 +164,11 @@ def _interval_of_finish(
     else:
         ratios = np.exp(surface(study.scores))
         checked = np.array(_ends((ratios * usual / viscosity)[:, study.last_load], settings.confidence))
-        truth = study.leak_rates(checked.tolist()) / usual
+        truth = replace(study, whole_paths=True).leak_rates(checked.tolist()) / usual
         checked, truth = (one[~np.isnan(truth).any(axis=1)] for one in (checked, truth))
         error = float(np.abs(ratios[checked] / truth - 1).max(initial=0.0))
+        if study.linearised and error > _allowed(np.log(ratios)):
+            return _interval_of_finish(result, settings, progress, whole_paths=True)
         ratios[checked], ratios[known] = truth, rates[known]
         runs += _CHECKS
     ratios = ratios / viscosity
@@ -202,15 +223,19 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
     viscosity = study.viscosity
     runs, rates, surface = _runs(study, progress)
     error = None
-    if surface is None:
-        nominal = rates * viscosity[:, None]
-    else:
-        nominal = np.exp(surface(study.scores))
+    nominal = rates * viscosity[:, None] if surface is None else np.exp(surface(study.scores))
+    if surface is not None or (study.linearised and study.calculated):
         checked = _ends((nominal / viscosity[:, None])[:, study.last_load], settings.confidence)
-        truth = study.leak_rates(checked)
-        with np.errstate(divide="ignore"):
-            error = float(np.abs(nominal[checked] / truth - 1).max())
-        nominal[checked], nominal[: len(rates)] = truth, rates
+        truth = replace(study, whole_paths=True).leak_rates(checked)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            differ = np.abs(nominal[checked] / truth - 1)
+        # both sealed is no difference; a path that did not converge says nothing
+        error = float(np.nan_to_num(differ, nan=0.0).max())
+        if study.linearised and surface is not None and error > _allowed(np.log(nominal)):
+            return _interval(replace(study, whole_paths=True), settings, progress)
+        if surface is not None:
+            nominal[: len(rates)] = rates
+        nominal[checked] = np.where(np.isnan(truth), nominal[checked], truth)
         runs += len(checked)
     conserved, *capped = np.split((nominal / viscosity[:, None]).T, study.readings)
     return LeakInterval(
@@ -223,6 +248,12 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
         error,
         *capped,
     )
+
+
+def _allowed(log_leak_rate: FloatArray) -> float:
+    """How far linearised bodies may be off, for samples that scatter like these."""
+    low, high = np.quantile(log_leak_rate, (0.05, 0.95), axis=0)
+    return max(_LARGEST_OF_LINEAR, _SHARE_OF_SCATTER * float((high - low).max()))
 
 
 def _runs(study: _Study, progress: Callable[[str], None]) -> tuple[int, FloatArray, ResponseSurface | None]:
@@ -295,18 +326,37 @@ class _Study:
         Numbers between 0 and 1.
     coarse : bool
         Whether conductivities are tabulated at few pressures.
+    whole_paths : bool
+        Whether bodies that yield go through all their loads in every sample, instead of being linearised at each load
+        of the case.
+    numbers : sequence of int, optional
+        Which of the loads of the problem are sampled; all unless given.
     """
 
     result: SealSolution
     inputs: tuple[AnyInput, ...]
     uniform: FloatArray
     coarse: bool = False
+    whole_paths: bool = False
+    numbers: Sequence[int] | None = None
 
     @classmethod
     def of(cls, result: SealSolution, settings: Uncertainty) -> _Study:
         inputs = uncertain_inputs(result.case, settings)
         dimensions = sum(one.dimensions for one in inputs)
-        return cls(result, inputs, sobol_points(settings.samples, dimensions, settings.seed))
+        uniform = sobol_points(settings.samples, dimensions, settings.seed)
+        study = cls(result, inputs, uniform)
+        return replace(study, whole_paths=study._bulk)
+
+    @property
+    def _bulk(self) -> bool:
+        """Whether bodies yield elsewhere in a sample, because their modulus is another one."""
+        return bool(self.result.problem.curves) and any(one.name == "youngs_modulus" for one in self.inputs)
+
+    @property
+    def linearised(self) -> bool:
+        """Whether bodies that yield are linearised at the loads of the case."""
+        return bool(self.result.problem.curves) and not self.whole_paths
 
     @property
     def readings(self) -> int:
@@ -384,7 +434,7 @@ class _Study:
         try:
             return self._rates(surface, self._loads(surface, factors))
         except ConvergenceError:
-            if self.coarse:
+            if self.coarse or (self.whole_paths and not self._bulk):
                 return [math.nan] * (self.readings * len(self.result.loads))
             raise
 
@@ -440,9 +490,8 @@ class _Study:
             if problem.form is result.problem.form:
                 return result.loads
             return [replace(load, formed=problem.around(load.contact)) for load in result.loads]
-        model = stiffer(result.model, stiffness)
         try:
-            contacts = solved_again(result.contact, model, law, result.earlier)
+            contacts = self._contacts(problem, surface, law, stiffness)
             return [
                 LoadResult(*load.point, contact, formed=problem.around(contact, law))
                 for load, contact in zip(result.loads, contacts, strict=True)
@@ -450,6 +499,23 @@ class _Study:
         except ConvergenceError as error:
             changes = ", ".join(f"{name} times {factor:.4g}" for name, factor in factors.items())
             raise ConvergenceError(f"uncertainty, sample with {changes}: {error}") from error
+
+    def _contacts(
+        self, problem: SealProblem, surface: RoughContact, law: Law, stiffness: float
+    ) -> Sequence[ContactSolution]:
+        result = self.result
+        if self.linearised:
+            return linearised_again(result.contact, law, result.earlier)
+        if not problem.curves:
+            return solved_again(result.contact, stiffer(result.model, stiffness), law, result.earlier)
+        changed = replace(problem, surface=surface, materials=_stiffer_bodies(problem.materials, stiffness))
+        model = result.model if stiffness == 1 else condensed(changed, result.seal_mesh)
+        contacts = path_again(LoadSolver(changed, model))
+        return contacts if self.numbers is None else [contacts[number] for number in self.numbers]
+
+
+def _stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[str, Material]:
+    return {name: replace(one, youngs_modulus=one.youngs_modulus * factor) for name, one in materials.items()}
 
 
 def stiffer(model: ContactModel, factor: float) -> ContactModel:

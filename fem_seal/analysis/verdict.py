@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.judgement import Judgement, Limit, SealJudgement, Shares, Verdict, Why, severity
-from fem_seal.analysis.leakage import nominal_size
+from fem_seal.analysis.leakage import fluid_of_test, nominal_size
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from fem_seal.errors import LoadProblem
 
 OF_LEAK_RATE = "leak rate"
-# What the standards test with: liquids no thicker than water, air or nitrogen.
-_TEST_LIQUID, _TEST_GASES = "water", ("air", "nitrogen")
-_ROOM = 293.15
 
 
 def limits(case: Case, fluid_pressure: float) -> tuple[Limit, ...]:
@@ -55,37 +52,12 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     )
     found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
     name = " ".join(wanted)
-    test_fluid, ratio = _test_fluid(fluid, fluid_pressure)
+    test_fluid, ratio = fluid_of_test(fluid, fluid_pressure)
     if not found:
         # class VI of FCI 70-2 ends at a diameter
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
     visible = 0.0 if found[0] else visible_leak_rate(gas=gas)
     return Limit(name, found[0], visible, test_fluid, ratio)
-
-
-def _test_fluid(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, float]]:
-    """The fluid of the test, where it is another one, and its leak rate over that of the case, least and most.
-
-    A liquid leaks in inverse proportion to its viscosity under that pressure; one that is no thicker than water may be
-    the test's own. The leak of a gas is the sum of a part that goes like one over its viscosity and one that goes like
-    one over the root of its molar mass, so that its ratio to another one's lies between both.
-    """
-    from leak import effective_viscosity_ratio, gas, liquid
-
-    own = fluid.gas
-    if own is None:
-        water = liquid(_TEST_LIQUID, _ROOM)
-        own_viscosity, viscosity = (
-            one.viscosity * effective_viscosity_ratio(one.pressure_law, pressure) for one in (fluid, water)
-        )
-        ratio = own_viscosity / viscosity
-        same = ratio <= 1.0 or fluid.name.lower() == _TEST_LIQUID
-        return ("", (1.0, 1.0)) if same else (_TEST_LIQUID, (ratio, ratio))
-    if fluid.name.lower() in _TEST_GASES:
-        return "", (1.0, 1.0)
-    test = gas(_TEST_GASES[0], _ROOM)
-    ratios = sorted((own.viscosity / test.viscosity, math.sqrt(own.molar_mass / test.molar_mass)))
-    return _TEST_GASES[0], (ratios[0], ratios[1])
 
 
 def judged(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> Judgement | None:

@@ -266,7 +266,7 @@ def _of_surface(problem: SealProblem) -> Iterator[Caution]:
             Level.DOUBTFUL,
             "of a finish the usual surface alone, without its interval",
             "the drawing's finish leaves much of the surface open, and its interval is not calculated together with "
-            'bodies that yield, conductivity = "direct" or for given pressure profiles: the leak rate is that of the '
+            'conductivity = "direct" or for given pressure profiles: the leak rate is that of the '
             "usual surface and may be off by a factor of ten",
         )
     for text in problem.remarks:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
+from scipy.sparse import csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
@@ -116,6 +116,40 @@ class CondensedBody:
         if self.solve is None:
             raise ValueError(f"the {self.held.name} was condensed for its contact line alone")
         return self.held.counted(self.solve(self.held.nodal_forces(point_forces)))
+
+
+def condense_body(
+    held: HeldBody,
+    stiffness: csc_matrix,
+    pulled: FloatArray | None = None,
+    order: NDArray[np.intp] | None = None,
+) -> CondensedBody:
+    """Factorise the stiffness of a body and see it from its contact line.
+
+    Parameters
+    ----------
+    stiffness : csc_matrix, shape (free dofs, free dofs)
+        [N/m]
+    pulled : ndarray, shape (dofs,), optional
+        Nodal forces while the wall alone is moved outwards by 1 m [N]; of a body whose wall can be moved.
+    order : ndarray of int, shape (free dofs,), optional
+        See `HeldBody.condensed`.
+
+    Raises
+    ------
+    RuntimeError
+        If the stiffness is not positive definite.
+    """
+    compliance, solve = held.condensed(stiffness, order)
+    forces = dict(held.further) if pulled is None else {**held.further, "wall": pulled}
+    loads = {}
+    for name, force in forces.items():
+        response = held.counted(solve(held.balanced(force)))
+        if name == "wall":
+            response[held.wall] = -1.0
+        axial = float(force[node_dofs(held.basis)[1]].sum())
+        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(response), response)
+    return CondensedBody(held, compliance, loads, solve)
 
 
 def body_field(name: str, body: CondensedBody, displacement: FloatArray, pressure: FloatArray) -> BodyField:

@@ -13,7 +13,7 @@ from scipy.sparse import csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import displacement_basis, node_dofs, pressure_load, quadratic_nodes
-from fem_seal.bodies.restricted_inverse import restricted_inverse
+from fem_seal.bodies.restricted_inverse import elimination_order, restricted_inverse
 from fem_seal.materials import Material
 from meshes import SealMesh
 
@@ -107,13 +107,17 @@ class HeldBody:
         """How far the contact nodes move along the normal into the body [m], shape (n,)."""
         return np.sum(self.normal * self.counted(displacement)[self.contact_dofs], axis=0)
 
-    def condensed(self, stiffness: csc_matrix) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    def condensed(
+        self, stiffness: csc_matrix, order: NDArray[np.intp] | None = None
+    ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """Factorise a stiffness of the free dofs, and see the body from its contact line.
 
         Parameters
         ----------
         stiffness : csc_matrix, shape (free dofs, free dofs)
             [N/m]
+        order : ndarray of int, shape (free dofs,), optional
+            `elimination_order` of this body, where it is factorised many times.
 
         Returns
         -------
@@ -131,9 +135,7 @@ class HeldBody:
         -----
         (F - c s)^T K^-1 (F - c s) with the unit normal forces F and the shares s of each that the load c balances.
         """
-        number = np.full(self.basis.N, -1)
-        number[self.free] = np.arange(len(self.free))
-        compliance, solve_free = self.contact_compliance(stiffness, number)
+        compliance, solve_free = self.contact_compliance(stiffness, self._free_rows, order)
 
         def solve(forces: FloatArray) -> FloatArray:
             displacement = np.zeros_like(forces)
@@ -145,6 +147,18 @@ class HeldBody:
             cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
             compliance += self.balance @ balanced * np.outer(share, share) - cross - cross.T
         return compliance, solve
+
+    def elimination_order(self, stiffness: csc_matrix) -> NDArray[np.intp]:
+        """Order in which `condensed` eliminates the free dofs; of a stiffness the pattern alone matters."""
+        place = self._free_rows[self.contact_dofs].ravel()
+        return elimination_order(stiffness, place[place >= 0])
+
+    @property
+    def _free_rows(self) -> NDArray[np.int64]:
+        """Row of every dof among the free ones; -1 where it is held."""
+        number = np.full(self.basis.N, -1)
+        number[self.free] = np.arange(len(self.free))
+        return number
 
     def contact_compliance(
         self, stiffness: csc_matrix, number: NDArray[np.int64], order: NDArray[np.intp] | None = None

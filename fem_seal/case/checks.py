@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 
-from fem_seal.case.fields import Throughput, shown
+from fem_seal.case.fields import Drops, Throughput, shown
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import SelfAffine
@@ -34,7 +34,6 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *_flow(case),
         *_direct(case),
         *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
-        *_yielding(case),
         *_form(case),
         *_throughput(case),
         *([] if case.requirement is None else _requirement(case, case.requirement)),
@@ -348,27 +347,6 @@ def _remembering(case: CaseTables) -> str:
     return f"a body that yields ({' and '.join(bodies)}: material.stress_strain) depends on its load history"
 
 
-def _yielding(case: CaseTables) -> Iterator[Problem]:
-    """What in a case with a stress_strain curve needs bodies that do not remember their loads."""
-    if not curves(case):
-        return
-    because, remedy = _remembering(case), "or leave stress_strain out"
-    if case.load.closing == "penetration":
-        yield Problem(
-            "load.closing",
-            f"the fluid pressure between the surfaces is solved together with elastic bodies only, but {because}; use "
-            f'"sealed-area", {remedy}',
-            '"penetration"',
-        )
-    if case.load.target_leak_rate is not None:
-        yield Problem(
-            "load.target_leak_rate",
-            f"the force for it is found by trial, and {because}, trials included; list the forces in load.axial_force "
-            f"instead, {remedy}",
-            f"{case.load.target_leak_rate:.4g} m^3/s",
-        )
-
-
 def _form(case: CaseTables) -> Iterator[Problem]:
     """What does not go together with a form error."""
     form = case.form
@@ -390,10 +368,17 @@ def _form(case: CaseTables) -> Iterator[Problem]:
 
 
 def _throughput(case: CaseTables) -> Iterator[Problem]:
-    """Pressure times volume is said of gases: of a liquid it is no amount."""
+    """Pressure times volume is said of gases: of a liquid it is no amount; and no gas falls in drops."""
     required = None if case.requirement is None else case.requirement.leak_rate
     written = {"load.target_leak_rate": case.load.target_leak_rate, "requirement.leak_rate": required}
-    if case.fluid is not None and case.fluid.gas is None:
+    if case.fluid is not None and case.fluid.gas is not None:
+        for key, limit in written.items():
+            if isinstance(limit, Drops):
+                yield Problem(
+                    key,
+                    'is counted in drops, and the fluid is a gas; give a volume over time, such as "0.1 ml/min"',
+                )
+    elif case.fluid is not None:
         for key, limit in written.items():
             if isinstance(limit, Throughput):
                 yield Problem(
@@ -465,12 +450,6 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
     table : Uncertainty
         The case's own, or another one.
     """
-    if curves(case):
-        yield Problem(
-            "uncertainty",
-            f"the samples solve each load on its own, but {_remembering(case)}; remove the table (a study can vary "
-            "the inputs: it solves the whole path of every design), or leave stress_strain out",
-        )
     if case.fluid is not None and case.fluid.gas is not None and table.viscosity is not None:
         yield Problem(
             "uncertainty.viscosity",

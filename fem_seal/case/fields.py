@@ -7,6 +7,7 @@ floats, and it describes itself in the JSON Schema of the case file.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, get_args
@@ -97,13 +98,30 @@ class Quantity(Entry):
 class Throughput(float):
     """A leak rate [m^3/s] that was written as pressure times volume over time, which is said of gases only."""
 
+    @property
+    def pressure_volume(self) -> float:
+        """As it was written [Pa m^3/s]."""
+        return self * _ATMOSPHERE
+
+
+class Drops(float):
+    """A leak rate [m^3/s] that was counted in drops, which liquids fall in."""
+
+
+_DROPS = re.compile(rf"\s*({NUMBER})\s*drops?\s*/\s*(s|min|h)\s*")
+
 
 @dataclass(frozen=True)
 class LeakRate(Quantity):
-    """A leak rate: a volume over time, or of a gas pressure times volume, which is the volume at 101325 Pa."""
+    """A leak rate: a volume over time, drops of a liquid, or pressure times volume of a gas, which is at 101325 Pa."""
 
     def read(self, text: object) -> float:
-        """Volume over time [m^3/s], a `Throughput` where that was written; ValueError as of a quantity."""
+        """Volume over time [m^3/s], a `Throughput` or `Drops` where that was written; ValueError as of a quantity."""
+        counted = _DROPS.fullmatch(text) if isinstance(text, str) else None
+        if counted:
+            from leak.standards import DROP_VOLUME
+
+            return Drops(super().read(f"{float(counted[1]) * DROP_VOLUME!r} m^3/{counted[2]}"))
         try:
             throughput = parse_quantity(text, "throughput")
         except QuantityError:

@@ -275,11 +275,11 @@ class CaseTables(Table):
     def sampled(self) -> Uncertainty | None:
         """What is uncertain: [uncertainty], or for a finish without it a table that adds nothing; None if nothing is.
 
-        None also where samples cannot be calculated: without a fluid, with a direct simulation or bodies that yield.
+        None also where samples cannot be calculated: without a fluid, or with a direct simulation.
         """
         if self.uncertainty is not None or self.roughness is None or not self.roughness.finishes:
             return self.uncertainty
-        possible = self.fluid is not None and self.leak.conductivity != "direct" and not curves(self)
+        possible = self.fluid is not None and self.leak.conductivity != "direct"
         return Uncertainty() if possible else None
 
     @property

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,9 +16,10 @@ from fem_seal.contact.imprint import Imprint
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
-from fem_seal.contact.plastic_step import Equilibrium, PlasticSettings, YieldingBody, press
+from fem_seal.contact.path_loads import LoadOnPath, PathLoad
+from fem_seal.contact.plastic_step import Equilibrium, PlasticSettings, YieldingBody, press, unloading_model
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
-from fem_seal.errors import ConvergenceError
+from fem_seal.errors import ConvergenceError, OpenSealError
 
 
 @dataclass(frozen=True)
@@ -62,48 +64,55 @@ class Unloaded:
 
 
 @dataclass(frozen=True)
+class OpenLoad:
+    """A load of a path under which a fluid lifts the closure off.
+
+    Parameters
+    ----------
+    error : OpenSealError
+        Which says so.
+    model : ContactModel
+        Of the bodies as they were on the way to it when they last touched, see `unloading_model`.
+    """
+
+    error: OpenSealError
+    model: ContactModel = field(repr=False)
+
+
+@dataclass(frozen=True)
 class LoadPath:
     """Contacts along a path of loads.
 
     Parameters
     ----------
     contacts : tuple of ElastoplasticContact
-        One per load, in the order of the path.
-    unloaded : Unloaded
-        After the last load has been taken away.
+        One per load that leaves the seal closed, in the order of the path.
+    unloaded : Unloaded or None
+        After the last load has been taken away; None where that does not converge or was not asked for.
     stopped : ConvergenceError or None
         Why the path ends before the first load without a contact; None if all have one.
+    opened : mapping of OpenLoad
+        Number of each load that opens the seal. It leaves no trace: the path goes on from the load before it.
     """
 
     contacts: tuple[ElastoplasticContact, ...]
-    unloaded: Unloaded
+    unloaded: Unloaded | None
     stopped: ConvergenceError | None = None
+    opened: Mapping[int, OpenLoad] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class PathLoad:
-    """What acts on the seal at one place of its path.
-
-    Parameters
-    ----------
-    axial_force : float
-        F_N that the solid contact carries [N].
-    further : FurtherLoads
-        What else acts on the bodies.
-    """
-
-    axial_force: float
-    further: FurtherLoads = NO_LOADS
+L = TypeVar("L", bound=LoadOnPath)
 
 
 def load_path(
     model: ContactModel,
     law: Law,
-    loads: Sequence[PathLoad],
+    loads: Sequence[L],
     *,
     at_rest: FurtherLoads | None = None,
     settings: PlasticSettings | None = None,
     partial: bool = False,
+    unload: bool = True,
 ) -> LoadPath:
     """Press the closure on the seat with one load after the other, then take the load away.
 
@@ -112,20 +121,23 @@ def load_path(
     model : ContactModel
         The material of "closure", "seat" or both has a hardening curve; they yield.
     law : InterfaceLaw or HardContact
-    loads : sequence of PathLoad
-        In the order in which they act, forces positive; between them everything rises or falls evenly.
+    loads : sequence of PathLoad or FluidLoad
+        In the order in which they act; between them everything rises or falls evenly, and at every step on the way
+        fluid and contact belong to each other.
     at_rest : FurtherLoads, optional
         What acts before the first and after the last load, such as a press fit.
     settings : PlasticSettings, optional
     partial : bool
         Whether a load that does not converge ends the path, if there is one before it; otherwise it is an error.
+    unload : bool
+        Whether to ask for what is left after the last load, which takes as many steps as the way up.
 
     Raises
     ------
     ValueError
         If no body yields, or a force is not positive and finite.
     ConvergenceError
-        If the smallest load step does not converge; `partial` holds the contacts solved before.
+        If the smallest load step does not converge; `partial` holds the path as far as it goes.
 
     Notes
     -----
@@ -136,30 +148,39 @@ def load_path(
     if not bodies:
         raise ValueError("no material has a hardening curve; solve the contact with fem_seal.contact.solve")
     for load in loads:
-        if not (math.isfinite(load.axial_force) and load.axial_force > 0):
+        if isinstance(load, PathLoad) and not (math.isfinite(load.axial_force) and load.axial_force > 0):
             raise ValueError(f"axial_force = {load.axial_force!r} N: must be positive and finite")
     walk = _Walk(model, bodies, law, settings or PlasticSettings())
-    rest = PathLoad(0.0, at_rest or NO_LOADS)
+    rest, nothing = (loads[0].rest(further) for further in (at_rest or NO_LOADS, NO_LOADS))
     contacts: list[ElastoplasticContact] = []
+    opened: dict[int, OpenLoad] = {}
     here = Equilibrium({name: body.solid.virgin for name, body in bodies.items()}, None, ())
     stopped = None
     try:
-        here, _ = walk.to(rest, PathLoad(0.0), here)
+        here, _ = walk.to(rest, nothing, here)
         virgin, last = here.states, rest
         try:
-            for load in loads:
-                here, steps = walk.to(load, last, here)
-                assert here.contact is not None  # a positive force closes the seal
-                contacts.append(_with_bodies(here.contact, bodies, here, steps))
-                last = load
+            for number, load in enumerate(loads):
+                try:
+                    reached, steps = walk.to(load.after(contacts), last, here)
+                except _Opened as found:
+                    opened[number] = found.load
+                    continue
+                assert reached.contact is not None  # a load that does not open the seal closes it
+                contacts.append(_with_bodies(reached.contact, bodies, reached, steps))
+                here, last = reached, load
         except ConvergenceError as error:
             if not (partial and contacts):
                 raise
             stopped = error
-        here, _ = walk.to(rest, last, here)
+        if not unload:
+            return LoadPath(tuple(contacts), None, stopped, opened)
+        here = walk.unloaded(rest.after(contacts), last, here)
     except ConvergenceError as error:
-        raise ConvergenceError(str(error), partial=tuple(contacts)) from error
-    return LoadPath(tuple(contacts), Unloaded(model, rest.further, bodies, virgin, here.states), stopped)
+        path = LoadPath(tuple(contacts), None, stopped or error, opened)
+        raise ConvergenceError(str(error), partial=path) from error
+    unloaded = Unloaded(model, rest.apart, bodies, virgin, here.states)
+    return LoadPath(tuple(contacts), unloaded, stopped, opened)
 
 
 def _with_bodies(
@@ -171,7 +192,12 @@ def _with_bodies(
         states=reached.states,
         equilibrium_residuals=reached.residuals,
         load_steps=steps,
+        linear=reached.linear,
     )
+
+
+# What keeps a step from being solved; a smaller one may be.
+_FAILURES = (ConvergenceError, OpenSealError, FloatingPointError, RuntimeError, np.linalg.LinAlgError)
 
 
 @dataclass(frozen=True)
@@ -181,61 +207,75 @@ class _Walk:
     law: Law
     settings: PlasticSettings
 
-    def to(self, end: PathLoad, begin: PathLoad, here: Equilibrium) -> tuple[Equilibrium, int]:
-        """Walk from one load to another in steps, halved where they do not converge; also their number."""
-        scale = max(begin.axial_force, end.axial_force)
-        share = abs(end.axial_force - begin.axial_force) / scale if scale > 0 else 0.0
+    def to(self, end: LoadOnPath, begin: LoadOnPath, here: Equilibrium) -> tuple[Equilibrium, int]:
+        """Walk from one load to another in steps, halved where they do not converge; also their number.
+
+        A step under which the fluid lifts the closure off is halved, too: further away than the smallest step it may do
+        so because the bodies are not yet those of the step's end.
+        """
+        share = begin.change(end, self.model.touch_radius)
         largest = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
         way, steps = 0.0, 0
         while way < 1:
             aim = way + step if way + 1.5 * step < 1 else 1.0
-            load = _between(begin, end, aim)
+            load = begin.between(end, aim)
             try:
-                with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
-                    here = press(
-                        self.model,
-                        self.bodies,
-                        self.law,
-                        load.axial_force,
-                        here.states,
-                        loads=load.further,
-                        settings=self.settings,
-                        start=here.contact,
-                    )
-            except (ConvergenceError, FloatingPointError, RuntimeError, np.linalg.LinAlgError) as error:
+                here = self._pressed(load, here)
+            except _FAILURES as error:
                 step = (aim - way) / 2
-                if step < self.settings.smallest_step:
-                    raise ConvergenceError(_gave_up(_between(begin, end, way), load, error)) from error
-                continue
+                if step >= self.settings.smallest_step:
+                    continue
+                if isinstance(error, OpenSealError):
+                    raise _Opened(self._open(end, here, error), here) from error
+                raise ConvergenceError(_gave_up(begin.between(end, way), load, error)) from error
             way, steps, step = aim, steps + 1, min(2 * step, largest)
         return here, steps
 
+    def unloaded(self, rest: LoadOnPath, last: LoadOnPath, here: Equilibrium) -> Equilibrium:
+        """Walk from the last load to where the bodies are apart; at once from where a fluid parts them on the way."""
+        try:
+            return self.to(rest, last, here)[0]
+        except _Opened as opened:
+            return self.to(rest, rest, opened.reached)[0]
 
-def _between(begin: PathLoad, end: PathLoad, way: float) -> PathLoad:
-    """Load a share `way` of the way from one load to another."""
+    def _pressed(self, load: LoadOnPath, here: Equilibrium) -> Equilibrium:
+        with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
+            return press(
+                self.model,
+                self.bodies,
+                self.law,
+                load,
+                here.states,
+                settings=self.settings,
+                start=here.contact,
+            )
 
-    def mixed(first: Mapping[str, float], second: Mapping[str, float]) -> dict[str, float]:
-        return {
-            name: (1 - way) * first.get(name, 0.0) + way * second.get(name, 0.0) for name in {*first, *second}
-        }
-
-    a, b = begin.further, end.further
-    shares = [
-        share * load.gap_pressure for share, load in ((1 - way, a), (way, b)) if load.gap_pressure is not None
-    ]
-    return PathLoad(
-        (1 - way) * begin.axial_force + way * end.axial_force,
-        FurtherLoads(
-            mixed(a.closure, b.closure), mixed(a.seat, b.seat), np.sum(shares, axis=0) if shares else None
-        ),
-    )
+    def _open(self, load: LoadOnPath, reached: Equilibrium, error: OpenSealError) -> OpenLoad:
+        """What is said of a load that opens the seal, by the bodies as they last touched."""
+        model = unloading_model(self.model, self.bodies, reached.states)
+        try:
+            load.contact(model, self.law, reached.contact)
+        except OpenSealError as of_load:
+            return OpenLoad(of_load, model)
+        except ConvergenceError:
+            pass
+        return OpenLoad(error, model)
 
 
-def _gave_up(reached: PathLoad, aim: PathLoad, error: Exception) -> str:
+class _Opened(Exception):
+    """A load opens the seal on the way to it; `reached` is where the bodies last touched."""
+
+    def __init__(self, load: OpenLoad, reached: Equilibrium) -> None:
+        super().__init__(str(load.error))
+        self.load = load
+        self.reached = reached
+
+
+def _gave_up(reached: LoadOnPath, aim: LoadOnPath, error: Exception) -> str:
     return (
-        f"elastoplastic contact: the load step from {reached.axial_force:.6g} N to {aim.axial_force:.6g} N axial force "
-        f"does not converge: {error}. The body may be near its limit load: lower the load, give a stress_strain table "
-        "that hardens, or take a thicker body; else refine [mesh] contact_size"
+        f"elastoplastic contact: the load step from {reached} to {aim} does not converge: {error}. The body may be "
+        "near its limit load: lower the load, give a stress_strain table that hardens, or take a thicker body; else "
+        "refine [mesh] contact_size"
     )
 
 
@@ -263,12 +303,20 @@ class ElastoplasticContact(ContactSolution):
         of the last load step.
     load_steps : int
         Steps since the load before.
+    linear : ContactModel or None
+        The bodies linearised at this load: what they answer to a small change of it, or of the interface law.
     """
 
     bodies: Mapping[str, YieldingBody] = field(repr=False)
     states: Mapping[str, BodyState] = field(repr=False)
     equilibrium_residuals: tuple[float, ...] = field(repr=False)
     load_steps: int = 1
+    linear: ContactModel | None = field(default=None, repr=False)
+
+    @cached_property
+    def unloading(self) -> ContactModel:
+        """The bodies as they answer to less load, see `fem_seal.contact.plastic_step.unloading_model`."""
+        return unloading_model(self.model, self.bodies, self.states)
 
     @cached_property
     def fields(self) -> dict[str, BodyField]:

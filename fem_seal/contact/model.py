@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody
-from fem_seal.bodies.elasticity import node_dofs, stiffness_matrix
+from fem_seal.bodies.condensed import CondensedBody, condense_body
+from fem_seal.bodies.elasticity import stiffness_matrix
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
 from fem_seal.bodies.held_body import HeldBody, Supports, held_body
 from fem_seal.bodies.single_thread import single_threaded
@@ -156,7 +156,11 @@ class ContactModel:
 
 @single_threaded
 def condense(
-    seal_mesh: SealMesh, materials: Mapping[str, Material], supports: Supports | None = None
+    seal_mesh: SealMesh,
+    materials: Mapping[str, Material],
+    supports: Supports | None = None,
+    *,
+    known: ContactModel | None = None,
 ) -> ContactModel:
     """Factorise both bodies and condense them on the contact line.
 
@@ -165,6 +169,8 @@ def condense(
     materials : mapping
         Material of the body "closure" and of the body "seat".
     supports : Supports, optional
+    known : ContactModel, optional
+        Of the same seal with another seat or support: a closure that is the same, mesh and all, is not factorised anew.
 
     Raises
     ------
@@ -189,9 +195,12 @@ def condense(
     radius = contact.radius(x)
     facing = contact.facing(x)
     area_weight = 2 * np.pi * radius * facing * weight
+    same = known is not None and _same_closure(known, seal_mesh, materials["closure"], x, area_weight)
     # One after the other: SuperLU frees a factor only in the thread that made it, and two threads would leak every one.
     closure, seat = (
-        _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports))
+        known.closure
+        if known is not None and same and name == "closure"
+        else _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports))
         for name in ("closure", "seat")
     )
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
@@ -199,17 +208,40 @@ def condense(
     gap, bend = contact.gap(x), contact.bend(x)
     hollow = contact if contact.normal_turns and contact.closure_curvature > 0 else None
     line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach, hollow)
-    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
     return ContactModel(
         line,
         closure,
         seat,
-        0.5 * (compliance + compliance.T),
+        line_compliance(closure, seat),
         contact.touch_radius,
         math.cos(contact.angle),
         contact.relative_radius,
-        (harmonic_body(closure), harmonic_body(seat)),
+        (known.harmonics[0] if known is not None and same else harmonic_body(closure), harmonic_body(seat)),
     )
+
+
+def _same_closure(
+    known: ContactModel, seal_mesh: SealMesh, material: Material, x: FloatArray, area_weight: FloatArray
+) -> bool:
+    """Whether the closure of a model is that of a mesh, to the last digit; supports hold the seat alone."""
+    mine, theirs = seal_mesh.closure, known.closure.basis.mesh
+    pairs = (
+        (mine.p, theirs.p),
+        (mine.t, theirs.t),
+        (x, known.line.x),
+        (area_weight, known.line.area_weight),
+    )
+    return (
+        material == known.closure.material
+        and seal_mesh.contact.touch_radius == known.touch_radius
+        and all(np.array_equal(one, other) for one, other in pairs)
+    )
+
+
+def line_compliance(closure: CondensedBody, seat: CondensedBody) -> FloatArray:
+    """Opening of the gap at the points of the line per unit normal force at each, both bodies together [m/N]."""
+    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
+    return 0.5 * (compliance + compliance.T)
 
 
 def _gauss_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -226,15 +258,6 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
 
 def _condense_body(held: HeldBody) -> CondensedBody:
     stiffness = stiffness_matrix(held.basis, held.material)
-    compliance, solve = held.condensed(stiffness[held.free][:, held.free].tocsc())
-    forces = dict(held.further)
-    if len(held.wall):
-        forces["wall"] = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel()
-    loads = {}
-    for name, force in forces.items():
-        response = held.counted(solve(held.balanced(force)))
-        if name == "wall":
-            response[held.wall] = -1.0
-        axial = float(force[node_dofs(held.basis)[1]].sum())
-        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(response), response)
-    return CondensedBody(held, compliance, loads, solve)
+    free = stiffness[held.free][:, held.free].tocsc()
+    pulled = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel() if len(held.wall) else None
+    return condense_body(held, free, pulled)

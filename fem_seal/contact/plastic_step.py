@@ -1,27 +1,31 @@
 """One load step of a seal with yielding bodies: Newton on the bodies and the contact line together.
 
 Every iteration linearises the bodies about their last displacement and condenses their tangents on the contact line,
-as `fem_seal.contact.model` does with elastic bodies. What is left is a contact of linear bodies with another
-compliance and another gap at rest; `fem_seal.contact.newton` solves it for any interface law, hard contact included.
-This is Newton's method for a generalised equation (Josephy), with quadratic convergence.
+as `fem_seal.contact.model` does with elastic bodies. What is left is a `ContactModel` of linear bodies with another
+compliance and another gap at rest; whatever solves elastic bodies solves it: `fem_seal.contact.newton` for a given
+force and any interface law, hard contact included, `fem_seal.contact.penetration` for a spring and a fluid that gets
+between the surfaces. This is Newton's method for a generalised equation (Josephy), with quadratic convergence.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bodies.condensed import CondensedBody, condense_body
+from fem_seal.bodies.elasticity import elasticity_matrix
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.bodies.plastic_flow import Flow
 from fem_seal.contact.laws import Law
-from fem_seal.contact.model import ContactModel
-from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
+from fem_seal.contact.model import ContactModel, line_compliance
+from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.path_loads import LoadOnPath
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 
@@ -38,28 +42,30 @@ class Equilibrium:
     states : mapping of BodyState
         Of the bodies that yield, by name.
     contact : ContactSolution or None
-        None where the bodies do not touch.
+        With the fluid between the surfaces; None where the bodies do not touch.
     residuals : tuple of float
         Largest nodal force out of balance over the largest that the elements put on a node, one per iteration.
+    linear : ContactModel or None
+        The bodies linearised there, of which nothing but the contact line is kept; None before the first load.
     """
 
     states: Mapping[str, BodyState]
     contact: ContactSolution | None
     residuals: tuple[float, ...]
+    linear: ContactModel | None = None
 
 
 def press(
     model: ContactModel,
     bodies: Mapping[str, YieldingBody],
     law: Law,
-    axial_force: float,
+    load: LoadOnPath,
     before: Mapping[str, BodyState],
     *,
-    loads: FurtherLoads | None = None,
     settings: PlasticSettings | None = None,
     start: ContactSolution | None = None,
 ) -> Equilibrium:
-    """Balance of bodies and contact line under an axial force, one load step away from a known state.
+    """Balance of bodies, contact line and fluid under a load, one load step away from a known state.
 
     Parameters
     ----------
@@ -68,52 +74,34 @@ def press(
     bodies : mapping
         Those that yield, by name.
     law : InterfaceLaw or HardContact
-    axial_force : float
-        F_N [N]; the bodies do not touch if it is zero.
+    load : LoadOnPath
+        What acts at the end of the step.
     before : mapping
         States of the yielding bodies at the beginning of the step.
-    loads : FurtherLoads, optional
-        What else acts on the bodies at the end of the step.
     settings : PlasticSettings, optional
     start : ContactSolution, optional
         To start from.
 
     Raises
     ------
+    OpenSealError
+        If a fluid lifts the closure off.
     ConvergenceError
         If the iteration does not reach the tolerance.
     """
-    loads, settings = loads or NO_LOADS, settings or PlasticSettings()
-    magnitudes = {name: getattr(loads, name) for name in bodies}
-    others = FurtherLoads(
-        {} if "closure" in bodies else loads.closure,
-        {} if "seat" in bodies else loads.seat,
-        loads.gap_pressure,
-    )
-    in_gap = model.line.area_weight * (0.0 if loads.gap_pressure is None else loads.gap_pressure)
-    elastic = _elastic_compliance(model, bodies)
-    step = _Step(
-        bodies, before, {name: _further_forces(body.held, magnitudes[name]) for name, body in bodies.items()}
-    )
-    at = step.at(
-        {
-            name: _with_wall(body.held, before[name].displacement, magnitudes[name])
-            for name, body in bodies.items()
-        },
-        in_gap if start is None else start.point_forces + in_gap,
-    )
-    contact, forces, allowed, residuals = start, in_gap, np.inf, list[float]()
+    settings, step = settings or PlasticSettings(), _Step(model, bodies, before)
+    at = step.at({name: state.displacement for name, state in before.items()}, load.apart, None)
+    contact, allowed, residuals = start, np.inf, list[float]()
     for _ in range(settings.max_iterations):
-        tangents = step.tangents(at)
-        if axial_force > 0:
-            contact = _solve_from(_linearised(model, elastic, tangents), law, axial_force, others, contact)
-            forces = contact.point_forces + in_gap
-        whole = step.at({name: tangent.displacement(forces) for name, tangent in tangents.items()}, forces)
+        linear, at_rest = step.linear(at)
+        contact = _solve_from(linear, law, load, contact)
+        loads = load.apart if contact is None else contact.loads
+        whole = step.at(step.moved(linear, at_rest, loads, contact), loads, contact)
         residuals.append(whole.imbalance)
         if whole.imbalance < settings.tolerance:
             # The contact was solved with linearised bodies; it is one of the true ones.
-            contact = replace(contact, model=model, loads=loads) if contact and axial_force > 0 else None
-            return Equilibrium(whole.states, contact, tuple(residuals))
+            true = None if contact is None else replace(contact, model=model)
+            return Equilibrium(whole.states, true, tuple(residuals), _of_the_line(linear))
         at = whole if whole.imbalance < allowed else step.shortened(at, whole)
         allowed = at.imbalance
     raise ConvergenceError(
@@ -122,13 +110,42 @@ def press(
     )
 
 
+def _of_the_line(linear: ContactModel) -> ContactModel:
+    """A model without the factors of its bodies, which would fill the memory."""
+    return replace(linear, closure=replace(linear.closure, solve=None), seat=replace(linear.seat, solve=None))
+
+
+def unloading_model(
+    model: ContactModel, bodies: Mapping[str, YieldingBody], states: Mapping[str, BodyState]
+) -> ContactModel:
+    """Contact of the bodies as they answer to less load: elastic, and formed by what they have gone through.
+
+    Parameters
+    ----------
+    model : ContactModel
+        Of the elastic bodies, before their first load.
+    bodies : mapping
+        Those that yield, by name.
+    states : mapping
+        Where they are, by name.
+
+    Notes
+    -----
+    Exact as long as nothing yields, which a body does anew where it is loaded further, or backwards when nearly all of
+    a load far above the yield stress is gone.
+    """
+    step = _Step(model, bodies, states)
+    at = step.at({name: state.displacement for name, state in states.items()}, FurtherLoads(), None)
+    return step.linear(at)[0]
+
+
 @dataclass(frozen=True)
 class _Iterate:
-    """Displacements, the materials' answers to them, and the forces at the points of the contact line."""
+    """Displacements, the materials' answers to them, and what acts on the bodies."""
 
     displacements: Mapping[str, FloatArray]
     flows: Mapping[str, Flow]
-    forces: FloatArray
+    forces: Mapping[str, FloatArray]
     imbalance: float
 
     @property
@@ -143,108 +160,94 @@ class _Iterate:
 class _Step:
     """What does not change within a load step."""
 
+    model: ContactModel
     bodies: Mapping[str, YieldingBody]
     before: Mapping[str, BodyState]
-    further: Mapping[str, FloatArray]
 
-    def at(self, displacements: Mapping[str, FloatArray], forces: FloatArray) -> _Iterate:
+    def at(
+        self,
+        displacements: Mapping[str, FloatArray],
+        loads: FurtherLoads,
+        contact: ContactSolution | None,
+    ) -> _Iterate:
+        """Iterate at some displacements under some loads."""
+        pressed = np.zeros_like(self.model.line.x) if contact is None else contact.point_forces
+        if loads.gap_pressure is not None:
+            pressed = pressed + self.model.line.area_weight * loads.gap_pressure
+        forces = {
+            name: body.held.nodal_forces(pressed) + _further_forces(body.held, getattr(loads, name))
+            for name, body in self.bodies.items()
+        }
+        return self._at(displacements, forces)
+
+    def _at(self, displacements: Mapping[str, FloatArray], forces: Mapping[str, FloatArray]) -> _Iterate:
         flows = {
             name: body.solid.respond(displacements[name], self.before[name])
             for name, body in self.bodies.items()
         }
-        return _Iterate(
-            displacements, flows, forces, max(self._imbalance(name, flows[name], forces) for name in flows)
-        )
+        worst = max(self._imbalance(name, flows[name], forces[name]) for name in flows)
+        return _Iterate(displacements, flows, forces, worst)
 
     def shortened(self, at: _Iterate, whole: _Iterate) -> _Iterate:
         """The best balanced place on the way from one iterate to another.
 
         The next contact is linearised there; that it has solved the contact itself is not asked of an iterate.
         """
+
+        def mixed(first: FloatArray, second: FloatArray, share: float) -> FloatArray:
+            return (1 - share) * first + share * second
+
         candidates = (
-            self.at(
+            self._at(
                 {
-                    name: (1 - share) * at.displacements[name] + share * whole.displacements[name]
+                    name: mixed(at.displacements[name], whole.displacements[name], share)
                     for name in self.bodies
                 },
-                (1 - share) * at.forces + share * whole.forces,
+                {name: mixed(at.forces[name], whole.forces[name], share) for name in self.bodies},
             )
             for share in _SHARES
         )
         return min(candidates, key=lambda iterate: iterate.imbalance)
 
-    def tangents(self, at: _Iterate) -> dict[str, _Tangent]:
-        return {
-            name: _Tangent.of(body, at.displacements[name], at.flows[name], self.further[name])
-            for name, body in self.bodies.items()
-        }
+    def linear(self, at: _Iterate) -> tuple[ContactModel, dict[str, FloatArray]]:
+        """The contact of the bodies linearised about an iterate, and their displacements where nothing acts [m]."""
+        model, gap, at_rest = self.model, self.model.line.initial_gap, {}
+        bodies = {"closure": model.closure, "seat": model.seat}
+        for name, body in self.bodies.items():
+            bodies[name], at_rest[name] = body.linear(bodies[name], at.displacements[name], at.flows[name])
+            gap = gap + body.held.trace @ body.held.retreat(at_rest[name])
+        linear = replace(
+            model,
+            line=replace(model.line, initial_gap=gap),
+            closure=bodies["closure"],
+            seat=bodies["seat"],
+            compliance=line_compliance(**bodies),
+        )
+        return linear, at_rest
+
+    def moved(
+        self,
+        linear: ContactModel,
+        at_rest: Mapping[str, FloatArray],
+        loads: FurtherLoads,
+        contact: ContactSolution | None,
+    ) -> dict[str, FloatArray]:
+        """Displacements of the linearised bodies that yield (dofs,) [m]."""
+        found = {}
+        for name in self.bodies:
+            body = linear.closure if name == "closure" else linear.seat
+            found[name] = at_rest[name] + loads.displacement(body, linear)
+            if contact is not None:
+                found[name] += body.displacement(contact.point_forces)
+        return found
 
     def _imbalance(self, name: str, flow: Flow, forces: FloatArray) -> float:
         """Largest free nodal force out of balance over the largest that the elements put on a node in the step."""
         body, internal = self.bodies[name], self.bodies[name].solid.internal_forces
-        unbalanced = internal(flow.stress) - body.held.nodal_forces(forces) - self.further[name]
+        unbalanced = internal(flow.stress) - forces
         stresses = (self.before[name].stress, flow.stress)
         scale = max(float(np.abs(internal(np.abs(stress))).max()) for stress in stresses)
         return float(np.abs(unbalanced[body.held.free]).max()) / scale if scale > 0 else 0.0
-
-
-@dataclass(frozen=True)
-class _Tangent:
-    """A body linearised about a displacement, seen from the contact line.
-
-    Parameters
-    ----------
-    at_rest : ndarray, shape (dofs,)
-        Displacement [m] where the line carries nothing.
-    compliance : ndarray, shape (n, n)
-        Retreat of the contact nodes per unit normal force at each [m/N].
-    solve : callable
-        From nodal forces (dofs,) to the displacement that they add.
-    """
-
-    body: YieldingBody
-    at_rest: FloatArray
-    compliance: FloatArray
-    solve: Callable[[FloatArray], FloatArray]
-
-    @classmethod
-    def of(cls, body: YieldingBody, displacement: FloatArray, flow: Flow, further: FloatArray) -> _Tangent:
-        compliance, solve = body.held.condensed(body.solid.stiffness(flow.tangent))
-        unbalanced = further - body.solid.internal_forces(flow.stress)
-        return cls(body, displacement + solve(unbalanced), compliance, solve)
-
-    @property
-    def line_opening(self) -> FloatArray:
-        """What the body adds to the gap at rest, at the points of the line [m]; shape (m,)."""
-        return self.body.held.trace @ self.body.held.retreat(self.at_rest)
-
-    @property
-    def line_compliance(self) -> FloatArray:
-        """What it adds to the gap per unit normal force at these points [m/N]; shape (m, m)."""
-        trace = self.body.held.trace
-        return trace @ (trace @ self.compliance.T).T
-
-    def displacement(self, point_forces: FloatArray) -> FloatArray:
-        """Displacement (dofs,) [m] under normal forces at the points of the line [N]."""
-        return self.at_rest + self.solve(self.body.held.nodal_forces(point_forces))
-
-
-def _linearised(model: ContactModel, elastic: FloatArray, tangents: Mapping[str, _Tangent]) -> ContactModel:
-    """The contact of the linearised bodies."""
-    compliance = elastic + sum(tangent.line_compliance for tangent in tangents.values())
-    gap = model.line.initial_gap + sum(tangent.line_opening for tangent in tangents.values())
-    return replace(
-        model, line=replace(model.line, initial_gap=gap), compliance=0.5 * (compliance + compliance.T)
-    )
-
-
-def _elastic_compliance(model: ContactModel, bodies: Mapping[str, YieldingBody]) -> FloatArray:
-    """What the bodies that do not yield add to the gap per unit force at the points of the line [m/N]."""
-    compliance = np.zeros_like(model.compliance)
-    for name, body in (("closure", model.closure), ("seat", model.seat)):
-        if name not in bodies:
-            compliance += body.trace @ (body.trace @ body.compliance.T).T
-    return compliance
 
 
 def _further_forces(held: HeldBody, magnitudes: Mapping[str, float]) -> FloatArray:
@@ -253,23 +256,16 @@ def _further_forces(held: HeldBody, magnitudes: Mapping[str, float]) -> FloatArr
     return held.balanced(sum(forces, np.zeros(held.basis.N)))
 
 
-def _with_wall(held: HeldBody, displacement: FloatArray, magnitudes: Mapping[str, float]) -> FloatArray:
-    """The displacement with the wall where a press fit puts it."""
-    moved = displacement.copy()
-    moved[held.wall] = -magnitudes.get("wall", 0.0)
-    return moved
-
-
 def _solve_from(
-    model: ContactModel, law: Law, axial_force: float, loads: FurtherLoads, start: ContactSolution | None
-) -> ContactSolution:
+    model: ContactModel, law: Law, load: LoadOnPath, start: ContactSolution | None
+) -> ContactSolution | None:
     """Start from a neighbouring contact; if it lies too far away, from scratch."""
     try:
-        return solve(model, law, axial_force=axial_force, loads=loads, start=start)
+        return load.contact(model, law, start)
     except ConvergenceError:
         if start is None:
             raise
-    return solve(model, law, axial_force=axial_force, loads=loads)
+    return load.contact(model, law, None)
 
 
 @dataclass(frozen=True)
@@ -304,3 +300,35 @@ class YieldingBody:
     def solid(self) -> ElastoplasticBody:
         """The elastoplastic solid."""
         return ElastoplasticBody(self.held.basis, self.held.material, self.held.free)
+
+    def linear(
+        self, elastic: CondensedBody, displacement: FloatArray, flow: Flow
+    ) -> tuple[CondensedBody, FloatArray]:
+        """The body linearised about a displacement (dofs,) [m], and its displacement where nothing acts on it.
+
+        Parameters
+        ----------
+        elastic : CondensedBody
+            The same body before it yields, which is what answers where nothing flows.
+        """
+        body = self._condensed(flow) if flow.yielding.any() or elastic.solve is None else elastic
+        assert body.solve is not None  # just condensed
+        at_rest = displacement - self.held.counted(body.solve(self.solid.internal_forces(flow.stress)))
+        if len(self.held.wall):
+            # back to where no press fit holds it
+            at_rest = at_rest + displacement[self.held.wall[0]] * body.loads["wall"].response
+        return body, at_rest
+
+    def _condensed(self, flow: Flow) -> CondensedBody:
+        solid, wall, pulled = self.solid, self.held.wall, None
+        if len(wall):
+            outwards = np.zeros(self.held.basis.N)
+            outwards[wall] = 1.0
+            pulled = solid.internal_forces(np.einsum("eqij,eqj->eqi", flow.tangent, solid.strain(outwards)))
+        return condense_body(self.held, solid.stiffness(flow.tangent), pulled, self._order)
+
+    @cached_property
+    def _order(self) -> NDArray[np.intp]:
+        elastic = elasticity_matrix(self.held.material)
+        tangent = np.broadcast_to(elastic, (*self.solid.weight.shape, 4, 4))
+        return self.held.elimination_order(self.solid.stiffness(tangent))

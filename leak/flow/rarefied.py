@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
+from leak.fluids.properties import Gas
 
 SMALLEST_INVERSE_KNUDSEN = 0.01
 """End of the published range of D. Below it the flow rate is held: see `poiseuille_flow_rate`."""
@@ -92,6 +93,32 @@ def log_flow_factor(log_inverse_knudsen: FloatArray) -> FloatArray:
     if beyond.any():
         t *= np.exp(-_TABLE_STEP * beyond)
     return t
+
+
+def flow_ratio_range(gas: Gas, other: Gas) -> tuple[float, float]:
+    """Volume flow of one gas over that of another through the same gaps between the same pressures, least and most.
+
+    Volumes at equal pressure and each gas's own temperature, v0 Q_P(D) in a gap. The ratio runs from that of the
+    viscosities (continuum) to that of the molecular speeds (free molecules), and between them beyond both: Q_P has
+    a minimum near D = 1, through which the two gases go one after the other. What holds in every gap holds for the
+    flow through all of them.
+
+    Parameters
+    ----------
+    gas, other : Gas
+        The ratio is that of `gas` to `other`.
+
+    Examples
+    --------
+    >>> from leak import gas
+    >>> print("{:.2f} {:.2f}".format(*flow_ratio_range(gas("air"), gas("helium"))))
+    0.31 1.08
+    """
+    D = np.geomspace(1e-4, 1e6, 2000)
+    step = other.viscosity * other.molecular_speed / (gas.viscosity * gas.molecular_speed)
+    rates = poiseuille_flow_rate(step * D) / poiseuille_flow_rate(D)
+    ratios = rates * (gas.molecular_speed / other.molecular_speed)
+    return float(ratios.min()), float(ratios.max())
 
 
 # Step and last value of ln D of the table of ln f: there f is 1 + 6e-10.

@@ -6,14 +6,16 @@ import math
 from collections.abc import Iterator, Sequence
 
 from fem_seal.analysis.caution import Level
-from fem_seal.analysis.judgement import SealJudgement, Shares, Why
+from fem_seal.analysis.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.analysis.leakage import next_class, nominal_size
 from fem_seal.analysis.load_names import load_name
 from fem_seal.analysis.results import LoadResult, SealSolution
 from fem_seal.analysis.verdict import OF_LEAK_RATE, limits
 from fem_seal.case.case import Case
+from fem_seal.case.fields import Throughput
 from fem_seal.output.prose import said
 from fem_seal.units import given, leak_range_text, number, percent, quantity, range_text, worth
+from leak import millibar_litres_per_second
 
 # Factors beyond this are told as "more than".
 _FAR = 1000.0
@@ -56,7 +58,17 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     found = result.judgement
     if found is None:
         return []
-    return [_verdict(found, _place(result, found)), *_besides(result, found)]
+    place = _place(result, found)
+    doubted = found.worst.verdict != "undecided" and _doubt(result, found)
+    return [_verdict(found, f"{place}, with doubt" if doubted else place), *_besides(result, found)]
+
+
+def _doubt(result: SealSolution, found: SealJudgement) -> str:
+    """Why the load that decides is doubtful; empty if it is not."""
+    if found.number is None or found.worst.why not in (Why.LIMIT, Why.INTERVAL):
+        return ""
+    validity = result.loads[found.number].validity
+    return validity.reasons[0] if validity.level is Level.DOUBTFUL else ""
 
 
 def _place(result: SealSolution, found: SealJudgement) -> str:
@@ -68,15 +80,15 @@ def _place(result: SealSolution, found: SealJudgement) -> str:
 
 def _verdict(found: SealJudgement, load: str) -> str:
     judged, limit = found.worst, found.worst.limit
-    low, high = judged.ends
+    low, high = (_like(limit, end) for end in judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in judged.ends]
     return said(
         "verdict.said",
         _sentence(found),
         load=load,
-        low=leak_range_text(low, 2),
-        high=leak_range_text(high, 2),
-        range=leak_range_text((low, high), 2),
+        low=_amount(low),
+        high=_amount(high),
+        range=_amount(low, high),
         allowed=_limit_text(limit.leak_rate),
         limit="required" if limit.name == OF_LEAK_RATE else limit.name,
         factor=factor_text(judged.margin),
@@ -105,10 +117,8 @@ def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     limit, decided = found.worst.limit, found.worst.why in (Why.LIMIT, Why.INTERVAL)
     if limit.test_fluid and decided and not math.isinf(found.margin):
         yield said("verdict.said", "converted", fluid=limit.test_fluid, ratio=_ratio(limit.ratio))
-    if found.number is not None and decided:
-        validity = result.loads[found.number].validity
-        if validity.level is Level.DOUBTFUL:
-            yield said("verdict.said", "doubtful", reason=validity.reasons[0])
+    if reason := _doubt(result, found):
+        yield said("verdict.said", "doubtful", reason=reason)
     count = len(found.judged) + found.left_out
     if count > 1:
         yield said("verdict.said", "several", count=count)
@@ -118,7 +128,22 @@ def _ratio(ratio: tuple[float, float]) -> str:
     return range_text(*(number(one, 2) for one in ratio))
 
 
+def _like(limit: Limit, leak_rate: float) -> float:
+    """A leak rate as its limit is written: one in mbar l/s is compared in mbar l/s."""
+    return Throughput(leak_rate) if isinstance(limit.leak_rate, Throughput) else leak_rate
+
+
+def _amount(low: float, high: float | None = None) -> str:
+    high = low if high is None else high
+    if isinstance(low, Throughput) and isinstance(high, Throughput) and math.isfinite(high):
+        told = (worth(millibar_litres_per_second(one.pressure_volume), 2) for one in (low, high))
+        return f"{range_text(*told)} mbar l/s"
+    return leak_range_text((low, high), 2)
+
+
 def _limit_text(leak_rate: float) -> str:
+    if isinstance(leak_rate, Throughput):
+        return _amount(leak_rate)
     return "no visible leakage" if leak_rate == 0 else quantity("flow", leak_rate, 2)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.analysis.caution import Level, Validity
 from fem_seal.analysis.closed_forms import Derived
-from fem_seal.analysis.leakage import NominalSize, leakage_classes, nominal_size
+from fem_seal.analysis.leakage import fluid_of_test, leakage_classes, nominal_size
 from fem_seal.analysis.load_names import load_name, load_values
 from fem_seal.analysis.results import AGREE, LoadResult, SealSolution, highest_load
 from fem_seal.analysis.warnings import FLUID_OPENS
@@ -109,15 +109,21 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     if load.leak is not None:
         told = leak_range_text(rate_of(load), load.digits, claimed=not load.validity.outside)
         remarks = [_least(load) or per_day(rate_of(load), load.digits), readings_in_words(load)]
-        found.insert(0, Fact("Leak rate", told, "; ".join(filter(None, remarks))))
+        ends = result.leak_ranges[result.loads.index(load)]
+        sampled = was_sampled(load, ends)
+        name = said(
+            "readings.fact", ("finish" if has_finish(result.case) else "inputs") if sampled else "only"
+        )
+        found.insert(0, Fact(name, told, "; ".join(filter(None, remarks))))
         if load.leak.leak_rate > 0:
             # the first of these units may be the one that stands there already
-            others = [part for part in leakage_text(load).split(" = ") if part != found[0].value]
-            found.insert(1, Fact("In other units", others[0], " = ".join(others[1:])))
-        ends = result.leak_ranges[result.loads.index(load)]
-        found.append(_class_fact(nominal_size(result.case), leakage_classes(result.case, load, ends)))
+            widest = leakage_text(load, ends if sampled else None)
+            lead = leak_range_text(ends, claimed=not load.validity.outside) if sampled and ends else told
+            others = [part for part in widest.split(" = ") if part != lead]
+            found.insert(0 if sampled else 1, Fact("In other units", others[0], " = ".join(others[1:])))
+        found.append(_class_fact(result.case, load, ends))
     if result.uncertainty is not None:
-        found.insert(1, _interval_fact(result, load))
+        found.insert(0, _interval_fact(result, load))
     return found
 
 
@@ -160,6 +166,12 @@ def ends_told(load: LoadResult) -> tuple[LeakResult, LeakResult] | None:
     return None if ends is None or ends[1].leak_rate <= AGREE * ends[0].leak_rate else ends
 
 
+def _told_apart(load: LoadResult) -> bool:
+    """Whether both readings of yielding asperities are read as two numbers."""
+    ends = ends_told(load)
+    return ends is not None and len({worth(one.leak_rate, min(load.digits, 2)) for one in ends}) == 2
+
+
 def rate_of(load: LoadResult) -> float | tuple[float, float]:
     """The leak rate of a load as it is told: both readings of yielding asperities, or the only one [m^3/s]."""
     ends = ends_told(load)
@@ -190,13 +202,15 @@ def _peak_fact(load: LoadResult) -> tuple[str, str]:
     return highest, f"around the axis; {_peak(load)} at the mean line load"
 
 
-def _class_fact(size: NominalSize, classes: Sequence[LeakageClass]) -> Fact:
+def _class_fact(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> Fact:
     """The best class, or that none can be claimed."""
+    size, classes = nominal_size(case), leakage_classes(case, load, ends)
     name = f"Leakage class, DN {1e3 * size.size:.4g}"
     if not classes:
         return Fact(name, "not claimed", "leak rate outside the theory")
     best = next((one for one in classes if one.name), classes[0])
-    return Fact(name, str(best), f"{classes_in_words(classes)}; {size}")
+    remarks = (classes_in_words(classes), str(size), judged_as(case, load))
+    return Fact(name, str(best), "; ".join(filter(None, remarks)))
 
 
 def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
@@ -305,7 +319,7 @@ def _what_leaks(result: SealSolution) -> str:
         for rate, load in zip(rates, shown, strict=True)
     ]
     then = f"; after {span}, {told.pop()}" if changed else ""
-    claimed = [load for load in shown if ends_told(load) is not None and not load.validity.outside]
+    claimed = [load for load in shown if _told_apart(load) and not load.validity.outside]
     sampled = [load for load in shown if was_sampled(load, ranges[id(load)])]
     held = (
         samples_in_words(result.case, sampled[0]) if sampled else ends_in_words(claimed[0]) if claimed else ""
@@ -497,6 +511,20 @@ def classes_in_words(classes: Sequence[LeakageClass]) -> str:
     return "; ".join([*([", ".join(met)] if met else []), *missed])
 
 
+def judged_as(case: Case, load: LoadResult) -> str:
+    """The fluid of the standards' test for which the classes are judged; empty if it is the case's own.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    """
+    assert case.fluid is not None
+    fluid, ratio = fluid_of_test(case.fluid, load.fluid_pressure)
+    told = range_text(*(number(one, 2) for one in ratio))
+    return said("readings.classes", "test_fluid", fluid=fluid, ratio=told) if fluid else ""
+
+
 def leakage_lines(
     case: Case,
     load: LoadResult,
@@ -519,19 +547,25 @@ def leakage_lines(
     found = load.validity
     doubt = f" ({found.level}: {found.reasons[0]})" if found.reasons else ""
     why = ", because the leak rate is outside the theory" if found.outside else ""
+    tested = "" if found.outside else judged_as(case, load)
     classes = classes_in_words(leakage_classes(case, load, ends))
     sampled = was_sampled(load, ends)
     return [
         f"Leak rate at {load_values(load, loads)}: {leakage_text(load, ends if sampled else None)}{doubt}",
         *([f"  {samples_in_words(case, load)}", f"  {_as_given(case, load)}"] if sampled else []),
-        *([f"  {ends_in_words(load)}"] if not sampled and ends_told(load) is not None else []),
+        *([f"  {ends_in_words(load)}"] if not sampled and _told_apart(load) else []),
         f"Leakage class for {nominal_size(case)}: {classes}{why}",
+        *([f"  {tested[0].upper()}{tested[1:]}"] if tested else []),
     ]
 
 
 def _as_given(case: Case, load: LoadResult) -> str:
     """The leak rate without what is uncertain, in both readings of yielding asperities."""
-    rate = leak_range_text(rate_of(load), min(load.digits, 2))
+    # in the unit of the line above
+    known = load.leak is not None and load.leak.leak_rate > 0
+    rate = (
+        leakage_text(load).split(" = ")[0] if known else leak_range_text(rate_of(load), min(load.digits, 2))
+    )
     return said("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)
 
 
