@@ -234,8 +234,8 @@ def _density_ratio(compression: Tait | None, pressure: ArrayLike) -> FloatArray:
 # Panels between zero and the highest pressure, and Gauss points in each: 1e-13 of psi for thickening by e^40.
 _PANELS, _POINTS = 96, 6
 _NEWTON_STEPS, _NEWTON_CLOSE = 40, 1e-14
-# A liquid 1e9 times as viscous is a solid. Held there, pressures whose psi differs by round-off alone stay apart, and psi
-# is too large by no more than 1e-9 of the pressure.
+# A liquid 1e9 times as viscous is a solid. Held there, pressures whose psi differs by round-off alone stay apart, and
+# psi is too large by no more than 1e-9 of the pressure.
 _LEAST_MOBILITY = 1e-9
 
 
