@@ -61,7 +61,7 @@ GROUPS = {
         "exponential_law",
         "smooth",
     ),
-    "Relief valves, gases, particles": ("relief_valve", "helium", "particles"),
+    "Relief valves, gases, particles": ("relief_valve", "relief_valve_350_bar", "helium", "particles"),
     "Real seats: measured, out of round, scratched": (
         "measured_seat",
         "measured_roundness",
