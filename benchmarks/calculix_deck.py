@@ -38,7 +38,7 @@ class Choices:
     elements : str
         Quadratic triangles, or quadrilaterals (pairs of the same triangles; the few left over stay triangles).
     curved : bool
-        Whether the midside nodes of the closure's contact line lie on the ball.
+        Whether the midside nodes of the contact line lie on the faces, not on chords.
     held_steps : int
         Further steps at the same load, which pair the surfaces anew.
     tolerance : float
@@ -105,6 +105,9 @@ def node_points(seal_mesh: SealMesh, curved: bool) -> FloatArray:
         facets = mesh.boundaries["closure_contact"]
         x = contact.coordinate(*middle[:, facets])
         middle[:, facets] = contact.point(x) + contact.gap(x) * contact.normal(x)
+        # and those of a seat that is round itself
+        facets = mesh.boundaries["seat_contact"]
+        middle[:, facets] = contact.point(contact.coordinate(*middle[:, facets]))
     return np.hstack([mesh.p, middle])
 
 
