@@ -477,7 +477,9 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
 
 CURVE = {"plastic_strain": [0, 0.1], "stress": ["300 MPa", "400 MPa"]}
 CONDUCTS = {
-    f"{body}.material": {"name": "316L", "thermal_conductivity": "15 W/(m K)"} for body in ("closure", "seat")
+    f"{body}.material.{key}": value
+    for body in ("closure", "seat")
+    for key, value in (("thermal_expansion", "11e-6 1/K"), ("thermal_conductivity", "30 W/(m K)"))
 }
 YIELDING = {"yield_stress": None, "stress_strain": CURVE}
 
