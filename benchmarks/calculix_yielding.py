@@ -22,7 +22,7 @@ from pathlib import Path
 import calculix
 import calculix_deck as deck
 import numpy as np
-from calculix_deck import Cells, Choices, FloatArray
+from calculix_deck import Cells, FloatArray
 
 import leak
 import meshes
@@ -42,9 +42,7 @@ LAW = leak.ExponentialLaw(p_c=5e9, u0=0.76e-6)
 STEPS = 8
 valve_refine = float(os.environ.get("REFINE", "0.5"))
 STEEL = Material("steel", 210e9, 0.3)
-SOFT = Material(
-    "soft steel", 210e9, 0.3, hardening=HardeningCurve((0.0, 0.002, 0.05), (250e6, 325e6, 400e6))
-)
+SOFT = Material("soft steel", 210e9, 0.3, hardening=HardeningCurve((0.0, 0.002, 0.05), (250e6, 325e6, 400e6)))
 HARD = Material("tool steel", 210e9, 0.3, hardening=HardeningCurve((0.0, 0.1), (1000e6, 1300e6)))
 
 
@@ -78,7 +76,9 @@ class Valve:
         modulus = effective_modulus(self.materials["closure"], self.materials["seat"])
         sizing = element_sizes(LAW, [load], contact, modulus)
         softest = min(one.yield_stress for one in self.materials.values() if one.yield_stress)
-        return meshes.build_contact(contact, for_yielding(sizing, contact, softest, load).refined(valve_refine))
+        return meshes.build_contact(
+            contact, for_yielding(sizing, contact, softest, load).refined(valve_refine)
+        )
 
 
 def valves() -> Iterator[Valve]:
@@ -185,7 +185,13 @@ def _step(
         middles = _middles(mesh, cells, boundary)
         for (cell, side), at in zip(deck.sides_on(section, cells, boundary), middles, strict=True):
             yield f"{cell},P{side},{1e-6 * fluid * float(np.interp(at, x, gap)):.12e}"
-    yield from ("*CONTACT FILE", "CDIS,CSTR", "*NODE PRINT, NSET=Nseat_bottom, TOTALS=ONLY", "RF", "*END STEP")
+    yield from (
+        "*CONTACT FILE",
+        "CDIS,CSTR",
+        "*NODE PRINT, NSET=Nseat_bottom, TOTALS=ONLY",
+        "RF",
+        "*END STEP",
+    )
 
 
 def _middles(mesh: SealMesh, cells: Sequence[Cells], boundary: str) -> list[float]:
@@ -228,11 +234,15 @@ def main() -> None:
         ):
             measures = []
             for profile in (theirs, contact.profile):
-                carried = 2 * math.pi * profile.moment(0) * mesh.contact.touch_radius * math.cos(mesh.contact.angle)
+                carried = (
+                    2 * math.pi * profile.moment(0) * mesh.contact.touch_radius * math.cos(mesh.contact.angle)
+                )
                 measures.append(
                     (carried, profile.peak_pressure / profile.moment(0), profile.fwhm, profile.std)
                 )
-            print(pressure, *(f"{b:.6g} ({b / a - 1:+.2%})" for a, b in zip(*measures, strict=True)), flush=True)
+            print(
+                pressure, *(f"{b:.6g} ({b / a - 1:+.2%})" for a, b in zip(*measures, strict=True)), flush=True
+            )
             rows.append((valve.name, pressure, *(f"{one:.7g}" for one in measures[0])))
     if "--write" in sys.argv:
         with TABLE.open("w", newline="") as file:
