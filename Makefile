@@ -3,6 +3,11 @@ VENV ?= .venv
 # the first Python of this machine that is new enough
 PYTHON ?= $(shell .ci/system python)
 
+# Compiled modules are kept in the environment, also where Python is told to keep none: tests, manual and wheel start
+# over a hundred processes, each of which would otherwise compile anew whatever it imports.
+export PYTHONDONTWRITEBYTECODE :=
+export PYTHONPYCACHEPREFIX := $(abspath $(VENV))/bytecode
+
 PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 
 .PHONY: run test lint check wheel docs system clean

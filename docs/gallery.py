@@ -61,7 +61,14 @@ GROUPS = {
         "exponential_law",
         "smooth",
     ),
-    "Relief valves, gases, particles": ("relief_valve", "relief_valve_350_bar", "helium", "particles"),
+    "Relief valves, gases, heat, particles": (
+        "relief_valve",
+        "relief_valve_350_bar",
+        "helium",
+        "hot_valve",
+        "diesel_1800_bar",
+        "particles",
+    ),
     "Real seats: measured, out of round, scratched": (
         "measured_seat",
         "measured_roundness",

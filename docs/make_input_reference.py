@@ -247,8 +247,8 @@ over the area of the indent under load, a pressure already.
 Hardness and yield strength are those of **one condition**, which the table names. Another heat treatment or temper,
 cold work, or a weld deposit instead of a casting, changes them by factors: give your own where you know them.
 Asperities are smaller than the indents of these tests, and a machined surface is harder than the metal below it.
-Where a number is missing, no source was found. Thermal expansion is listed for your own sums; no result depends on it
-yet.
+Where a number is missing, no source was found. Thermal expansion is that of a case with `[temperature]`
+([temperature](../guide/temperature.md)); all other numbers are those of room temperature.
 
 ## Polymers creep
 

@@ -168,13 +168,15 @@ def check(
     debug: Debug = False,
 ) -> None:
     """Check a case file and print the closed-form results, without solving."""
-    from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open
+    from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
+    from fem_seal.analysis.heating import warmed
     from fem_seal.case.case import load_case
     from fem_seal.output import summary
     from fem_seal.output.finish import finish_rows
     from fem_seal.output.report.verdict import requirement_lines
+    from fem_seal.output.temperature import temperature_rows
 
-    case = load_case(case_file)
+    case = warmed(load_case(case_file))
     drawn = None
     if picture is not None:
         from fem_seal.output.pictures.section import write_section
@@ -184,14 +186,16 @@ def check(
     numbers = summary.derived_numbers(case, derived)
     from fem_seal.analysis.problem import SealProblem, sizing
 
-    numbers["contact_size_m"] = sizing(SealProblem.of(case)).contact_size
+    problem = SealProblem.of(case)
+    numbers["contact_size_m"] = sizing(problem).contact_size
     numbers["requirement"] = summary.requirement_numbers(case)
-    _warn([*_remarks(case), *filter(None, [nearly_open(derived), closed_form_limits(case, derived)])])
+    limits = [nearly_open(derived), strain_limit(derived), closed_form_limits(case, derived)]
+    _warn([*_remarks(case), *filter(None, limits)])
     if json:
         typer.echo(as_json(numbers))
     elif not quiet:
         typer.echo(f"{case_file} is valid: {case.title}")
-        for name, text in finish_rows(case):
+        for name, text in (*finish_rows(case), *temperature_rows(case, problem)):
             typer.echo(f"  {name:30}{text}")
         show_derived(numbers)
         for line in requirement_lines(case):

@@ -52,7 +52,7 @@ class LoadProblem(Problem):
     Parameters
     ----------
     kind : {"open", "strain", "path", "solution"}
-        The fluid or the spring opens the seal; strains are too large for the theory; a load before it on the path of a
+        The fluid or the spring opens the seal; it is more than the faces can carry; a load before it on the path of a
         body that yields cannot be calculated; no solution was found.
     """
 

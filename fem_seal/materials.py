@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
 
@@ -14,6 +15,83 @@ from fem_seal.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
+
+
+# Where the numbers of a material hold unless a temperature is said [K].
+ROOM_TEMPERATURE = 293.15
+_EXPANSION = "thermal_expansion"
+
+
+@dataclass(frozen=True)
+class OverTemperature:
+    """A number of a material at several temperatures, linear in between and not known beyond.
+
+    Parameters
+    ----------
+    key : str
+        Which number of a `Material` it is.
+    temperature : tuple of float
+        Increasing [K].
+    value : tuple of float
+        [SI]
+
+    Raises
+    ------
+    InputError
+        If the table is none.
+
+    Examples
+    --------
+    >>> OverTemperature("poissons_ratio", (293.15, 493.15), (0.3, 0.32)).at(393.15)
+    0.31
+    """
+
+    key: str
+    temperature: tuple[float, ...]
+    value: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.temperature) != len(self.value) or not self.value:
+            raise InputError(
+                Problem(
+                    self.key,
+                    "needs as many values as temperatures, at least one, and has "
+                    f"{len(self.value)} and {len(self.temperature)}",
+                )
+            )
+        if any(after <= before for before, after in pairwise(self.temperature)):
+            raise InputError(Problem(self.key, "the temperatures must increase from entry to entry"))
+
+    def reaches(self, temperature: float | FloatArray) -> bool:
+        """Whether the table holds a temperature, or all of them [K]."""
+        # what 20 degC in kelvin is rounded to
+        low, high = self.temperature[0] - 1e-6, self.temperature[-1] + 1e-6
+        return low <= np.min(temperature) and bool(np.max(temperature) <= high)
+
+    @overload
+    def at(self, temperature: float) -> float: ...
+
+    @overload
+    def at(self, temperature: FloatArray) -> FloatArray: ...
+
+    def at(self, temperature: float | FloatArray) -> float | FloatArray:
+        """The number at a temperature, or an array of them [K]; InputError outside the table."""
+        low, high = self.temperature[0], self.temperature[-1]
+        if not self.reaches(temperature):
+            asked = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
+            raise InputError(
+                Problem(
+                    self.key,
+                    f"is known from {_celsius(low)} to {_celsius(high)} and asked for at {_celsius(float(asked))}; "
+                    "extend the table, or change the temperature",
+                )
+            )
+        found = np.interp(temperature, self.temperature, self.value)
+        return found if np.ndim(temperature) else float(found)
+
+
+def _celsius(temperature: float) -> str:
+    return f"{temperature - 273.15:.4g} degC"
 
 
 @dataclass(frozen=True)
@@ -40,11 +118,15 @@ class Material:
         Flow stress over plastic strain; the body is then solved as elastoplastic, and `yield_stress` is that of the
         curve. Without it the body is elastic whatever its stress.
     thermal_expansion : float, optional
-        Coefficient of linear thermal expansion [1/K]; no result depends on it yet. None if unknown.
+        Mean coefficient of linear thermal expansion from 20 degC on [1/K]. None if unknown.
     condition : str, optional
         State of the material, heat treatment for example, to which hardness and yield stress belong.
     creeps : bool, optional
         Whether it goes on yielding with time, as polymers do; results then carry a caution.
+    thermal_conductivity : float, optional
+        [W/(m K)]; None if unknown.
+    over_temperature : tuple of OverTemperature, optional
+        Which of the numbers depend on the temperature, and how; those beside it are of one temperature, see `at`.
 
     Raises
     ------
@@ -68,6 +150,8 @@ class Material:
     thermal_expansion: float | None = None
     condition: str = ""
     creeps: bool = False
+    thermal_conductivity: float | None = None
+    over_temperature: tuple[OverTemperature, ...] = ()
 
     def __post_init__(self) -> None:
         for key in ("youngs_modulus", "hardness", "yield_stress"):
@@ -96,6 +180,108 @@ class Material:
                 )
             )
         object.__setattr__(self, "yield_stress", hardening.yield_stress)
+
+    def at(self, temperature: float) -> Material:
+        """The material with its numbers at a temperature; its expansion is left open where that is not known.
+
+        Parameters
+        ----------
+        temperature : float
+            [K]
+
+        Raises
+        ------
+        InputError
+            If one of its tables does not reach there; the message names its range.
+
+        Examples
+        --------
+        >>> modulus = OverTemperature("youngs_modulus", (293.15, 493.15), (210e9, 190e9))
+        >>> steel = Material("steel", 210e9, 0.3, over_temperature=(modulus,))
+        >>> round(steel.at(393.15).youngs_modulus / 1e9, 6)
+        200.0
+        """
+        if not self.over_temperature:
+            return self
+        numbers: dict[str, float | None] = {
+            table.key: None
+            if table.key == _EXPANSION and not table.reaches(temperature)
+            else table.at(temperature)
+            for table in self.over_temperature
+        }
+        return replace(self, **numbers)  # type: ignore[arg-type]
+
+    def conductivity(self, temperature: FloatArray) -> FloatArray:
+        """Thermal conductivity at temperatures [W/(m K)].
+
+        Parameters
+        ----------
+        temperature : ndarray
+            [K]
+
+        Raises
+        ------
+        InputError
+            If it is not known, or not there.
+        """
+        if self.thermal_conductivity is None:
+            raise InputError(
+                Problem(
+                    f"{self.name}: thermal_conductivity",
+                    'is not known, and the temperature of the seal is calculated; give it, such as "45 W/(m K)"',
+                )
+            )
+        for table in self.over_temperature:
+            if table.key == "thermal_conductivity":
+                return np.asarray(table.at(temperature))
+        return np.full(np.shape(temperature), self.thermal_conductivity)
+
+    @property
+    def largest_conductivity(self) -> float:
+        """Largest thermal conductivity at any temperature [W/(m K)]; zero if none is known."""
+        tables = [max(table.value) for table in self.over_temperature if table.key == "thermal_conductivity"]
+        return max([*tables, self.thermal_conductivity or 0.0])
+
+    @overload
+    def thermal_strain(self, temperature: float, reference: float) -> float: ...
+
+    @overload
+    def thermal_strain(self, temperature: FloatArray, reference: float) -> FloatArray: ...
+
+    def thermal_strain(self, temperature: float | FloatArray, reference: float) -> float | FloatArray:
+        """Strain by which the material grows from one temperature [K] to others, one or an array.
+
+        Its expansion is the mean from 20 degC on, as data sheets have it: e = a(T) (T - 20 degC) - the same at T_ref.
+
+        Raises
+        ------
+        InputError
+            If its expansion is not known, or not there.
+
+        Examples
+        --------
+        >>> steel = Material("steel", 210e9, 0.3, thermal_expansion=11e-6)
+        >>> round(steel.thermal_strain(393.15, 293.15) * 1e6, 6)
+        1100.0
+        """
+        if np.array_equal(temperature, reference):
+            return 0.0
+
+        def since_room(at: float | FloatArray) -> float | FloatArray:
+            if np.array_equal(at, ROOM_TEMPERATURE):
+                return 0.0
+            tables = [table for table in self.over_temperature if table.key == _EXPANSION]
+            coefficient = tables[0].at(at) if tables else self.thermal_expansion
+            if coefficient is None:
+                raise InputError(
+                    Problem(
+                        f"{self.name}: thermal_expansion",
+                        'is not known, and the seal is heated or cooled; give it, such as "11e-6 1/K"',
+                    )
+                )
+            return coefficient * (at - ROOM_TEMPERATURE)
+
+        return since_room(temperature) - since_room(reference)
 
     @property
     def plane_strain_modulus(self) -> float:

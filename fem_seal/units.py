@@ -34,6 +34,7 @@ tera- = 1e12 = T-
 meter = [length] = m = metre
 second = [time] = s
 gram = [mass] = g
+kelvin = [temperature] = K
 radian = [] = rad
 degree = 3.141592653589793 / 180 * radian = deg = ° = degrees
 inch = 0.0254 * meter = in
@@ -47,6 +48,8 @@ newton = 1000 * gram * meter / second ** 2 = N
 kilogram_force = 9.80665 * newton = kgf = kp
 pound_force = 4.4482216152605 * newton = lbf
 pascal = newton / meter ** 2 = Pa
+joule = newton * meter = J
+watt = joule / second = W
 bar = 1e5 * pascal
 standard_atmosphere = 101325 * pascal = atm
 pounds_per_square_inch = pound_force / inch ** 2 = psi
@@ -84,6 +87,9 @@ DIMENSIONS = {
         Dimension("time", "s", ("20 s", "2 min")),
         Dimension("angle", "rad", ("45 deg", "0.785 rad")),
         Dimension("temperature", "K", ("20 degC", "293.15 K")),
+        Dimension("thermal expansion", "1/K", ("11e-6 1/K", "11 um/(m K)")),
+        Dimension("thermal conductivity", "W/(m K)", ("45 W/(m K)", "0.045 W/(mm K)")),
+        Dimension("heat transfer", "W/(m^2 K)", ("500 W/(m^2 K)", "10 kW/(m^2 K)")),
         Dimension("spectral density", "m^4", ("1e-18 m^4", "1e6 nm^4")),
         Dimension("leak rate", "m^3/s", ("1e-3 cm^3/s", "0.5 ml/min")),
         Dimension("throughput", "Pa m^3/s", ("1e-3 mbar l/s", "1e-4 Pa m^3/s")),
@@ -129,6 +135,9 @@ _PLAIN: dict[str, dict[str, str | float]] = {
     "wavenumber": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6"},
     "time": {"s": "1"},
     "angle": {"rad": "1", "deg": math.pi / 180},
+    "thermal expansion": {"1/K": "1"},
+    "thermal conductivity": {"W/(m K)": "1"},
+    "heat transfer": {"W/(m^2 K)": "1"},
     "leak rate": {"m^3/s": "1"},
     "throughput": {"Pa m^3/s": "1", "mbar l/s": "0.1"},
 }
@@ -549,6 +558,7 @@ _SI_UNITS = {
     "_Pa": "Pa",
     "_N": "N",
     "_rad": "rad",
+    "_K": "K",
     "_m": "m",
 }
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from io import BytesIO
 from pathlib import Path
 
 import hypothesis
@@ -33,6 +35,29 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatabl
 # process is free. All other files stay whole, with what their fixtures have made.
 APART = ("tests/test_examples.py", "tests/test_fem_seal_uncertainty.py", "tests/test_verification_contact.py")
 
+# Files that share results too dear to be made in both processes.
+TOGETHER = {"tests/test_fem_seal_around_report.py": "tests/test_fem_seal_around_files.py"}
+
+
+def pytest_collection_finish() -> None:
+    """Keep the collector of cycles off what stays to the end: modules, tests and the results that tests share.
+
+    With its usual thresholds it goes through all of them thousands of times, most often while pictures are drawn.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 50)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def forgotten_afterwards(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Results that the tests of one file share go with it: kept to the end they are gigabytes."""
+    yield
+    for thing in vars(request.module).values():
+        if hasattr(thing, "cache_clear") and thing.__module__ == request.module.__name__:
+            thing.cache_clear()
+    gc.collect()
+
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
@@ -44,7 +69,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
     class Scheduling(LoadFileScheduling):  # type: ignore[misc]
         def _split_scope(self, nodeid: str) -> str:
             file = nodeid.split("::", 1)[0]
-            return nodeid if file in APART else file
+            return nodeid if file in APART else TOGETHER.get(file, file)
 
     return Scheduling(config, log)
 
@@ -61,6 +86,27 @@ def reference(reference_folder: Path) -> Callable[[str], np.ndarray]:
     return lambda name: np.genfromtxt(
         reference_folder / name, delimiter=",", names=True, dtype=None, encoding="utf8"
     )
+
+
+@pytest.fixture
+def read_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Drawings and meshes are read in this process, for tests of what a sound file holds.
+
+    A process of its own, as everywhere else, is for files that hang, crash or print: see
+    `tests/test_meshes_own_process.py`, the damaged files, and every case that names a drawing.
+    """
+    for module in ("section", "meshed_body"):
+        monkeypatch.setattr(f"meshes.drawings.{module}.call_apart", lambda limit, read, *given: read(*given))
+
+
+@pytest.fixture
+def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures are made as always but not turned into SVG, for tests of files and sentences, not of pictures."""
+
+    def blank(figure: object, out: BytesIO, **options: object) -> None:
+        out.write(b"<svg></svg>")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", blank)
 
 
 @pytest.fixture

@@ -39,6 +39,7 @@ def load(
     leak_rate: float = 1e-7,
     applied_force: float = 0.0,
     end_share: float = 0.0,
+    turning: float = 0.0,
     bodies: tuple[BodyField, ...] = (),
 ) -> Any:
     """What the checks look at in a load."""
@@ -48,6 +49,7 @@ def load(
         pressure=pressure,
         point_forces=pressure,
         gap=np.zeros(3),
+        turning=turning,
         fields={name: field(name) for name in ("closure", "seat")} | {body.name: body for body in bodies},
         model=SimpleNamespace(closure=None, seat=None),
     )

@@ -23,7 +23,7 @@ from fem_seal.analysis.leakage import leakage_classes, nominal_size
 from fem_seal.analysis.results import LeakInterval
 from fem_seal.cli import show_leak_table, show_leakage
 from fem_seal.output.report.page import report
-from fem_seal.output.report.words import classes_in_words, facts, headline, leakage_lines
+from fem_seal.output.report.words import classes_in_words, facts, headline, leakage_lines, readings_in_words
 from fem_seal.output.tables import leak_rows, leakage_table
 from fem_seal.studies.responses import evaluate
 from fem_seal.units import leak_range_text
@@ -350,3 +350,11 @@ def test_a_seal_is_sealed_only_if_it_is_in_both_readings():
     tight = load.knowing(leak=replace(load.leak, leak_rate=0.0))
     told = headline(replace(rough_result(), loads=(tight,)))
     assert "Sealed" not in told and re.search(r"leaks 0 to [\d.]+ ml/min", told)
+
+
+def test_readings_that_are_read_as_one_number_are_not_told_as_two():
+    """Two digits are what an interval is worth: 0.126 and 0.127 are one."""
+    load = rough_result().highest
+    for higher, same in ((1.27e-9, True), (1.9e-9, False)):
+        one = load.knowing(leak=load.leak.scaled(1.26e-9), leak_capped=load.leak.scaled(higher))
+        assert ("agree" in readings_in_words(one)) == same

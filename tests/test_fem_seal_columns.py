@@ -34,6 +34,8 @@ SI = {
     "flow": "m^3/s",
     "throughput": "Pa m^3/s",
     "mass flow": "kg/s",
+    "viscosity": "Pa s",
+    "temperature": "K",
     "": "",
 }
 

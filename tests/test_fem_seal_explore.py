@@ -12,9 +12,11 @@ import fem_seal
 from fem_seal.case.case import input_tables, load_case
 from fem_seal.errors import InputError
 from fem_seal.explore.case_file import case_text, free_name, write_case
+from fem_seal.explore.figures import leak_figure
 from fem_seal.explore.live import Session
 from fem_seal.explore.screen import SHOWN
 from fem_seal.explore.tables import Missing, OwnTable, conductivity
+from fem_seal.explore.words import numbers_of, validity_words
 from fem_seal.explore.worker import Answers, complete_screen, run_of
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -191,6 +193,20 @@ def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known():
         screen = Session(case_with(**required, **tables)).answer({})
         assert (screen.verdict, screen.told, screen.widens) == ("", (), widens)
         assert screen.limits
+        # nor is a seal that is not round called good as a round one
+        leak = next(one for one in numbers_of(screen) if one.name == "leak")
+        assert screen.round == ("round seal" in leak.more) == ("form" in tables)
+        assert (validity_words(screen.load, screen.round)[0] == "good") <= (not screen.round)
+
+
+def test_the_curve_shows_the_whole_interval_of_the_load_that_is_shown():
+    """A single load makes no band; a bar holds its interval."""
+    screen = Session(case_with(load={"fluid_pressure": "20 bar"})).answer({})
+    rate, low, high = (screen.load.values[f"leak_rate_{end}m3_per_s"] for end in ("", "low_", "high_"))
+    (bar,) = (one for one in leak_figure([(screen, "#123456", "now")], False).data if one.get("error_y"))
+    ends = bar["y"][0] - bar["error_y"]["arrayminus"][0], bar["y"][0] + bar["error_y"]["array"][0]
+    assert [end / bar["y"][0] for end in ends] == pytest.approx([low / rate, high / rate], rel=1e-9)
+    assert low < high
 
 
 @pytest.mark.parametrize(

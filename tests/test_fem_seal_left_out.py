@@ -52,8 +52,8 @@ def example(folder: Path, load: str) -> Path:
 # ---------------------------------------------------------------- loads without a contact
 
 
-def test_open_and_overstrained_loads_are_left_out_and_the_others_are_as_if_they_had_never_been():
-    mixed = seal(["10 bar", "20 bar", "15 bar", "10 bar"], ["1 kN", "1 kN", "1 kN", "10 MN"])
+def test_open_and_crushing_loads_are_left_out_and_the_others_are_as_if_they_had_never_been():
+    mixed = seal(["10 bar", "20 bar", "15 bar", "10 bar"], ["1 kN", "1 kN", "1 kN", "100 MN"])
     result = fem_seal.run(mixed)
     table = result.table
     assert table.fluid_pressure_Pa.tolist() == [10e5, 15e5]
@@ -61,13 +61,15 @@ def test_open_and_overstrained_loads_are_left_out_and_the_others_are_as_if_they_
     np.testing.assert_allclose(table.leak_rate_m3_per_s, alone.leak_rate_m3_per_s, rtol=1e-9)
     opened, strained = (text for text in result.warnings if "left out" in text)
     assert "the seal is open at a fluid pressure of 20 bar" in opened and "above 1256.64 N" in opened
-    assert strained.startswith("at 10 bar with 1e+07 N: a contact force of") and "small strains" in strained
+    assert (
+        strained.startswith("at 10 bar with 1e+08 N: a contact force of") and "effective modulus" in strained
+    )
     assert [load.hertz is None for load in derive(mixed).loads] == [False, True, False, True]
 
 
 @pytest.mark.parametrize("closing", ["sealed-area", "penetration"])
 def test_the_same_loads_are_left_out_with_every_closing_mode(closing):
-    mixed = seal(["5 bar", "20 bar", "10 bar"], ["1 kN", "0 N", "10 MN"], closing=closing)
+    mixed = seal(["5 bar", "20 bar", "10 bar"], ["1 kN", "0 N", "100 MN"], closing=closing)
     assert sorted(problem.kind for problem in refused_loads(mixed).values()) == ["open", "strain"]
     result = fem_seal.run(mixed)
     assert result.table.fluid_pressure_Pa.tolist() == [5e5]
@@ -121,11 +123,11 @@ def test_a_path_ends_before_a_load_whose_traces_are_not_known():
     path = case(
         seat=cone(yielding),
         load={
-            "fluid_pressure": ["5 bar", "100 bar", "20 kbar", "10 bar"],
+            "fluid_pressure": ["5 bar", "100 bar", "60 kbar", "10 bar"],
             "axial_force": ["0 N", "-1 MN", "0 N", "0 N"],
         },
     )
-    # an open seal leaves no traces, what is outside the theory does
+    # an open seal leaves no traces, what crushes the face does
     assert {n: problem.kind for n, problem in refused_loads(path).items()} == {
         1: "open",
         2: "strain",
@@ -158,6 +160,7 @@ def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_firs
         ("load_validity", "validity at 2 bar"),
     ],
 )
+@pytest.mark.usefixtures("unrendered")
 def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, monkeypatch, tmp_path):
     monkeypatch.setattr(chain, broken, Mock(side_effect=ZeroDivisionError("float division by zero")))
     result = fem_seal.run(case())
@@ -250,6 +253,7 @@ def test_stress_that_nobody_can_calculate_costs_neither_contact_nor_leak(monkeyp
     assert (tmp_path / "leak.csv").is_file() and (tmp_path / "profile.csv").is_file()
 
 
+@pytest.mark.usefixtures("unrendered")
 @pytest.mark.parametrize("broken", ["write_report", "write_contact", "write_imprint_csv", "write_summary"])
 def test_a_file_that_cannot_be_made_costs_no_other(broken, monkeypatch, tmp_path):
     monkeypatch.setattr(files, broken, Mock(side_effect=KeyError("no such picture")))

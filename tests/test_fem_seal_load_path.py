@@ -4,6 +4,7 @@ import base64
 import json
 import math
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -424,3 +425,23 @@ def test_the_far_field_matters_where_the_housing_is_small():
     # on a coarse mesh, two elements of which make the rim of 0.5 mm
     assert small.far_field[0].peak_pressure == pytest.approx(share, rel=0.25)
     assert "a housing twice as wide and high changes the peak pressure by" in far_field_sentence(small)
+
+
+@pytest.mark.parametrize("larger", [False, True], ids=["held wall", "larger housing"])
+def test_a_closure_that_is_the_same_is_not_factorised_anew(larger):
+    """To the last digit what it is without; another material or another mesh is another closure."""
+    problem = SealProblem.of(valve().case)
+    mesh = valve().seal_mesh
+    known = condense(mesh, problem.materials)
+    if larger:
+        mesh = meshes.build_contact(problem.larger_housing(), mesh.sizing)
+    supports = None if larger else Supports(wall="fixed")
+    anew = condense(mesh, problem.materials, supports)
+    reused = condense(mesh, problem.materials, supports, known=known)
+    assert reused.closure is known.closure and reused.harmonics[0] is known.harmonics[0]
+    assert reused.seat is not known.seat
+    np.testing.assert_array_equal(reused.compliance, anew.compliance)
+    softer = {**problem.materials, "closure": replace(STEEL, youngs_modulus=100e9)}
+    assert condense(mesh, softer, known=known).closure is not known.closure
+    finer = meshes.build_contact(problem.contact, mesh.sizing.refined(1.2))
+    assert condense(finer, problem.materials, known=known).closure is not known.closure

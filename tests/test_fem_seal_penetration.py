@@ -121,7 +121,7 @@ def unevenness(model, p):
     ],
 )
 def test_fluid_all_around_leaves_a_closure_of_any_shape_under_even_pressure(closure, seat):
-    off, finer = (unevenness(wetted(closure, seat, n, axial_force="1.5 kN")[1], 10e5) for n in (1, 2))
+    off, finer = (unevenness(wetted(closure, seat, n, axial_force="1.5 kN")[1], 10e5) for n in (0.7, 1.4))
     # Straight edges against true arcs: of first order at the end of the line, where a ball stands 4 mm off its seat and
     # elements are large, of second order in the mean.
     assert off.max() < 2e-2

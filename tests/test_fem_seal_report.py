@@ -6,7 +6,9 @@ import base64
 import math
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -80,19 +82,25 @@ class Page(HTMLParser):
         }
 
 
+@cache
+def told(result: Callable[[], SealResult]) -> str:
+    """The report of a shared result, drawn once."""
+    return report(result())
+
+
 @pytest.fixture(scope="module")
 def page() -> Page:
-    return Page(report(rough_result()))
+    return Page(told(rough_result))
 
 
 @pytest.mark.parametrize("result", [rough_result, single_result, smooth_result])
 def test_nothing_is_fetched(result):
-    page = Page(report(result()))
+    page = Page(told(result))
     assert not {"script", "iframe", "link", "object", "embed"} & {tag for tag, _ in page.tags}
     for _, attributes in page.tags:
         for name in FETCHING & set(attributes):
             assert re.match(r"#|data:image/svg\+xml;base64,", attributes[name] or "")
-    styles = "".join(re.findall(r"<style>(.*?)</style>", report(result()), flags=re.DOTALL))
+    styles = "".join(re.findall(r"<style>(.*?)</style>", told(result), flags=re.DOTALL))
     assert "url(" not in styles and "@import" not in styles
     for svg in page.pictures.values():
         for element in ET.fromstring(svg).iter():
@@ -168,14 +176,14 @@ def test_links_lead_somewhere(page):
 
 
 def test_a_smooth_contact_has_no_leak_section():
-    page = Page(report(smooth_result()))
+    page = Page(told(smooth_result))
     assert set(page.pictures) == {"sketch", "mesh", "profiles", "sizes", "gap", "stress"}
     assert "There is no leak rate because the case has no roughness" in page.text
     assert b"Gaussian" not in page.pictures["profiles"]
 
 
 def test_a_single_load_is_shown_without_curves_over_pressure():
-    page = Page(report(single_result()))
+    page = Page(told(single_result))
     assert "sizes" not in page.pictures
     assert b"Leak rate at 20 bar" in page.pictures["leak"]
     assert "The seal leaks" in page.text
@@ -328,7 +336,7 @@ def test_loads_and_their_reasons_stand_in_the_tables():
     table = tables.load_table(marked)
     assert [row[0] for row in table.rows] == ["2", "5 ?", "20 !"]
     assert "in leak.csv. ? doubtful, ! outside the theory." in page.text
-    assert "How far each load can be trusted" not in Page(report(rough_result())).text
+    assert "How far each load can be trusted" not in Page(told(rough_result)).text
 
 
 def test_summary_claims_no_class_outside_the_theory():
@@ -351,10 +359,10 @@ def fitting():
 
 
 def test_where_no_closed_form_exists_none_is_announced(fitting, page):
-    told = Page(report(fitting))
-    profiles = told.pictures["profiles"].decode()
+    fit = Page(report(fitting))
+    profiles = fit.pictures["profiles"].decode()
     assert "closed forms" not in profiles and "Hertz" not in profiles
-    assert "closed forms for half-spaces" not in told.text and "follows Hertz" not in told.text
+    assert "closed forms for half-spaces" not in fit.text and "follows Hertz" not in fit.text
     assert "closed forms" in page.pictures["profiles"].decode()
     assert "closed forms for half-spaces" in page.text and "follows Hertz" in page.text
 

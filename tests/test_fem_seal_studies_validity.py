@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import sqlite3
+from html import escape
 from pathlib import Path
 
 import pytest
@@ -176,3 +177,14 @@ def test_designs_of_before_are_shown_without_a_verdict(calculated, tmp_path):
     assert result.best().index.tolist() == [1, 0]
     page = result.report().read_text()
     assert "left out" not in page and "outside the theory" not in page
+
+
+def test_the_page_says_why_designs_are_doubtful(tmp_path):
+    """A roughness value that is unusual for its process is doubtful at any load."""
+    changes = {"load.fluid_pressure": "20 bar", "roughness": "ground Ra 12 um"}
+    result = run_study(springs(changes=changes), folder=tmp_path, workers=0)
+    assert set(result.table["validity"]) == {"doubtful"}
+    page = result.report(tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "2 designs are doubtful (design 0: " in page
+    first = result.table["validity_reasons"][0].split("; ")[0].rstrip(".")
+    assert escape(first, quote=False)[:40] in page

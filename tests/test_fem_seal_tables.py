@@ -33,7 +33,7 @@ LEAK_HEADER = (
     "peak_pressure_max_Pa,line_load_min_over_mean,leak_rate_round_m3_per_s,"
     "leak_rate_scratches_low_m3_per_s,leak_rate_scratches_high_m3_per_s,"
     "leak_rate_conserved_m3_per_s,leak_rate_capped_m3_per_s,force_for_target_leak_capped_N,"
-    "effective_viscosity_Pa_s,margin,verdict,validity,validity_reasons"
+    "contact_temperature_K,effective_viscosity_Pa_s,margin,verdict,validity,validity_reasons"
 )
 PROFILE_HEADER = "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa"
 
@@ -103,13 +103,14 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "leak_rate_conserved_m3_per_s",
         "leak_rate_capped_m3_per_s",
         "force_for_target_leak_capped_N",
+        "contact_temperature_K",
         "effective_viscosity_Pa_s",
         "margin",
     ]
     assert table[missing].isna().all().all()
     assert table.drop(columns=[*missing, "verdict", "validity_reasons"]).notna().all().all()
-    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(38))
-    assert numbers.shape == (2, 38)
+    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(39))
+    assert numbers.shape == (2, 39)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):

@@ -231,6 +231,7 @@ def test_spectrum_between_scans(tmp_path, monkeypatch):
     assert both.high[0] / both.low[0] > 1.1 * interval.high[0] / interval.low[0]
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_the_length_of_one_scan_widens_the_interval(tmp_path):
     """Two wavelengths of the roll-off instead of thirteen; no other input is needed."""
     spectrum = leak.PowerSpectrum.self_affine(

@@ -340,6 +340,17 @@ def test_a_gas_may_leak_pressure_times_volume(text):
     assert gas.replace({"requirement.leak_rate": 1e-6}).requirement.leak_rate == 1e-6
 
 
+@pytest.mark.parametrize(
+    ("text", "per_minute"), [("3 drops/min", 3), ("1 drop / h", 1 / 60), (".5 drops/s", 30)]
+)
+def test_a_limit_may_be_counted_in_drops(text, per_minute):
+    limit = case(requirement={"leak_rate": text}).requirement.leak_rate
+    # 16 drops are a millilitre
+    assert limit == pytest.approx(per_minute / 16 * 1e-6 / 60, rel=1e-14)
+    with pytest.raises(InputError, match=r"requirement.leak_rate.*counted in drops, and the fluid is a gas"):
+        case(fluid={"name": "helium"}, requirement={"leak_rate": text})
+
+
 def test_of_a_liquid_pressure_times_volume_is_no_amount():
     with pytest.raises(
         InputError, match=r"requirement.leak_rate.*leak rate of a gas, and the fluid is a liquid"

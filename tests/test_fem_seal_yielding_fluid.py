@@ -37,7 +37,7 @@ from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))
-FIT = 2e-6
+FIT = FurtherLoads.press_fit(2e-6)
 
 
 def flowing(side: PressureSide) -> FlowThrough:
@@ -102,7 +102,7 @@ def test_bodies_that_never_yield_are_elastic_ones(law: Law, path: FluidPath) -> 
         model,
         law,
         [FluidLoad(spring, pressure, path, FIT)],
-        at_rest=FurtherLoads.press_fit(FIT),
+        at_rest=FIT,
         settings=PlasticSettings(steps=1),
     )
     (contact,) = whole.contacts
@@ -157,7 +157,8 @@ def test_even_pressure_all_around_makes_nothing_yield() -> None:
     seat = model.seat.held
     places = seat.basis.doflocs[0][seat.wall]
     strain = p * (1 - 2 * STEEL.poissons_ratio) / E
-    fluid = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p), strain * float(places.max()))
+    tight = FurtherLoads.press_fit(strain * float(places.max()))
+    fluid = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p), tight)
     few = PlasticSettings(steps=2)
     alone, wet = (
         load_path(model, LAW, [PathLoad(force, loads)], settings=few, unload=False).contacts[0]

@@ -158,7 +158,10 @@ def test_potential_of_barus_has_a_closed_form(alpha, highest, share):
     potential = leak.FlowPotential(leak.Barus(alpha), highest)
     p = share * highest
     exact = -np.expm1(-alpha * p) / alpha if alpha * p > 1e-12 else p
-    assert float(potential(p)) == pytest.approx(exact, rel=1e-11, abs=1e-300)
+    # a liquid 1e9 times as viscous thickens no further
+    assert float(potential(p)) == pytest.approx(
+        exact, rel=1e-11, abs=1e-9 * p if alpha * p > 20.0 else 1e-300
+    )
     round_off = 1e-14 * float(potential(highest)) / float(potential.mobility(p))
     assert float(potential.pressure(potential(p))) == pytest.approx(
         p, rel=1e-10, abs=round_off + 1e-13 * highest

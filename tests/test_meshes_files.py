@@ -23,7 +23,7 @@ def draw(space, layer: str = "0", size: float = 1.0) -> None:
 
 
 @pytest.fixture
-def drawing():
+def drawing(read_here):
     return pytest.importorskip("ezdxf", reason="DXF files need ezdxf").new(units=4)
 
 
@@ -165,6 +165,7 @@ def write_mesh(path: Path, plane: str, *, surface: bool = True, save: str = "sea
         gmsh.write(str(path))
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize(("plane", "axis"), [("xy", "y"), ("yx", "x"), ("xz", "z"), ("yz", "z"), ("zx", "x")])
 def test_mesh_lies_in_a_plane_through_the_axis(plane, axis, tmp_path) -> None:
     write_mesh(tmp_path / "seat.msh", plane)
@@ -173,6 +174,7 @@ def test_mesh_lies_in_a_plane_through_the_axis(plane, axis, tmp_path) -> None:
     assert seat.outline.extent == (pytest.approx((3.5e-3, 22e-3)), pytest.approx((-11.5e-3, 11.3e-3)))
 
 
+@pytest.mark.usefixtures("read_here")
 def test_axis_across_the_plane_of_a_mesh_is_refused(tmp_path) -> None:
     write_mesh(tmp_path / "seat.msh", "xy")
     said = r'seat.msh: axis = "z": the section must lie in a plane through this axis, but it reaches 0.022 along x'

@@ -140,6 +140,7 @@ def write_dxf(outline: Outline, path: Path, *, sideways: bool = False, layer: st
     drawing.saveas(path)
 
 
+@pytest.mark.usefixtures("read_here")
 @pytest.mark.parametrize(("sideways", "layer"), [(False, "0"), (True, "BODY")])
 @pytest.mark.parametrize("body", [BALL, SEAT, POPPET], ids=["ball", "cone seat", "poppet"])
 def test_dxf_of_a_body_is_the_body(body, sideways, layer, tmp_path) -> None:
@@ -151,6 +152,7 @@ def test_dxf_of_a_body_is_the_body(body, sideways, layer, tmp_path) -> None:
     assert read.outline.area == pytest.approx(body.outline.area, rel=1e-9)
 
 
+@pytest.mark.usefixtures("read_here")
 def test_dxf_polyline_with_bulges_and_ellipse(tmp_path) -> None:
     ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")
     drawing = ezdxf.new(units=4)

@@ -120,7 +120,7 @@ def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
     load : CoarserLoad
     """
     base, changes = load.compared("as it is", load.contact), []
-    for name, model in _variations(load.solver.problem, load.mesh):
+    for name, model in _variations(load.solver, load.mesh):
         # Close to blow-off the seal may open with another support: that is told by the blow-off pressure.
         with suppress(InputError, ConvergenceError):
             changed = load.solve(replace(load.solver, model=model))
@@ -128,7 +128,8 @@ def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
     return tuple(changes)
 
 
-def _variations(problem: SealProblem, mesh: SealMesh) -> Iterator[tuple[str, ContactModel]]:
+def _variations(solver: LoadSolver, mesh: SealMesh) -> Iterator[tuple[str, ContactModel]]:
+    problem, known = solver.problem, solver.model
     if problem.interference:
         return  # another size or support is another fit: that is no question of the far field
     # The larger housing is no question of this seal if it cannot be built.
@@ -136,7 +137,10 @@ def _variations(problem: SealProblem, mesh: SealMesh) -> Iterator[tuple[str, Con
         larger = problem.larger_housing()
         if larger is not None:
             wider = replace(problem, contact=larger)
-            yield "a housing twice as wide and high", condensed(wider, build_contact(larger, mesh.sizing))
+            yield (
+                "a housing twice as wide and high",
+                condensed(wider, build_contact(larger, mesh.sizing), known),
+            )
     free = problem.supports.wall == "free"
     other = replace(problem, supports=Supports(wall="fixed" if free else "free"))
-    yield "holding its wall" if free else "leaving its wall free", condensed(other, mesh)
+    yield "holding its wall" if free else "leaving its wall free", condensed(other, mesh, known)

@@ -14,6 +14,7 @@ from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.caution import NOT_JUDGED, Caution, Validity, worst_first
 from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.form_answers import form_answers
+from fem_seal.analysis.heating import warmed
 from fem_seal.analysis.left_out import left_out
 from fem_seal.analysis.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.analysis.opening import with_margins
@@ -88,6 +89,7 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
     """
     clock = Clock(progress or (lambda text: None))
     with clock.step("interface", "roughness and interface law"):
+        case = warmed(case)
         whole = SealProblem.of(case)
         _ = whole.law  # made once for each surface, and here, where it is timed
     _simulate(whole, clock)

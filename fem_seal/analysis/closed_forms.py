@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.problem import SealProblem
+from fem_seal.analysis.problem import LARGEST_TURNING, TURNED, SealProblem
 from fem_seal.analysis.results import SealSolution
 from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.analysis.target import expected_contact_force
@@ -172,6 +172,27 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
                 f"from {load.fluid_pressure / 1e5:.6g} bar on, the contact is wider than the stretch over which the "
                 f"faces keep the curvature of first touch ({nearest:.3g} um to one side of it): the closed forms "
                 "(Hertz, crossover) do not hold there, and the calculated peak differs from theirs"
+            )
+    return ""
+
+
+def strain_limit(derived: Derived) -> str:
+    """From which load on the closed forms expect more than small strains; "" if from none.
+
+    Parameters
+    ----------
+    derived : Derived
+    """
+    for load in derived.loads:
+        closed = load.crossover or load.hertz
+        turned = 0.0 if closed is None else 2 * closed.peak_pressure / derived.effective_modulus
+        if turned > TURNED:
+            return (
+                f"from {load.fluid_pressure / 1e5:.6g} bar on, the closed forms expect a contact that turns the faces "
+                f"against each other by {turned:.2g} rad (half-width over radius of relative curvature); the theory is "
+                f"for small strains, doubtful above {TURNED:g} and without meaning above {LARGEST_TURNING:g}. A run "
+                "calculates such a load and says how far it turned the faces; a smaller load, a larger edge radius or "
+                "stiffer materials turn them less"
             )
     return ""
 

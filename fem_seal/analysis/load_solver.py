@@ -27,7 +27,6 @@ from fem_seal.contact.load_path import (
 )
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.path_loads import FluidLoad, PathLoad
 from fem_seal.contact.penetration import (
     blow_off_pressure,
@@ -138,12 +137,12 @@ class LoadSolver:
 
     def on_path(self, fluid_pressure: float, axial_force: float) -> PathLoad | FluidLoad:
         """A load of the problem as one on the path of bodies that yield, by its way of closing."""
-        fit = FurtherLoads.press_fit(self.problem.interference)
+        at_rest = self.problem.at_rest(self.model)
         if self._on_sealed_area:
-            return PathLoad(axial_force + self._closes(fluid_pressure), fit)
+            return PathLoad(axial_force + self._closes(fluid_pressure), at_rest)
         path = self._path
         remembers = None if self.problem.loads.earlier is None else self._path_after
-        return FluidLoad(axial_force, fluid_pressure, path, self.problem.interference, remembers)
+        return FluidLoad(axial_force, fluid_pressure, path, at_rest, remembers)
 
     def at_contact_force(
         self, fluid_pressure: float, contact_force: float, start: ContactSolution | None = None
@@ -234,7 +233,7 @@ class LoadSolver:
     @cached_property
     def _first_seal(self) -> FluidAndContact:
         """The same before any load."""
-        return FluidAndContact(self.model, self.problem.law, self._path, self.problem.interference)
+        return FluidAndContact(self.model, self.problem.law, self._path, self.problem.at_rest(self.model))
 
     @cached_property
     def _path(self) -> FluidPath:
@@ -248,8 +247,8 @@ class LoadSolver:
         )
 
     def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
-        fit = FurtherLoads.press_fit(self.problem.interference)
-        return solve(self.model, self.problem.law, axial_force=force, loads=fit, start=start)
+        at_rest = self.problem.at_rest(self.model)
+        return solve(self.model, self.problem.law, axial_force=force, loads=at_rest, start=start)
 
     def _closes(self, fluid_pressure: float) -> float:
         return closing_force(self.problem.touch_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side)
@@ -411,10 +410,10 @@ def _path(
     loads = [solver.on_path(*point) for point in (*first, *points)]
     if steps is not None:
         settings = replace(settings, steps=steps)
-    fit = FurtherLoads.press_fit(problem.interference)
+    at_rest = problem.at_rest(solver.model)
     try:
         path = load_path(
-            solver.model, problem.law, loads, at_rest=fit, settings=settings, partial=True, unload=unload
+            solver.model, problem.law, loads, at_rest=at_rest, settings=settings, partial=True, unload=unload
         )
     except ConvergenceError as error:
         if not isinstance(error.partial, LoadPath):

@@ -15,11 +15,13 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fem_seal.analysis.around import Around, around_after
 from fem_seal.analysis.flow import Flow
+from fem_seal.analysis.heating import Heating, heating, warmed
 from fem_seal.bodies.held_body import Supports
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import element_sizes, for_yielding
 from fem_seal.errors import InputError, LoadProblem, Problem
@@ -188,7 +190,13 @@ class SealProblem:
     supports : Supports
         How the seat is held.
     interference : float
-        Of a press fit of the seat, on the radius [m]; zero without one.
+        How far a held wall is moved inwards, by a press fit and by heat [m]; zero without.
+    expansion : float
+        Thermal strain of the closure beyond that of the seat [-].
+    temperatures : mapping
+        Of "closure" and "seat", or of their faces where it is calculated [K]; empty where they are not given.
+    heating : Heating or None
+        What warms the seal, where its temperature is calculated.
     contact_size : float or None
         Size of the elements along the contact line, if the user gives it [m].
     hardness : float or None
@@ -219,6 +227,9 @@ class SealProblem:
     form: FormError | None = None
     supports: Supports = _FREE
     interference: float = 0.0
+    expansion: float = 0.0
+    temperatures: Mapping[str, float] = field(default_factory=dict)
+    heating: Heating | None = None
     contact_size: float | None = None
     hardness: float | None = None
     asperities_yield: bool = False
@@ -238,6 +249,7 @@ class SealProblem:
         case : CaseTables
             Whose tables fit together, as those of a `Case` do.
         """
+        case = warmed(case)
         of_finish = case.roughness is not None and bool(case.roughness.finishes)
         return cls(
             contact=case.contact,
@@ -248,7 +260,10 @@ class SealProblem:
             flow=flow_of(case),
             form=None if case.form is None else case.form.error(case.contact.angle, case.touch_radius),
             supports=Supports(wall=getattr(case.seat, "wall", "free")),
-            interference=getattr(case.seat, "interference", None) or 0.0,
+            interference=case.wall_motion,
+            expansion=case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
+            temperatures=case.body_temperatures,
+            heating=heating(case),
             contact_size=case.mesh.contact_size,
             hardness=case.hardness,
             asperities_yield=case.leak.plasticity and case.roughness is not None,
@@ -274,6 +289,30 @@ class SealProblem:
     def effective_modulus(self) -> float:
         """E* of both bodies [Pa]."""
         return effective_modulus(self.materials["closure"], self.materials["seat"])
+
+    def at_rest(self, model: ContactModel) -> FurtherLoads:
+        """What acts on the bodies without any load: a press fit and heat.
+
+        All is counted from a seal that has grown as the seat does, at the contact: that changes its scale only, by
+        less than what is neglected elsewhere.
+
+        Parameters
+        ----------
+        model : ContactModel
+            Its bodies, condensed with the temperatures of the problem.
+        """
+        bodies = (model.closure, model.seat)
+        found = {body.held.name: body.held.temperature for body in bodies}
+        if self.heating is None:
+            expansion = {"expansion": self.expansion} if self.expansion else {}
+            fit = FurtherLoads.press_fit(self.interference)
+            return FurtherLoads(expansion, fit.seat, temperature=self.temperatures)
+        wall = self.interference + self.heating.wall_motion(model.seat.held, self.materials["seat"])
+        return FurtherLoads(
+            {"heat": 1.0},
+            {"heat": 1.0, **FurtherLoads.press_fit(wall if len(model.seat.held.wall) else 0.0).seat},
+            temperature={name: nodes for name, nodes in found.items() if nodes is not None},
+        )
 
     @property
     def curves(self) -> list[HardeningCurve]:
@@ -468,15 +507,18 @@ def sizing(problem: SealProblem, law: Law | None = None, forces: Sequence[float]
     return rounded(found, contact, size_given=size_given)
 
 
-def condensed(problem: SealProblem, seal_mesh: SealMesh) -> ContactModel:
+def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | None = None) -> ContactModel:
     """The bodies of a problem on a mesh, condensed.
 
     Parameters
     ----------
     problem : SealProblem
     seal_mesh : SealMesh
+    known : ContactModel, optional
+        Whose closure may be the same, see `fem_seal.contact.model.condense`.
     """
-    return condense(seal_mesh, problem.materials, problem.supports)
+    heat = None if problem.heating is None else problem.heating.of_bodies(seal_mesh, problem.materials)
+    return condense(seal_mesh, problem.materials, problem.supports, heat, known=known)
 
 
 def expected_forces(problem: SealProblem) -> list[float]:
@@ -507,10 +549,16 @@ def _expected_force(problem: SealProblem, fluid_pressure: float, applied_force: 
     )
 
 
-def largest_force(problem: SealProblem) -> float:
-    """Largest force F_N with small strains [N]: half-width a tenth of contact radius and relative curvature.
+# Half-width of Hertz's contact over the radius of relative curvature, the angle by which the faces turn against each
+# other [rad], where a leak rate by the theory of small strains is some 5 % off, and where 20 %
+# (docs/guide/validity.md).
+TURNED, LARGEST_TURNING = 0.07, 0.25
 
-    That of Hertz, and where a body yields that of full plasticity as well.
+
+def largest_force(problem: SealProblem) -> float:
+    """Largest force F_N that small strains describe [N], from Hertz's half-width over contact radius and curvature.
+
+    Where a body yields that of full plasticity over a tenth of them as well.
 
     Parameters
     ----------
@@ -521,9 +569,9 @@ def largest_force(problem: SealProblem) -> float:
     if math.isinf(R):
         # Faces that fit each other: the pressure at which Hertz' contact would be as wide, all over the face.
         start, end = contact.reach
-        f = (end - start) * modulus / 20
+        f = (end - start) * modulus * LARGEST_TURNING / 2
     else:
-        f = math.pi * modulus * (min(r0, R) / 10) ** 2 / (4 * R)
+        f = math.pi * modulus * (LARGEST_TURNING * min(r0, R)) ** 2 / (4 * R)
     if problem.curves:
         per_line_load = plastic_half_width(1.0, min(curve.stress[-1] for curve in problem.curves))
         f = min(f, min(r0, R) / 10 / per_line_load)

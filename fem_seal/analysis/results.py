@@ -281,6 +281,18 @@ class LoadResult(Lazy):
         return self.largest_stress[1]
 
     @property
+    def contact_temperature(self) -> float | None:
+        """Mean temperature of both faces where they press on each other [K]; None where it is not given."""
+        contact = self.contact
+        model = contact.model
+        faces = [
+            contact.loads.face_temperature(body, contact.pressure, model)
+            for body in (model.closure, model.seat)
+        ]
+        known = [one for one in faces if one is not None]
+        return sum(known) / 2 if len(known) == 2 else None
+
+    @property
     def gap_pressure(self) -> NDArray[np.float64] | None:
         """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
         return self.contact.loads.gap_pressure if self.leak_round is None else self.leak_round.fluid_pressure

@@ -518,6 +518,10 @@ def _stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[st
     return {name: replace(one, youngs_modulus=one.youngs_modulus * factor) for name, one in materials.items()}
 
 
+# Loads of a body that prescribe how far it moves, whatever its stiffness.
+_IMPOSED = ("wall", "expansion", "heat")
+
+
 def stiffer(model: ContactModel, factor: float) -> ContactModel:
     """Model of the same bodies with both Young's moduli times a factor, as far as a contact needs it."""
     if factor == 1:
@@ -525,9 +529,9 @@ def stiffer(model: ContactModel, factor: float) -> ContactModel:
 
     def body(one):  # type: ignore[no-untyped-def]
         material = replace(one.material, youngs_modulus=one.material.youngs_modulus * factor)
-        # The wall of a pressed-in housing moves as far as before; pressures move a stiffer body less.
+        # The wall of a pressed-in housing and heat move a body as far as before; pressures move a stiffer one less.
         loads = {
-            name: load if name == "wall" else replace(load, opening=load.opening / factor)
+            name: load if name in _IMPOSED else replace(load, opening=load.opening / factor)
             for name, load in one.loads.items()
         }
         return replace(one, held=replace(one.held, material=material), loads=loads)

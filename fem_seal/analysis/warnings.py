@@ -13,6 +13,7 @@ from fem_seal.analysis.caution import Caution, Level, Validity
 from fem_seal.analysis.fluid_warnings import fluid_cautions, molecule_cautions
 from fem_seal.analysis.form_warnings import LARGEST_EXCESS, form_cautions
 from fem_seal.analysis.load_names import load_name
+from fem_seal.analysis.problem import LARGEST_TURNING, TURNED
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
@@ -65,6 +66,9 @@ _THICK_LAYER, _NO_LAYER = 0.1, 1.0
 # Way by which such a layer moves closest approach along the seat, over the radius of first touch: the line load, and
 # with it peak and leak rate, are uncertain by as much.
 _SLIDES = 0.02
+# Turning of the contact normal by heat [rad], and way along the face over that to its end, which are not seen by a
+# contact that stays where it is: line load and contact are then uncertain by some per cent.
+_TURNS, _NEAR_END, _TINY = 0.02, 0.2, 1e-12
 # Beyond this share of the ball's radius the contact is no narrow line any more.
 _NARROW = 0.2
 
@@ -134,12 +138,14 @@ def load_cautions(
         _near_opening,
         _yielding,
         _table_left,
+        _turned,
         _cut_off,
         _wide,
         _thick_layer,
         _slides,
         _above_hardness,
         _creeps,
+        _moved_by_heat,
     )
     yield from (caution for check in bodies for caution in check(problem, model, loads))
     yield from form_cautions(problem, loads)
@@ -208,7 +214,7 @@ def earlier_cautions(problem: SealProblem, earlier: LoadResult) -> Iterator[Caut
     problem : SealProblem
     earlier : LoadResult
     """
-    for check in (_yielding, _table_left, _cut_off, _above_hardness):
+    for check in (_yielding, _table_left, _turned, _cut_off, _above_hardness):
         for caution in check(problem, earlier.contact.model, [earlier]):
             reason, text = (
                 f"largest earlier load: {caution.reason}",
@@ -252,7 +258,7 @@ def target_validity(problem: SealProblem, surface: Surface, answer: LoadResult) 
 
 def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]) -> Iterator[Caution]:
     model = answers[0].contact.model
-    bodies = (_yielding, _cut_off, _wide, _above_hardness)
+    bodies = (_yielding, _turned, _cut_off, _wide, _above_hardness)
     yield from (caution for check in bodies for caution in check(problem, model, answers))
     yield from _nearly_sealed(problem, surface, answers)
     if problem.flow is not None:
@@ -358,6 +364,23 @@ def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadR
             )
 
 
+def _turned(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    load = max(loads, key=lambda load: load.contact.turning)
+    turned = load.contact.turning
+    if turned > TURNED:
+        much = turned > LARGEST_TURNING
+        yield Caution(
+            "small strain",
+            Level.OUTSIDE if much else Level.DOUBTFUL,
+            f"faces turned against each other by {turned:.2g} rad, too far for small-strain theory",
+            f"at {load_name(load, loads)} the load turns the faces against each other by {turned:.2g} rad (of smooth "
+            "bodies the half-width of the contact over the radius of relative curvature). The theory is for small "
+            f"strains and rotations: above {TURNED:g} rad a leak rate that falls steeply with pressure is off by more "
+            f"than 5 %, above {LARGEST_TURNING:g} rad by more than 20 %. A smaller load, a larger edge radius or "
+            "stiffer materials remove the problem",
+        )
+
+
 def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for end, side in ((0, "bore"), (-1, "outer")):
         shares = [float(load.contact.pressure[end]) / load.contact.profile.peak_pressure for load in loads]
@@ -423,6 +446,35 @@ def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResul
             f"at {load_name(load, loads)} the surfaces are {1e6 * max(apart):.3g} um apart. On a seat as steep as "
             f"this one, that moves the place of closest approach by up to {share:.2g} of its radius. Peak and leak "
             "rate are calculated for the radius of first touch and are uncertain by as much",
+        )
+
+
+def _moved_by_heat(
+    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    """How far the faces slide along each other: the place of contact is that of the drawing."""
+    if not problem.temperatures:
+        return
+    at_rest, outwards = problem.at_rest(model), []
+    for body in (model.closure, model.seat):
+        touch = body.held.contact_dofs[0, np.argmin(np.abs(body.contact_x))]
+        outwards.append(float(at_rest.displacement(body, model)[touch]))
+    # the closure follows along the axis, so that the faces stay together
+    beyond = outwards[0] - outwards[1]
+    slide = abs(beyond) / model.touch_normal_z
+    contact = problem.contact
+    bends = abs(contact.closure_curvature * contact.seat_curvature)
+    turn = 0.0 if contact.normal_turns else slide * bends * min(contact.relative_radius, 1 / _TINY)
+    ends = min(abs(end) for end in contact.reach)
+    if turn > _TURNS or slide > _NEAR_END * ends:
+        yield Caution(
+            "heat",
+            Level.DOUBTFUL,
+            f"heat moves the faces {1e6 * slide:.3g} um along each other",
+            f"where they touch the closure moves {1e6 * beyond:.3g} um outwards beyond the seat and slides "
+            f"{1e6 * slide:.3g} um along it, which turns the contact normal by {math.degrees(turn):.2g} deg; the "
+            f"nearest end of a face is {1e6 * ends:.4g} um away. The contact is calculated where the drawing has it: "
+            "give the dimensions of the hot parts instead, with that temperature as reference",
         )
 
 

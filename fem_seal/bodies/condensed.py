@@ -5,8 +5,8 @@ with opposite sign, act on both bodies. A body answers with the normal displacem
 the compliance between quadrature points is T S T^T with T the trace and S the compliance of the trace's
 nodes. Where the normal turns it is that of the trace's nodes, interpolated by T like the displacement. The closure
 floats: its axial rigid motion is an unknown of the contact problem, and its closing force is a pressure on its top
-that balances whatever acts elsewhere. Fluid on the wetted surfaces and a housing pressed into a bore are further
-columns of the same factorisation.
+that balances whatever acts elsewhere. Fluid on the wetted surfaces, a housing pressed into a bore and thermal
+expansion are further columns of the same factorisation.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
+from fem_seal.bodies.elasticity import lame_parameters, node_dofs, quadratic_nodes
 from fem_seal.bodies.fields import BodyField, stress_operator
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.materials import Material
@@ -42,11 +42,14 @@ class BoundaryLoad:
         How far the body's surface moves away from the other body at the points of the contact line [m per unit].
     response : ndarray, shape (dofs,)
         Displacement of the whole body [m per unit].
+    free_strain : ndarray, shape (nodes,), or float
+        Strain, the same in all directions, that takes no stress: of a heated body [per unit].
     """
 
     axial_force: float
     opening: FloatArray
     response: FloatArray
+    free_strain: FloatArray | float = 0.0
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,8 @@ class CondensedBody:
         Normal displacement of the trace nodes under unit forces at them along the normal [m/N].
     loads : mapping of BoundaryLoad
         "inner" and "outer": a fluid pressure of 1 Pa on the wetted surface inside and outside the contact line, the
-        top of the closure being outside; of a seat with fixed wall also "wall": the wall moved inwards by 1 m.
+        top of the closure being outside; of a seat with fixed wall also "wall": the wall moved inwards by 1 m; of the
+        closure also "expansion": all of it grown by a strain of 1 beyond that of the seat.
     solve : callable or None
         From nodal forces (dofs,) [N] to displacements [m]; None where only the contact line matters.
     """
@@ -152,16 +156,35 @@ def condense_body(
     return CondensedBody(held, compliance, loads, solve)
 
 
-def body_field(name: str, body: CondensedBody, displacement: FloatArray, pressure: FloatArray) -> BodyField:
-    """Field of a body under a displacement [m] and a contact pressure at its nodes [Pa]."""
+def body_field(
+    name: str,
+    body: CondensedBody,
+    displacement: FloatArray,
+    pressure: FloatArray,
+    free_strain: FloatArray | float = 0.0,
+    temperature: FloatArray | float | None = None,
+) -> BodyField:
+    """Field of a body under a displacement [m] and a contact pressure at its nodes [Pa].
+
+    Parameters
+    ----------
+    free_strain : ndarray, shape (nodes,), or float
+        Part of the strain that takes no stress [-].
+    temperature : ndarray, shape (nodes,), or float, optional
+        [K]
+    """
     points, triangles = quadratic_nodes(body.basis.mesh)
+    lam, mu = lame_parameters(body.material)
+    stress = (body.stress_operator @ displacement).reshape(len(points), 4)
+    stress[:, :3] -= (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(points))[:, None]
     return BodyField(
         name,
         points,
         triangles,
         displacement[node_dofs(body.basis)].T,
-        (body.stress_operator @ displacement).reshape(len(points), 4),
+        stress,
         body.contact_nodes,
         body.contact_x,
         pressure,
+        temperature=None if temperature is None else np.broadcast_to(temperature, len(points)),
     )

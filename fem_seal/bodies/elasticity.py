@@ -94,6 +94,38 @@ def pressure_load(basis: Basis, boundary: str) -> FloatArray:
     return push.assemble(basis.boundary(boundary))
 
 
+def at_quadrature_points(basis: Basis, nodal: FloatArray) -> FloatArray:
+    """Values at the quadrature points of a quadratic field given at the nodes (n,); shape (elements, points)."""
+    _, triangles = quadratic_nodes(basis.mesh)
+    s, t = basis.X
+    r = 1 - s - t
+    shapes = np.stack([r * (2 * r - 1), s * (2 * s - 1), t * (2 * t - 1), 4 * r * s, 4 * s * t, 4 * t * r])
+    return np.asarray(nodal[triangles] @ shapes)
+
+
+def grown_by_one(basis: Basis) -> FloatArray:
+    """Displacement of a body that grows by a strain of 1 in all directions: its own coordinates [m]; shape (dofs,)."""
+    grown = np.zeros(basis.N)
+    grown[node_dofs(basis)] = quadratic_nodes(basis.mesh)[0].T
+    return grown
+
+
+def thermal_load(basis: Basis, material: Material, strain: FloatArray) -> FloatArray:
+    """Nodal forces [N] of a free strain e the same in all directions: int 2 pi r D (e, e, e, 0) : epsilon(v) dr dz.
+
+    Parameters
+    ----------
+    strain : ndarray, shape (elements, points) or (1, 1)
+        At the quadrature points [-].
+    """
+    lam, mu = lame_parameters(material)
+    spread = strain_matrix(basis)[..., :3, :].sum(axis=2)  # relative volume of each shape function
+    weight = (3 * lam + 2 * mu) * strain * ring_volume(basis)
+    local = np.einsum("eqs,eq->se", spread, weight)
+    forces = np.bincount(basis.element_dofs.ravel(), local.ravel(), minlength=basis.N)
+    return np.asarray(forces, dtype=np.float64)
+
+
 def quadratic_nodes(mesh: MeshTri) -> tuple[FloatArray, NDArray[np.int64]]:
     """Corner and mid-edge points (n, 2) [m] and the triangles (m, 6) over them, in VTK's order."""
     points = np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)]).T

@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import NODES, node_shares, quadratic_nodes, ring_volume, strain_matrix
+from fem_seal.bodies.elasticity import (
+    NODES,
+    lame_parameters,
+    node_shares,
+    quadratic_nodes,
+    ring_volume,
+    strain_matrix,
+)
 from fem_seal.bodies.plastic_flow import Flow, PlasticState, radial_return
 from fem_seal.materials import HardeningCurve, Material
 
@@ -92,9 +99,28 @@ class ElastoplasticBody:
         local = displacement[self.basis.element_dofs].T
         return np.einsum("eqis,es->eqi", self.strain_shapes, local)
 
-    def respond(self, displacement: FloatArray, before: BodyState) -> Flow:
-        """Stress, tangent and state after a step from `before` to a displacement."""
-        return radial_return(self.strain(displacement), before.plastic, self.material, self.hardening)
+    def respond(
+        self, displacement: FloatArray, before: BodyState, free_strain: FloatArray | float = 0.0
+    ) -> Flow:
+        """Stress, tangent and state after a step from `before` to a displacement.
+
+        Parameters
+        ----------
+        displacement : ndarray, shape (dofs,)
+            [m]
+        before : BodyState
+        free_strain : ndarray, shape (elements, points), or float
+            Strain in all directions that takes no stress at the end of the step, by heat [-].
+        """
+        strain = self.strain(displacement)
+        strain[..., :3] -= np.broadcast_to(free_strain, strain.shape[:2])[..., None]
+        return radial_return(strain, before.plastic, self.material, self.hardening)
+
+    def hindered(self, free_strain: FloatArray | float) -> FloatArray:
+        """Stress that would keep the elastic body from a free strain, as a size [Pa]; shape (elements, points, 4)."""
+        lam, mu = lame_parameters(self.material)
+        strain = np.broadcast_to(np.abs(free_strain), self.weight.shape)
+        return (3 * lam + 2 * mu) * strain[..., None] * np.array([1.0, 1.0, 1.0, 0.0])
 
     def internal_forces(self, stress: FloatArray) -> FloatArray:
         """int sigma : epsilon(v) 2 pi r dr dz of every test function [N]; shape (dofs,)."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,6 +49,8 @@ class BodyField:
         Their arc length from first touch [m].
     contact_pressure : ndarray, shape (n,)
         Contact pressure [Pa] at the nodes of the contact line, zero elsewhere.
+    temperature : ndarray, shape (n,), or None
+        [K]; None where it is not given.
     """
 
     name: str
@@ -59,6 +61,7 @@ class BodyField:
     contact_nodes: NDArray[np.int64]
     contact_x: FloatArray
     contact_pressure: FloatArray
+    temperature: FloatArray | None = field(default=None, kw_only=True)
 
     @property
     def von_mises(self) -> FloatArray:
@@ -120,6 +123,7 @@ def elastoplastic_field(
     solid: ElastoplasticBody,
     state: BodyState,
     contact: PressureProfile | None = None,
+    temperature: FloatArray | float | None = None,
 ) -> ElastoplasticField:
     """Nodal values of a body's state.
 
@@ -127,6 +131,8 @@ def elastoplastic_field(
     ----------
     contact : PressureProfile, optional
         What presses on it.
+    temperature : ndarray, shape (n,), or float, optional
+        At the nodes, or all over [K].
     """
     points, triangles = quadratic_nodes(held.basis.mesh)
     pressure = np.zeros(len(points))
@@ -150,4 +156,5 @@ def elastoplastic_field(
         at_nodes(von_mises(state.stress)),
         solid.nodal_average @ state.plastic.strain.reshape(-1, 4),
         at_nodes(state.plastic.accumulated),
+        temperature=None if temperature is None else np.broadcast_to(temperature, len(points)),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
@@ -41,6 +41,22 @@ class Supports:
 
 
 @dataclass(frozen=True)
+class Heat:
+    """How warm a body is, and what it would do freely.
+
+    Parameters
+    ----------
+    temperature : ndarray, shape (nodes,)
+        At its quadratic nodes [K].
+    strain : ndarray, shape (nodes,)
+        Free strain in all directions beyond that of the seat at the contact [-].
+    """
+
+    temperature: FloatArray
+    strain: FloatArray
+
+
+@dataclass(frozen=True)
 class HeldBody:
     """Discrete body with its contact line, supports and further loads; nothing is said about its material law.
 
@@ -68,6 +84,10 @@ class HeldBody:
         balanced.
     wall : ndarray of int
         Radial dofs of an outer wall that is held and can be moved.
+    free_strain : mapping of ndarray, shape (nodes,)
+        Strain at the nodes that takes no stress [-], of a unit of each way to be heated.
+    temperature : ndarray, shape (nodes,), or None
+        Where it was calculated [K].
     """
 
     name: str
@@ -81,11 +101,18 @@ class HeldBody:
     balance: FloatArray
     further: Mapping[str, FloatArray]
     wall: NDArray[np.int64]
+    free_strain: Mapping[str, FloatArray] = field(default_factory=dict)
+    temperature: FloatArray | None = None
 
     @cached_property
     def contact_dofs(self) -> NDArray[np.int64]:
         """Radial and axial dof of the contact nodes, shape (2, n)."""
         return node_dofs(self.basis)[:, self.contact_nodes]
+
+    @cached_property
+    def wall_nodes(self) -> NDArray[np.int64]:
+        """Nodes of a held wall among the quadratic ones."""
+        return np.flatnonzero(np.isin(node_dofs(self.basis)[0], self.wall))
 
     def nodal_forces(self, point_forces: FloatArray) -> FloatArray:
         """Nodal forces (dofs,) [N] of normal forces at the points of the contact line [N], balanced."""
@@ -202,6 +229,7 @@ def held_body(
     x: FloatArray,
     area_weight: FloatArray,
     supports: Supports | None = None,
+    heat: Heat | None = None,
 ) -> HeldBody:
     """One body of a seal: the seat stands on its bottom, the closure floats under its closing load.
 
@@ -214,6 +242,8 @@ def held_body(
     area_weight : ndarray, shape (m,)
         Area of the seat that each of them stands for [m^2].
     supports : Supports, optional
+    heat : Heat, optional
+        Of a body whose temperature differs from place to place.
     """
     contact = seal_mesh.contact
     basis = displacement_basis(seal_mesh.closure if name == "closure" else seal_mesh.seat)
@@ -251,7 +281,25 @@ def held_body(
             wall = _dofs(basis, "seat_wall", 1)
             held = np.concatenate([held, wall])
     free = np.setdiff1d(np.arange(basis.N), held)
-    return HeldBody(name, basis, material, nodes, contact_x, normal, trace, free, balance, further, wall)
+    # All of a closure can grow beyond what the seat grows, with which the closure's place and size are compared.
+    free_strain = {"expansion": np.ones(len(quadratic_nodes(basis.mesh)[0]))} if name == "closure" else {}
+    if heat is not None:
+        free_strain["heat"] = heat.strain
+    return HeldBody(
+        name,
+        basis,
+        material,
+        nodes,
+        contact_x,
+        normal,
+        trace,
+        free,
+        balance,
+        further,
+        wall,
+        free_strain,
+        None if heat is None else heat.temperature,
+    )
 
 
 def trace_matrix(

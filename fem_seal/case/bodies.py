@@ -9,20 +9,29 @@ from typing import Annotated, Any, ClassVar, cast
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic_core import CoreSchema, core_schema
 
-from fem_seal.case.fields import Number, Numbers, Pressures, Quantity, Table
+from fem_seal.case.fields import Number, Numbers, OverTemperatureTable, Pressures, Quantity, Table
 from fem_seal.case.input_files import read_stress_strain
 from fem_seal.errors import InputError, Problem
 from fem_seal.material_library import LIBRARY, library_name, material, similar_names
-from fem_seal.materials import HardeningCurve, Material
+from fem_seal.materials import ROOM_TEMPERATURE, HardeningCurve, Material, OverTemperature
 from meshes import Shape
 
 Length = Annotated[float, Quantity("length", "10 um", "10 m")]
 # Of roundings and steps; zero is sharp or flush.
 SmallLength = Annotated[float, Quantity("length", "0 um", "10 m")]
 Inclination = Annotated[float, Quantity("angle", "0 deg", "90 deg", exclusive=True)]
-Modulus = Annotated[float, Quantity("pressure", "1 MPa", "2 TPa")]
 _STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
-Strength = Annotated[float, _STRENGTH]
+# Numbers of a material, each as one or as a table over temperature.
+Over = tuple[tuple[float, ...], tuple[float, ...]]
+Modulus = Annotated[float | Over, OverTemperatureTable(Quantity("pressure", "1 MPa", "2 TPa"))]
+PoissonsRatio = Annotated[float | Over, OverTemperatureTable(Number(0, 0.499))]
+Strength = Annotated[float | Over, OverTemperatureTable(_STRENGTH)]
+Expansion = Annotated[
+    float | Over, OverTemperatureTable(Quantity("thermal expansion", "-1e-4 1/K", "1e-3 1/K"))
+]
+Conductivity = Annotated[
+    float | Over, OverTemperatureTable(Quantity("thermal conductivity", "1e-3 W/(m K)", "1e4 W/(m K)"))
+]
 # Up to whatever was meant as per cent: the hardening curve then says what is wrong.
 _STRAIN = Number(0, 100)
 
@@ -101,7 +110,8 @@ class MaterialTable(Table):
     """A material given by its numbers; with a name from the library, what is left out is that of the library.
 
     Where modulus and Poisson's ratio are given, hardness and yield stress are not taken from the library: they would
-    be those of another state of the material.
+    be those of another state of the material. Every number may be a table over temperature:
+    youngs_modulus = { temperature = ["20 degC", "300 degC"], value = ["210 GPa", "185 GPa"] }.
     """
 
     name: str = Field(
@@ -111,7 +121,7 @@ class MaterialTable(Table):
         examples=["stellite 6"],
     )
     youngs_modulus: Modulus = Field(description="E", examples=["210 GPa"])
-    poissons_ratio: Annotated[float, Number(0, 0.499)] = Field(description="nu", examples=[0.3])
+    poissons_ratio: PoissonsRatio = Field(description="nu", examples=[0.3])
     hardness: Strength | None = Field(
         None,
         description="penetration hardness, the pressure at which asperities yield; about three times the "
@@ -128,6 +138,15 @@ class MaterialTable(Table):
         description="stress-strain curve of a body that is solved as elastoplastic, with isotropic hardening; elastic "
         "whatever its stress unless given",
         examples=[{"plastic_strain": [0, 0.1], "stress": ["250 MPa", "350 MPa"]}],
+    )
+    thermal_expansion: Expansion | None = Field(
+        None,
+        description="mean coefficient of linear expansion from 20 degC to the temperature; of a seal that is heated or "
+        "cooled",
+        examples=["11.5e-6 1/K"],
+    )
+    thermal_conductivity: Conductivity | None = Field(
+        None, description="of a seal whose temperature is calculated", examples=["45 W/(m K)"]
     )
     creeps: bool = Field(
         False,
@@ -173,25 +192,32 @@ class MaterialEntry:
             )
         inherited = _left_out(value)
         table = read_table({**inherited, **value})
-        if (
-            table.hardness is not None
-            and table.yield_stress is not None
-            and table.hardness < table.yield_stress
-        ):
-            raise ValueError(
-                f"hardness = {table.hardness / 1e6:g} MPa{_whose('hardness', inherited)} must not be below "
-                f"yield_stress = {table.yield_stress / 1e6:g} MPa{_whose('yield_stress', inherited)} (Tabor: about "
-                "three times as large)"
-            )
         try:
-            hardening = table.stress_strain and table.stress_strain.curve(table.youngs_modulus)
-            return Material(
-                **table.model_dump(exclude={"stress_strain"}),
-                hardening=hardening,
-                **_origin(value),
-            )
+            numbers, over = _over_temperature(table.model_dump(exclude={"stress_strain"}))
+            _check_hardness(numbers["hardness"], numbers["yield_stress"], inherited)
+            hardening = table.stress_strain and table.stress_strain.curve(numbers["youngs_modulus"])
+            return Material(**numbers, hardening=hardening, over_temperature=over, **_origin(value))
         except InputError as error:
             raise ValueError(str(error)) from None
+
+
+def _check_hardness(hardness: float | None, yield_stress: float | None, inherited: dict[str, Any]) -> None:
+    if hardness is not None and yield_stress is not None and hardness < yield_stress:
+        raise ValueError(
+            f"hardness = {hardness / 1e6:g} MPa{_whose('hardness', inherited)} must not be below "
+            f"yield_stress = {yield_stress / 1e6:g} MPa{_whose('yield_stress', inherited)} (Tabor: about "
+            "three times as large)"
+        )
+
+
+def _over_temperature(entries: dict[str, Any]) -> tuple[dict[str, Any], tuple[OverTemperature, ...]]:
+    """Numbers at 20 degC, or at the end of a table next to it, and the tables; the case takes them elsewhere."""
+    tables = {key: OverTemperature(key, *entry) for key, entry in entries.items() if isinstance(entry, tuple)}
+    numbers = {
+        key: table.at(min(max(ROOM_TEMPERATURE, table.temperature[0]), table.temperature[-1]))
+        for key, table in tables.items()
+    }
+    return {**entries, **numbers}, tuple(tables.values())
 
 
 # What a table with a name from the library may leave out, with the unit in which it is written.
@@ -200,6 +226,8 @@ _INHERITED = {
     "poissons_ratio": None,
     "hardness": " Pa",
     "yield_stress": " Pa",
+    "thermal_expansion": " 1/K",
+    "thermal_conductivity": " W/(m K)",
     "creeps": None,
 }
 
@@ -245,7 +273,9 @@ def _left_out(value: dict[str, Any]) -> dict[str, Any]:
     # With a modulus and a Poisson's ratio of its own it is another state of the material, a colder one for example:
     # hardness and yield stress of the library's would not be this one's. That it creeps is in its nature.
     complete = {"youngs_modulus", "poissons_ratio"} <= value.keys()
-    passed_over = {"hardness", "yield_stress"} if complete else set()
+    passed_over = (
+        {"hardness", "yield_stress", "thermal_expansion", "thermal_conductivity"} if complete else set()
+    )
     # a curve begins with its own yield stress
     passed_over |= {"yield_stress"} if "stress_strain" in value else set()
     return {key: entry for key, entry in of_library.items() if key not in passed_over | value.keys()}
@@ -263,11 +293,7 @@ def _origin(value: dict[str, Any]) -> dict[str, Any]:
         return {"source": "case file"}
     known = material(of_library["name"])
     words = f"{', '.join(own).replace('_', ' ')}: case file; " if own else ""
-    return {
-        "source": words + known.source,
-        "condition": known.condition,
-        "thermal_expansion": known.thermal_expansion,
-    }
+    return {"source": words + known.source, "condition": known.condition}
 
 
 def place_body_files(body: object, folder: Path) -> None:

@@ -20,8 +20,10 @@ from fem_seal.case.messages import choices, problems, tables_of
 from fem_seal.case.roughness import place_files, roughness_like
 from fem_seal.case.si_numbers import with_units
 from fem_seal.case.tables import CaseTables
+from fem_seal.case.temperature import with_film_temperature
 from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
 from fem_seal.files import read_toml
+from fem_seal.materials import ROOM_TEMPERATURE
 
 
 class Case(CaseTables):
@@ -57,7 +59,12 @@ class Case(CaseTables):
         known = {
             name for name, table in tables.items() if like is not None and like._input.get(name) is table
         }
+        if like is not None and like._input.get("temperature") is not tables.get("temperature"):
+            # the fluid is as warm as the bodies unless it has its own temperature
+            known.discard("fluid")
         written, wrong = _in_keys({name: table for name, table in tables.items() if name not in known})
+        if "fluid" in written:
+            written["fluid"] = with_film_temperature(written["fluid"], tables.get("temperature"))
         try:
             super().__init__(**{**written, **{name: getattr(like, name) for name in known}})
         except ValidationError as error:
@@ -66,6 +73,14 @@ class Case(CaseTables):
             raise InputError(*wrong)
         if like is not None and {"closure", "seat"} <= known:
             self._contact = like._contact
+        heat = self.temperature
+        warm = [
+            ROOM_TEMPERATURE if heat is None else heat.of_body(name) or ROOM_TEMPERATURE
+            for name in ("closure", "seat")
+        ]
+        for name, body in self.bodies_at(*warm).items():
+            # the only way into a frozen model, which is not handed out yet
+            object.__setattr__(self, name, body)
         contradicting = [as_written(problem, tables) for problem in contradictions(self)]
         if contradicting:
             none_left = all(isinstance(problem, LoadProblem) for problem in contradicting)

@@ -6,17 +6,20 @@ import math
 import re
 from collections.abc import Iterator
 
-from fem_seal.case.fields import Throughput, shown
+from fem_seal.case.fields import Drops, Throughput, shown
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import SelfAffine
 from fem_seal.case.tables import CaseTables, curves
+from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
-from fem_seal.errors import Problem
+from fem_seal.errors import InputError, Problem
 from meshes import GeometryError
 
 # Interference of a press fit over the radius of the wall, up to which strains are small.
 _LARGEST_FIT = 0.01
+# Thermal strain up to which strains are small.
+_LARGEST_STRAIN = 0.02
 
 
 def contradictions(case: CaseTables) -> list[Problem]:
@@ -30,6 +33,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *([] if geometry or load else problems_of_all_loads(case)),
         *(earlier := list(_earlier(case))),
         *([] if geometry or load or earlier else filter(None, [problem_of_earlier_load(case)])),
+        *([] if geometry or case.temperature is None else _temperature(case, case.temperature)),
         *_fluid(case),
         *_flow(case),
         *_direct(case),
@@ -122,6 +126,86 @@ def _press_fit(case: CaseTables) -> Iterator[Problem]:
             f"is {100 * interference / wall:.2g} % of the radius of the wall, {_mm(wall)}; the theory is for small "
             f"strains and allows up to {100 * _LARGEST_FIT:g} %, {_mm(_LARGEST_FIT * wall)}",
             _mm(interference),
+        )
+
+
+def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
+    """What in [temperature] contradicts itself, or needs a number that no material has."""
+    key = "temperature"
+    bodies = [name for name in ("uniform", "closure", "seat") if getattr(heat, name) is not None]
+    given = [*bodies, *heat.faces]
+    if bodies not in ([], ["uniform"], ["closure", "seat"]) or not given or (bodies and heat.faces):
+        yield Problem(
+            key,
+            f"names {' and '.join(given) or 'no temperature'}; give either uniform, or closure and seat, or faces "
+            "with what is around them (inner, outer, top, bottom, wall)",
+        )
+        return
+    if heat.contact_conductance is not None and not heat.faces:
+        yield Problem(
+            f"{key}.contact_conductance", "is for heat that is conducted, and no face is named; remove it"
+        )
+    fixed = getattr(case.seat, "wall", "free") == "fixed"
+    for name in ("housing", "housing_expansion"):
+        if getattr(heat, name) is not None and not fixed:
+            yield Problem(
+                f"{key}.{name}", 'only with seat.wall = "fixed", but wall = "free"; add it, or remove this'
+            )
+    if heat.faces:
+        for name in ("closure", "seat"):
+            material = getattr(case, name).material
+            for number, example in (
+                ("thermal_conductivity", "45 W/(m K)"),
+                ("thermal_expansion", "11e-6 1/K"),
+            ):
+                if getattr(material, number) is None and number not in {
+                    one.key for one in material.over_temperature
+                }:
+                    yield Problem(
+                        f"{name}.material.{number}",
+                        f"{material.name}: is not known, and the temperature is calculated; give it, such as "
+                        f'"{example}"',
+                    )
+        return
+    strains = []
+    for name in ("closure", "seat") if case.expands or fixed else ():
+        try:
+            strains.append(case.thermal_strain(name))
+        except InputError as error:
+            message = error.message
+            yield Problem(
+                f"{name}.material.thermal_expansion", f"{getattr(case, name).material.name}: {message}"
+            )
+    for name, strain in zip(("closure", "seat"), strains, strict=False):
+        if abs(strain) > _LARGEST_STRAIN:
+            yield Problem(
+                key,
+                f"the {name} would grow by {100 * strain:.2g} %; the theory is for small strains and allows up to "
+                f"{100 * _LARGEST_STRAIN:g} %",
+            )
+    if len(strains) == 2 and fixed:
+        yield from _fit(case)
+
+
+def _fit(case: CaseTables) -> Iterator[Problem]:
+    """A bore holds the seat's wall where it presses on it, and cannot pull."""
+    try:
+        moved, wall = case.wall_motion, case.contact.seat.largest_radius
+    except InputError as error:
+        yield error.problems[0]
+        return
+    room = 1e-12 * wall
+    if moved < -room:
+        yield Problem(
+            "temperature.housing",
+            f"the bore grows {1e6 * -moved:.3g} um more than the seat in it, which is then loose; give an interference "
+            'above that, or wall = "free"',
+        )
+    if moved > _LARGEST_FIT * wall:
+        yield Problem(
+            "temperature.housing",
+            f"the seat is pressed together by {100 * moved / wall:.2g} % of the radius of its wall, {_mm(wall)}; the "
+            f"theory is for small strains and allows up to {100 * _LARGEST_FIT:g} %",
         )
 
 
@@ -368,10 +452,17 @@ def _form(case: CaseTables) -> Iterator[Problem]:
 
 
 def _throughput(case: CaseTables) -> Iterator[Problem]:
-    """Pressure times volume is said of gases: of a liquid it is no amount."""
+    """Pressure times volume is said of gases: of a liquid it is no amount; and no gas falls in drops."""
     required = None if case.requirement is None else case.requirement.leak_rate
     written = {"load.target_leak_rate": case.load.target_leak_rate, "requirement.leak_rate": required}
-    if case.fluid is not None and case.fluid.gas is None:
+    if case.fluid is not None and case.fluid.gas is not None:
+        for key, limit in written.items():
+            if isinstance(limit, Drops):
+                yield Problem(
+                    key,
+                    'is counted in drops, and the fluid is a gas; give a volume over time, such as "0.1 ml/min"',
+                )
+    elif case.fluid is not None:
         for key, limit in written.items():
             if isinstance(limit, Throughput):
                 yield Problem(

@@ -7,7 +7,8 @@ floats, and it describes itself in the JSON Schema of the case file.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -103,12 +104,24 @@ class Throughput(float):
         return self * _ATMOSPHERE
 
 
+class Drops(float):
+    """A leak rate [m^3/s] that was counted in drops, which liquids fall in."""
+
+
+_DROPS = re.compile(rf"\s*({NUMBER})\s*drops?\s*/\s*(s|min|h)\s*")
+
+
 @dataclass(frozen=True)
 class LeakRate(Quantity):
-    """A leak rate: a volume over time, or of a gas pressure times volume, which is the volume at 101325 Pa."""
+    """A leak rate: a volume over time, drops of a liquid, or pressure times volume of a gas, which is at 101325 Pa."""
 
     def read(self, text: object) -> float:
-        """Volume over time [m^3/s], a `Throughput` where that was written; ValueError as of a quantity."""
+        """Volume over time [m^3/s], a `Throughput` or `Drops` where that was written; ValueError as of a quantity."""
+        counted = _DROPS.fullmatch(text) if isinstance(text, str) else None
+        if counted:
+            from leak.standards import DROP_VOLUME
+
+            return Drops(super().read(f"{float(counted[1]) * DROP_VOLUME!r} m^3/{counted[2]}"))
         try:
             throughput = parse_quantity(text, "throughput")
         except QuantityError:
@@ -298,6 +311,49 @@ class Pressures(Entry):
         return {"anyOf": [one, many, spaced]}
 
 
+@dataclass(frozen=True)
+class OverTemperatureTable(Entry):
+    """A number of a material, or a table ``{ temperature, value }`` of it; a float or the pair of both as tuples.
+
+    Parameters
+    ----------
+    one : Quantity or Number
+        What each value is.
+    """
+
+    one: Quantity | Number
+
+    @property
+    def range(self) -> str:
+        """Allowed range, for messages and docs."""
+        return self.one.range
+
+    def read(self, value: object) -> float | tuple[tuple[float, ...], tuple[float, ...]]:
+        """The number, or temperatures [K] and values; ValueError names the entry that is wrong."""
+        if not isinstance(value, Mapping):
+            return self.one.read(value)
+        if set(value) != {"temperature", "value"} or not all(
+            isinstance(column, (list, tuple)) and column for column in value.values()
+        ):
+            raise ValueError(
+                'a table over temperature is { temperature = ["20 degC", "300 degC"], value = [...] }, two lists'
+            )
+        return (
+            tuple(_TEMPERATURE.read_part(one, f"temperature {n}") for n, one in _count(value["temperature"])),
+            tuple(self.one.read_part(one, f"value {n}") for n, one in _count(value["value"])),
+        )
+
+    @property
+    def _schema(self) -> dict[str, Any]:
+        # in short: it stands at every number of every material
+        columns = {"temperature": {"type": "array"}, "value": {"type": "array"}}
+        one, table = self.one._schema, {"type": "object", "properties": columns, "required": [*columns]}
+        return {"anyOf": [one, table]}
+
+
+_TEMPERATURE = Quantity("temperature", "0 K", "3000 K")
+
+
 def _count(entries: list[Any] | tuple[Any, ...]) -> enumerate[Any]:
     return enumerate(entries, start=1)
 
@@ -358,6 +414,8 @@ def quantities_of(field: FieldInfo) -> Iterator[Quantity]:
             yield marker.pressure
         elif isinstance(marker, Place):
             yield marker.length
+        elif isinstance(marker, OverTemperatureTable) and isinstance(marker.one, Quantity):
+            yield marker.one
 
 
 def _markers(annotation: Any) -> Iterator[Any]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import ConfigDict, Field, model_validator
 
 from fem_seal.case.fields import Number, Numbers, OneOrMany, Quantity, Table, shown
-from fem_seal.errors import QuantityError
+from fem_seal.errors import InputError, Problem, QuantityError
 from fem_seal.units import parse_quantity
 
 if TYPE_CHECKING:
@@ -138,6 +138,24 @@ class Fluid(Table):
     def library_entry(self) -> Gas | Liquid | None:
         """The entry of the library with this name at this temperature, None for a fluid of the user's own."""
         return _entry(self.name, self.temperature)
+
+    def at(self, temperature: float) -> Fluid:
+        """The same fluid at another temperature; a viscosity of the user's own stays.
+
+        Raises
+        ------
+        InputError
+            If its properties are not known there.
+        """
+        before = self.library_entry
+        try:
+            entry = _entry(self.name, temperature)
+        except ValueError as error:
+            raise InputError(Problem("fluid.temperature", f"in the film, {error}")) from None
+        update: dict[str, float] = {"temperature": temperature}
+        if before is not None and entry is not None and before.viscosity == self.viscosity:
+            update["viscosity"] = entry.viscosity
+        return self.model_copy(update=update)
 
     @property
     def gas(self) -> Gas | None:

@@ -1,14 +1,17 @@
-"""Which loads of a case cannot be calculated: they leave the seal open, or strain the bodies too much."""
+"""Which loads of a case cannot be calculated: they leave the seal open, or are more than the faces can carry."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.errors import LoadProblem
-from fem_seal.loads import closing_force, expected_force, line_load, plastic_half_width
+from fem_seal.loads import CONSTRAINT, closing_force, expected_force, line_load
+
+# Pressure over effective modulus that the whole face would have to carry in the mean, above which the contact runs over
+# the ends of the faces whatever their shape: even of an edge pressed flat over all of its radius it is less.
+_CRUSHED = 0.25
 
 _AFTER = (
     "a body that yields depends on its load history, and an earlier load, {}, cannot be calculated: the state that it "
@@ -25,17 +28,17 @@ def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
         Whose tables fit together otherwise.
     """
     refused: dict[int, LoadProblem] = {}
-    overstrained = None
+    crushed = None
     for number, (pressure, applied_force) in enumerate(case.load.points):
         problem = _open(case, pressure, applied_force) or next(
             _too_large(case, pressure, applied_force), None
         )
-        if problem is None and overstrained is not None:
-            problem = LoadProblem("load", _AFTER.format(overstrained), kind="path")
+        if problem is None and crushed is not None:
+            problem = LoadProblem("load", _AFTER.format(crushed), kind="path")
         if problem is not None:
             refused[number] = problem
-            if problem.kind == "strain" and overstrained is None and curves(case):
-                overstrained = f"that at {pressure / 1e5:.6g} bar"
+            if problem.kind == "strain" and crushed is None and curves(case):
+                crushed = f"that at {pressure / 1e5:.6g} bar"
     return refused
 
 
@@ -106,39 +109,31 @@ def _too_large(
     applied_force: float,
     lower: str = "fluid_pressure or axial_force",
 ) -> Iterator[LoadProblem]:
-    """Smooth bodies must not be pressed flat over more than a tenth of the contact radius; `lower` is what to lower."""
+    """More than the faces can carry over all their length; `lower` is what to lower.
+
+    How large the strains of a smaller load are is said after it is solved (`fem_seal.analysis.warnings`).
+    """
     contact, E, force = case.contact, case.effective_modulus, _force(case, fluid_pressure, applied_force)
-    r0, R = contact.touch_radius, contact.relative_radius
-    f = line_load(force, r0, contact.angle)
-    half_width = math.sqrt(4 * f * R / (math.pi * E))
-    allowed_width = min(r0, R) / 10
+    f = line_load(force, contact.touch_radius, contact.angle)
+    start, end = contact.reach
+    length = end - start
     if hardened := [curve.stress[-1] for curve in curves(case)]:
-        yield from _small_plastic_strains(force, plastic_half_width(f, min(hardened)), allowed_width, lower)
-    # Faces that fit each other carry a load over a wide contact without large strain.
-    if math.isinf(R) or half_width <= allowed_width or 10 * r0 < R:
-        return
-    allowed = force * (allowed_width / half_width) ** 2
-    yield LoadProblem(
-        "load",
-        f"a contact force of {force:.4g} N presses smooth bodies flat over {_mm(half_width)} to each side of first "
-        f"touch (Hertz), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius "
-        "and the radius of relative curvature; the theory is for small strains and allows "
-        f"{allowed:.4g} N. Lower {lower}, or take stiffer materials",
-        kind="strain",
-    )
-
-
-def _small_plastic_strains(
-    force: float, half_width: float, allowed_width: float, lower: str
-) -> Iterator[LoadProblem]:
-    """A body that yields must not be coined over more than that, even with the highest stress of its curve."""
-    if half_width > allowed_width:
+        most = CONSTRAINT * min(hardened) * length
+        if f > most:
+            yield LoadProblem(
+                "load",
+                f"a contact force of {force:.4g} N is more than the body that yields can carry with all of its face, "
+                f"{_mm(length)} long: {force * most / f:.4g} N at {CONSTRAINT:g} times the last stress of its curve "
+                f"(full plasticity). Lower {lower}, or take a harder body",
+                kind="strain",
+            )
+    most = _CRUSHED * E * length
+    if f > most:
         yield LoadProblem(
             "load",
-            f"a contact force of {force:.4g} N coins the body that yields over {_mm(half_width)} to each side of first "
-            f"touch (full plasticity), more than a tenth of {_mm(10 * allowed_width)}, the smaller of its radius and "
-            "the radius of relative curvature; the theory is for small strains and allows "
-            f"{force * allowed_width / half_width:.4g} N. Lower {lower}, or take a harder body",
+            f"a contact force of {force:.4g} N, spread evenly over all of the face, {_mm(length)} long, is a pressure "
+            f"above {_CRUSHED:g} of the effective modulus: no contact on these faces carries it. The largest that can "
+            f"be calculated is {force * most / f:.4g} N. Lower {lower}, or take stiffer materials",
             kind="strain",
         )
 

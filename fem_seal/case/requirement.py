@@ -18,8 +18,8 @@ class _Requirement(Table):
 
     leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
         None,
-        description="largest allowed leak rate; of a gas the volume at 101325 Pa and its temperature, or "
-        'pressure times volume, such as "1e-3 mbar l/s"',
+        description='largest allowed leak rate; of a liquid also in drops of 1/16 ml, such as "3 drops/min"; of a gas '
+        'the volume at 101325 Pa and its temperature, or pressure times volume, such as "1e-3 mbar l/s"',
         examples=["0.1 ml/min"],
     )
     standard: str | None = Field(

@@ -5,8 +5,9 @@ One frozen model per table, in SI after reading.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
@@ -18,8 +19,10 @@ from fem_seal.case.fluid import Fluid
 from fem_seal.case.form import Form
 from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import Roughness
+from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
-from fem_seal.materials import HardeningCurve, effective_modulus
+from fem_seal.errors import InputError, Problem
+from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from meshes import ContactGeometry, Shape
 
 if TYPE_CHECKING:
@@ -228,6 +231,7 @@ class CaseTables(Table):
     roughness: Roughness | None = None
     interface: Interface = Interface()
     fluid: Fluid | None = None
+    temperature: Temperature | None = None
     load: Load
     leak: Leak = Leak()
     requirement: Requirement | None = None
@@ -239,6 +243,7 @@ class CaseTables(Table):
 
     _contact: ContactGeometry | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
+    _warm: dict[str, float] = PrivateAttr(default_factory=dict)
 
     @property
     def touch_radius(self) -> float:
@@ -257,6 +262,95 @@ class CaseTables(Table):
         """Closure and seat with all their dimensions, those that are left open in proportion to the closure."""
         closure = self.closure.body()
         return closure, self.seat.body(closure)
+
+    def bodies_at(self, closure: float, seat: float) -> dict[str, Any]:
+        """The tables of closure and seat with the materials' numbers at their temperatures.
+
+        Parameters
+        ----------
+        closure, seat : float
+            [K]
+
+        Raises
+        ------
+        InputError
+            If a table of a material does not reach there.
+        """
+        found, wrong = {}, list[Problem]()
+        for name, temperature in (("closure", closure), ("seat", seat)):
+            body: Any = getattr(self, name)
+            try:
+                material = body.material.at(temperature)
+            except InputError as error:
+                wrong += [replace(one, key=f"{name}.material.{one.key}") for one in error.problems]
+                continue
+            same = material is body.material
+            found[name] = body if same else body.model_copy(update={"material": material})
+        if wrong:
+            raise InputError(*wrong)
+        return found
+
+    def thermal_strain(self, name: str) -> float:
+        """Strain by which the body "closure" or "seat" grows freely [-]; zero where its temperature is not given."""
+        heat = self.temperature
+        temperature = None if heat is None else heat.of_body(name)
+        if heat is None or temperature is None:
+            return 0.0
+        material: Material = getattr(self, name).material
+        return material.thermal_strain(temperature, heat.reference)
+
+    @property
+    def body_temperatures(self) -> dict[str, float]:
+        """Temperature of "closure" and "seat", where calculated that of their faces [K]; empty where not known."""
+        heat = self.temperature
+        given = {} if heat is None else {name: heat.of_body(name) for name in ("closure", "seat")}
+        return self._warm or {name: value for name, value in given.items() if value is not None}
+
+    def warmed(self, closure: float, seat: float) -> Self:
+        """The same with the numbers of materials and fluid at temperatures that were calculated.
+
+        Parameters
+        ----------
+        closure, seat : float
+            Of their faces where they touch [K].
+
+        Raises
+        ------
+        InputError
+            If a table of a material, or the fluid, does not reach there.
+        """
+        update: dict[str, Any] = self.bodies_at(closure, seat)
+        if self.fluid is not None and "temperature" not in self.fluid.model_fields_set:
+            update["fluid"] = self.fluid.at(0.5 * (closure + seat))
+        warm = self.model_copy(update=update)
+        warm._warm = {"closure": closure, "seat": seat}
+        return warm
+
+    @property
+    def expands(self) -> bool:
+        """Whether closure and seat grow by different strains."""
+        heat = self.temperature
+        if heat is None or heat.film is None:
+            return False
+        alike = self.closure.material == self.seat.material
+        return not (alike and heat.of_body("closure") == heat.of_body("seat"))
+
+    @property
+    def wall_motion(self) -> float:
+        """How far a held wall of the seat is moved inwards, by a press fit and by heat [m]; zero where it is free."""
+        heat, wall = self.temperature, self.contact.seat.largest_radius
+        if getattr(self.seat, "wall", "free") == "free":
+            return 0.0
+        interference: float = getattr(self.seat, "interference", None) or 0.0
+        warm = None if heat is None else heat.of_body("seat")
+        if heat is None or warm is None:
+            return interference
+        housing = heat.housing or warm
+        if heat.housing_expansion is None:
+            around = self.seat.material.thermal_strain(housing, heat.reference)
+        else:
+            around = heat.housing_expansion * (housing - heat.reference)
+        return interference + (self.thermal_strain("seat") - around) * wall
 
     @property
     def effective_modulus(self) -> float:

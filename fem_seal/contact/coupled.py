@@ -13,7 +13,7 @@ from fem_seal.contact.fluid_path import FluidPath
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
 
@@ -33,8 +33,8 @@ class FluidAndContact:
     ----------
     path : FluidPath
         How the fluid gets between the surfaces.
-    interference : float
-        Of the press fit, see `FurtherLoads.press_fit` [m].
+    at_rest : FurtherLoads
+        What acts without any fluid, such as a press fit or heat.
 
     Examples
     --------
@@ -45,20 +45,20 @@ class FluidAndContact:
     >>> steel = fem_seal.Material("steel", 210e9, 0.3)
     >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
     >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("inner"))
-    >>> seal.interference
-    0.0
+    >>> seal.at_rest.seat
+    {}
     """
 
     model: ContactModel
     law: Law
     path: FluidPath
-    interference: float = 0.0
+    at_rest: FurtherLoads = NO_LOADS
 
     def loads(self, fluid_pressure: float, unknowns: FloatArray) -> FurtherLoads:
-        """Fluid on the wetted surfaces and in the gap, and the press fit."""
+        """Fluid on the wetted surfaces and in the gap, and what acts without it."""
         inner, outer = (fluid_pressure if self.path.side == side else 0.0 for side in ("inner", "outer"))
         share = self.path.share(self.model.line, unknowns)
-        return FurtherLoads.of_fluid(inner, outer, fluid_pressure * share, self.interference)
+        return FurtherLoads.of_fluid(inner, outer, fluid_pressure * share, self.at_rest)
 
 
 # Its public name.
@@ -143,6 +143,5 @@ def dry_unknowns(
     seal: FluidAndContact, force: float, fluid_pressure: float, start: ContactSolution | None
 ) -> FloatArray:
     """Unknowns of the fluid that belong to a contact which no fluid opens, under a force F_N [N]."""
-    loads = FurtherLoads.press_fit(seal.interference)
-    contact = solve(seal.model, seal.law, axial_force=force, loads=loads, start=start)
+    contact = solve(seal.model, seal.law, axial_force=force, loads=seal.at_rest, start=start)
     return seal.path.found(contact.profile, fluid_pressure)

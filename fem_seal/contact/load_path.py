@@ -46,7 +46,9 @@ class Unloaded:
     def fields(self) -> dict[str, BodyField]:
         """Lasting displacement and residual stress of "closure" and "seat"; plastic strain of those that yield."""
         return fields_at_rest(self.model, self.at_rest) | {
-            name: elastoplastic_field(body.held, body.solid, self.states[name])
+            name: elastoplastic_field(
+                body.held, body.solid, self.states[name], temperature=self.at_rest.temperature.get(name)
+            )
             for name, body in self.bodies.items()
         }
 
@@ -252,7 +254,7 @@ class _Walk:
 
     def _open(self, load: LoadOnPath, reached: Equilibrium, error: OpenSealError) -> OpenLoad:
         """What is said of a load that opens the seal, by the bodies as they last touched."""
-        model = unloading_model(self.model, self.bodies, reached.states)
+        model = unloading_model(self.model, self.bodies, reached.states, load.apart)
         try:
             load.contact(model, self.law, reached.contact)
         except OpenSealError as of_load:
@@ -316,12 +318,14 @@ class ElastoplasticContact(ContactSolution):
     @cached_property
     def unloading(self) -> ContactModel:
         """The bodies as they answer to less load, see `fem_seal.contact.plastic_step.unloading_model`."""
-        return unloading_model(self.model, self.bodies, self.states)
+        return unloading_model(self.model, self.bodies, self.states, self.loads)
 
     @cached_property
     def fields(self) -> dict[str, BodyField]:
         """Displacement and stress of "closure" and "seat"; of bodies that yield with their plastic strain."""
         return body_fields(self) | {
-            name: elastoplastic_field(body.held, body.solid, self.states[name], self.profile)
+            name: elastoplastic_field(
+                body.held, body.solid, self.states[name], self.profile, self.loads.temperature.get(name)
+            )
             for name, body in self.bodies.items()
         }

@@ -5,24 +5,24 @@ with opposite sign, act on both bodies. A body answers with the normal displacem
 the compliance between quadrature points is T S T^T with T the trace and S the compliance of the trace's
 nodes. Where the normal turns it is that of the trace's nodes, interpolated by T like the displacement. The closure
 floats: its axial rigid motion is an unknown of the contact problem, and its closing force is a pressure on its top
-that balances whatever acts elsewhere. Fluid on the wetted surfaces and a housing pressed into a bore are further
-columns of the same factorisation.
+that balances whatever acts elsewhere. Fluid on the wetted surfaces, a housing pressed into a bore and thermal
+expansion are further columns of the same factorisation.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import CondensedBody, condense_body
-from fem_seal.bodies.elasticity import stiffness_matrix
+from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
+from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
-from fem_seal.bodies.held_body import HeldBody, Supports, held_body
+from fem_seal.bodies.held_body import Heat, HeldBody, Supports, held_body
 from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.materials import Material, effective_modulus
 from fem_seal.units import quantity
@@ -156,7 +156,12 @@ class ContactModel:
 
 @single_threaded
 def condense(
-    seal_mesh: SealMesh, materials: Mapping[str, Material], supports: Supports | None = None
+    seal_mesh: SealMesh,
+    materials: Mapping[str, Material],
+    supports: Supports | None = None,
+    heat: Mapping[str, Heat] | None = None,
+    *,
+    known: ContactModel | None = None,
 ) -> ContactModel:
     """Factorise both bodies and condense them on the contact line.
 
@@ -165,6 +170,10 @@ def condense(
     materials : mapping
         Material of the body "closure" and of the body "seat".
     supports : Supports, optional
+    heat : mapping, optional
+        Of the bodies whose temperature differs from place to place, by the same names.
+    known : ContactModel, optional
+        Of the same seal with another seat or support: a closure that is the same, mesh and all, is not factorised anew.
 
     Raises
     ------
@@ -189,9 +198,20 @@ def condense(
     radius = contact.radius(x)
     facing = contact.facing(x)
     area_weight = 2 * np.pi * radius * facing * weight
+    warm = heat or {}
+    # what the seat changes warms the closure otherwise, too
+    same = (
+        known is not None
+        and not warm
+        and _same_closure(known, seal_mesh, materials["closure"], x, area_weight)
+    )
     # One after the other: SuperLU frees a factor only in the thread that made it, and two threads would leak every one.
     closure, seat = (
-        _condense_body(held_body(seal_mesh, name, materials[name], x, area_weight, supports))
+        known.closure
+        if known is not None and same and name == "closure"
+        else _condense_body(
+            held_body(seal_mesh, name, materials[name], x, area_weight, supports, warm.get(name))
+        )
         for name in ("closure", "seat")
     )
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
@@ -207,8 +227,33 @@ def condense(
         contact.touch_radius,
         math.cos(contact.angle),
         contact.relative_radius,
-        (harmonic_body(closure), harmonic_body(seat)),
+        (known.harmonics[0] if known is not None and same else harmonic_body(closure), harmonic_body(seat)),
     )
+
+
+def _same_closure(
+    known: ContactModel, seal_mesh: SealMesh, material: Material, x: FloatArray, area_weight: FloatArray
+) -> bool:
+    """Whether the closure of a model is that of a mesh, to the last digit; supports hold the seat alone."""
+    mine, theirs = seal_mesh.closure, known.closure.basis.mesh
+    pairs = (
+        (mine.p, theirs.p),
+        (mine.t, theirs.t),
+        (x, known.line.x),
+        (area_weight, known.line.area_weight),
+    )
+    return (
+        material == known.closure.material
+        and seal_mesh.contact.touch_radius == known.touch_radius
+        and all(np.array_equal(one, other) for one, other in pairs)
+    )
+
+
+def line_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray]:
+    """Points of the contact line, arc length from first touch [m], and the area that each stands for [m^2]."""
+    x, weight, _ = _gauss_points(seal_mesh)
+    contact = seal_mesh.contact
+    return x, 2 * np.pi * contact.radius(x) * contact.facing(x) * weight
 
 
 def line_compliance(closure: CondensedBody, seat: CondensedBody) -> FloatArray:
@@ -233,4 +278,19 @@ def _condense_body(held: HeldBody) -> CondensedBody:
     stiffness = stiffness_matrix(held.basis, held.material)
     free = stiffness[held.free][:, held.free].tocsc()
     pulled = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel() if len(held.wall) else None
-    return condense_body(held, free, pulled)
+    body = condense_body(held, free, pulled)
+    return replace(body, loads={**body.loads, **dict(_heated(body))})
+
+
+def _heated(body: CondensedBody) -> Iterator[tuple[str, BoundaryLoad]]:
+    """Answer of an elastic body to a unit of each way to be heated, by name."""
+    held = body.held
+    for name, strain in held.free_strain.items():
+        if name == "expansion":
+            # Nothing keeps a closure from growing as a whole: its displacement is known, and it takes no stress.
+            response = held.counted(grown_by_one(held.basis))
+        else:
+            assert body.solve is not None  # just condensed
+            force = thermal_load(held.basis, held.material, at_quadrature_points(held.basis, strain))
+            response = held.counted(body.solve(force))
+        yield name, BoundaryLoad(0.0, held.trace @ held.retreat(response), response, strain)

@@ -1,4 +1,4 @@
-"""What acts on the bodies besides the solid contact: fluid on the wetted surfaces and in the gap, a press fit."""
+"""What acts on the bodies besides the solid contact: fluid on wetted surfaces and in the gap, a press fit, heat."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import CondensedBody
+from fem_seal.bodies.elasticity import quadratic_nodes
 from fem_seal.contact.model import ContactModel
 
 
@@ -20,9 +21,14 @@ class FurtherLoads:
     ----------
     closure, seat : mapping
         Magnitude of each of the body's `fem_seal.bodies.condensed.CondensedBody.loads`: fluid pressure [Pa] on the
-        "inner" and the "outer" wetted surface; of a seat with fixed wall also "wall", its motion inwards [m].
+        "inner" and the "outer" wetted surface; of a seat with fixed wall also "wall", its motion inwards [m]; of a
+        closure also "expansion", its thermal strain beyond that of the seat [-]; of bodies whose temperature differs
+        from place to place "heat", a share of it.
     gap_pressure : ndarray, shape (m,), optional
         Fluid pressure at the points of the contact line [Pa].
+    temperature : mapping, optional
+        Of "closure" and "seat", all over or at their nodes [K]; it acts through the loads of the bodies, and stands
+        here for all who show it. Empty where it is not given.
 
     Examples
     --------
@@ -34,12 +40,13 @@ class FurtherLoads:
     closure: Mapping[str, float] = field(default_factory=dict)
     seat: Mapping[str, float] = field(default_factory=dict)
     gap_pressure: FloatArray | None = field(default=None, repr=False)
+    temperature: Mapping[str, FloatArray | float] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of_fluid(
-        cls, inner: float, outer: float, gap_pressure: FloatArray, interference: float = 0.0
+        cls, inner: float, outer: float, gap_pressure: FloatArray, at_rest: FurtherLoads | None = None
     ) -> FurtherLoads:
-        """Fluid on both bodies, and the seat's wall moved inwards.
+        """Fluid on both bodies, and what acts on them without any.
 
         Parameters
         ----------
@@ -47,11 +54,11 @@ class FurtherLoads:
             Fluid pressure inside and outside the contact line [Pa].
         gap_pressure : ndarray, shape (m,)
             Fluid pressure between the surfaces [Pa].
-        interference : float
-            See `press_fit` [m].
+        at_rest : FurtherLoads, optional
+            Such as a press fit; without a pressure in the gap.
         """
-        wetted = {"inner": inner, "outer": outer}
-        return cls(wetted, {**wetted, **cls.press_fit(interference).seat}, gap_pressure)
+        wetted, rest = {"inner": inner, "outer": outer}, at_rest or cls()
+        return cls({**wetted, **rest.closure}, {**wetted, **rest.seat}, gap_pressure, rest.temperature)
 
     @classmethod
     def press_fit(cls, interference: float) -> FurtherLoads:
@@ -90,6 +97,22 @@ class FurtherLoads:
         if self.gap_pressure is not None:
             moved = moved + body.displacement(model.line.area_weight * self.gap_pressure)
         return moved
+
+    def free_strain(self, body: CondensedBody, model: ContactModel) -> FloatArray | float:
+        """Strain of a body of the model under these loads that takes no stress: a number, or one for each node."""
+        magnitudes = self.closure if body is model.closure else self.seat
+        return sum((size * body.loads[name].free_strain for name, size in magnitudes.items()), 0.0)
+
+    def face_temperature(
+        self, body: CondensedBody, pressure: FloatArray, model: ContactModel
+    ) -> float | None:
+        """Temperature of a body's face where it carries a pressure (m,), in the mean over it [K]; None if not given."""
+        known = self.temperature.get(body.held.name)
+        if known is None:
+            return None
+        weight = model.line.area_weight * pressure
+        nodal = np.broadcast_to(known, len(quadratic_nodes(body.basis.mesh)[0]))[body.contact_nodes]
+        return float(weight @ (body.trace @ nodal) / weight.sum())
 
     def _by_body(self, model: ContactModel) -> tuple[tuple[CondensedBody, Mapping[str, float]], ...]:
         return (model.closure, self.closure), (model.seat, self.seat)

@@ -87,19 +87,9 @@ class PathLoad:
 
     def between(self, other: PathLoad, way: float) -> PathLoad:
         """The load a share `way` of the way to another one."""
-        a, b = self.further, other.further
-        shares = [
-            share * load.gap_pressure
-            for share, load in ((1 - way, a), (way, b))
-            if load.gap_pressure is not None
-        ]
         return PathLoad(
             (1 - way) * self.axial_force + way * other.axial_force,
-            FurtherLoads(
-                _mixed(a.closure, b.closure, way),
-                _mixed(a.seat, b.seat, way),
-                np.sum(shares, axis=0) if shares else None,
-            ),
+            _between(self.further, other.further, way),
         )
 
     def change(self, other: PathLoad, touch_radius: float) -> float:
@@ -127,8 +117,8 @@ class FluidLoad:
         Pressure difference across the seal [Pa]; nothing acts where both are zero.
     path : FluidPath
         How the fluid gets between the surfaces.
-    interference : float
-        Of the press fit, see `FurtherLoads.press_fit` [m].
+    apart : FurtherLoads
+        What acts without spring and fluid, such as a press fit or heat.
     remembers : callable, optional
         Takes the largest pressure that each place has carried [Pa], shape (m,), to the path of a fluid between surfaces
         that remember it; without it they remember nothing.
@@ -137,23 +127,18 @@ class FluidLoad:
     closing_force: float
     fluid_pressure: float
     path: FluidPath = field(repr=False)
-    interference: float = 0.0
+    apart: FurtherLoads = NO_LOADS
     remembers: Callable[[FloatArray], FluidPath] | None = field(default=None, repr=False)
 
     def __str__(self) -> str:
         return f"{self.closing_force:.6g} N at {self.fluid_pressure / 1e5:.6g} bar"
-
-    @property
-    def apart(self) -> FurtherLoads:
-        """The press fit alone."""
-        return FurtherLoads.press_fit(self.interference)
 
     def contact(self, model: ContactModel, law: Law, start: ContactSolution | None) -> ContactSolution | None:
         """Contact and fluid of linear bodies; None without a load."""
         if self.fluid_pressure == 0.0:
             return PathLoad(self.closing_force, self.apart).contact(model, law, start)
         return solve_penetration(
-            FluidAndContact(model, law, self.path, self.interference),
+            FluidAndContact(model, law, self.path, self.apart),
             closing_force=self.closing_force,
             fluid_pressure=self.fluid_pressure,
             start=start,
@@ -165,7 +150,7 @@ class FluidLoad:
             other,
             closing_force=(1 - way) * self.closing_force + way * other.closing_force,
             fluid_pressure=(1 - way) * self.fluid_pressure + way * other.fluid_pressure,
-            interference=(1 - way) * self.interference + way * other.interference,
+            apart=_between(self.apart, other.apart, way),
         )
 
     def change(self, other: FluidLoad, touch_radius: float) -> float:
@@ -186,15 +171,28 @@ class FluidLoad:
         return replace(self, path=self.remembers(np.max([one.pressure for one in contacts], axis=0)))
 
     def rest(self, further: FurtherLoads) -> FluidLoad:
-        """Neither spring nor fluid, and the press fit among these loads."""
-        return replace(
-            self, closing_force=0.0, fluid_pressure=0.0, interference=further.seat.get("wall", 0.0)
-        )
+        """Neither spring nor fluid, and these loads."""
+        return replace(self, closing_force=0.0, fluid_pressure=0.0, apart=further)
 
 
 def _share(first: float, second: float) -> float:
     scale = max(abs(first), abs(second))
     return abs(second - first) / scale if scale > 0 else 0.0
+
+
+def _between(first: FurtherLoads, second: FurtherLoads, way: float) -> FurtherLoads:
+    """Loads a share `way` of the way from some to others."""
+    shares = [
+        share * load.gap_pressure
+        for share, load in ((1 - way, first), (way, second))
+        if load.gap_pressure is not None
+    ]
+    return FurtherLoads(
+        _mixed(first.closure, second.closure, way),
+        _mixed(first.seat, second.seat, way),
+        np.sum(shares, axis=0) if shares else None,
+        second.temperature or first.temperature,
+    )
 
 
 def _mixed(first: Mapping[str, float], second: Mapping[str, float], way: float) -> dict[str, float]:

@@ -17,14 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import CondensedBody, condense_body
-from fem_seal.bodies.elasticity import elasticity_matrix
+from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
+from fem_seal.bodies.elasticity import at_quadrature_points, elasticity_matrix
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.bodies.plastic_flow import Flow
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel, line_compliance
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.contact.path_loads import LoadOnPath
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
@@ -89,7 +89,7 @@ def press(
     ConvergenceError
         If the iteration does not reach the tolerance.
     """
-    settings, step = settings or PlasticSettings(), _Step(model, bodies, before)
+    settings, step = settings or PlasticSettings(), _Step(model, bodies, before, load.apart)
     at = step.at({name: state.displacement for name, state in before.items()}, load.apart, None)
     contact, allowed, residuals = start, np.inf, list[float]()
     for _ in range(settings.max_iterations):
@@ -116,7 +116,10 @@ def _of_the_line(linear: ContactModel) -> ContactModel:
 
 
 def unloading_model(
-    model: ContactModel, bodies: Mapping[str, YieldingBody], states: Mapping[str, BodyState]
+    model: ContactModel,
+    bodies: Mapping[str, YieldingBody],
+    states: Mapping[str, BodyState],
+    at_rest: FurtherLoads = NO_LOADS,
 ) -> ContactModel:
     """Contact of the bodies as they answer to less load: elastic, and formed by what they have gone through.
 
@@ -128,13 +131,15 @@ def unloading_model(
         Those that yield, by name.
     states : mapping
         Where they are, by name.
+    at_rest : FurtherLoads
+        Heat, under which they are.
 
     Notes
     -----
     Exact as long as nothing yields, which a body does anew where it is loaded further, or backwards when nearly all of
     a load far above the yield stress is gone.
     """
-    step = _Step(model, bodies, states)
+    step = _Step(model, bodies, states, at_rest)
     at = step.at({name: state.displacement for name, state in states.items()}, FurtherLoads(), None)
     return step.linear(at)[0]
 
@@ -163,6 +168,8 @@ class _Step:
     model: ContactModel
     bodies: Mapping[str, YieldingBody]
     before: Mapping[str, BodyState]
+    at_rest: FurtherLoads
+    """Of which heat is the same throughout the step."""
 
     def at(
         self,
@@ -182,7 +189,7 @@ class _Step:
 
     def _at(self, displacements: Mapping[str, FloatArray], forces: Mapping[str, FloatArray]) -> _Iterate:
         flows = {
-            name: body.solid.respond(displacements[name], self.before[name])
+            name: body.solid.respond(displacements[name], self.before[name], self._free_strain(name))
             for name, body in self.bodies.items()
         }
         worst = max(self._imbalance(name, flows[name], forces[name]) for name in flows)
@@ -214,7 +221,10 @@ class _Step:
         model, gap, at_rest = self.model, self.model.line.initial_gap, {}
         bodies = {"closure": model.closure, "seat": model.seat}
         for name, body in self.bodies.items():
-            bodies[name], at_rest[name] = body.linear(bodies[name], at.displacements[name], at.flows[name])
+            heat = _heat(body.held, getattr(self.at_rest, name))
+            bodies[name], at_rest[name] = body.linear(
+                bodies[name], at.displacements[name], at.flows[name], heat
+            )
             gap = gap + body.held.trace @ body.held.retreat(at_rest[name])
         linear = replace(
             model,
@@ -241,19 +251,35 @@ class _Step:
                 found[name] += body.displacement(contact.point_forces)
         return found
 
+    def _free_strain(self, name: str) -> FloatArray | float:
+        """Strain of a body at its quadrature points that takes no stress."""
+        held = self.bodies[name].held
+        heated = [
+            size * held.free_strain[way] for way, size in _heat(held, getattr(self.at_rest, name)).items()
+        ]
+        return at_quadrature_points(held.basis, np.sum(heated, axis=0)) if heated else 0.0
+
     def _imbalance(self, name: str, flow: Flow, forces: FloatArray) -> float:
         """Largest free nodal force out of balance over the largest that the elements put on a node in the step."""
         body, internal = self.bodies[name], self.bodies[name].solid.internal_forces
         unbalanced = internal(flow.stress) - forces
         stresses = (self.before[name].stress, flow.stress)
         scale = max(float(np.abs(internal(np.abs(stress))).max()) for stress in stresses)
+        # what grows freely has no stress to measure by, only the one that would keep it from growing
+        hindered = body.solid.hindered(self._free_strain(name))
+        scale = max(scale, float(np.abs(internal(hindered)).max()))
         return float(np.abs(unbalanced[body.held.free]).max()) / scale if scale > 0 else 0.0
 
 
 def _further_forces(held: HeldBody, magnitudes: Mapping[str, float]) -> FloatArray:
     """Balanced nodal forces of loads away from the contact line."""
-    forces = (size * held.further[name] for name, size in magnitudes.items() if name != "wall")
+    forces = (size * held.further[name] for name, size in magnitudes.items() if name in held.further)
     return held.balanced(sum(forces, np.zeros(held.basis.N)))
+
+
+def _heat(held: HeldBody, magnitudes: Mapping[str, float]) -> dict[str, float]:
+    """Those of the loads that heat a body."""
+    return {name: size for name, size in magnitudes.items() if name in held.free_strain}
 
 
 def _solve_from(
@@ -302,7 +328,7 @@ class YieldingBody:
         return ElastoplasticBody(self.held.basis, self.held.material, self.held.free)
 
     def linear(
-        self, elastic: CondensedBody, displacement: FloatArray, flow: Flow
+        self, elastic: CondensedBody, displacement: FloatArray, flow: Flow, heat: Mapping[str, float]
     ) -> tuple[CondensedBody, FloatArray]:
         """The body linearised about a displacement (dofs,) [m], and its displacement where nothing acts on it.
 
@@ -310,6 +336,12 @@ class YieldingBody:
         ----------
         elastic : CondensedBody
             The same body before it yields, which is what answers where nothing flows.
+        displacement : ndarray, shape (dofs,)
+            [m]
+        flow : Flow
+            There, with its heat.
+        heat : mapping
+            Those loads of the body that heat it.
         """
         body = self._condensed(flow) if flow.yielding.any() or elastic.solve is None else elastic
         assert body.solve is not None  # just condensed
@@ -317,6 +349,9 @@ class YieldingBody:
         if len(self.held.wall):
             # back to where no press fit holds it
             at_rest = at_rest + displacement[self.held.wall[0]] * body.loads["wall"].response
+        for name, size in heat.items():
+            # back to where it is cold, by the same way on which the contact heats it again
+            at_rest = at_rest - size * body.loads[name].response
         return body, at_rest
 
     def _condensed(self, flow: Flow) -> CondensedBody:
@@ -325,7 +360,10 @@ class YieldingBody:
             outwards = np.zeros(self.held.basis.N)
             outwards[wall] = 1.0
             pulled = solid.internal_forces(np.einsum("eqij,eqj->eqi", flow.tangent, solid.strain(outwards)))
-        return condense_body(self.held, solid.stiffness(flow.tangent), pulled, self._order)
+        body = condense_body(self.held, solid.stiffness(flow.tangent), pulled, self._order)
+        # how it got where it is with its heat stands in its displacement, from which this way is not counted back
+        unmoved = BoundaryLoad(0.0, np.zeros(self.held.trace.shape[0]), np.zeros(self.held.basis.N))
+        return replace(body, loads={**body.loads, **dict.fromkeys(self.held.free_strain, unmoved)})
 
     @cached_property
     def _order(self) -> NDArray[np.intp]:

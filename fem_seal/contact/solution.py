@@ -117,6 +117,19 @@ class ContactSolution:
         return body_fields(self)
 
     @property
+    def turning(self) -> float:
+        """How far the deformed faces have turned against each other [rad]: a/R of Hertz's contact.
+
+        Twice the root mean square, weighted with the pressure, of the slope that the load has added to the gap. Unlike
+        a half-width over a radius it knows what has turned the faces: a layer of asperities that spreads the pressure
+        over a curved face turns nothing.
+        """
+        line = self.model.line
+        slope = np.gradient(self.gap - line.initial_gap, line.x)
+        weight = line.arc_weight * self.pressure
+        return float(2 * np.sqrt(weight @ slope**2 / weight.sum()))
+
+    @property
     def closing_force(self) -> float:
         """Force of spring or actuator on the top of the closure [N], in balance with contact and further loads."""
         return self.axial_force + self.loads.lift(self.model)
@@ -181,6 +194,8 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
             body,
             body.displacement(solution.point_forces) + loads.displacement(body, model),
             _at_contact(body, model, solution.pressure),
+            loads.free_strain(body, model),
+            loads.temperature.get(name),
         )
         for name, body in (("closure", model.closure), ("seat", model.seat))
     }
@@ -196,7 +211,12 @@ def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyFi
     """
     return {
         name: body_field(
-            name, body, loads.displacement(body, model), np.zeros(len(quadratic_nodes(body.basis.mesh)[0]))
+            name,
+            body,
+            loads.displacement(body, model),
+            np.zeros(len(quadratic_nodes(body.basis.mesh)[0])),
+            loads.free_strain(body, model),
+            loads.temperature.get(name),
         )
         for name, body in (("closure", model.closure), ("seat", model.seat))
     }

@@ -268,8 +268,18 @@ def _add_leak(
         y=[_positive(unit.of(chosen.values["leak_rate_m3_per_s"]))],
         mode="markers",
         marker={"color": colour, "size": 9},
+        error_y=_bar(chosen, unit, colour),
         hoverinfo="skip",
     )
+
+
+def _bar(load: ShownLoad, unit: Unit, colour: str) -> dict[str, Any] | None:
+    """From end to end of the interval of one load: a band needs two."""
+    rate, low, high = (unit.of(load.values[f"leak_rate_{end}m3_per_s"]) for end in ("", "low_", "high_"))
+    if not all(map(math.isfinite, (rate, low, high))):
+        return None
+    bar = {"type": "data", "symmetric": False, "array": [high - rate], "arrayminus": [rate - low]}
+    return {**bar, "color": colour, "thickness": 1.5, "width": 5}
 
 
 def _positive(value: float) -> float | None:

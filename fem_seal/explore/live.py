@@ -21,13 +21,13 @@ from fem_seal.analysis.families import family_law
 from fem_seal.analysis.flow import Flow, RoughFlow, log_peaks
 from fem_seal.analysis.load_solver import LoadSolver
 from fem_seal.analysis.opening import with_margins
-from fem_seal.analysis.problem import SealProblem, sizing
+from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.analysis.results import LoadResult, highest_load
 from fem_seal.analysis.verdict import seal_judgement, with_judgements
 from fem_seal.analysis.warnings import load_validity
 from fem_seal.bodies.condensed import CondensedBody
 from fem_seal.case.load_limits import refused_loads
-from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.model import ContactModel
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import InputError, SealError
@@ -68,10 +68,13 @@ class ModelName:
     dimensions : tuple
         Keys and texts of the dimensions.
     sizing : Sizing
+    warm : str
+        Stiffness of the bodies and what warms them, which follow from their temperature.
     """
 
     dimensions: tuple[tuple[str, str], ...]
     sizing: Sizing
+    warm: str = ""
 
 
 class Kept:
@@ -281,7 +284,9 @@ class Session:
         dimensions = tuple(
             (one.key, design[one.key]) for one in self.factors.sliders if one.group == "dimension"
         )
-        return ModelName(dimensions, coarsely_rounded(wanted, exact_size=problem.contact_size is not None))
+        stiffness = [(one.youngs_modulus, one.poissons_ratio) for one in problem.materials.values()]
+        rounded = coarsely_rounded(wanted, exact_size=problem.contact_size is not None)
+        return ModelName(dimensions, rounded, repr((stiffness, problem.heating)))
 
     def _model(self, design: Mapping[str, str], problem: SealProblem, wanted: Sizing) -> ContactModel:
         name = self._model_name(design, problem, wanted)
@@ -427,7 +432,7 @@ def made_model(problem: SealProblem, wanted: Sizing) -> ContactModel:
     lower, upper = problem.contact.reach
     zone = (max(wanted.zone[0], lower), min(wanted.zone[1], upper))
     mesh = build_contact(problem.contact, replace(wanted, zone=zone))
-    full = condense(mesh, _elastic_bodies(problem).materials, problem.supports)
+    full = condensed(_elastic_bodies(problem), mesh)
     return replace(full, closure=_light(full.closure), seat=_light(full.seat))
 
 

@@ -373,7 +373,7 @@ def _verdict(screen: Screen) -> list[Any]:
         found.append(html.Div(words, className=f"verdict {_COLOURS.get(screen.verdict, 'warn')}"))
     elif screen.limits and not screen.complete:
         found.append(html.Div("The verdict follows when the sliders rest.", className="verdict"))
-    colour, level = validity_words(load)
+    colour, level = validity_words(load, screen.round)
     why = "; ".join(load.reasons)
     told = "" if screen.verdict else " ".join(screen.told)
     below = [html.Div(text, className="why") for text in (why, told) if text]

@@ -142,6 +142,8 @@ class Screen:
         Name and leak rate of what is allowed at the load that is shown [m^3/s].
     widens : bool
         Whether the interval is still that of both readings alone, and a complete run will widen it.
+    round : bool
+        Whether a seal that is not round is still shown as if it were.
     """
 
     design: dict[str, str]
@@ -159,6 +161,7 @@ class Screen:
     facts: tuple[tuple[str, str, str], ...] = ()
     limits: tuple[tuple[str, float], ...] = ()
     widens: bool = False
+    round: bool = False
 
     @property
     def load(self) -> ShownLoad | None:
@@ -192,8 +195,9 @@ def screen_of(
     number = highest_load(loads)
     complete = bool(more.get("complete"))
     widens = not complete and interval_follows(case)
+    as_round = not complete and case.form is not None
     # of the round seal alone nothing is claimed
-    withheld = widens or (not complete and case.form is not None)
+    withheld = widens or as_round
     return Screen(
         dict(design),
         tuple(shown_load(case, load, end) for load, end in zip(loads, ends, strict=True)),
@@ -202,6 +206,7 @@ def screen_of(
         section_of(case),
         **_judged(case, loads, ends, judgement, withheld),
         widens=widens,
+        round=as_round,
         limits=tuple(
             (one.name, one.leak_rate / one.ratio[1]) for one in limits(case, loads[number].fluid_pressure)
         ),

@@ -69,6 +69,7 @@ def numbers_of(screen: Screen) -> list[Number]:
         return Number(name, what, quantity_worth(kind, values[column], digits), more, values[column])
 
     wider = "; what is not known widens it when the sliders rest" if screen.widens else ""
+    wider = "; that of the round seal until the sliders rest" + wider if screen.round else wider
     at = given("fluid pressure", values["fluid_pressure_Pa"])
     leak = (
         leak_words(load)
@@ -93,7 +94,16 @@ def changed(factors: Factors, design: dict[str, str], others: Sequence[dict[str,
     return [key for key in keys if len({one.get(key) for one in (design, *others)}) > 1]
 
 
-def validity_words(load: ShownLoad) -> tuple[str, str]:
-    """How far a load can be trusted: the class of its colour, and the words."""
+def validity_words(load: ShownLoad, as_round: bool = False) -> tuple[str, str]:
+    """How far a load can be trusted: the class of its colour, and the words.
+
+    Parameters
+    ----------
+    load : ShownLoad
+    as_round : bool
+        Whether its form error is not known yet; then nothing is called good.
+    """
     colour = {str(Level.VALID): "good", str(Level.DOUBTFUL): "warn"}.get(load.level, "bad")
+    if as_round and colour == "good":
+        return "", "within the theory as a round seal; its form error follows"
     return colour, {"good": "within the theory"}.get(colour, load.level)

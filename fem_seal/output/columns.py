@@ -528,6 +528,14 @@ COLUMNS = {
             unit_like="force_for_target_leak_N",
         ),
         Column(
+            "contact_temperature_K",
+            "temperature",
+            "with `[temperature]`: mean of both faces where they press on each other",
+            lambda row: row.load.contact_temperature,
+            heading="temperature of the contact",
+            needs=("temperature",),
+        ),
+        Column(
             "effective_viscosity_Pa_s",
             "viscosity",
             "of a liquid: constant viscosity with which as much would leak, above that at atmospheric pressure where "

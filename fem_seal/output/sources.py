@@ -64,7 +64,10 @@ def used(result: SealSolution) -> dict[str, bool]:
     ----------
     result : SealSolution
     """
+    from leak import Barus, Roelands
+
     case, surface = result.case, result.surface
+    law = None if case.fluid is None or case.fluid.gas is not None else case.fluid.pressure_law
     return {
         "flow": any(load.leak is not None for load in result.loads),
         "exponential law": case.interface.law == "exponential",
@@ -79,6 +82,8 @@ def used(result: SealSolution) -> dict[str, bool]:
         "earlier load": result.earlier is not None and any(load.remembers for load in result.loads),
         "stretched roughness": surface is not None and surface.peklenik != 1.0,
         "gas": case.fluid is not None and case.fluid.gas is not None,
+        "Barus": isinstance(law, Barus),
+        "Roelands": isinstance(law, Roelands),
         "direct": case.leak.conductivity == "direct",
         "bruggeman": case.leak.conductivity in ("bruggeman", "threshold-law"),
         "threshold-law": case.leak.conductivity == "threshold-law",

@@ -172,6 +172,7 @@ def _write_bodies(
             "von_mises_Pa": np.concatenate([body.von_mises for body in bodies]),
             "contact_pressure_Pa": np.concatenate([body.contact_pressure for body in bodies]),
             **_plastic(bodies),
+            **_temperature(bodies),
         },
         cell_data={
             "body": np.repeat(
@@ -180,6 +181,12 @@ def _write_bodies(
         },
         field_data=load,
     )
+
+
+def _temperature(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:
+    """Temperature of both bodies; nothing where it is not given."""
+    known = [body.temperature for body in bodies if body.temperature is not None]
+    return {"temperature_K": np.concatenate(known)} if len(known) == len(bodies) else {}
 
 
 def _plastic(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from fem_seal.case.bodies import MaterialTable, library_table
 from fem_seal.case.drawing_words import same_entry, words_of
-from fem_seal.case.fields import Number, OneOrMany, Pressures, Quantity, Table, shown
+from fem_seal.case.fields import Number, OneOrMany, OverTemperatureTable, Pressures, Quantity, Table, shown
 from fem_seal.errors import InputError, Problem
 from fem_seal.material_library import LIBRARY
 from fem_seal.materials import Material
@@ -149,8 +149,9 @@ def with_open_materials(case: Case, paths: list[str]) -> Case:
     changes = {}
     for body in ("closure", "seat"):
         material = getattr(case, body).material
-        # one with a curve is no name from the library but a table already
-        if material.hardening is None and any(path.startswith(f"{body}.material.") for path in paths):
+        # one with a curve or a table over temperature is no name from the library but a table already
+        tabulated = material.hardening is not None or bool(material.over_temperature)
+        if not tabulated and any(path.startswith(f"{body}.material.") for path in paths):
             changes[f"{body}.material"] = _as_table(material)
     return case.replace_written(changes) if changes else case
 
@@ -203,6 +204,8 @@ def _marker(field: Any) -> Quantity | Number | None:
     for marker in (*field.metadata, *nested):
         if isinstance(marker, Pressures):
             return marker.pressure
+        if isinstance(marker, OverTemperatureTable):
+            return marker.one
         if isinstance(marker, OneOrMany):
             # a design has one load
             return Quantity(marker.dimension, marker.low, marker.high, marker.exclusive)

@@ -108,7 +108,7 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         are known; any other (knudsen_number, max_accumulated_plastic_strain, load_steps and, with [uncertainty] or a
         finish, leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a complete run of the case. So does any column
         of a case with load.closing = "penetration", load.target_leak_rate, load.largest_earlier_force or _pressure,
-        leak.fluid_in_gap = "local", seat.wall = "fixed" or a stress-strain curve.
+        leak.fluid_in_gap = "local", seat.wall = "fixed", a calculated temperature or a stress-strain curve.
     interpolate : bool
         Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
         see `fem_seal.studies.shared` and `fem_seal.analysis.families`.
@@ -141,6 +141,7 @@ def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
         or case.load.earlier is not None
         or case.leak.fluid_in_gap != "uncoupled"
         or getattr(case.seat, "wall", "free") != "free"
+        or (case.temperature is not None and bool(case.temperature.faces))
         or case.closure.material.hardening is not None
         or case.seat.material.hardening is not None
     )
@@ -176,7 +177,7 @@ def _bare_load(problem: SealProblem, stress: bool) -> LoadResult:
 
     def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
         model = shared_model(problem, sizing, stress=stress)
-        contact = solve(model, law, axial_force=force, settings=_SETTINGS)
+        contact = solve(model, law, axial_force=force, loads=problem.at_rest(model), settings=_SETTINGS)
         found.append(LoadResult(*point, contact, formed=problem.around(contact, law)))
         return found[-1].contacts
 

@@ -139,7 +139,7 @@ class Barus:
 
     def viscosity_ratio(self, pressure: ArrayLike) -> FloatArray:
         """eta/eta0 at pressures above atmospheric [Pa]."""
-        return np.exp(self.coefficient * np.asarray(pressure, dtype=float))
+        return _exponential(self.coefficient * np.asarray(pressure, dtype=float))
 
     def density_ratio(self, pressure: ArrayLike) -> FloatArray:
         """rho/rho0 at pressures above atmospheric [Pa]."""
@@ -209,11 +209,19 @@ class Roelands:
     def viscosity_ratio(self, pressure: ArrayLike) -> FloatArray:
         """eta/eta0 at pressures above atmospheric [Pa]."""
         p = np.asarray(pressure, dtype=float) / _ROELANDS_PRESSURE
-        return np.exp(self._height * np.expm1(self.exponent * np.log1p(p)))
+        return _exponential(self._height * np.expm1(self.exponent * np.log1p(p)))
 
     def density_ratio(self, pressure: ArrayLike) -> FloatArray:
         """rho/rho0 at pressures above atmospheric [Pa]."""
         return _density_ratio(self.compression, pressure)
+
+
+# ln of a viscosity ratio beyond which it would not be a number.
+_SOLID = 200.0
+
+
+def _exponential(log_ratio: FloatArray) -> FloatArray:
+    return np.asarray(np.exp(np.minimum(log_ratio, _SOLID)))
 
 
 def _density_ratio(compression: Tait | None, pressure: ArrayLike) -> FloatArray:
@@ -226,6 +234,9 @@ def _density_ratio(compression: Tait | None, pressure: ArrayLike) -> FloatArray:
 # Panels between zero and the highest pressure, and Gauss points in each: 1e-13 of psi for thickening by e^40.
 _PANELS, _POINTS = 96, 6
 _NEWTON_STEPS, _NEWTON_CLOSE = 40, 1e-14
+# A liquid 1e9 times as viscous is a solid. Held there, pressures whose psi differs by round-off alone stay apart, and
+# psi is too large by no more than 1e-9 of the pressure.
+_LEAST_MOBILITY = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,10 +288,11 @@ class FlowPotential:
         first, last = self._ends
         inside = np.clip(target, 0.0, psi[-1])
         p = np.interp(inside, psi, at)
+        k = np.clip(np.searchsorted(psi, inside, side="right") - 1, 0, _PANELS - 1)
         for _ in range(_NEWTON_STEPS):
             step = (inside - self(p)) / self.mobility(p)
-            p = np.clip(p + step, 0.0, self.highest)
-            if not np.any(np.abs(step) > _NEWTON_CLOSE * self.highest):
+            before, p = p, np.clip(p + step, at[k], at[k + 1])
+            if not np.any(np.abs(p - before) > _NEWTON_CLOSE * self.highest):
                 break
         out = np.where(target > psi[-1], (target - psi[-1]) / last, np.minimum(target, 0.0) / first)
         return np.asarray(p + out)
@@ -291,7 +303,7 @@ class FlowPotential:
         if self.law is None:
             return np.ones(p.shape)
         held = np.clip(p, 0.0, self.highest)
-        return np.asarray(self.law.density_ratio(held) / self.law.viscosity_ratio(held))
+        return np.maximum(self.law.density_ratio(held) / self.law.viscosity_ratio(held), _LEAST_MOBILITY)
 
     @cached_property
     def _table(self) -> tuple[FloatArray, FloatArray]:

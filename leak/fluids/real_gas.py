@@ -83,8 +83,8 @@ class RealGas:
         return np.asarray(p / (self.factor(p) * self.viscosity_ratio(p)))
 
 
-# Panels over the pressure and Gauss points in each; the integrand is a cubic's exponential in each cell of the table.
-_PANELS, _POINTS = 200, 6
+# Panels over the root of the pressure, between whose ends w is a cubic, good to 1e-11, and Gauss points in each.
+_PANELS, _POINTS = 1000, 4
 _NEWTON_STEPS, _NEWTON_CLOSE = 60, 1e-14
 
 
@@ -117,13 +117,7 @@ class GasPotential:
         p, c = np.asarray(pressure, dtype=float), self.slip
         if self.real is None:
             return np.asarray(p * (p + 2.0 * c))
-        at, dense = self._table
-        inside = np.clip(p, 0.0, self.highest)
-        k = np.clip(np.searchsorted(at, inside, side="right") - 1, 0, _PANELS - 1)
-        nodes, weights = gauss(_POINTS)
-        half = 0.5 * (inside - at[k])
-        here = self.real.flow_pressure(at[k][..., None] + half[..., None] * (1.0 + nodes)) @ weights
-        return np.asarray(dense[k] + 2.0 * half * here + 2.0 * c * inside)
+        return self._dense(np.clip(p, 0.0, self.highest))[0] + 2.0 * c * np.clip(p, 0.0, self.highest)
 
     def pressure(self, potential: ArrayLike) -> FloatArray:
         """p at values of w [Pa]."""
@@ -131,28 +125,39 @@ class GasPotential:
         if self.real is None:
             root = np.sqrt(c * c + w)
             return np.asarray(w / np.where(root > 0.0, c + root, 1.0))
-        at, dense = self._table
-        # from an ideal gas of the same potential at the ends of the panel, where w is nearly a square of p
+        at, dense, _ = self._table
+        # from an ideal gas between the ends of the panel, where w is nearly a square of p
         p = np.sqrt(np.interp(w, dense + 2.0 * c * at, at**2))
         for _ in range(_NEWTON_STEPS):
-            slope = 2.0 * (self.real.flow_pressure(p) + c)
-            step = (w - self(p)) / np.where(slope > 0.0, slope, np.inf)
+            value, slope = self._dense(p)
+            slope = slope + 2.0 * c
+            step = (w - value - 2.0 * c * p) / np.where(slope > 0.0, slope, np.inf)
             p = np.clip(p + step, 0.0, self.highest)
             if not np.any(np.abs(step) > _NEWTON_CLOSE * self.highest):
                 break
         return np.asarray(p)
 
+    def _dense(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """w without c, and its slope: cubic between the ends of the panels, where both are known."""
+        at, dense, slopes = self._table
+        k = np.clip((_PANELS * np.sqrt(np.nan_to_num(p) / self.highest)).astype(int), 0, _PANELS - 1)
+        h = at[k + 1] - at[k]
+        t, rise = (p - at[k]) / h, dense[k + 1] - dense[k]
+        d0, d1 = h * slopes[k], h * slopes[k + 1]
+        c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
+        return dense[k] + t * (d0 + t * (c2 + t * c3)), (d0 + t * (2.0 * c2 + 3.0 * t * c3)) / h
+
     @cached_property
-    def _table(self) -> tuple[FloatArray, FloatArray]:
-        """Ends of the panels, and w there without c."""
+    def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Ends of the panels, and w there without c, with its slope."""
         assert self.real is not None  # who asks knows
-        at = np.linspace(0.0, self.highest, _PANELS + 1)
+        at = self.highest * np.linspace(0.0, 1.0, _PANELS + 1) ** 2
         nodes, weights = gauss(_POINTS)
         half = 0.5 * np.diff(at)
         parts = (
             2.0 * half * (self.real.flow_pressure(at[:-1, None] + half[:, None] * (1.0 + nodes)) @ weights)
         )
-        return at, np.concatenate([[0.0], np.cumsum(parts)])
+        return at, np.concatenate([[0.0], np.cumsum(parts)]), 2.0 * self.real.flow_pressure(at)
 
 
 def real_gas_flow_ratio(real: RealGas | None, inlet_pressure: float, outlet_pressure: float) -> float:

@@ -43,7 +43,7 @@ _NO_LINE = 4.0
 _TOO_LOW = 2.5
 # C is taken as constant over this many of the pieces of the evidence.
 _COARSER = 3
-_MOST_STEPS, _LONGEST_STEP, _CONVERGED, _USABLE = 30, 2.0, 1e-3, 0.05
+_MOST_STEPS, _LONGEST_STEP, _CONVERGED, _USABLE = 30, 2.0, 1e-4, 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -276,18 +276,15 @@ def _places(x: FloatArray) -> FloatArray:
     """Where the pieces may meet: start, corner and end in ln q, shape (lines, 3)."""
     step, last = x[1] - x[0], x[-1] + np.log(_TRUSTED)
     below = x[0] - step * np.arange(int(_BELOW / step), 0, -1)
-    ends = [*x[::-1][1::_EVERY], np.inf]
-    found = [
-        (start, start + shoulder, end)
-        for start in np.concatenate([below, x[:-1]])
-        for shoulder in _SHOULDERS
-        for end in ends
-        # what lies below the range shows no shoulder
-        if (shoulder == 0.0 or start > x[0] + 0.5 * step)
-        and (np.isinf(end) or end < last)
-        and min(end, last) - max(start + shoulder, x[0]) > _SHORTEST - 1e-9
-    ]
-    return np.array(found).reshape(-1, 3)
+    starts, ends = np.concatenate([below, x[:-1]]), np.append(x[::-1][1::_EVERY], np.inf)
+    start, shoulder, end = (
+        one.ravel() for one in np.meshgrid(starts, np.array(_SHOULDERS), ends, indexing="ij")
+    )
+    corner = start + shoulder
+    # what lies below the range shows no shoulder
+    shown = (shoulder == 0.0) | (start > x[0] + 0.5 * step)
+    long = np.minimum(end, last) - np.maximum(corner, x[0]) > _SHORTEST - 1e-9
+    return np.stack([start, corner, end], axis=1)[shown & (np.isinf(end) | (end < last)) & long]
 
 
 def _basis(x: FloatArray, start: FloatArray, corner: FloatArray, end: FloatArray) -> FloatArray:
@@ -308,30 +305,48 @@ def _most_likely(
     """Values of all lines by Fisher scoring: values, minus ln likelihood, covariance, and whether each converged."""
     lines = bases[0].shape[0]
     expected = np.array([0.0, *_SLOPES])
-    stiffness = np.diag([1e-9, *_SPREADS**-2.0])
     values = np.tile(expected, (lines, 1))
     values[:, 0] = _level(bases[0], expected, seen[0])
+    cost, longest = np.empty(lines), np.empty(lines)
+    curvature: FloatArray = np.empty((lines, 4, 4))
+    # the samples last: power and slopes of all lines are then one product of matrices each
+    bases, moving = [np.ascontiguousarray(np.swapaxes(basis, 1, 2)) for basis in bases], np.arange(lines)
     for _ in range(_MOST_STEPS):
-        off = values - expected
-        off[:, 0] = 0.0
-        cost = 0.5 * np.einsum("lj,jk,lk->l", off, stiffness, off)
-        gradient = off @ stiffness
-        curvature = np.tile(stiffness, (lines, 1, 1))
-        for basis, one in zip(bases, seen, strict=True):
-            C = np.exp(np.clip(np.einsum("lsk,lk->ls", basis, values), -600.0, 300.0))
-            power = np.maximum(C @ one.weights.T, np.finfo(float).tiny)
-            slope = np.matmul(one.weights, C[..., None] * basis) / power[..., None]
-            ratio = np.minimum(one.density / power, 1e30)
-            n = one.freedom
-            cost += np.sum(n * (np.log(power / one.density) + ratio - 1.0), axis=1)
-            gradient += np.einsum("lbk,lb->lk", slope, n * (1.0 - ratio))
-            curvature += np.matmul(np.swapaxes(slope, 1, 2), n[:, None] * slope)
-        step = np.linalg.solve(curvature, gradient[..., None])[..., 0]
-        longest = np.abs(step).max(axis=1)
-        if longest.max() < _CONVERGED:
+        cost[moving], gradient, curvature[moving] = _likelihood(values[moving], expected, bases, seen)
+        step = np.linalg.solve(curvature[moving], gradient[..., None])[..., 0]
+        longest[moving] = np.abs(step).max(axis=1)
+        # most lines need a few steps, the last of them some twenty
+        far = longest[moving] >= _CONVERGED
+        if not far.any():
             break
-        values = values - step * np.minimum(1.0, _LONGEST_STEP / np.maximum(longest, 1e-300))[:, None]
-    return values, cost, np.linalg.inv(curvature), longest < _USABLE
+        moving, step = moving[far], step[far]
+        bases = [basis[far] for basis in bases]
+        values[moving] -= step * np.minimum(1.0, _LONGEST_STEP / longest[moving])[:, None]
+    covariance = np.asarray(np.linalg.inv(curvature), dtype=float)
+    return values, cost, covariance, longest < _USABLE
+
+
+def _likelihood(
+    values: FloatArray, expected: FloatArray, bases: Sequence[FloatArray], seen: Sequence[Evidence]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Minus ln likelihood of lines, its gradient and its expected curvature; `bases` of shape (lines, 4, samples)."""
+    stiffness = np.diag([1e-9, *_SPREADS**-2.0])
+    off = values - expected
+    off[:, 0] = 0.0
+    cost = 0.5 * np.sum(off @ stiffness * off, axis=1)
+    gradient = off @ stiffness
+    curvature = np.tile(stiffness, (len(values), 1, 1))
+    for basis, one in zip(bases, seen, strict=True):
+        C = np.exp(np.clip(np.einsum("lks,lk->ls", basis, values), -600.0, 300.0))
+        power = np.maximum(C @ one.weights.T, np.finfo(float).tiny)
+        slope = (C[:, None, :] * basis).reshape(-1, C.shape[1]) @ one.weights.T
+        slope = slope.reshape(len(values), 4, -1) / power[:, None, :]
+        ratio = np.minimum(one.density / power, 1e30)
+        n = one.freedom
+        cost += np.sum(n * (np.log(power / one.density) + ratio - 1.0), axis=1)
+        gradient += np.einsum("lkb,lb->lk", slope, n * (1.0 - ratio))
+        curvature += np.matmul(n * slope, np.swapaxes(slope, 1, 2))
+    return cost, gradient, curvature
 
 
 def _level(basis: FloatArray, values: FloatArray, one: Evidence) -> FloatArray:

@@ -280,7 +280,7 @@ class PowerSpectrum:
         """Root-mean-square height, (2 pi int q C dq)^(1/2) [m]."""
         return float(np.sqrt(2.0 * np.pi * self.moment(1)))
 
-    @property
+    @cached_property
     def rms_slope(self) -> float:
         """Root-mean-square slope, (2 pi int q^3 C dq)^(1/2) [-]."""
         return float(np.sqrt(2.0 * np.pi * self.moment(3)))

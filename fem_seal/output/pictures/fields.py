@@ -130,6 +130,55 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
     )
 
 
+def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | None:
+    """Temperature of both bodies, the whole section and around the contact; None unless it was calculated.
+
+    Parameters
+    ----------
+    result : SealSolution
+    load : LoadResult
+        Its width sets how much of the contact zone is shown.
+    """
+    from matplotlib.ticker import MaxNLocator
+    from matplotlib.tri import Triangulation
+
+    fields = load.contact.fields
+    degrees = {name: f.temperature - 273.15 for name, f in fields.items() if f.temperature is not None}
+    if result.problem.heating is None or len(degrees) < len(fields):
+        return None
+    low, high = (end(float(end(values)) for values in degrees.values()) for end in (min, max))
+    # a seal of one temperature all over has one colour
+    levels = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(low, max(high, low + 1e-3))
+    figure, axes = panels(2, height=4.4, side=SCALE_ROOM)
+    reach, bands = 8.0 * half_width(load), None
+    length = unit_for("length", 2 * reach)
+    for name, field in fields.items():
+        triangles = field.triangles6[:, QUARTERS].reshape(-1, 3)
+        whole = Triangulation(1e3 * field.points[:, 0], 1e3 * field.points[:, 1], triangles)
+        place = turned(result.seal_mesh, field.points) / length.size
+        zone = Triangulation(place[:, 0], place[:, 1], near(place, triangles, reach / length.size))
+        for view, grid in ((axes[0], whole), (axes[1], zone)):
+            bands = view.tricontourf(grid, degrees[name], levels=levels, cmap="inferno")
+        axes[1].plot(*place[field.contact_nodes].T, color=INK, linewidth=0.8)
+    axes[0].set_aspect("equal")
+    axes[0].grid(False)
+    label(axes[0], "Both bodies", "r  [mm]", "z  [mm]")
+    frame_zone(axes[1], reach / length.size, length.name, "Around the contact")
+    if bands is not None:
+        scale_of_colours(axes, bands, "temperature  [°C]")
+    contact = load.contact_temperature
+    assert contact is not None  # both fields are known
+    words = {
+        name: quantity("temperature", value + 273.15, 4) for name, value in (("low", low), ("high", high))
+    }
+    return Picture(
+        "temperature",
+        svg(figure),
+        said("captions.temperature", "alt", **words),
+        said("captions.temperature", "all", contact=quantity("temperature", contact, 4), **words),
+    )
+
+
 def _mark_largest(axes: Axes, result: SealSolution, load: LoadResult) -> None:
     _, r, z = load.max_von_mises_at
     half = half_width(load)

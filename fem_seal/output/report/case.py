@@ -22,6 +22,7 @@ from fem_seal.output.finish import finish_rows
 from fem_seal.output.report.form import form_rows
 from fem_seal.output.report.particles import particle_rows
 from fem_seal.output.report.tables import curve_in_words, path_accuracy
+from fem_seal.output.temperature import celsius, temperature_rows
 from fem_seal.units import given, number, percent, quantity, trimmed
 
 if TYPE_CHECKING:
@@ -53,6 +54,11 @@ def seal_groups(result: SealSolution) -> list[Group]:
     groups = [Group("Geometry", _geometry(result)), Group("Load", _load(case))]
     if case.fluid is not None:
         groups.append(Group("Fluid", list(_fluid(case.fluid, max(case.load.fluid_pressure)))))
+    if case.temperature is not None:
+        problem = result.problem
+        heating = problem.heating
+        field = None if heating is None else heating.field(result.seal_mesh, problem.materials)
+        groups.append(Group("Temperature", list(temperature_rows(case, problem, field))))
     if case.form is not None:
         groups.append(Group("Form error", form_rows(case.form)))
     return groups
@@ -60,7 +66,7 @@ def seal_groups(result: SealSolution) -> list[Group]:
 
 def _fluid(fluid: Fluid, highest: float) -> Iterator[tuple[str, str]]:
     yield "name", fluid.name
-    yield "temperature", f"{trimmed(fluid.temperature - 273.15)} °C"
+    yield "temperature", celsius(fluid.temperature)
     yield "viscosity", quantity("viscosity", fluid.viscosity, 4)
     law = fluid.pressure_law
     if law is not None and fluid.gas is None:
@@ -137,7 +143,12 @@ def _material(material: Material) -> list[tuple[str, str]]:
     if material.hardening is not None:
         rows.append(("stress over plastic strain", curve_in_words(material.hardening)))
     if material.thermal_expansion is not None:
-        rows.append(("thermal expansion (not used)", f"{trimmed(1e6 * material.thermal_expansion)}·10⁻⁶ 1/K"))
+        rows.append(("thermal expansion", f"{trimmed(1e6 * material.thermal_expansion)}·10⁻⁶ 1/K"))
+    if material.thermal_conductivity is not None:
+        rows.append(("thermal conductivity", f"{trimmed(material.thermal_conductivity)} W/(m K)"))
+    if material.over_temperature:
+        keys = ", ".join(table.key.replace("_", " ") for table in material.over_temperature)
+        rows.append(("taken from a table over temperature", keys))
     if material.creeps:
         rows.append(("creep", "creeps: results are those of a short time"))
     rows += [("condition", material.condition)] if material.condition else []

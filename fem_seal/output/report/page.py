@@ -16,7 +16,12 @@ from fem_seal.files import write_text
 from fem_seal.output.pictures.around import leak_around_picture, line_load_picture, unrolled_picture
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.direct import simulation_pictures
-from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture
+from fem_seal.output.pictures.fields import (
+    imprint_picture,
+    mesh_picture,
+    stress_picture,
+    temperature_picture,
+)
 from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.memory import memory_picture
 from fem_seal.output.pictures.particles import particle_picture
@@ -115,6 +120,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
             surface_picture(result, top),
             *simulation_pictures(result),
             stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises)),
+            temperature_picture(result, top),
             imprint_picture(result),
             seal_picture(result, None if image is None else image.result()),
         )

@@ -108,7 +108,8 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
         found.append(Fact("Permanent imprint", *imprint))
     if load.leak is not None:
         told = leak_range_text(rate_of(load), load.digits, claimed=not load.validity.outside)
-        remarks = [_least(load) or per_day(rate_of(load), load.digits), readings_in_words(load)]
+        one = rate_of(load) if _told_apart(load) else load.leak.leak_rate
+        remarks = [_least(load) or per_day(one, load.digits), readings_in_words(load)]
         ends = result.leak_ranges[result.loads.index(load)]
         sampled = was_sampled(load, ends)
         name = said(
@@ -184,7 +185,7 @@ def readings_in_words(load: LoadResult) -> str:
     """Which reading of yielding asperities gives which leak rate; empty where there is but one."""
     if not load.yields or load.leak_conserved is None or load.leak_capped is None:
         return ""
-    if ends_told(load) is None:
+    if not _told_apart(load):
         return said("readings.load", "same")
     digits, claimed = min(load.digits, 2), not load.validity.outside
     conserved, capped = (
@@ -447,7 +448,7 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     factor, effect = _less_by_yielding(load)
     values = {"area": percent(area), "share": share, "factor": factor}
     yield said("reasons.asperities", "yielded", effect, **values)
-    if load.yields and load.leak_ends is not None:
+    if load.yields and _told_apart(load):
         yield said("readings.load", "why", readings=readings_in_words(load))
 
 

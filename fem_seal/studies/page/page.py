@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal.analysis.caution import Level
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import write_text
@@ -114,15 +115,17 @@ def _headline(designs: Designs, counts: dict[str, int]) -> str:
 
 
 def _doubts(designs: Designs) -> Iterator[str]:
-    """How many designs are outside the theory, and what is wrong with the first."""
-    outside = designs.worst_reason[designs.outside]
-    if len(outside):
-        number, why = outside.index[0], outside.iloc[0]
-        are = "1 design is" if len(outside) == 1 else f"{len(outside)} designs are"
-        yield (
-            f"{are} outside the theory, where nothing may be claimed from the numbers (design {number}: {why}); the "
-            "column validity_reasons says why of each"
-        )
+    """How many designs are outside the theory or doubtful, and what is wrong with the first of each."""
+    words = {
+        Level.OUTSIDE: "outside the theory, where nothing may be claimed from the numbers",
+        Level.DOUBTFUL: "doubtful",
+    }
+    for level, what in words.items():
+        found = designs.worst_reason[designs.validity == str(level)]
+        if len(found):
+            number, why = found.index[0], found.iloc[0].rstrip(".")
+            are = "1 design is" if len(found) == 1 else f"{len(found)} designs are"
+            yield f"{are} {what} (design {number}: {why}); the column validity_reasons says why of each"
 
 
 _BEST = 20

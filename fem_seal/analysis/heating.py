@@ -1,0 +1,184 @@
+"""A case whose temperatures are calculated: what warms it, how warm its contact gets, what that does to the bodies.
+
+The temperature of the contact decides the numbers of materials and fluid, and these the mesh on which the temperature
+is calculated. It is therefore calculated twice: once on a mesh of its own, of the same bodies in hard contact, for what
+is taken at the contact, and then on that of the problem, for the field that strains the bodies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from fem_seal.bodies.held_body import Heat, HeldBody
+from fem_seal.contact.conduction import Face, Surroundings, TemperatureField, conduct
+from fem_seal.contact.laws import HardContact
+from fem_seal.contact.model import line_points
+from fem_seal.contact.sizing import Opening, contact_width, element_sizes
+from fem_seal.errors import InputError, Problem
+from fem_seal.loads import expected_force, line_load
+from fem_seal.materials import Material, effective_modulus
+from meshes import ContactGeometry, SealMesh, Sizing, build_contact
+
+if TYPE_CHECKING:
+    from fem_seal.case.tables import CaseTables
+
+AnyCase = TypeVar("AnyCase", bound="CaseTables")
+
+
+@dataclass(frozen=True)
+class Heating:
+    """What warms a seal, and where its dimensions hold.
+
+    Parameters
+    ----------
+    surroundings : Surroundings
+    reference : float
+        Temperature at which the dimensions hold [K].
+    housing : float or None
+        Temperature of the bore that holds the seat's wall [K]; None: that of the wall, in the mean.
+    housing_expansion : float or None
+        Its thermal expansion [1/K]; None: that of the seat.
+    """
+
+    surroundings: Surroundings
+    reference: float
+    housing: float | None = None
+    housing_expansion: float | None = None
+
+    def field(self, seal_mesh: SealMesh, materials: Mapping[str, Material]) -> TemperatureField:
+        """Temperatures on a mesh; see `fem_seal.contact.conduction.conduct`."""
+        return conduct(seal_mesh, materials, self.surroundings, *line_points(seal_mesh))
+
+    def of_bodies(self, seal_mesh: SealMesh, materials: Mapping[str, Material]) -> dict[str, Heat]:
+        """Temperature and free strain of both bodies at the nodes of a mesh.
+
+        Raises
+        ------
+        InputError
+            If a number of a material is not known at a temperature that is reached, or strains are not small.
+        ConvergenceError
+        """
+        try:
+            found = self.field(seal_mesh, materials)
+            base = materials["seat"].thermal_strain(found.faces["seat"], self.reference)
+            strains = {
+                name: materials[name].thermal_strain(nodes, self.reference) - base
+                for name, nodes in found.nodes.items()
+            }
+        except InputError as error:
+            raise InputError(*(Problem("temperature", str(one)) for one in error.problems)) from None
+        return {name: Heat(nodes, strains[name]) for name, nodes in found.nodes.items()}
+
+    def wall_motion(self, seat: HeldBody, material: Material) -> float:
+        """How far a held wall is moved inwards because the bore grows less than the seat at the contact [m].
+
+        Parameters
+        ----------
+        seat : HeldBody
+            With its temperature.
+        material : Material
+            Of the seat.
+        """
+        if not len(seat.wall) or seat.temperature is None:
+            return 0.0
+        positions = seat.wall_nodes
+        strain = seat.free_strain["heat"]
+        mean = float(np.mean(strain[positions]))
+        warm = float(np.mean(seat.temperature[positions]))
+        grown = material.thermal_strain(seat.temperature, self.reference)
+        base = float(np.mean(grown - strain))
+        housing = warm if self.housing is None else self.housing
+        if self.housing is None and self.housing_expansion is None:
+            around = base + mean
+        elif self.housing_expansion is None:
+            around = material.thermal_strain(housing, self.reference)
+        else:
+            around = self.housing_expansion * (housing - self.reference)
+        return (base - around) * float(seat.basis.mesh.p[0].max())
+
+
+def heating(case: CaseTables) -> Heating | None:
+    """What warms the seal of a case whose temperatures are calculated; None for any other.
+
+    Parameters
+    ----------
+    case : CaseTables
+    """
+    heat = case.temperature
+    if heat is None or not heat.faces:
+        return None
+    faces = {name: Face(face.temperature, face.heat_transfer) for name, face in heat.faces.items()}
+    return Heating(
+        Surroundings(faces, heat.contact_conductance, _touching(case)),
+        heat.reference,
+        heat.housing,
+        heat.housing_expansion,
+    )
+
+
+def _line_loads(case: CaseTables) -> list[float]:
+    load, contact = case.load, case.contact
+    forces = [
+        expected_force(contact.touch_radius, *point, load.pressure_side, load.closing)
+        for point in load.points
+    ]
+    closed = [force for force in forces if force > 0] or [1.0]
+    return [line_load(force, contact.touch_radius, contact.angle) for force in closed]
+
+
+def _touching(case: CaseTables) -> tuple[float, float]:
+    """Arc lengths within which the bodies touch: two standard deviations of the pressure at the largest load.
+
+    That is Hertz' half-width for hard contact. The resistance around so narrow a strip follows
+    its width like a logarithm.
+    """
+    contact = case.contact
+    std = contact_width(
+        HardContact(), max(_line_loads(case)), Opening.of(contact), case.effective_modulus
+    ).std
+    low, high = contact.reach
+    return max(low, -2 * std), min(high, 2 * std)
+
+
+def warmed(case: AnyCase) -> AnyCase:
+    """A case with the numbers of materials and fluid at the temperatures of the contact, where these are calculated.
+
+    Parameters
+    ----------
+    case : CaseTables
+
+    Raises
+    ------
+    InputError
+        If a number is not known at a temperature that is reached.
+    ConvergenceError
+    """
+    found = heating(case)
+    if found is None or case.body_temperatures:
+        return case
+    materials = {"closure": case.closure.material, "seat": case.seat.material}
+    faces = _contact_temperatures(case, found, materials)
+    return case.warmed(faces["closure"], faces["seat"])
+
+
+def _contact_temperatures(
+    case: CaseTables, found: Heating, materials: Mapping[str, Material]
+) -> Mapping[str, float]:
+    modulus = effective_modulus(materials["closure"], materials["seat"])
+    sizing = element_sizes(HardContact(), _line_loads(case), case.contact, modulus, None)
+    try:
+        return found.field(_mesh(case.contact, sizing), materials).faces
+    except InputError as error:
+        raise InputError(
+            *(Problem("temperature", str(one)) for one in error.problems), file=case.file
+        ) from None
+
+
+@lru_cache(maxsize=4)
+def _mesh(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
+    return build_contact(contact, sizing)

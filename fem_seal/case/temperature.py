@@ -1,0 +1,125 @@
+"""The table [temperature] of the case file: how warm the bodies are, and where the drawing's dimensions hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from fem_seal.case.fields import Quantity, Table
+from fem_seal.errors import QuantityError
+from fem_seal.materials import ROOM_TEMPERATURE
+from fem_seal.units import parse_quantity
+
+_KELVIN = Quantity("temperature", "50 K", "1500 K")
+Kelvin = Annotated[float, _KELVIN]
+
+
+class Face(Table):
+    """A face of the seal and what warms it, where temperatures are calculated: guide/temperature in the manual."""
+
+    temperature: Kelvin = Field(
+        description="of the fluid on the face, or without heat_transfer of the face itself",
+        examples=["180 degC"],
+    )
+    heat_transfer: Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e7 W/(m^2 K)")] | None = (
+        Field(
+            None,
+            description="heat transfer coefficient between face and fluid; the face has the temperature unless given",
+            examples=["500 W/(m^2 K)"],
+        )
+    )
+
+
+# Names of the faces, as they stand in the table.
+FACES = ("inner", "outer", "top", "bottom", "wall")
+
+
+class Temperature(Table):
+    """[temperature]: how warm closure and seat are: all over, each its own, or by conduction from what is around them.
+
+    See guide/temperature in the manual. The faces are insulated unless they are named.
+    """
+
+    uniform: Kelvin | None = Field(
+        None, description="of both bodies and, unless it has its own, of the fluid", examples=["80 degC"]
+    )
+    closure: Kelvin | None = Field(
+        None, description="of the closure; together with seat, instead of uniform", examples=["120 degC"]
+    )
+    seat: Kelvin | None = Field(
+        None, description="of the seat; together with closure, instead of uniform", examples=["60 degC"]
+    )
+    reference: Kelvin = Field(
+        ROOM_TEMPERATURE,
+        description="temperature at which the dimensions of the drawing hold, and an interference",
+        examples=["20 degC"],
+        json_schema_extra={"default": "20 degC"},
+    )
+    housing: Kelvin | None = Field(
+        None,
+        description='with seat.wall = "fixed": temperature of what holds the wall; that of the seat unless given',
+        examples=["40 degC"],
+    )
+    housing_expansion: Annotated[float, Quantity("thermal expansion", "-1e-4 1/K", "1e-3 1/K")] | None = (
+        Field(
+            None,
+            description='with seat.wall = "fixed": thermal expansion of what holds the wall; that of the seat unless '
+            "given",
+            examples=["23e-6 1/K"],
+        )
+    )
+
+    inner: Face | None = None
+    outer: Face | None = None
+    top: Face | None = None
+    bottom: Face | None = None
+    wall: Face | None = None
+    contact_conductance: (
+        Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e9 W/(m^2 K)")] | None
+    ) = Field(
+        None,
+        description="with faces: thermal conductance of the contact over the width in which the bodies touch; perfect "
+        "unless given",
+        examples=["10 kW/(m^2 K)"],
+    )
+
+    @property
+    def faces(self) -> dict[str, Face]:
+        """Faces of the seal that are not insulated, by their names."""
+        return {name: face for name in FACES if (face := getattr(self, name)) is not None}
+
+    def of_body(self, name: str) -> float | None:
+        """Temperature of the body "closure" or "seat" [K]; None where it is not given."""
+        own: float | None = getattr(self, name)
+        return self.uniform if own is None else own
+
+    @property
+    def film(self) -> float | None:
+        """Mean of both bodies [K], the temperature of the fluid between them; None where they are not given."""
+        closure, seat = self.of_body("closure"), self.of_body("seat")
+        return None if closure is None or seat is None else 0.5 * (closure + seat)
+
+
+def with_film_temperature(fluid: Any, temperature: Any) -> Any:
+    """A table [fluid] as it is written, at the temperature of the film unless it has its own.
+
+    Parameters
+    ----------
+    fluid, temperature : mapping, or whatever else stands there
+        What is wrong with them is for the reading of the tables to say.
+    """
+    if not isinstance(fluid, Mapping) or not isinstance(temperature, Mapping) or "temperature" in fluid:
+        return fluid
+    try:
+        given = {name: _read(temperature.get(name)) for name in ("uniform", "closure", "seat")}
+    except (QuantityError, ValueError):
+        return fluid
+    bodies = [given[name] or given["uniform"] for name in ("closure", "seat")]
+    known = [one for one in bodies if one is not None]
+    return {**fluid, "temperature": f"{sum(known) / 2!r} K"} if len(known) == 2 else fluid
+
+
+def _read(value: object) -> float | None:
+    return None if value is None else parse_quantity(value, "temperature")

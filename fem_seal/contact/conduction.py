@@ -1,0 +1,325 @@
+"""Steady heat conduction in both bodies of a seal, on the meshes of its contact.
+
+div(k grad T) = 0 with quadratic elements, as of the displacement. A face takes up h (T_fluid - T) per area, has
+a temperature, or is insulated; the axis is. Where the bodies touch, heat crosses the contact line at its quadrature
+points, in proportion to the difference of both temperatures there; beside that, the line belongs to the wetted faces.
+What leaves one body enters the other or the fluid to round-off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.held_body import trace_matrix
+from fem_seal.bodies.single_thread import single_threaded
+from fem_seal.errors import ConvergenceError
+from fem_seal.materials import Material
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from skfem import Basis, MeshTri
+
+    from meshes import SealMesh
+
+BODIES = ("closure", "seat")
+# Which boundaries of the meshes a face of the seal is.
+FACES = {
+    "inner": ("closure_inner", "seat_inner"),
+    "outer": ("closure_outer", "seat_outer"),
+    "top": ("closure_top",),
+    "bottom": ("seat_bottom",),
+    "wall": ("seat_wall",),
+}
+# Conductance of a perfect contact in conductivities over the size of its elements: what is left of a step in
+# temperature is that share of the change over an element.
+_PERFECT = 1e3
+# Conductivities that depend on the temperature: change of the field between two solutions [K].
+_SAME, _MOST_STEPS = 1e-8, 50
+
+
+@dataclass(frozen=True)
+class Face:
+    """What a face of the seal is in touch with.
+
+    Parameters
+    ----------
+    temperature : float
+        Of the fluid, or of the face itself [K].
+    heat_transfer : float or None
+        Heat transfer coefficient [W/(m^2 K)]; None where the face itself has the temperature.
+    """
+
+    temperature: float
+    heat_transfer: float | None = None
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What warms and cools a seal.
+
+    Parameters
+    ----------
+    faces : mapping of Face
+        By the names of `FACES`; those that are missing are insulated. At least one.
+    conductance : float or None
+        Of the contact [W/(m^2 K)]; None where it is perfect, both faces having the same temperature.
+    touching : tuple of float
+        Arc lengths from first touch between which the bodies touch [m].
+    """
+
+    faces: Mapping[str, Face]
+    conductance: float | None
+    touching: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class TemperatureField:
+    """Temperatures of a seal and the heat that flows through it.
+
+    Parameters
+    ----------
+    nodes : mapping of ndarray, shape (n,)
+        Temperature of "closure" and "seat" at their quadratic nodes [K].
+    faces : mapping
+        Temperature of the faces of both where they touch, in the mean [K].
+    heat : mapping
+        Heat that flows into the seal through each face [W].
+    across : float
+        Heat that flows from closure to seat where they touch [W].
+    """
+
+    nodes: Mapping[str, FloatArray] = field(repr=False)
+    faces: Mapping[str, float]
+    heat: Mapping[str, float]
+    across: float
+
+
+@dataclass(frozen=True)
+class _Body:
+    """Temperature basis of a body and its part of the contact line."""
+
+    basis: Basis
+    material: Material
+    order: NDArray[np.int64]
+    trace: csr_matrix
+
+    @classmethod
+    def of(cls, name: str, seal_mesh: SealMesh, material: Material, x: FloatArray) -> _Body:
+        from skfem import Basis, ElementTriP2
+
+        mesh: MeshTri = getattr(seal_mesh, name)
+        basis = Basis(mesh, ElementTriP2(), intorder=4)
+        order = np.concatenate([basis.nodal_dofs[0], basis.facet_dofs[0]])
+        nodes, trace = trace_matrix(basis, f"{name}_contact", seal_mesh.contact.coordinate, x)
+        on_nodes = coo_matrix(
+            (np.ones(len(nodes)), (np.arange(len(nodes)), order[nodes])), shape=(len(nodes), basis.N)
+        )
+        return cls(basis, material, order, (trace @ on_nodes).tocsr())
+
+    def conduction(self, temperature: FloatArray) -> csr_matrix:
+        """int 2 pi r k grad T . grad v [W/K] with the conductivity at a temperature (dofs,) [K]."""
+        from skfem import BilinearForm
+        from skfem.helpers import dot, grad
+
+        @BilinearForm
+        def conduct(T, v, w):  # type: ignore[no-untyped-def]
+            return 2 * np.pi * w.x[0] * w.k * dot(grad(T), grad(v))
+
+        here = np.asarray(self.basis.interpolate(temperature))
+        return conduct.assemble(self.basis, k=self.material.conductivity(here))
+
+    def film(self, boundary: str) -> csr_matrix:
+        """int 2 pi r T v over a face [m^2]; zero where the mesh has no such face."""
+        from skfem import BilinearForm
+
+        if not len((self.basis.mesh.boundaries or {}).get(boundary, ())):
+            # a contact line that reaches to the end of its face leaves nothing wetted beside it
+            return csr_matrix((self.basis.N, self.basis.N))
+
+        @BilinearForm
+        def area(T, v, w):  # type: ignore[no-untyped-def]
+            return 2 * np.pi * w.x[0] * T * v
+
+        return area.assemble(self.basis.boundary(boundary))
+
+    def dofs(self, boundary: str) -> NDArray[np.int64]:
+        """Of the nodes on a face."""
+        if boundary not in (self.basis.mesh.boundaries or {}):
+            return np.zeros(0, dtype=np.int64)
+        return np.asarray(self.basis.get_dofs(boundary).all())
+
+
+@single_threaded
+def conduct(
+    seal_mesh: SealMesh,
+    materials: Mapping[str, Material],
+    surroundings: Surroundings,
+    x: FloatArray,
+    area_weight: FloatArray,
+) -> TemperatureField:
+    """Steady temperature of both bodies of a seal.
+
+    Parameters
+    ----------
+    materials : mapping
+        Of "closure" and "seat", with their thermal conductivities.
+    surroundings : Surroundings
+    x : ndarray, shape (m,)
+        Points of the contact line, arc length from first touch [m].
+    area_weight : ndarray, shape (m,)
+        Area of the seat that each of them stands for [m^2].
+
+    Raises
+    ------
+    InputError
+        If a conductivity is not known, or not at a temperature that is reached.
+    ConvergenceError
+        If conductivities that depend on the temperature leave no steady one.
+    """
+    system = _System.of(seal_mesh, materials, surroundings, x, area_weight)
+    temperature = np.full(system.size, np.mean([face.temperature for face in surroundings.faces.values()]))
+    steps = 1 if not any(material.over_temperature for material in materials.values()) else _MOST_STEPS
+    for _ in range(steps):
+        before, temperature = temperature, system.solved(temperature)
+        if steps == 1 or np.abs(temperature - before).max() < _SAME:
+            return system.field(temperature, before)
+    raise ConvergenceError(
+        "heat conduction: conductivities that depend on the temperature leave no steady one; give them as numbers"
+    )
+
+
+@dataclass(frozen=True)
+class _System:
+    """Equations of both bodies together: what a node conducts away is what enters there from outside."""
+
+    bodies: tuple[_Body, _Body]
+    surroundings: Surroundings
+    films: Mapping[str, csc_matrix]
+    contact: csc_matrix
+    touching: FloatArray
+    held: Mapping[str, NDArray[np.int64]]
+
+    @classmethod
+    def of(
+        cls,
+        seal_mesh: SealMesh,
+        materials: Mapping[str, Material],
+        surroundings: Surroundings,
+        x: FloatArray,
+        area_weight: FloatArray,
+    ) -> _System:
+        closure, seat = (_Body.of(name, seal_mesh, materials[name], x) for name in BODIES)
+        bodies = closure, seat
+        low, high = surroundings.touching
+        touches = (x > low) & (x < high)
+        # a contact narrower than an element is at least the point next to first touch
+        touches |= np.abs(x) == np.abs(x).min()
+        weight = np.where(touches, area_weight, 0.0)
+        # beside the contact the line is a wetted face of either side
+        beside = {"inner": (x < 0) & ~touches, "outer": (x > 0) & ~touches}
+        films = {
+            name: _film(bodies, name, np.where(beside[name], area_weight, 0.0) if name in beside else None)
+            for name in surroundings.faces
+        }
+        conductance = surroundings.conductance
+        if conductance is None:
+            size = np.diff(np.sort(x)).min()
+            conductance = _PERFECT * max(one.largest_conductivity for one in materials.values()) / size
+        jump = bmat([[closure.trace, -seat.trace]]).tocsr()
+        contact = csc_matrix(conductance * (jump.T @ jump.multiply(weight[:, None])))
+        return cls(bodies, surroundings, films, contact, weight, _held(bodies, surroundings))
+
+    @property
+    def size(self) -> int:
+        return sum(body.basis.N for body in self.bodies)
+
+    def split(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        first = self.bodies[0].basis.N
+        return values[:first], values[first:]
+
+    def conduction(self, temperature: FloatArray) -> csc_matrix:
+        parts = [body.conduction(T) for body, T in zip(self.bodies, self.split(temperature), strict=True)]
+        return csc_matrix(csc_matrix(bmat([[parts[0], None], [None, parts[1]]])) + self.contact)
+
+    def entering(self, name: str, temperature: FloatArray) -> FloatArray:
+        """Heat that enters each node through a face with a heat transfer coefficient [W]."""
+        face = self.surroundings.faces[name]
+        film = self.films[name] * (face.heat_transfer or 0.0)
+        return np.asarray(film @ (face.temperature - temperature))
+
+    def solved(self, temperature: FloatArray) -> FloatArray:
+        """Temperature of every node with the conductivities at another one."""
+        from scipy.sparse.linalg import splu
+
+        matrix = self.conduction(temperature)
+        right = np.zeros(self.size)
+        found, free = np.zeros(self.size), np.ones(self.size, dtype=bool)
+        for name, face in self.surroundings.faces.items():
+            film = self.films[name] * (face.heat_transfer or 0.0)
+            matrix = csc_matrix(matrix + film)
+            right += film @ np.full(self.size, face.temperature)
+            if name in self.held:
+                found[self.held[name]], free[self.held[name]] = face.temperature, False
+        factor = splu(csc_matrix(matrix)[free][:, free].tocsc())
+        # A perfect contact is ten thousand times stiffer than the bodies: the digits that this costs are won back.
+        for _ in range(3):
+            found[free] += factor.solve((right - matrix @ found)[free])
+        return found
+
+    def field(self, temperature: FloatArray, before: FloatArray) -> TemperatureField:
+        parts = self.split(temperature)
+        heat = {name: float(self.entering(name, temperature).sum()) for name in self.surroundings.faces}
+        # what the held faces take up is what is missing in the balance of their nodes
+        missing = self.conduction(before) @ temperature - sum(
+            self.entering(name, temperature) for name in self.surroundings.faces
+        )
+        for name, dofs in self.held.items():
+            heat[name] += float(missing[dofs].sum())
+        share = self.touching / self.touching.sum()
+        across = float(self.split(self.contact @ temperature)[0].sum())
+        return TemperatureField(
+            {name: T[body.order] for name, body, T in zip(BODIES, self.bodies, parts, strict=True)},
+            {
+                name: float(share @ (body.trace @ T))
+                for name, body, T in zip(BODIES, self.bodies, parts, strict=True)
+            },
+            heat,
+            across,
+        )
+
+
+def _film(bodies: tuple[_Body, _Body], name: str, beside: FloatArray | None) -> csc_matrix:
+    """int 2 pi r T v over a face of both bodies and the part of the contact line beside it, areas (m,) [m^2]."""
+    parts = []
+    for of, body in zip(BODIES, bodies, strict=True):
+        part = csr_matrix((body.basis.N,) * 2)
+        for boundary in FACES[name]:
+            if boundary.startswith(of):
+                part = part + body.film(boundary)
+        if beside is not None:
+            part = part + body.trace.T @ body.trace.multiply(beside[:, None])
+        parts.append(part)
+    return csc_matrix(bmat([[parts[0], None], [None, parts[1]]]))
+
+
+def _held(bodies: tuple[_Body, _Body], surroundings: Surroundings) -> dict[str, NDArray[np.int64]]:
+    """Nodes of each face that has a temperature itself; a corner between two such faces is one of the first."""
+    held: dict[str, NDArray[np.int64]] = {}
+    starts = dict(zip(BODIES, (0, bodies[0].basis.N), strict=True))
+    for name, face in surroundings.faces.items():
+        if face.heat_transfer is None:
+            dofs = [
+                start + body.dofs(boundary)
+                for boundary in FACES[name]
+                for (of, start), body in zip(starts.items(), bodies, strict=True)
+                if boundary.startswith(of)
+            ]
+            taken = [*held.values(), np.zeros(0, dtype=np.int64)]
+            held[name] = np.setdiff1d(np.concatenate(dofs), np.concatenate(taken))
+    return held
