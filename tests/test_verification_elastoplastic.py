@@ -257,4 +257,7 @@ def test_spring_and_fluid_on_a_yielding_seat_against_calculix(name: str) -> None
         measured = profile.peak_pressure / profile.moment(0), profile.fwhm, profile.std
         expected = [float(row[key]) for key in ("peak_over_line_load_per_m", "fwhm_m", "std_m")]
         assert measured == pytest.approx(expected, rel=allowed)
-        assert contact.states["seat"].plastic.accumulated.max() > 2e-3
+        # more than the seat strains elastically
+        soft = valve.materials["seat"]
+        yielded = contact.states["seat"].plastic.accumulated.max()
+        assert soft.yield_stress and yielded > soft.yield_stress / soft.youngs_modulus
