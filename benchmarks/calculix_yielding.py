@@ -38,9 +38,7 @@ from meshes import SealMesh
 
 HERE = Path(__file__).resolve().parent
 TABLE = HERE.parent / "tests" / "reference" / "calculix_yielding.csv"
-LAW = leak.ExponentialLaw(p_c=5e9, u0=0.76e-6)
 STEPS = 8
-valve_refine = float(os.environ.get("REFINE", "0.5"))
 STEEL = Material("steel", 210e9, 0.3)
 SOFT = Material("soft steel", 210e9, 0.3, hardening=HardeningCurve((0.0, 0.002, 0.05), (250e6, 325e6, 400e6)))
 HARD = Material("tool steel", 210e9, 0.3, hardening=HardeningCurve((0.0, 0.1), (1000e6, 1300e6)))
@@ -60,6 +58,9 @@ class Valve:
         [N]
     fluid_pressure : float
         [Pa]
+    u0 : float
+        Decay length of the exponential law [m]. CalculiX presses where the surfaces overlap alone, by some 17 u0: on an
+        edge that must be little against its radius.
     """
 
     name: str
@@ -68,17 +69,21 @@ class Valve:
     materials: dict[str, Material]
     spring: float
     fluid_pressure: float
+    u0: float
+
+    @property
+    def law(self) -> leak.ExponentialLaw:
+        """The interface law."""
+        return leak.ExponentialLaw(p_c=5e9, u0=self.u0)
 
     def mesh(self) -> SealMesh:
         """Coarse enough for CalculiX to take a minute."""
         contact = meshes.ContactGeometry.of(self.closure.outline, self.seat.outline)
         load = line_load(self.spring, contact.touch_radius, contact.angle)
         modulus = effective_modulus(self.materials["closure"], self.materials["seat"])
-        sizing = element_sizes(LAW, [load], contact, modulus)
+        sizing = element_sizes(self.law, [load], contact, modulus)
         softest = min(one.yield_stress for one in self.materials.values() if one.yield_stress)
-        return meshes.build_contact(
-            contact, for_yielding(sizing, contact, softest, load).refined(valve_refine)
-        )
+        return meshes.build_contact(contact, for_yielding(sizing, contact, softest, load).refined(0.5))
 
 
 def valves() -> Iterator[Valve]:
@@ -91,6 +96,7 @@ def valves() -> Iterator[Valve]:
         {"closure": STEEL, "seat": SOFT},
         2.5e4,
         300e5,
+        0.76e-6,
     )
     poppet = meshes.RoundedCone.of(math.radians(45), outer_radius=6e-3, inner_radius=3e-3)
     yield Valve(
@@ -100,6 +106,7 @@ def valves() -> Iterator[Valve]:
         {"closure": HARD, "seat": HARD},
         2000.0,
         250e5,
+        0.15e-6,
     )
 
 
@@ -124,7 +131,7 @@ def ours(valve: Valve, mesh: SealMesh) -> tuple[ElastoplasticContact, ...]:
     model = condense(mesh, valve.materials)
     fluid = flowing()
     loads = [FluidLoad(valve.spring, 0.0, fluid), FluidLoad(valve.spring, valve.fluid_pressure, fluid)]
-    return load_path(model, LAW, loads, settings=PlasticSettings(steps=STEPS), unload=False).contacts
+    return load_path(model, valve.law, loads, settings=PlasticSettings(steps=STEPS), unload=False).contacts
 
 
 def written(valve: Valve, mesh: SealMesh, contacts: Sequence[ElastoplasticContact]) -> str:
@@ -134,9 +141,9 @@ def written(valve: Valve, mesh: SealMesh, contacts: Sequence[ElastoplasticContac
     lines = [
         "*HEADING",
         f"{valve.name}; mm, N, MPa",
-        *deck._nodes(mesh, cells, LAW, first, True),
+        *deck._nodes(mesh, cells, valve.law, first, True),
         *_bodies(cells, valve.materials),
-        *deck._contact(mesh.mesh, cells, LAW),
+        *deck._contact(mesh.mesh, cells, valve.law),
         *deck._supports(mesh.mesh),
     ]
     gap = contacts[1].loads.gap_pressure
@@ -246,7 +253,7 @@ def main() -> None:
             rows.append((valve.name, pressure, *(f"{one:.7g}" for one in measures[0])))
     if "--write" in sys.argv:
         with TABLE.open("w", newline="") as file:
-            csv.writer(file).writerows([COLUMNS, *rows])
+            csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
 
 
 if __name__ == "__main__":

@@ -35,6 +35,7 @@ from fem_seal.contact.penetration import blow_off_pressure, effective_radius, so
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
+from fem_seal.studies.responses import evaluate
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))
 FIT = FurtherLoads.press_fit(2e-6)
@@ -425,3 +426,22 @@ def sampled() -> tuple[SealProblem, SealSolution]:
     rough = RoughFlow.of(problem.surface, problem.flow, [contact])
     load = LoadResult(*problem.loads.points[0], contact).knowing(rough=rough)
     return problem, SealSolution(case, problem, mesh, model, problem.surface, (load,), NOT_ESTIMATED)
+
+
+def test_a_design_of_a_study_runs_its_own_path() -> None:
+    asked = valve(fluid_pressure="350 bar")
+    columns = [
+        "applied_force_N",
+        "axial_force_N",
+        "effective_seal_radius_m",
+        "leak_rate_m3_per_s",
+        "load_steps",
+    ]
+    found = evaluate(asked, [*columns, "max_accumulated_plastic_strain", "opening_margin_N"]).values
+    _, _, solved = valve_run()
+    # there it comes after 100 bar, here straight from the spring: nearly the same path
+    assert found["axial_force_N"] == pytest.approx(solved.contacts[1].axial_force, rel=1e-2)
+    fluid = math.pi * found["effective_seal_radius_m"] ** 2 * 350e5
+    assert found["axial_force_N"] == pytest.approx(found["applied_force_N"] - fluid, rel=1e-9)
+    assert found["max_accumulated_plastic_strain"] > 1e-3 and found["leak_rate_m3_per_s"] > 0
+    assert 0 < found["opening_margin_N"] < found["axial_force_N"] * 1.1
