@@ -55,7 +55,7 @@ from fem_seal.units import DIMENSIONS, parse_quantity
         ("3.6 L/h", "leak rate", 1e-6),
         ("1 mm^3/s", "leak rate", 1e-9),
         ("1 mm3/s", "leak rate", 1e-9),
-        ("60 cm3/min", "leak rate", 1e-6),
+        ("1 cm3/s", "leak rate", 1e-6),
         ("60 cc/min", "leak rate", 1e-6),
         ("2 W/(m2 K)", "heat transfer", 2.0),
         ("20 degC", "temperature", 293.15),
