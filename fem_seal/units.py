@@ -40,6 +40,7 @@ degree = 3.141592653589793 / 180 * radian = deg = ° = degrees
 inch = 0.0254 * meter = in
 foot = 0.3048 * meter = ft
 liter = 1e-3 * meter ** 3 = l = L = litre
+cubic_centimeter = 1e-6 * meter ** 3 = cc
 micron = 1e-6 * meter
 angstrom = 1e-10 * meter = Å
 minute = 60 * second = min
@@ -98,7 +99,8 @@ DIMENSIONS = {
 
 # Number first, then a product of units with single-digit powers: no arithmetic, so no "9**9**9".
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?"
-_POWER = r"(?:\s?(?:\^|\*\*)\s?-?\d)?"
+# "cm3" is what drawings write for "cm^3"
+_POWER = r"(?:\s?(?:\^|\*\*)\s?-?\d|[23](?!\w))?"
 _TERM = rf"(?:1|[^\W\d_]+{_POWER}|°)"
 _PRODUCT = rf"{_TERM}(?:(?:\s?[*/·]\s?|\s){_TERM})*"
 _UNIT = rf"{_TERM}(?:(?:\s?[*/·]\s?|\s)(?:{_TERM}|\({_PRODUCT}\)))*"
@@ -156,7 +158,7 @@ def _registered_factor(unit: str, dimension: str) -> Fraction:
     registry = _registry()
     wanted = DIMENSIONS[dimension]
     try:
-        given = registry.parse_units(unit.replace("·", "*"))
+        given = registry.parse_units(re.sub(r"(?<=[^\W\d_])([23])(?!\w)", r"^\1", unit.replace("·", "*")))
     except (pint.PintError, ValueError, TypeError, AttributeError, KeyError):
         raise QuantityError(f'unit "{unit}" is unknown{_similar(unit)}; write {wanted.wanted}') from None
     si = registry.parse_units(wanted.si_unit)

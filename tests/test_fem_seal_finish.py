@@ -256,3 +256,15 @@ def test_a_finish_is_one_named_factor_of_a_study(base):
     heights = [height(alone.case_of([number])) for number in (0.0, 1.0)]
     assert alone.values([1.0]) == {"roughness": "ground Ra 0.4 um"}
     assert heights[0] < heights[1]
+
+
+def test_a_finish_whose_usual_surface_is_sealed_has_an_interval_all_the_same(base):
+    """No ratio to a leak rate of zero: rougher surfaces of the process let something through."""
+    sealed = base.replace_written(
+        {"roughness": {"Ra": "0.01 um", "process": "lapped"}, "load.fluid_pressure": "300 bar"}
+    )
+    result = fem_seal.run(sealed)
+    (load,) = result.loads
+    assert load.leak.leak_rate == 0.0
+    low, high = result.leak_ranges[0]
+    assert low == 0.0 < high

@@ -16,7 +16,7 @@ from fem_seal.analysis.chain import _with_judgement
 from fem_seal.analysis.judgement import Judgement, Limit, Verdict, Why
 from fem_seal.analysis.leakage import leakage_classes, next_class
 from fem_seal.analysis.verdict import limits, seal_judgement
-from fem_seal.errors import InputError, LoadProblem
+from fem_seal.errors import ConvergenceError, InputError, LoadProblem
 from fem_seal.output.report.page import report
 from fem_seal.output.report.verdict import factor_text, requirement_lines, verdict_lines, verdict_sentences
 from fem_seal.output.report.words import facts, leakage_lines
@@ -400,3 +400,29 @@ def test_a_verdict_with_doubt_says_so_in_its_first_words():
         assert "with doubt" not in plain
         assert first == plain.replace(" bar:", " bar, with doubt:", 1)
         assert others[0] == "The leak rate there is doubtful: leak rate up to a factor 3.3 off."
+
+
+@pytest.mark.parametrize("ends", [(1e-12, 2e-12), (1e-6, 2e-6), (0.0, 0.0)])
+def test_without_its_interval_a_leak_rate_decides_nothing(ends):
+    judged = Judgement.of(Limit("leak rate", 1e-9), ends, sampled=False)
+    assert (judged.verdict, judged.why) == (Verdict.UNDECIDED, Why.UNSAMPLED)
+    assert math.isnan(judged.margin)
+    opened = Judgement.of(Limit("leak rate", 1e-9), (math.inf, math.inf), sampled=False)
+    assert opened.verdict is Verdict.FAILS
+
+
+def test_an_interval_that_cannot_be_calculated_leaves_the_verdict_undecided(monkeypatch):
+    def fails(*_, **__):
+        raise ConvergenceError("nothing converges")
+
+    monkeypatch.setattr("fem_seal.analysis.uncertainty.leak_interval", fails)
+    result = fem_seal.run(
+        case(
+            load={"fluid_pressure": "20 bar"},
+            uncertainty={"samples": 16, "hardness": {"relative": 0.1}},
+            requirement={"leak_rate": "1 l/min"},
+        )
+    )
+    assert result.judgement.worst.why is Why.UNSAMPLED
+    (told, *_) = verdict_sentences(result)
+    assert told.startswith("Undecided at 20 bar") and "interval" in told

@@ -241,7 +241,9 @@ def _with_judgement(result: SealSolution, missing: Mapping[tuple[float, float], 
     """The result with what is said of its requirement; `missing` are loads without a result."""
     if result.case.requirement is None:
         return result
-    loads = with_judgements(result.case, result.loads, result.leak_ranges)
+    open_inputs = result.problem.usual_only or result.case.sampled is not None
+    sampled = result.uncertainty is not None or not open_inputs
+    loads = with_judgements(result.case, result.loads, result.leak_ranges, sampled=sampled)
     judgement = seal_judgement(result.case, loads, missing, result.problem.hardness)
     return replace(result, loads=loads, judgement=judgement)
 

@@ -163,7 +163,10 @@ def warmed(case: AnyCase) -> AnyCase:
         return case
     materials = {"closure": case.closure.material, "seat": case.seat.material}
     faces = _contact_temperatures(case, found, materials)
-    return case.warmed(faces["closure"], faces["seat"])
+    try:
+        return case.warmed(faces["closure"], faces["seat"])
+    except InputError as error:
+        raise error.in_file(case.file) from None
 
 
 def _contact_temperatures(

@@ -32,6 +32,8 @@ class Why(StrEnum):
     """No visible leakage is allowed, and what leaks may or may not be seen."""
     OUTSIDE = "outside"
     """The load is outside the theory."""
+    UNSAMPLED = "unsampled"
+    """What the inputs leave open is not known."""
     UNKNOWN = "unknown"
     """There is no leak rate."""
 
@@ -96,7 +98,9 @@ class Judgement:
     reason: str = ""
 
     @classmethod
-    def of(cls, limit: Limit, ends: tuple[float, float], validity: Validity = VALID) -> Judgement:
+    def of(
+        cls, limit: Limit, ends: tuple[float, float], validity: Validity = VALID, *, sampled: bool = True
+    ) -> Judgement:
         """The judgement of a leak rate.
 
         Parameters
@@ -106,6 +110,8 @@ class Judgement:
             Lower and upper end of the leak rate's interval, of the case's own fluid [m^3/s]; NaN if not known.
         validity : Validity
             Of the leak rate.
+        sampled : bool
+            Whether the interval holds what the inputs leave open.
         """
         if any(map(math.isnan, (*ends, limit.leak_rate))):
             return cls(Verdict.UNDECIDED, math.nan, Why.UNKNOWN, limit)
@@ -116,6 +122,8 @@ class Judgement:
         margin = _margin(limit, tested[1])
         if validity.outside:
             return cls(Verdict.UNDECIDED, margin, Why.OUTSIDE, limit, tested, validity.reasons[0])
+        if not sampled:
+            return cls(Verdict.UNDECIDED, math.nan, Why.UNSAMPLED, limit, tested)
         return cls(verdict, margin, why, limit, tested)
 
 

@@ -120,6 +120,8 @@ def leak_interval(
 _RUNS_PER_TERM, _MOST_RUNS = 1.35, 96
 # Error of a left-out run over the scatter, above which the runs are doubled.
 _ERROR_OF_WIDE = 0.4
+# Samples of a finish whose usual surface is sealed at a load, all calculated.
+_OF_SEALED = 64
 # Share of the runs that must converge.
 _FEWEST_KNOWN = 0.7
 # Loads that are sampled where there are more.
@@ -143,6 +145,10 @@ def _interval_of_finish(
     study = _Study.of(part, settings)
     study = replace(study, coarse=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
     usual, viscosity = study.of_coarse, study.viscosity[:, None]
+    if not np.all((usual > 0) & np.isfinite(usual)):
+        # what is sealed has no ratios
+        few = settings.model_copy(update={"samples": min(settings.samples, _OF_SEALED)})
+        return _interval(_Study.of(result, few), few, progress)
     terms = (study.scores.shape[1] + 1) * (study.scores.shape[1] + 2) // 2
     goal = min(math.ceil(_RUNS_PER_TERM * terms) + 1, len(study.uniform), _MOST_RUNS)
     runs, rates, surface, error = 0, np.empty((0, usual.size)), None, None

@@ -60,7 +60,9 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     return Limit(name, found[0], visible, test_fluid, ratio)
 
 
-def judged(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> Judgement | None:
+def judged(
+    case: Case, load: LoadResult, ends: tuple[float, float] | None, *, sampled: bool = True
+) -> Judgement | None:
     """What is said of one load; None without a requirement for it.
 
     Parameters
@@ -70,20 +72,26 @@ def judged(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> Ju
         With its validity.
     ends : tuple of float or None
         Of the interval of its leak rate [m^3/s]; the leak rate itself if None.
+    sampled : bool
+        Whether the interval holds what the inputs leave open.
     """
     required = case.requirement
     if required is None or not required.judges(load.fluid_pressure):
         return None
     rate = math.nan if load.leak is None else load.leak.leak_rate
     found = [
-        Judgement.of(limit, ends or (rate, rate), load.validity)
+        Judgement.of(limit, ends or (rate, rate), load.validity, sampled=sampled)
         for limit in limits(case, load.fluid_pressure)
     ]
     return max(found, key=severity, default=None)
 
 
 def with_judgements(
-    case: Case, loads: Sequence[LoadResult], ranges: Iterable[tuple[float, float] | None]
+    case: Case,
+    loads: Sequence[LoadResult],
+    ranges: Iterable[tuple[float, float] | None],
+    *,
+    sampled: bool = True,
 ) -> tuple[LoadResult, ...]:
     """Loads with what is said of them.
 
@@ -93,9 +101,12 @@ def with_judgements(
     loads : sequence of LoadResult
     ranges : iterable
         Ends of the interval of each leak rate [m^3/s], or None.
+    sampled : bool
+        See `judged`.
     """
     return tuple(
-        load.knowing(judgement=judged(case, load, ends)) for load, ends in zip(loads, ranges, strict=True)
+        load.knowing(judgement=judged(case, load, ends, sampled=sampled))
+        for load, ends in zip(loads, ranges, strict=True)
     )
 
 

@@ -272,8 +272,9 @@ def _of_surface(problem: SealProblem) -> Iterator[Caution]:
             Level.DOUBTFUL,
             "of a finish the usual surface alone, without its interval",
             "the drawing's finish leaves much of the surface open, and its interval is not calculated together with "
-            'conductivity = "direct" or for given pressure profiles: the leak rate is that of the '
-            "usual surface and may be off by a factor of ten",
+            'conductivity = "direct", for given pressure profiles, or for designs of a study without '
+            "leak_rate_high_m3_per_s among their responses: the leak rate is that of the usual surface and may be off "
+            "by a factor of ten",
         )
     for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)

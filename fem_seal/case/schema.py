@@ -44,7 +44,16 @@ def case_schema() -> dict[str, Any]:
     written = as_schema("fem-seal case", schema)
     _add_finishes(written["properties"], ("roughness",))
     _add_finishes(written["$defs"]["Roughness"]["properties"], ("spectrum", "seat", "closure"))
+    _share_material(written["$defs"])
     return written
+
+
+def _share_material(known: dict[str, Any]) -> None:
+    """Say what a material is once, for all shapes of both bodies."""
+    for table in [one for one in known.values() if "material" in one.get("properties", {})]:
+        entry = table["properties"]["material"]
+        known.setdefault("Material", {"allOf": entry["allOf"]})
+        table["properties"]["material"] = {**entry, "allOf": [{"$ref": "#/$defs/Material"}]}
 
 
 def _add_finishes(properties: dict[str, Any], keys: tuple[str, ...]) -> None:

@@ -9,7 +9,7 @@ What leaves one body enters the other or the fluid to round-off.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +18,7 @@ from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.held_body import trace_matrix
 from fem_seal.bodies.single_thread import single_threaded
-from fem_seal.errors import ConvergenceError
+from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.materials import Material
 
 if TYPE_CHECKING:
@@ -104,6 +104,7 @@ class TemperatureField:
 class _Body:
     """Temperature basis of a body and its part of the contact line."""
 
+    name: str
     basis: Basis
     material: Material
     order: NDArray[np.int64]
@@ -120,7 +121,7 @@ class _Body:
         on_nodes = coo_matrix(
             (np.ones(len(nodes)), (np.arange(len(nodes)), order[nodes])), shape=(len(nodes), basis.N)
         )
-        return cls(basis, material, order, (trace @ on_nodes).tocsr())
+        return cls(name, basis, material, order, (trace @ on_nodes).tocsr())
 
     def conduction(self, temperature: FloatArray) -> csr_matrix:
         """int 2 pi r k grad T . grad v [W/K] with the conductivity at a temperature (dofs,) [K]."""
@@ -132,7 +133,13 @@ class _Body:
             return 2 * np.pi * w.x[0] * w.k * dot(grad(T), grad(v))
 
         here = np.asarray(self.basis.interpolate(temperature))
-        return conduct.assemble(self.basis, k=self.material.conductivity(here))
+        try:
+            conductivity = self.material.conductivity(here)
+        except InputError as error:
+            raise InputError(
+                *(replace(one, key=f"{self.name}: {one.key}") for one in error.problems)
+            ) from None
+        return conduct.assemble(self.basis, k=conductivity)
 
     def film(self, boundary: str) -> csr_matrix:
         """int 2 pi r T v over a face [m^2]; zero where the mesh has no such face."""

@@ -89,7 +89,8 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     load = _load(problem, stress=can_yield or "max_von_mises_Pa" in columns, interpolate=interpolate)
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
-    validity = _validity(problem, load, tabulated=leaks and interpolate)
+    of_usual = replace(problem, usual_only=problem.of_finish) if leaks else problem
+    validity = _validity(of_usual, load, tabulated=leaks and interpolate)
     if "margin" in columns:
         load = load.knowing(validity=validity)
         load = load.knowing(judgement=judged(case, load, load.leak_range))

@@ -215,8 +215,10 @@ def logarithmic(axes: Axes, *which: str) -> None:
     from matplotlib.ticker import LogLocator, NullLocator
 
     for name in which:
-        getattr(axes, f"set_{name}scale")("log")
         axis = getattr(axes, f"{name}axis")
+        if not 0 < axis.get_minpos() < math.inf:
+            continue  # zeros alone
+        getattr(axes, f"set_{name}scale")("log")
         low, high = sorted(axis.get_view_interval())
         decades = math.log10(high / low) if low > 0 else 9.0
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.2 else (1.0,), numticks=8))

@@ -27,6 +27,7 @@ _SENTENCES = {
     Why.TEST_FLUID: "test_fluid",
     Why.VISIBLE: "visible",
     Why.OUTSIDE: "outside",
+    Why.UNSAMPLED: "unsampled",
     Why.UNKNOWN: "unknown",
 }
 

@@ -353,10 +353,10 @@ def _widest(load: LoadResult, ends: tuple[float, float] | None) -> float | tuple
 def samples_in_words(case: Case, load: LoadResult) -> str:
     """What the two ends of a leak rate are whose inputs are uncertain."""
     assert case.sampled is not None
-    which = "finish" if has_finish(case) else "inputs"
+    of_finish, of_inputs = ("finish_both", "inputs_both") if load.yields else ("finish", "inputs")
     return said(
         "readings.sampled",
-        which + ("_both" if load.yields else ""),
+        of_finish if has_finish(case) else of_inputs,
         share=percent(case.sampled.confidence),
     )
 
