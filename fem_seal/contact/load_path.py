@@ -198,6 +198,8 @@ def _with_bodies(
     )
 
 
+# Share of the way to a load from which on the bodies are near enough to those that it would part.
+_NEAR_OPENING = 0.02
 # What keeps a step from being solved; a smaller one may be.
 _FAILURES = (ConvergenceError, OpenSealError, FloatingPointError, RuntimeError, np.linalg.LinAlgError)
 
@@ -212,8 +214,8 @@ class _Walk:
     def to(self, end: LoadOnPath, begin: LoadOnPath, here: Equilibrium) -> tuple[Equilibrium, int]:
         """Walk from one load to another in steps, halved where they do not converge; also their number.
 
-        A step under which the fluid lifts the closure off is halved, too: further away than the smallest step it may do
-        so because the bodies are not yet those of the step's end.
+        A step under which the fluid lifts the closure off is halved, too: from far away it may do so because the bodies
+        are not yet those of the step's end.
         """
         share = begin.change(end, self.model.touch_radius)
         largest = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
@@ -225,10 +227,13 @@ class _Walk:
                 here = self._pressed(load, here)
             except _FAILURES as error:
                 step = (aim - way) / 2
-                if step >= self.settings.smallest_step:
+                smallest = step < self.settings.smallest_step
+                if isinstance(error, OpenSealError) and (smallest or step < _NEAR_OPENING):
+                    opened = self._open(end, here, error)
+                    if smallest or opened.error is not error:
+                        raise _Opened(opened, here) from error
+                if not smallest:
                     continue
-                if isinstance(error, OpenSealError):
-                    raise _Opened(self._open(end, here, error), here) from error
                 raise ConvergenceError(_gave_up(begin.between(end, way), load, error)) from error
             way, steps, step = aim, steps + 1, min(2 * step, largest)
         return here, steps
@@ -253,7 +258,7 @@ class _Walk:
             )
 
     def _open(self, load: LoadOnPath, reached: Equilibrium, error: OpenSealError) -> OpenLoad:
-        """What is said of a load that opens the seal, by the bodies as they last touched."""
+        """What is said of a load by the bodies as they last touched; what was said on the way if they are closed."""
         model = unloading_model(self.model, self.bodies, reached.states, load.apart)
         try:
             load.contact(model, self.law, reached.contact)
