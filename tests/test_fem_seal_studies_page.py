@@ -244,6 +244,8 @@ UNITS = {
     "leak_rate_kg_per_s": "kg/s",
     "leak_rate_Pa_m3_per_s": "Pa m^3/s",
     "load_steps": "1",
+    "effective_viscosity_Pa_s": "Pa s",
+    "contact_temperature_K": "K",
 }
 
 
