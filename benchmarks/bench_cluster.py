@@ -126,10 +126,11 @@ def main() -> None:
             over.set()
             watcher.join()
         table, designs = result.table, result.solve_seconds
+        overhead = wall * given.workers / designs - 1
         print(
             f"{count} designs on {given.workers} workers over {address.split(':')[0]}: {wall:.0f} s, "
-            f"{1e3 * designs / count:.1f} ms per design in its worker, overhead "
-            f"{100 * (wall * given.workers / designs - 1):.0f} % (the lost worker's share among it), failed {result.counts['failed']}, load {os.getloadavg()[0]:.1f}"
+            f"{1e3 * designs / count:.1f} ms per design in its worker, overhead {100 * overhead:.0f} % "
+            f"(the lost worker's share among it), failed {result.counts['failed']}, load {os.getloadavg()[0]:.1f}"
         )
         every = max(count // given.compare, 1)
         from fem_seal.studies.work import Chunk, Recipe, calculate
