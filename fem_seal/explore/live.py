@@ -48,8 +48,9 @@ _LIVE_LOADS = 5
 _FEW, _SHARES = 3, (0.2, 0.4, 0.6, 0.8)
 # Of a gas each takes several times as long.
 _LIVE_LOADS_OF_GAS, _SHARES_OF_GAS = 3, (0.5,)
-# Steps of the sizes in the logarithm to base 2, and how much faster the elements grow into the bodies.
-_STEP, _DEEPER = 0.5, 1.75
+# Steps of the sizes in the logarithm to base 2, and how much faster the elements grow into the bodies and along the faces
+# than those of a run: its numbers to 2e-4.
+_STEP, _DEEPER, _ALONG = 0.5, 2.1, 1.41
 _MODELS, _TABLES = 96, 2048
 # Stops between two designs for which things are made ahead.
 _AHEAD = 4
@@ -414,7 +415,7 @@ def coarsely_rounded(wanted: Sizing, *, exact_size: bool = False) -> Sizing:
         contact_size=min(size, wanted.far_size),
         core=size * _up(wanted.core / size),
         zone=(_end(wanted.zone[0]), _end(wanted.zone[1])),
-        growth_along=_down(wanted.growth_along),
+        growth_along=_ALONG * _down(wanted.growth_along),
         growth_deep=_DEEPER * wanted.growth_deep,
         spots=tuple((place, _down(one)) for place, one in wanted.spots),
     )
