@@ -48,8 +48,8 @@ _LIVE_LOADS = 5
 _FEW, _SHARES = 3, (0.2, 0.4, 0.6, 0.8)
 # Of a gas each takes several times as long.
 _LIVE_LOADS_OF_GAS, _SHARES_OF_GAS = 3, (0.5,)
-# Steps of the sizes in the logarithm to base 2, and how much faster the elements grow into the bodies and along the faces
-# than those of a run: its numbers to 2e-4.
+# Steps of the sizes in the logarithm to base 2, and how much faster the elements grow into the bodies and along the
+# faces than those of a run: its numbers to 2e-4.
 _STEP, _DEEPER, _ALONG = 0.5, 2.1, 1.41
 _MODELS, _TABLES = 96, 2048
 # Stops between two designs for which things are made ahead.
