@@ -211,7 +211,7 @@ def test_a_sealed_contact_says_so():
     assert "Sealed at every load up to 20 bar" in page.text
     partly = Page(report(sealed(rough_result(), 10e5)))
     assert b"sealed: nothing leaks" in partly.pictures["leak"]
-    assert "none, sealed at 20 bar" in partly.text
+    assert "nothing at 20 bar" in partly.text
 
 
 def test_many_loads_do_not_make_many_legend_entries():

@@ -314,6 +314,8 @@ def _what_leaks(result: SealSolution) -> str:
         (
             "at an unknown rate"
             if load.validity.outside
+            else "nothing"
+            if rate in (0, (0, 0))
             else leak_range_text(rate, load.digits, beside=largest)
         )
         + f" at {load_values(load, loads)}"
