@@ -7,6 +7,7 @@ transformation) obeys the equation of a liquid that does not thicken.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -372,15 +373,8 @@ class PressureTable:
     uncertainty: float = 0.0
 
     def __post_init__(self) -> None:
-        p = self.pressures
-        if len(p) < 4 or p[0] != 0.0 or any(b <= a for a, b in pairwise(p)):
-            raise FluidError(f"pressures = {p!r}: must be at least four, increasing from zero [Pa]")
-        for name in ("viscosity_ratios", "density_ratios"):
-            values = getattr(self, name)
-            if len(values) != len(p) or not all(0.0 < one < float("inf") for one in values):
-                raise FluidError(
-                    f"{name} = {values!r}: must be {len(p)} positive numbers, one for each pressure"
-                )
+        columns = {"viscosity_ratios": self.viscosity_ratios, "density_ratios": self.density_ratios}
+        check_table(self.pressures, columns)
 
     @property
     def highest_pressure(self) -> float:
@@ -394,6 +388,17 @@ class PressureTable:
     def density_ratio(self, pressure: ArrayLike) -> FloatArray:
         """rho/rho0 at pressures above atmospheric [Pa]."""
         return cubic_of_logarithms(self.pressures, self.density_ratios, pressure)
+
+
+def check_table(pressures: tuple[float, ...], columns: Mapping[str, tuple[float, ...]]) -> None:
+    """FluidError unless pressures [Pa] increase from zero, and each column has a positive number for each of them."""
+    if len(pressures) < 4 or pressures[0] != 0.0 or any(b <= a for a, b in pairwise(pressures)):
+        raise FluidError(f"pressures = {pressures!r}: must be at least four, increasing from zero [Pa]")
+    for name, values in columns.items():
+        if len(values) != len(pressures) or not all(0.0 < one < float("inf") for one in values):
+            raise FluidError(
+                f"{name} = {values!r}: must be {len(pressures)} positive numbers, one for each pressure"
+            )
 
 
 def cubic_of_logarithms(at: tuple[float, ...], ratios: tuple[float, ...], pressure: ArrayLike) -> FloatArray:

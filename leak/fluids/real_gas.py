@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
-from leak.errors import FluidError
-from leak.fluids.pressure_law import cubic_of_logarithms
+from leak.fluids.pressure_law import check_table, cubic_of_logarithms
 from leak.numerics.gauss import gauss
 
 
@@ -54,15 +53,8 @@ class RealGas:
     condenses: bool = False
 
     def __post_init__(self) -> None:
-        p = np.asarray(self.pressures)
-        if p.size < 4 or p[0] != 0.0 or np.any(np.diff(p) <= 0.0):
-            raise FluidError(
-                f"pressures = {self.pressures!r}: must be at least four, increasing from zero [Pa]"
-            )
-        for name in ("compressibility", "viscosity_ratios"):
-            values = np.asarray(getattr(self, name))
-            if values.shape != p.shape or not np.all((values > 0.0) & np.isfinite(values)):
-                raise FluidError(f"{name}: must be {p.size} positive numbers, one for each pressure")
+        columns = {"compressibility": self.compressibility, "viscosity_ratios": self.viscosity_ratios}
+        check_table(self.pressures, columns)
 
     @property
     def highest_pressure(self) -> float:
