@@ -53,7 +53,8 @@ class ConicalSeat:
         if not 0 < self.bore_radius < self.face_radius <= self.outer_radius:
             raise GeometryError(
                 "seat radii must increase from the bore over the upper edge of the face to the housing, got "
-                f"{self.bore_radius:.6g} m, {self.face_radius:.6g} m, {self.outer_radius:.6g} m"
+                f"{self.bore_radius:.6g} m, {self.face_radius:.6g} m, {self.outer_radius:.6g} m; make the bore "
+                "smaller, or the upper edge or the housing larger (bore_radius, face_radius, outer_radius)"
             )
         if not (math.isfinite(self.height) and self.height > 0):
             raise GeometryError(f"seat height = {self.height!r} m: must be positive and finite")
