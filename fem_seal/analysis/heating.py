@@ -8,7 +8,7 @@ is taken at the contact, and then on that of the problem, for the field that str
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
@@ -25,6 +25,7 @@ from fem_seal.materials import Material, effective_modulus
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
     from fem_seal.case.tables import CaseTables
 
 AnyCase = TypeVar("AnyCase", bound="CaseTables")
@@ -70,6 +71,8 @@ class Heating:
                 name: materials[name].thermal_strain(nodes, self.reference) - base
                 for name, nodes in found.nodes.items()
             }
+            for name, nodes in found.nodes.items():
+                _check_curves(name, materials[name], nodes)
         except InputError as error:
             raise InputError(*(Problem("temperature", str(one)) for one in error.problems)) from None
         return {name: Heat(nodes, strains[name]) for name, nodes in found.nodes.items()}
@@ -100,6 +103,19 @@ class Heating:
         else:
             around = self.housing_expansion * (housing - self.reference)
         return (base - around) * float(seat.basis.mesh.p[0].max())
+
+
+def _check_curves(name: str, material: Material, temperature: FloatArray) -> None:
+    """InputError where the hardening curves of a body do not reach to all of its temperatures [K]."""
+    curves = material.hardening_over_temperature
+    if curves is None:
+        return
+    try:
+        curves.check(temperature)
+    except InputError as error:
+        raise InputError(
+            *(replace(one, key=f"{name}.material.{one.key}") for one in error.problems)
+        ) from None
 
 
 def heating(case: CaseTables) -> Heating | None:

@@ -20,7 +20,7 @@ from fem_seal.bodies.elasticity import (
     strain_matrix,
 )
 from fem_seal.bodies.plastic_flow import Flow, PlasticState, radial_return
-from fem_seal.materials import HardeningCurve, Material
+from fem_seal.materials import HardeningCurve, HardeningField, Material
 
 if TYPE_CHECKING:
     from skfem import Basis
@@ -57,6 +57,9 @@ class ElastoplasticBody:
         With its hardening curve.
     free : ndarray of int
         Dofs that are not held.
+    temperature : ndarray, shape (elements, points), optional
+        At the quadrature points [K], where it differs from place to place; of a material whose hardening curve depends
+        on it each point then has its own.
 
     Raises
     ------
@@ -67,16 +70,20 @@ class ElastoplasticBody:
     basis: Basis
     material: Material
     free: NDArray[np.int64]
+    temperature: FloatArray | None = None
 
     def __post_init__(self) -> None:
         if self.material.hardening is None:
             raise ValueError(f"{self.material.name}: has no hardening curve, it does not yield")
 
-    @property
-    def hardening(self) -> HardeningCurve:
-        """Flow stress over plastic strain."""
+    @cached_property
+    def hardening(self) -> HardeningCurve | HardeningField:
+        """Flow stress over plastic strain, of all points or of each."""
         assert self.material.hardening is not None  # checked when made
-        return self.material.hardening
+        curves = self.material.hardening_over_temperature
+        if curves is None or self.temperature is None:
+            return self.material.hardening
+        return curves.at_points(self.temperature)
 
     @property
     def virgin(self) -> BodyState:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import elasticity_matrix, lame_parameters
-from fem_seal.materials import HardeningCurve, Material
+from fem_seal.materials import HardeningCurve, HardeningField, Material
 
 _UNIT = np.array([1.0, 1.0, 1.0, 0.0])
 # From strain with engineering shear to tensor components, and the weights of a double contraction of tensors.
@@ -68,7 +68,7 @@ class Flow:
 
 
 def radial_return(
-    strain: FloatArray, before: PlasticState, material: Material, hardening: HardeningCurve
+    strain: FloatArray, before: PlasticState, material: Material, hardening: HardeningCurve | HardeningField
 ) -> Flow:
     """Stress after a step from `before` to a given strain, by one implicit Euler step (radial return).
 
@@ -78,6 +78,8 @@ def radial_return(
         Whole strain at the end of the step.
     before : PlasticState
         At the beginning of the step.
+    hardening : HardeningCurve or HardeningField
+        One curve for all points, or one for each.
 
     Notes
     -----

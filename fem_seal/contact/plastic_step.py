@@ -325,7 +325,9 @@ class YieldingBody:
     @cached_property
     def solid(self) -> ElastoplasticBody:
         """The elastoplastic solid."""
-        return ElastoplasticBody(self.held.basis, self.held.material, self.held.free)
+        nodes, basis = self.held.temperature, self.held.basis
+        warm = None if nodes is None else at_quadrature_points(basis, nodes)
+        return ElastoplasticBody(basis, self.held.material, self.held.free, warm)
 
     def linear(
         self, elastic: CondensedBody, displacement: FloatArray, flow: Flow, heat: Mapping[str, float]

@@ -500,10 +500,12 @@ def _depth(depth: float) -> str:
 
 def curve_in_words(curve: HardeningCurve) -> str:
     """A hardening curve in a few words."""
-    first = given("contact pressure", curve.stress[0])
+    # four digits: between two temperatures it is no number that anybody wrote
+    first, last = (
+        given("contact pressure", float(f"{one:.4g}")) for one in (curve.stress[0], curve.stress[-1])
+    )
     if len(curve.stress) == 1:
         return f"{first}, perfectly plastic"
-    last = given("contact pressure", curve.stress[-1])
     return f"{first} to {last} at {percent(curve.last_strain)} plastic strain"
 
 
