@@ -277,8 +277,10 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
 def _condense_body(held: HeldBody) -> CondensedBody:
     stiffness = stiffness_matrix(held.basis, held.material)
     free = stiffness[held.free][:, held.free].tocsc()
-    pulled = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel() if len(held.wall) else None
-    body = condense_body(held, held.condensed(free), pulled)
+    forces = {}
+    if len(held.wall):
+        forces["wall"] = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel()
+    body = condense_body(held, held.contact_compliance(free, held.free_rows), forces)
     return replace(body, loads={**body.loads, **dict(_heated(body))})
 
 

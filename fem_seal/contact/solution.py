@@ -192,7 +192,7 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
         name: body_field(
             name,
             body,
-            body.displacement(solution.point_forces) + loads.displacement(body, model),
+            loads.displacement(body, model, solution.point_forces),
             _at_contact(body, model, solution.pressure),
             loads.free_strain(body, model),
             loads.temperature.get(name),
