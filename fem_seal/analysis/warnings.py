@@ -18,7 +18,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
-from fem_seal.materials import Material
+from fem_seal.materials import creep_remarks
 from fem_seal.units import number
 
 if TYPE_CHECKING:
@@ -477,23 +477,6 @@ def _moved_by_heat(
             f"nearest end of a face is {1e6 * ends:.4g} um away. The contact is calculated where the drawing has it: "
             "give the dimensions of the hot parts instead, with that temperature as reference",
         )
-
-
-def creep_remarks(materials: Mapping[str, Material]) -> list[str]:
-    """What is to be known of bodies that creep, one sentence for each.
-
-    Parameters
-    ----------
-    materials : mapping
-        From "closure" and "seat" to their materials.
-    """
-    return [
-        f"{name}: {material.name} creeps. Its contact grows with time and temperature, and what is lost of the "
-        "closing force after a change of temperature or of load is not calculated: the results are those of a short "
-        "time at the modulus and hardness given"
-        for name, material in materials.items()
-        if material.creeps
-    ]
 
 
 def _creeps(

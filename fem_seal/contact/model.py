@@ -22,8 +22,9 @@ from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
-from fem_seal.bodies.held_body import Heat, HeldBody, Supports, held_body
+from fem_seal.bodies.held_body import Heat, HeldBody, held_body
 from fem_seal.bodies.single_thread import single_threaded
+from fem_seal.bodies.supports import Supports
 from fem_seal.materials import Material, effective_modulus
 from fem_seal.units import quantity
 from meshes import ContactGeometry, SealMesh

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import FluidError, positive
+from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
 from leak.numerics.gauss import gauss
 
 
@@ -402,7 +403,7 @@ def check_table(pressures: tuple[float, ...], columns: Mapping[str, tuple[float,
 
 
 def cubic_of_logarithms(at: tuple[float, ...], ratios: tuple[float, ...], pressure: ArrayLike) -> FloatArray:
-    """Ratios at other pressures: their logarithms are cubic splines, and go on straight beyond the last one.
+    """Ratios at other pressures: their logarithms are cubic splines, and go on straight beyond their ends.
 
     Parameters
     ----------
@@ -411,15 +412,11 @@ def cubic_of_logarithms(at: tuple[float, ...], ratios: tuple[float, ...], pressu
     pressure : array_like
         [Pa]
     """
-    p = np.asarray(pressure, dtype=float)
-    spline = _spline(at, ratios)
-    inside, last = np.minimum(p, at[-1]), at[-1]
-    beyond = np.maximum(p - last, 0.0) * float(spline(last, 1))
-    return np.asarray(np.exp(spline(inside) + beyond))
+    return np.exp(_curve(at, ratios).value(np.asarray(pressure, dtype=float)))
 
 
 @lru_cache(maxsize=32)
-def _spline(at: tuple[float, ...], ratios: tuple[float, ...]):  # type: ignore[no-untyped-def]
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(np.array(at), np.log(ratios))
+def _curve(at: tuple[float, ...], ratios: tuple[float, ...]) -> MonotoneCurve:
+    """The cubic spline of the logarithms; only a curve that is asked for its inverse need be monotone."""
+    pressures, logarithms = np.array(at), np.log(ratios)
+    return MonotoneCurve(pressures, logarithms, cubic_spline_slopes(pressures, logarithms))
