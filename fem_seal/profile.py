@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,18 @@ class PressureProfile:
             return float(self.x[k]), float(p[1])
         top = float(np.clip(-c1 / (2 * c2), x[0] / x[2], 1.0))
         return float(self.x[k] + top * x[2]), float(p[1] * (c0 + c1 * top + c2 * top**2))
+
+    @cached_property
+    def contact(self) -> ContactProfile:
+        """The profile between and beyond its points, on first loading.
+
+        Raises
+        ------
+        ProfileError
+            Its points cannot be used.
+        """
+        points = checked_profile(self.x, self.pressure, self.radius)
+        return ContactProfile.through(*points, checked_ends(self.ends))
 
     @property
     def peak_pressure(self) -> float:

@@ -168,14 +168,7 @@ def _scaled_table(table: Conductivity, height: float, pressure: float, memory: L
         liquid = _scaled_table(table.liquid, height, pressure, memory)
         assert isinstance(liquid, ConductivityTable)  # of what a liquid's is made of
         return replace(table, liquid=liquid)
-    return ConductivityTable(
-        table.pressure * pressure,
-        table.separation * height,
-        table.sealing_pressure * pressure,
-        table.p_max * pressure,
-        table.method,
-        memory,
-    )
+    return table.scaled(height, pressure, memory)
 
 
 def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:

@@ -238,7 +238,7 @@ def _density_ratio(compression: Tait | None, pressure: ArrayLike) -> FloatArray:
 # reach up to a power of two to this step, so that neighbouring pressures share them.
 _PANELS, _POINTS, _STEP = 112, 6, 0.25
 # Newton's method doubles the digits: a step of this share of the highest pressure leaves round-off.
-_NEWTON_STEPS, _NEWTON_CLOSE = 40, 1e-9
+_NEWTON_STEPS, _NEWTON_CLOSE, _EXACT = 40, 1e-9, 1e-14
 # A liquid 1e9 times as viscous is a solid. Held there, pressures whose psi differs by round-off alone stay apart, and
 # psi is too large by no more than 1e-9 of the pressure.
 _LEAST_MOBILITY = 1e-9
@@ -274,7 +274,7 @@ class FlowPotential:
         p = np.asarray(pressure, dtype=float)
         if self.law is None:
             return p
-        at, psi, _ = self._panels
+        at, psi, _, _ = self._panels
         inside = np.clip(p, 0.0, self.highest)
         k = np.minimum(np.searchsorted(at, inside, side="right") - 1, _PANELS - 1)
         nodes, weights = gauss(_POINTS)
@@ -292,13 +292,13 @@ class FlowPotential:
         target = np.asarray(potential, dtype=float)
         if self.law is None:
             return target
-        at, psi, inverse = self._panels
+        at, psi, inverse, exact = self._panels
         whole = self._whole
         inside = np.clip(target, 0.0, whole)
         k = np.minimum(np.searchsorted(psi, inside, side="right") - 1, _PANELS - 1)
         low, high = np.minimum(at[k], self.highest), np.minimum(at[k + 1], self.highest)
         p = np.clip(inverse.value(inside), low, high)
-        for _ in range(_NEWTON_STEPS):
+        for _ in range(0 if exact else _NEWTON_STEPS):
             before, p = p, np.clip(p + (inside - self(p)) / self.mobility(p), low, high)
             if not np.any(np.abs(p - before) > _NEWTON_CLOSE * self.highest):
                 break
@@ -337,11 +337,12 @@ class FlowPotential:
 
 
 class _Panels(NamedTuple):
-    """Ends of the panels, psi there, and p over psi, a few digits of it."""
+    """Ends of the panels, psi there, p over psi, and whether that is as good as it gets."""
 
     at: FloatArray
     psi: FloatArray
     inverse: MonotoneCurve
+    exact: bool
 
 
 @lru_cache(maxsize=64)
@@ -349,9 +350,15 @@ def _panels(law: PressureLaw, highest: float) -> _Panels:
     at = np.linspace(0.0, highest, _PANELS + 1)
     nodes, weights = gauss(_POINTS)
     half = 0.5 * np.diff(at)
-    parts = half * (_mobility(law, at[:-1, None] + half[:, None] * (1.0 + nodes)) @ weights)
-    psi = np.concatenate([[0.0], np.cumsum(parts)])
-    return _Panels(at, psi, MonotoneCurve(psi, at, 1.0 / _mobility(law, at)))
+    p = at[:-1, None] + half[:, None] * (1.0 + nodes)
+    psi = np.concatenate([[0.0], np.cumsum(half * (_mobility(law, p) @ weights))])
+    inverse = MonotoneCurve(psi, at, 1.0 / _mobility(law, at))
+    # at the middle of a panel the cubic is farthest off
+    middle = at[:-1] + half
+    quarter = at[:-1, None] + 0.5 * half[:, None] * (1.0 + nodes)
+    there = psi[:-1] + 0.5 * half * (_mobility(law, quarter) @ weights)
+    exact = bool(np.abs(inverse.value(there) - middle).max() < _EXACT * highest)
+    return _Panels(at, psi, inverse, exact)
 
 
 def _mobility(law: PressureLaw, pressure: FloatArray) -> FloatArray:

@@ -37,6 +37,12 @@ class MonotoneCurve:
     y: FloatArray
     slope: FloatArray
 
+    def shifted(self, by: float) -> MonotoneCurve:
+        """The same curve at x + by, with what it has worked out already."""
+        moved = MonotoneCurve(self.x + by, self.y, self.slope)
+        vars(moved)["_cubics"] = self._cubics
+        return moved
+
     def value(self, x: FloatArray) -> FloatArray:
         """y at x."""
         return self.value_and_derivative(x)[0]
