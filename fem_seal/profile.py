@@ -10,6 +10,9 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile
 
+# Of Newton's method, with halving where it leaves the interval.
+_ROOT_STEPS = 60
+
 
 @dataclass(frozen=True)
 class PressureProfile:
@@ -55,12 +58,12 @@ class PressureProfile:
         """int p (x - centre)^order dx [Pa m^(order + 1)]."""
         return float(self.arc_weight @ (self.pressure * (self.x - centre) ** order))
 
-    @property
+    @cached_property
     def centroid(self) -> float:
         """Centre of the pressure over x [m]."""
         return self.moment(1) / self.moment(0)
 
-    @property
+    @cached_property
     def std(self) -> float:
         """Square root of the second central moment of p over x [m]."""
         return float(np.sqrt(self.moment(2, self.centroid) / self.moment(0)))
@@ -171,6 +174,30 @@ def _through(x: FloatArray, y: FloatArray) -> np.polynomial.Polynomial:
 
 def _root(curve: np.polynomial.Polynomial, a: float, b: float) -> float:
     """Real root between a and b, where the curve changes sign."""
+    offset, scale = curve.mapparms()
+    coefficients = curve.coef[::-1].tolist()
+
+    def at(t: float) -> tuple[float, float]:
+        value = slope = 0.0
+        for c in coefficients:
+            value, slope = c + t * value, value + t * slope
+        return value, slope
+
+    low, high = offset + scale * a, offset + scale * b
+    rises, falls = at(low)[0], at(high)[0]
+    if rises * falls < 0.0:
+        t = 0.5 * (low + high)
+        for _ in range(_ROOT_STEPS):
+            value, slope = at(t)
+            if (value < 0.0) == (rises < 0.0):
+                low = t
+            else:
+                high = t
+            newton = t - value / slope if slope else low
+            last, t = t, newton if low <= newton <= high else 0.5 * (low + high)
+            if abs(t - last) <= 1e-15 * (high - low + abs(t)):
+                break
+        return float((t - offset) / scale)
     roots = curve.roots()
     outside = np.maximum(0, np.maximum(a - roots.real, roots.real - b)) + np.abs(roots.imag)
     return float(roots.real[np.argmin(outside)])

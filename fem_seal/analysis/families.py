@@ -171,6 +171,7 @@ def _scaled_table(table: Conductivity, height: float, pressure: float, memory: L
     return table.scaled(height, pressure, memory)
 
 
+@lru_cache(maxsize=64)
 def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
     """The standing member of a surface's family; height and pressure that turn its results into the surface's."""
     height = surface.spectrum.rms_height / _HEIGHT

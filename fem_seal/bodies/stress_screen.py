@@ -65,7 +65,7 @@ class StressScreen:
         }
         return cls(
             patterns,
-            np.linalg.pinv(patterns),
+            np.asarray(np.linalg.pinv(patterns), dtype=float),
             np.ascontiguousarray(stress.transpose(1, 0, 2), dtype=np.float32),
             further,
         )
@@ -84,7 +84,7 @@ class StressScreen:
             return np.inf
         shares = self.fit @ pressure
         rest = float(np.abs(pressure - self.patterns @ shares).max())
-        stress = self.stress @ shares.astype(np.float32)
+        stress = np.asarray(self.stress @ shares.astype(np.float32), dtype=float)
         for name, size in magnitudes.items():
-            stress = stress + size * self.further[name]
+            stress += size * self.further[name]
         return float(von_mises(stress.T).max()) + _OF_THE_REST * rest

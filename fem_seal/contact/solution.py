@@ -131,7 +131,9 @@ class ContactSolution:
             return False
         pressure, between = self.pressure, self.loads.gap_pressure
         magnitudes = self.loads.closure if name == "closure" else self.loads.seat
-        return stress > screen.highest_von_mises(pressure if between is None else pressure + between, magnitudes)
+        return stress > screen.highest_von_mises(
+            pressure if between is None else pressure + between, magnitudes
+        )
 
     @property
     def turning(self) -> float:

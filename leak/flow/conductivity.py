@@ -148,7 +148,9 @@ class ConductivityTable:
     def _log_sealing(self) -> float:
         return float(np.log(self.sealing_pressure))
 
-    def scaled(self, height: float, pressure: float, memory: RemembersLoad | None = None) -> ConductivityTable:
+    def scaled(
+        self, height: float, pressure: float, memory: RemembersLoad | None = None
+    ) -> ConductivityTable:
         """The table of a surface with all heights times `height` that is asked for pressures times `pressure`.
 
         Parameters

@@ -112,14 +112,15 @@ class Patch:
         return spline
 
 
-class _Radius(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _Radius:
     """r(x), straight between points and beyond them."""
 
     x: FloatArray
     r: FloatArray
 
-    def __call__(self, at: FloatArray) -> FloatArray:
-        x, r = self
+    def __call__(self, at: FloatArray, /) -> FloatArray:
+        x, r = self.x, self.r
         out_below, out_above = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
         ends = (r[1] - r[0]) / (x[1] - x[0]), (r[-1] - r[-2]) / (x[-1] - x[-2])
         straight = np.interp(at, x, r) + ends[0] * out_below + ends[1] * out_above

@@ -20,7 +20,7 @@ from leak.flow.contact_profile import (
     checked_profile,
     checked_side,
 )
-from leak.fluids.pressure_law import FlowPotential, PressureLaw
+from leak.fluids.pressure_law import PressureLaw, flow_potential
 from leak.numerics.curves import MonotoneCurve, spline_slopes
 
 
@@ -280,8 +280,8 @@ def leak_through(
     fraction = np.interp(x, profile.x, fraction_at_nodes)
     if pressure_side == "inner":
         fraction = 1.0 - fraction
-    potential = FlowPotential(pressure_law, drop)
-    whole = float(potential(drop))
+    potential = flow_potential(pressure_law, drop)
+    whole = potential.whole
     rate = 0.0 if np.isinf(total) else whole / total
     return LeakResult(rate, drop / rate if rate > 0.0 else float("inf"), potential.pressure(whole * fraction))
 

@@ -8,11 +8,11 @@ transformation) obeys the equation of a liquid that does not thicken.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -293,7 +293,7 @@ class FlowPotential:
         if self.law is None:
             return target
         at, psi, inverse, exact = self._panels
-        whole = self._whole
+        whole = self.whole
         inside = np.clip(target, 0.0, whole)
         k = np.minimum(np.searchsorted(psi, inside, side="right") - 1, _PANELS - 1)
         low, high = np.minimum(at[k], self.highest), np.minimum(at[k + 1], self.highest)
@@ -320,13 +320,12 @@ class FlowPotential:
         assert self.law is not None
         highest = 2.0 ** (_STEP * math.ceil(math.log2(self.highest) / _STEP))
         try:
-            return _panels(self.law, highest)
+            return _panels(cast(Hashable, self.law), highest)
         except TypeError:
-            # somebody's own law, of which equal ones are not known
             return _panels.__wrapped__(self.law, highest)
 
     @cached_property
-    def _whole(self) -> float:
+    def whole(self) -> float:
         """psi at the highest pressure [Pa]."""
         return float(self(self.highest))
 
@@ -334,6 +333,20 @@ class FlowPotential:
     def _ends(self) -> tuple[float, float]:
         first, last = self.mobility(np.array([0.0, self.highest]))
         return float(first), float(last)
+
+
+def flow_potential(law: PressureLaw | None, highest: float) -> FlowPotential:
+    """The `FlowPotential` of a law up to a pressure [Pa], with what it has worked out already."""
+    try:
+        return _known_potential(cast(Hashable, law), highest)
+    except TypeError:
+        # somebody's own law, of which equal ones are not known
+        return FlowPotential(law, highest)
+
+
+@lru_cache(maxsize=256)
+def _known_potential(law: PressureLaw | None, highest: float) -> FlowPotential:
+    return FlowPotential(law, highest)
 
 
 class _Panels(NamedTuple):
@@ -380,7 +393,7 @@ def effective_viscosity_ratio(law: PressureLaw | None, pressure_drop: float) -> 
     '1.5820'
     """
     drop = positive(FluidError, "pressure_drop", pressure_drop, "Pa")
-    return drop / float(FlowPotential(law, drop)(drop))
+    return drop / flow_potential(law, drop).whole
 
 
 # -------------------------------------------------------------------- tables
