@@ -14,8 +14,6 @@ import leak
 from fem_seal.analysis.lazy import Lazy
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     from fem_seal.analysis.direct import DirectSettings
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.solution import ContactSolution
@@ -169,42 +167,27 @@ class Flow:
         """
         return self.table_around(surface, log_peaks(contacts))
 
-    def leak(
-        self,
-        table: Conductivity,
-        x: ArrayLike,
-        pressure: ArrayLike,
-        fluid_pressure: float,
-        radius: ArrayLike,
-        ends: tuple[float | None, float | None] | None = None,
-        largest: ArrayLike | None = None,
-    ) -> LeakResult:
-        """Leak of a pressure profile.
+    def leak_of(self, table: Conductivity, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
+        """Leak of one contact.
 
         Parameters
         ----------
         table : ConductivityTable or GasConductivityTable
-            From `table`.
-        x, pressure : array_like
-            Arc length [m] and contact pressure [Pa].
+            For all pressures of the contact.
+        profile : PressureProfile
+            Not after a larger load with fluid_in_gap = "local", of which the theory says nothing then.
         fluid_pressure : float
             Pressure difference [Pa].
-        radius : float or array_like
-            [m]
-        ends : tuple of float or None, optional
-            x at which the faces end, see `leak.leak_flow` [m].
-        largest : array_like, optional
-            Largest pressure that each place has carried before [Pa]; not with fluid_in_gap = "local", of which the
-            theory says nothing then.
 
         Returns
         -------
         LeakResult
             A `leak.CoupledLeakResult` for fluid_in_gap = "local".
         """
-        side = self.pressure_side
+        x, pressure, radius, ends = profile.x, profile.pressure, profile.radius, profile.ends
+        side, largest = self.pressure_side, profile.largest
         if isinstance(table, leak.ConductivityTable):
-            sigma = table.at(self.viscosity)
+            sigma, law = table.at(self.viscosity), self.pressure_law
             if self.fluid_in_gap == "local":
                 assert largest is None  # the case's own checks refuse it
                 found: LeakResult = leak.coupled_leak_flow(
@@ -215,7 +198,13 @@ class Flow:
                     radius,
                     pressure_side=side,
                     ends=ends,
-                    pressure_law=self.pressure_law,
+                    pressure_law=law,
+                )
+            elif largest is None:
+                from leak.flow.leak_rate import leak_through
+
+                found = leak_through(
+                    profile.contact, x, sigma, fluid_pressure, pressure_side=side, pressure_law=law
                 )
             else:
                 found = leak.leak_flow(
@@ -227,7 +216,7 @@ class Flow:
                     pressure_side=side,
                     ends=ends,
                     largest_pressure=largest,
-                    pressure_law=self.pressure_law,
+                    pressure_law=law,
                 )
             return found.with_density(self.density)
         gas, outlet = self.gas, self.outlet_pressure
@@ -339,32 +328,6 @@ class Flow:
             pressure_side=side,
         )
         return of_gas.mass_flow / of_gas.radial_mass_flow - 1.0
-
-    def leak_of(
-        self,
-        table: Conductivity,
-        profile: PressureProfile,
-        fluid_pressure: float,
-    ) -> LeakResult:
-        """Leak of one contact.
-
-        Parameters
-        ----------
-        table : ConductivityTable or GasConductivityTable
-            For all pressures of the contact.
-        profile : PressureProfile
-        fluid_pressure : float
-            Pressure difference [Pa].
-        """
-        return self.leak(
-            table,
-            profile.x,
-            profile.pressure,
-            fluid_pressure,
-            profile.radius,
-            profile.ends,
-            profile.largest,
-        )
 
 
 def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressureProfile:

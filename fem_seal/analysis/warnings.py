@@ -341,9 +341,11 @@ def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadRes
 def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for name, material in problem.materials.items():
         curve = material.hardening
+        if curve is None:
+            continue
         found = [(load, _yielding_of(problem, load).get(name)) for load in loads]
         zones = [(load, zone) for load, zone in found if isinstance(zone, PlasticZone)]
-        if curve is None or not zones:
+        if not zones:
             continue
         load, zone = max(zones, key=lambda item: item[1].strain)
         if zone.strain > curve.last_strain:

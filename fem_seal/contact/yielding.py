@@ -128,6 +128,8 @@ def yielding_of(
         if limit is None:
             # without a look at the stress, which a model without displacements does not hold
             continue
+        if contact.stays_below(name, limit):
+            continue
         field = contact.fields[name]
         zone = (
             plastic_zone(field, material)
