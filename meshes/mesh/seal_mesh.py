@@ -153,31 +153,27 @@ def write_msh(mesh: MeshTri, path: Path) -> Path:
     OSError
         If it cannot be written; nothing is left behind.
     """
-    names, lines = [], []
+    import meshio
+
+    lines, line_tags, names = [], [], {}
     for tag, (name, facets) in enumerate(sorted((mesh.boundaries or {}).items()), start=1):
-        names.append(f'1 {tag} "{name}"')
-        lines += [(tag, *pair) for pair in (mesh.facets[:, np.asarray(facets)].T + 1).tolist()]
-    body = np.zeros(mesh.nelements, dtype=int)
+        lines.append(mesh.facets[:, np.asarray(facets)].T)
+        line_tags.append(np.full(lines[-1].shape[0], tag))
+        names[name] = np.array([tag, 1])
+    cell_tags = np.zeros(mesh.nelements, dtype=int)
     for tag, (name, elements) in enumerate(sorted((mesh.subdomains or {}).items()), start=len(names) + 1):
-        body[elements] = tag
-        names.append(f'2 {tag} "{name}"')
-    triangles = np.column_stack([body, mesh.t.T + 1]).tolist()
-    # number, kind (1 a line, 2 a triangle), two tags: both of them the physical group, then the nodes
-    elements = [f"1 2 {tag} {tag} {a} {b}" for tag, a, b in lines]
-    elements += [f"2 2 {tag} {tag} {a} {b} {c}" for tag, a, b, c in triangles]
-    sections = {
-        "MeshFormat": ["2.2 0 8"],
-        "PhysicalNames": [str(len(names)), *names],
-        "Nodes": [
-            str(mesh.nvertices),
-            *(f"{n} {r:.16e} {z:.16e} {0.0:.16e}" for n, (r, z) in enumerate(mesh.p.T.tolist(), start=1)),
-        ],
-        "Elements": [str(len(elements)), *(f"{n} {one}" for n, one in enumerate(elements, start=1))],
-    }
-    text = "".join("\n".join([f"${name}", *entries, f"$End{name}", ""]) for name, entries in sections.items())
+        cell_tags[elements] = tag
+        names[name] = np.array([tag, 2])
+    tags = [np.concatenate(line_tags), cell_tags]
+    part = meshio.Mesh(
+        np.column_stack([mesh.p.T, np.zeros(mesh.nvertices)]),
+        [("line", np.vstack(lines)), ("triangle", mesh.t.T)],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data=names,
+    )
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        temporary.write_bytes(text.encode())
+        meshio.write(temporary, part, file_format="gmsh22", binary=False)
         os.replace(temporary, path)
     except OSError as error:
         # of the file that was asked for, not of the draft
