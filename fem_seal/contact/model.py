@@ -295,7 +295,7 @@ def _condense_body(held: HeldBody) -> CondensedBody:
     stiffness = stiffness_matrix(held.basis, held.material)
     free = stiffness[held.free][:, held.free].tocsc()
     pulled = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel() if len(held.wall) else None
-    body = condense_body(held, free, pulled)
+    body = condense_body(held, held.condensed(free), pulled)
     return replace(body, loads={**body.loads, **dict(_heated(body))})
 
 
