@@ -54,11 +54,9 @@ class Opening:
     root_gap: FloatArray
 
     @classmethod
-    @lru_cache(maxsize=32)
     def of(cls, contact: ContactGeometry) -> Opening:
-        """The opening of two faces in first touch."""
-        sides = [cls._side(contact, end) for end in contact.reach]
-        return cls(*(np.stack(rows) for rows in zip(*sides, strict=True)))
+        """The opening of two faces in first touch, of geometries that are asked for again from memory."""
+        return _opening.__wrapped__(contact) if contact.has_ready_mesh else _opening(contact)
 
     @staticmethod
     def _side(contact: ContactGeometry, end: float) -> tuple[FloatArray, FloatArray]:
@@ -83,6 +81,13 @@ class Opening:
             for root_gap, distance in zip(self.root_gap, self.distance, strict=True)
         )
         return inner, outer
+
+
+# Meshes that are ready know no equality.
+@lru_cache(maxsize=32)
+def _opening(contact: ContactGeometry) -> Opening:
+    sides = [Opening._side(contact, end) for end in contact.reach]
+    return Opening(*(np.stack(rows) for rows in zip(*sides, strict=True)))
 
 
 @dataclass(frozen=True)
