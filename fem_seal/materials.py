@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -623,3 +623,20 @@ def _check(rows: Sequence[_Row], plastic_strain: Sequence[float]) -> None:
             raise rows[n].wrong(
                 "the stress must not fall from row to row: a softening material has no unique solution"
             )
+
+
+def creep_remarks(materials: Mapping[str, Material]) -> list[str]:
+    """What is to be known of bodies that creep, one sentence for each.
+
+    Parameters
+    ----------
+    materials : mapping
+        From "closure" and "seat" to their materials.
+    """
+    return [
+        f"{name}: {material.name} creeps. Its contact grows with time and temperature, and what is lost of the "
+        "closing force after a change of temperature or of load is not calculated: the results are those of a short "
+        "time at the modulus and hardness given"
+        for name, material in materials.items()
+        if material.creeps
+    ]

@@ -13,7 +13,7 @@ from skfem import MeshTri, MeshTri2
 import meshes
 from fem_seal.bodies.elasticity import displacement_basis
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
-from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.sizing import element_sizes

@@ -14,10 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from fem_seal.bodies.held_body import Heat, HeldBody
-from fem_seal.contact.conduction import Face, Surroundings, TemperatureField, conduct
 from fem_seal.contact.laws import HardContact
-from fem_seal.contact.model import line_points
 from fem_seal.contact.sizing import Opening, contact_width, element_sizes
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import expected_force, line_load
@@ -26,7 +23,9 @@ from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
+    from fem_seal.bodies.held_body import Heat, HeldBody
     from fem_seal.case.tables import CaseTables
+    from fem_seal.contact.conduction import Surroundings, TemperatureField
 
 AnyCase = TypeVar("AnyCase", bound="CaseTables")
 
@@ -53,6 +52,9 @@ class Heating:
 
     def field(self, seal_mesh: SealMesh, materials: Mapping[str, Material]) -> TemperatureField:
         """Temperatures on a mesh; see `fem_seal.contact.conduction.conduct`."""
+        from fem_seal.contact.conduction import conduct
+        from fem_seal.contact.model import line_points
+
         return conduct(seal_mesh, materials, self.surroundings, *line_points(seal_mesh))
 
     def of_bodies(self, seal_mesh: SealMesh, materials: Mapping[str, Material]) -> dict[str, Heat]:
@@ -64,6 +66,8 @@ class Heating:
             If a number of a material is not known at a temperature that is reached, or strains are not small.
         ConvergenceError
         """
+        from fem_seal.bodies.held_body import Heat
+
         try:
             found = self.field(seal_mesh, materials)
             base = materials["seat"].thermal_strain(found.faces["seat"], self.reference)
@@ -128,6 +132,8 @@ def heating(case: CaseTables) -> Heating | None:
     heat = case.temperature
     if heat is None or not heat.faces:
         return None
+    from fem_seal.contact.conduction import Face, Surroundings
+
     faces = {name: Face(face.temperature, face.heat_transfer) for name, face in heat.faces.items()}
     return Heating(
         Surroundings(faces, heat.contact_conductance, _touching(case)),

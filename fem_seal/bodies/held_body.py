@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,24 +20,7 @@ from meshes import SealMesh
 if TYPE_CHECKING:
     from skfem import Basis
 
-
-@dataclass(frozen=True)
-class Supports:
-    """How the seat is held; its bottom always is, along the axis.
-
-    Parameters
-    ----------
-    wall : {"free", "fixed"}
-        Whether the outer wall of the housing is held radially.
-
-    Examples
-    --------
-    >>> import fem_seal
-    >>> fem_seal.Supports().wall
-    'free'
-    """
-
-    wall: Literal["free", "fixed"] = "free"
+    from fem_seal.bodies.supports import Supports
 
 
 @dataclass(frozen=True)

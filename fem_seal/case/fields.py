@@ -381,7 +381,10 @@ def shown(value: object) -> str:
 class Table(BaseModel):
     """Base of all tables: frozen, unknown keys refused, nothing converted silently."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=False)
+    # built when it is first read: what stands in other tables is built with those, and not twice
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, validate_default=False, defer_build=True
+    )
 
 
 class Whole(Number):

@@ -178,8 +178,11 @@ def local_client(workers: int) -> Iterator[Client]:
         # the death of a worker is told in the table and not in the terminal
         "logging.distributed": "error",
     }
+    if _WARM:
+        settings["distributed.worker.multiprocessing-method"] = "forkserver"
     with dask.config.set(settings), ExitStack() as opened:
         with _uninterrupted():
+            _warm()
             try:
                 cluster = LocalCluster(
                     n_workers=workers,
@@ -199,6 +202,23 @@ def local_client(workers: int) -> Iterator[Client]:
                 ) from None
             client = opened.enter_context(Client(opened.enter_context(cluster)))
         yield client
+
+
+# Here every worker is a copy of one process that has loaded what they all need, instead of loading it itself. On macOS
+# a copy may crash in the system's own libraries.
+_WARM = sys.platform == "linux"
+
+
+def _warm() -> None:
+    """Name what workers find loaded."""
+    if _WARM:
+        import multiprocessing
+
+        from distributed.utils import get_mp_context
+
+        # names the modules that it wants itself, the first time that it is called
+        get_mp_context()
+        multiprocessing.set_forkserver_preload(["distributed.nanny", "fem_seal.studies.responses"])
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from fem_seal.analysis.results import AGREE, Comparison, LoadResult, SealSolutio
 from fem_seal.analysis.variants import ratio_to_case
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
-from fem_seal.materials import HardeningCurve
 from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import said
 from fem_seal.output.tables import rows_of
@@ -32,6 +32,9 @@ from fem_seal.units import (
     unit_for,
     worth,
 )
+
+if TYPE_CHECKING:
+    from fem_seal.materials import HardeningCurve
 
 
 @dataclass(frozen=True)
