@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
+from meshes.mesh.measures import section_area, triangle_shape
 from meshes.mesh.sizing import Sizing
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ class SealMesh:
     def quality(self) -> Quality:
         """Shape of the elements and error of the areas."""
         shape = triangle_shape(self.mesh.p, self.mesh.t)
-        errors = [abs(section_area(_body(self.mesh, o.name)) / o.area - 1) for o in self.outlines]
+        errors = [abs(section_area(getattr(self, o.name)) / o.area - 1) for o in self.outlines]
         return Quality(
             float(shape.min()), float(shape.mean()), self.mesh.nelements, self.mesh.nvertices, max(errors)
         )
@@ -119,23 +120,19 @@ class SealMesh:
         return write_msh(self.mesh, Path(path))
 
 
-def triangle_shape(p: FloatArray, t: NDArray[np.int64]) -> FloatArray:
-    """Return 2 r_in/r_circ of every triangle: 1 equilateral, 0 degenerate."""
-    a, b, c = (np.linalg.norm(p[:, t[i]] - p[:, t[j]], axis=0) for i, j in ((0, 1), (1, 2), (2, 0)))
-    return (b + c - a) * (c + a - b) * (a + b - c) / (a * b * c)
-
-
-def section_area(mesh: MeshTri) -> float:
-    """Area of the meshed section [m^2]."""
-    p, t = mesh.p, mesh.t
-    e, f = p[:, t[1]] - p[:, t[0]], p[:, t[2]] - p[:, t[0]]
-    return float(0.5 * np.abs(e[0] * f[1] - e[1] * f[0]).sum())
-
-
 def _body(mesh: MeshTri, name: str) -> MeshTri:
-    body = mesh.restrict(name)
-    boundaries = {key: facets for key, facets in (body.boundaries or {}).items() if key.startswith(name)}
-    return type(body)(body.p, body.t).with_boundaries(boundaries)
+    from meshes.mesh.triangles import bounded
+
+    triangles = mesh.t[:, (mesh.subdomains or {})[name]]
+    vertices = np.unique(triangles)
+    number = np.full(mesh.p.shape[1], -1)
+    number[vertices] = np.arange(len(vertices))
+    lines = {
+        key: number[mesh.facets[:, facets].T]
+        for key, facets in (mesh.boundaries or {}).items()
+        if key.startswith(name)
+    }
+    return bounded(mesh.p[:, vertices], number[triangles], lines)
 
 
 def write_msh(mesh: MeshTri, path: Path) -> Path:
