@@ -162,6 +162,8 @@ class HeldBody:
         -----
         (F - c s)^T K^-1 (F - c s) with the unit normal forces F and the shares s of each that the load c balances.
         """
+        if order is None:
+            order = self.elimination_order(stiffness)
         compliance, solve_free = self.contact_compliance(stiffness, self._free_rows, order)
 
         def solve(forces: FloatArray) -> FloatArray:
@@ -178,7 +180,15 @@ class HeldBody:
     def elimination_order(self, stiffness: csc_matrix) -> NDArray[np.intp]:
         """Order in which `condensed` eliminates the free dofs; of a stiffness the pattern alone matters."""
         place = self._free_rows[self.contact_dofs].ravel()
-        return elimination_order(stiffness, place[place >= 0])
+        return elimination_order(stiffness, place[place >= 0], self._node[self.free])
+
+    @property
+    def _node(self) -> NDArray[np.int64]:
+        """Node of every dof."""
+        dofs = node_dofs(self.basis)
+        node = np.empty(self.basis.N, dtype=np.int64)
+        node[dofs] = np.arange(dofs.shape[1])
+        return node
 
     @property
     def _free_rows(self) -> NDArray[np.int64]:
