@@ -111,12 +111,12 @@ def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
         outline if isinstance(outline, MeshedOutline) else _with_contact_line(outline, arc, stub)
         for outline, arc in ((contact.closure, contact.closure_arc(x)), (contact.seat, contact.seat_arc(x)))
     )
-    meshed = [o for o in outlines if isinstance(o, MeshedOutline)]
-    if not meshed:
-        return SealMesh(triangulate(outlines, contact, sizing), contact, sizing, outlines)
-    free = tuple(o for o in outlines if not isinstance(o, MeshedOutline))
-    bodies = [(o.name, o.with_contact(contact, sizing.zone)) for o in meshed]
-    bodies += [(o.name, triangulate((o,), contact, sizing)) for o in free]
+    bodies = [
+        (o.name, o.with_contact(contact, sizing.zone))
+        if isinstance(o, MeshedOutline)
+        else (o.name, triangulate(o, contact, sizing))
+        for o in outlines
+    ]
     return SealMesh(joined(bodies), contact, sizing, outlines)
 
 
@@ -148,13 +148,13 @@ def _check_zone(contact: ContactGeometry, sizing: Sizing) -> None:
         )
 
 
-def triangulate(outlines: tuple[Outline, ...], contact: ContactGeometry, sizing: Sizing) -> MeshTri:
-    """Mesh the outlines with straight triangles, graded from the contact line outwards.
+def triangulate(outline: Outline, contact: ContactGeometry, sizing: Sizing) -> MeshTri:
+    """Mesh a body with straight triangles, graded from the contact line outwards; the other body changes nothing.
 
     Parameters
     ----------
-    outlines : tuple of Outline
-        Sections of the bodies [m]; they share no node, even where they touch.
+    outline : Outline
+        Section of the body [m].
     contact : ContactGeometry
         Where the elements are small.
     sizing : Sizing
@@ -165,33 +165,30 @@ def triangulate(outlines: tuple[Outline, ...], contact: ContactGeometry, sizing:
         If gmsh fails.
     """
     # gmsh sees the seal in units of this length, so that its absolute tolerances mean the same for every size.
-    scale = outlines[0].largest_radius
+    scale = contact.closure.largest_radius
     with gmsh_session("seal") as gmsh:
-        exact: dict[int, tuple[float, float]] = {}
-        drawn = [_add_body(gmsh, outline, scale, exact) for outline in outlines]
+        drawn = _add_body(gmsh, outline, scale)
         _set_sizes(gmsh, contact, sizing, scale)
         try:
             gmsh.model.mesh.generate(2)
         except Exception as error:  # gmsh raises plain Exception
-            raise MeshingError(f"gmsh could not mesh the bodies: {error}") from error
-        return _to_skfem(gmsh, drawn, scale, exact)
+            raise MeshingError(f"gmsh could not mesh the {outline.name}: {error}") from error
+        return _to_skfem(gmsh, drawn, scale)
 
 
 @dataclass(frozen=True)
 class _Drawn:
-    """What gmsh calls a body: its surface, the curves of each boundary, and the ends of each piece of the contact."""
+    """What gmsh calls a body: its points with their places, the curves of each boundary, the ends of contact pieces."""
 
-    name: str
-    surface: int
+    points: Mapping[int, tuple[float, float]]
     curves: Mapping[str, list[int]]
     chords: Mapping[str, list[tuple[int, int]]]
 
 
-def _add_body(
-    gmsh: ModuleType, outline: Outline, scale: float, exact: dict[int, tuple[float, float]]
-) -> _Drawn:
-    """Add one body; the exact places of its points are put into `exact`, by their tags."""
+def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> _Drawn:
+    """Add a body."""
     geo = gmsh.model.geo
+    exact: dict[int, tuple[float, float]] = {}
 
     @cache
     def point(p: tuple[float, float]) -> int:
@@ -216,9 +213,9 @@ def _add_body(
         else:
             loop.append(geo.addCircleArc(start, point(s.centre), end))
         curves.setdefault(s.name, []).append(loop[-1])
-    surface = geo.addPlaneSurface([geo.addCurveLoop(loop)])
+    geo.addPlaneSurface([geo.addCurveLoop(loop)])
     geo.synchronize()
-    return _Drawn(outline.name, surface, curves, chords)
+    return _Drawn(exact, curves, chords)
 
 
 def _set_sizes(gmsh: ModuleType, contact: ContactGeometry, sizing: Sizing, scale: float) -> None:
@@ -283,36 +280,26 @@ def _square(point: FloatArray, scale: float) -> str:
     return f"(x-({point[0] / scale:.{_DIGITS}g}))^2+(y-({point[1] / scale:.{_DIGITS}g}))^2"
 
 
-def _to_skfem(
-    gmsh: ModuleType, drawn: list[_Drawn], scale: float, exact: Mapping[int, tuple[float, float]]
-) -> MeshTri:
+def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
     from meshes.mesh.triangles import Triangles, bounded, smoothed
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     # One node on each point, in the order of the points' tags.
     on_points = gmsh.model.mesh.getNodes(0)[0]
-    node = np.zeros(max(exact) + 1, dtype=np.int64)
-    node[sorted(exact)] = on_points
-    triangles, subdomains, lines = [], {}, {}
-    count = 0
-    for body in drawn:
-        for name, curves in body.curves.items():
-            lines[name] = _connectivity(gmsh, _LINE, curves)
-        for name, ends in body.chords.items():
-            lines[name] = node[np.array(ends)]
-        triangles.append(_connectivity(gmsh, _TRIANGLE, [body.surface]))
-        subdomains[body.name] = np.arange(count, count + len(triangles[-1]))
-        count += len(triangles[-1])
+    node = np.zeros(max(drawn.points) + 1, dtype=np.int64)
+    node[sorted(drawn.points)] = on_points
+    lines = {name: _connectivity(gmsh, _LINE, curves) for name, curves in drawn.curves.items()}
+    lines |= {name: node[np.array(ends)] for name, ends in drawn.chords.items()}
+    triangles = _connectivity(gmsh, _TRIANGLE, [-1])
     # Nodes that belong to no triangle, such as centres of arcs, are left out.
-    used = np.unique(np.vstack(triangles))
+    used = np.unique(triangles)
     row, index = np.full((2, int(tags.max()) + 1), -1)
     row[tags], index[used] = np.arange(len(tags)), np.arange(len(used))
     places = scale * coordinates.reshape(-1, 3)[:, :2]
-    places[row[on_points]] = [exact[point] for point in sorted(exact)]
-    t = np.ascontiguousarray(index[np.vstack(triangles)].T)
+    places[row[on_points]] = [drawn.points[point] for point in sorted(drawn.points)]
+    t = np.ascontiguousarray(index[triangles].T)
     p = smoothed(Triangles(np.ascontiguousarray(places[row[used]].T), t))
-    mesh = bounded(p, t, {name: index[pairs] for name, pairs in lines.items()})
-    return mesh.with_subdomains(subdomains)
+    return bounded(p, t, {name: index[pairs] for name, pairs in lines.items()})
 
 
 def _connectivity(gmsh: ModuleType, kind: int, entities: list[int]) -> NDArray[np.int64]:

@@ -189,22 +189,21 @@ def joined(bodies: list[tuple[str, MeshTri]]) -> MeshTri:
     bodies : list of (name, skfem.MeshTri)
         With their boundaries.
     """
-    from skfem import MeshTri
+    from meshes.mesh.triangles import bounded
 
-    offsets = np.cumsum([0, *(mesh.nvertices for _, mesh in bodies)])
+    offsets = np.cumsum([0, *(mesh.p.shape[1] for _, mesh in bodies)])
     counts = np.cumsum([0, *(mesh.nelements for _, mesh in bodies)])
-    mesh = MeshTri(
-        np.ascontiguousarray(np.hstack([body.p for _, body in bodies])),
-        np.ascontiguousarray(np.hstack([body.t + offsets[n] for n, (_, body) in enumerate(bodies)])),
-    )
-    facets = {tuple(pair): n for n, pair in enumerate(np.sort(mesh.facets, axis=0).T.tolist())}
-    boundaries = {
-        name: np.array(
-            [facets[tuple(pair)] for pair in np.sort(body.facets[:, found] + offsets[n], axis=0).T.tolist()]
-        )
-        for n, (_, body) in enumerate(bodies)
-        for name, found in (body.boundaries or {}).items()
-        if len(found)
+    lines = {
+        name: mesh.facets[:, facets].T + offset
+        for (_, mesh), offset in zip(bodies, offsets, strict=False)
+        for name, facets in (mesh.boundaries or {}).items()
+        if len(facets)
     }
-    subdomains = {name: np.arange(counts[n], counts[n + 1]) for n, (name, _) in enumerate(bodies)}
-    return mesh.with_boundaries(boundaries).with_subdomains(subdomains)
+    mesh = bounded(
+        np.hstack([body.p for _, body in bodies]),
+        np.hstack([body.t + offset for (_, body), offset in zip(bodies, offsets, strict=False)]),
+        lines,
+    )
+    return mesh.with_subdomains(
+        {name: np.arange(counts[n], counts[n + 1]) for n, (name, _) in enumerate(bodies)}
+    )
