@@ -22,7 +22,7 @@ from fem_seal.bodies.harmonics import (
     harmonic_stiffness,
     harmonic_strains,
 )
-from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel, condense
 from leak import ExponentialLaw
 from meshes import Ball, ConicalSeat, Sizing, SphericalSeat, build

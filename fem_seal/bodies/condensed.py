@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_matrix, csc_matrix, csr_matrix
+from scipy.sparse import bsr_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import lame_parameters, node_dofs, quadratic_nodes
@@ -124,31 +124,24 @@ class CondensedBody:
 
 def condense_body(
     held: HeldBody,
-    stiffness: csc_matrix,
+    seen: tuple[FloatArray, Callable[[FloatArray], FloatArray]],
     pulled: FloatArray | None = None,
-    order: NDArray[np.intp] | None = None,
 ) -> CondensedBody:
-    """Factorise the stiffness of a body and see it from its contact line.
+    """A body whose stiffness is factorised, with all that loads it.
 
     Parameters
     ----------
-    stiffness : csc_matrix, shape (free dofs, free dofs)
-        [N/m]
+    seen : tuple
+        Compliance of the contact nodes and solver, see `HeldBody.condensed`.
     pulled : ndarray, shape (dofs,), optional
         Nodal forces while the wall alone is moved outwards by 1 m [N]; of a body whose wall can be moved.
-    order : ndarray of int, shape (free dofs,), optional
-        See `HeldBody.condensed`.
-
-    Raises
-    ------
-    RuntimeError
-        If the stiffness is not positive definite.
     """
-    compliance, solve = held.condensed(stiffness, order)
+    compliance, solve = seen
     forces = dict(held.further) if pulled is None else {**held.further, "wall": pulled}
+    responses = solve(np.stack([held.balanced(force) for force in forces.values()], axis=1))
     loads = {}
-    for name, force in forces.items():
-        response = held.counted(solve(held.balanced(force)))
+    for (name, force), response in zip(forces.items(), responses.T, strict=True):
+        response = held.counted(response)
         if name == "wall":
             response[held.wall] = -1.0
         axial = float(force[node_dofs(held.basis)[1]].sum())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,31 +13,14 @@ from scipy.sparse import csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import displacement_basis, node_dofs, pressure_load, quadratic_nodes
-from fem_seal.bodies.restricted_inverse import elimination_order, restricted_inverse
+from fem_seal.bodies.restricted_inverse import restricted_inverse
 from fem_seal.materials import Material
 from meshes import SealMesh
 
 if TYPE_CHECKING:
     from skfem import Basis
 
-
-@dataclass(frozen=True)
-class Supports:
-    """How the seat is held; its bottom always is, along the axis.
-
-    Parameters
-    ----------
-    wall : {"free", "fixed"}
-        Whether the outer wall of the housing is held radially.
-
-    Examples
-    --------
-    >>> import fem_seal
-    >>> fem_seal.Supports().wall
-    'free'
-    """
-
-    wall: Literal["free", "fixed"] = "free"
+    from fem_seal.bodies.supports import Supports
 
 
 @dataclass(frozen=True)
@@ -134,17 +117,13 @@ class HeldBody:
         """How far the contact nodes move along the normal into the body [m], shape (n,)."""
         return np.sum(self.normal * self.counted(displacement)[self.contact_dofs], axis=0)
 
-    def condensed(
-        self, stiffness: csc_matrix, order: NDArray[np.intp] | None = None
-    ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    def condensed(self, stiffness: csc_matrix) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """Factorise a stiffness of the free dofs, and see the body from its contact line.
 
         Parameters
         ----------
         stiffness : csc_matrix, shape (free dofs, free dofs)
             [N/m]
-        order : ndarray of int, shape (free dofs,), optional
-            `elimination_order` of this body, where it is factorised many times.
 
         Returns
         -------
@@ -157,14 +136,30 @@ class HeldBody:
         ------
         RuntimeError
             If the stiffness is not positive definite.
+        """
+        return self.floating(*self.contact_compliance(stiffness, self.free_rows))
+
+    def floating(
+        self, compliance: FloatArray, solve_free: Callable[[FloatArray], FloatArray]
+    ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """A body seen from its contact line, balanced by what holds it and counted from there.
+
+        Parameters
+        ----------
+        compliance : ndarray, shape (n, n)
+            Retreat of the contact nodes per unit normal force at each, as `contact_compliance` has it [m/N].
+        solve_free : callable
+            From forces on the free dofs to their displacements.
+
+        Returns
+        -------
+        compliance, solve
+            See `condensed`.
 
         Notes
         -----
         (F - c s)^T K^-1 (F - c s) with the unit normal forces F and the shares s of each that the load c balances.
         """
-        if order is None:
-            order = self.elimination_order(stiffness)
-        compliance, solve_free = self.contact_compliance(stiffness, self._free_rows, order)
 
         def solve(forces: FloatArray) -> FloatArray:
             displacement = np.zeros_like(forces)
@@ -174,24 +169,11 @@ class HeldBody:
         if self.balance.any():
             share, balanced = self.normal[1], solve(self.balance)
             cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
-            compliance += self.balance @ balanced * np.outer(share, share) - cross - cross.T
+            compliance = compliance + self.balance @ balanced * np.outer(share, share) - cross - cross.T
         return compliance, solve
 
-    def elimination_order(self, stiffness: csc_matrix) -> NDArray[np.intp]:
-        """Order in which `condensed` eliminates the free dofs; of a stiffness the pattern alone matters."""
-        place = self._free_rows[self.contact_dofs].ravel()
-        return elimination_order(stiffness, place[place >= 0], self._node[self.free])
-
-    @property
-    def _node(self) -> NDArray[np.int64]:
-        """Node of every dof."""
-        dofs = node_dofs(self.basis)
-        node = np.empty(self.basis.N, dtype=np.int64)
-        node[dofs] = np.arange(dofs.shape[1])
-        return node
-
-    @property
-    def _free_rows(self) -> NDArray[np.int64]:
+    @cached_property
+    def free_rows(self) -> NDArray[np.int64]:
         """Row of every dof among the free ones; -1 where it is held."""
         number = np.full(self.basis.N, -1)
         number[self.free] = np.arange(len(self.free))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -53,6 +54,7 @@ class Opening:
     root_gap: FloatArray
 
     @classmethod
+    @lru_cache(maxsize=32)
     def of(cls, contact: ContactGeometry) -> Opening:
         """The opening of two faces in first touch."""
         sides = [cls._side(contact, end) for end in contact.reach]
