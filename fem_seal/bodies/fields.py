@@ -87,12 +87,10 @@ def stress_operator(basis: Basis, material: Material) -> bsr_matrix:
     points, triangles = quadratic_nodes(mesh)
     count = len(points)
     gradients = node_shares(mesh)[..., None, None] * shape_gradients(mesh, NODES)
-    places = np.broadcast_arrays(triangles[:, :, None], triangles[:, None, :])
+    rows, columns = np.broadcast_arrays(triangles[:, :, None], triangles[:, None, :])
     # both components at once
-    along = csr_matrix(
-        ((gradients[..., 0] + 1j * gradients[..., 1]).ravel(), [place.ravel() for place in places]),
-        shape=(count, count),
-    )
+    both = gradients[..., 0] + 1j * gradients[..., 1]
+    along: csr_matrix = csr_matrix((both.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
     over_r, over_z = along.data.real, along.data.imag
     row = np.repeat(np.arange(count), np.diff(along.indptr))
     r = points[row, 0]

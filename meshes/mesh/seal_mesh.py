@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
@@ -19,8 +18,6 @@ from meshes.mesh.sizing import Sizing
 
 if TYPE_CHECKING:
     from skfem import MeshTri
-
-    from meshes.arrays import FloatArray
 
 
 @dataclass(frozen=True)
