@@ -170,21 +170,23 @@ class Dissection:
         inverse, _ = dpotri(last, lower=1)
         inverse = np.tril(inverse)
         parts, places = self.parts, self.places
+        # what a part hands on is not needed any more, and need not be kept
+        kept = [(one.lower, one.coupling) for one in found]
 
         def solve(right: FloatArray) -> FloatArray:
             from scipy.linalg.lapack import dpotrs, dtrtrs
 
             solution = right.reshape(len(right), -1).copy()
-            for part, one in zip(parts, found, strict=True):
+            for part, (lower, coupling) in zip(parts, kept, strict=True):
                 if len(part.inner):
-                    forward, _ = dtrtrs(one.lower, solution[part.inner], lower=1)
+                    forward, _ = dtrtrs(lower, solution[part.inner], lower=1)
                     solution[part.inner] = forward
-                    solution[part.outer] -= one.coupling.T @ forward
+                    solution[part.outer] -= coupling.T @ forward
             solution[places], _ = dpotrs(last, solution[places], lower=1)
-            for part, one in zip(reversed(parts), reversed(found), strict=True):
+            for part, (lower, coupling) in zip(reversed(parts), reversed(kept), strict=True):
                 if len(part.inner):
-                    back = solution[part.inner] - one.coupling @ solution[part.outer]
-                    solution[part.inner], _ = dtrtrs(one.lower, back, lower=1, trans=1)
+                    back = solution[part.inner] - coupling @ solution[part.outer]
+                    solution[part.inner], _ = dtrtrs(lower, back, lower=1, trans=1)
             return solution.reshape(right.shape)
 
         return inverse + np.tril(inverse, -1).T, solve

@@ -20,6 +20,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
+from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
 from fem_seal.bodies.held_body import Heat, HeldBody, held_body
@@ -222,7 +223,6 @@ def condense(
         and not warm
         and _same_closure(known, seal_mesh, materials["closure"], x, area_weight)
     )
-    # One after the other: SuperLU frees a factor only in the thread that made it, and two threads would leak every one.
     closure, seat = (
         known.closure
         if known is not None and same and name == "closure"
@@ -292,11 +292,17 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
 
 
 def _condense_body(held: HeldBody) -> CondensedBody:
-    stiffness = stiffness_matrix(held.basis, held.material)
-    free = stiffness[held.free][:, held.free].tocsc()
-    pulled = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel() if len(held.wall) else None
-    body = condense_body(held, held.condensed(free), pulled)
+    body = condense_body(held, held.floating(*DissectedBody(held).elastic()), _pulled(held))
     return replace(body, loads={**body.loads, **dict(_heated(body))})
+
+
+def _pulled(held: HeldBody) -> FloatArray | None:
+    """Nodal forces while the wall alone is moved outwards by 1 m [N]; None if no wall is held."""
+    if not len(held.wall):
+        return None
+    outwards = np.zeros(held.basis.N)
+    outwards[held.wall] = 1.0
+    return np.asarray(stiffness_matrix(held.basis, held.material) @ outwards)
 
 
 def _heated(body: CondensedBody) -> Iterator[tuple[str, BoundaryLoad]]:

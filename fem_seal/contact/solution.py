@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -112,6 +113,12 @@ class ContactSolution:
         return self.model.line.area_weight * self.pressure
 
     @cached_property
+    def moved(self) -> dict[str, FloatArray]:
+        """Displacement of "closure" and "seat" by the contact pressure alone [m], shape (dofs,)."""
+        model, forces = self.model, self.point_forces
+        return {body.held.name: body.displacement(forces) for body in (model.closure, model.seat)}
+
+    @cached_property
     def fields(self) -> dict[str, BodyField]:
         """Displacement and stress of "closure" and "seat"."""
         return body_fields(self)
@@ -190,6 +197,24 @@ class ContactSolution:
         return self if self.largest is None else replace(self, largest=None, earlier=None)
 
 
+def move_together(solutions: Sequence[ContactSolution]) -> None:
+    """Work out `ContactSolution.moved` of several contacts at once, in a fraction of the time.
+
+    Parameters
+    ----------
+    solutions : sequence of ContactSolution
+        Each then knows what it would have found when asked; those on another model than the first are left alone.
+    """
+    solutions = [one for one in solutions if one.model is solutions[0].model]
+    if not solutions:
+        return
+    model = solutions[0].model
+    forces = np.stack([one.point_forces for one in solutions], axis=1)
+    bodies = {body.held.name: body.displacement(forces).T.copy() for body in (model.closure, model.seat)}
+    for number, one in enumerate(solutions):
+        vars(one)["moved"] = {name: moved[number] for name, moved in bodies.items()}
+
+
 def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     """Fields of both bodies under a solved contact, "closure" and "seat".
 
@@ -211,7 +236,7 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
         name: body_field(
             name,
             body,
-            body.displacement(solution.point_forces) + loads.displacement(body, model),
+            solution.moved[name] + loads.displacement(body, model),
             _at_contact(body, model, solution.pressure),
             loads.free_strain(body, model),
             loads.temperature.get(name),
