@@ -81,12 +81,15 @@ class PressureProfile:
         if k in (0, len(self.x) - 1):
             return float(self.x[k]), float(self.pressure[k])
         # Points that mirror each other about the peak make argmax a matter of round-off; the parabola does not.
-        x, p = self.x[k - 1 : k + 2] - self.x[k], self.pressure[k - 1 : k + 2]
-        c2, c1, c0 = np.polyfit(x / x[2], p / p[1], 2)
+        x, p = (self.x[k - 1 : k + 2] - self.x[k]).tolist(), self.pressure[k - 1 : k + 2].tolist()
+        # 1 + c1 t + c2 t^2 over t = x / x[2], which is 0 and 1 at two of the points
+        before, rise_before, rise = x[0] / x[2], p[0] / p[1] - 1, p[2] / p[1] - 1
+        c2 = (rise_before / before - rise) / (before - 1)
         if not c2 < 0:
-            return float(self.x[k]), float(p[1])
-        top = float(np.clip(-c1 / (2 * c2), x[0] / x[2], 1.0))
-        return float(self.x[k] + top * x[2]), float(p[1] * (c0 + c1 * top + c2 * top**2))
+            return float(self.x[k]), p[1]
+        c1 = rise - c2
+        top = min(max(-c1 / (2 * c2), before), 1.0)
+        return float(self.x[k] + top * x[2]), p[1] * (1 + c1 * top + c2 * top**2)
 
     @cached_property
     def contact(self) -> ContactProfile:

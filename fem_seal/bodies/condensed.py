@@ -130,28 +130,39 @@ class CondensedBody:
 def condense_body(
     held: HeldBody,
     seen: tuple[FloatArray, Callable[[FloatArray], FloatArray]],
-    pulled: FloatArray | None = None,
+    forces: Mapping[str, FloatArray] | None = None,
 ) -> CondensedBody:
     """A body whose stiffness is factorised, with all that loads it.
 
     Parameters
     ----------
     seen : tuple
-        Compliance of the contact nodes and solver, see `HeldBody.condensed`.
-    pulled : ndarray, shape (dofs,), optional
-        Nodal forces while the wall alone is moved outwards by 1 m [N]; of a body whose wall can be moved.
+        Compliance of its contact nodes, and from forces on its free dofs to their displacements, see
+        `HeldBody.contact_compliance`.
+    forces : mapping of ndarray, shape (dofs,), optional
+        Nodal forces of loads beside those of the held body [N per unit]; "wall", of a body whose wall can be moved,
+        while the wall alone is moved outwards by 1 m.
     """
-    compliance, solve = seen
-    forces = dict(held.further) if pulled is None else {**held.further, "wall": pulled}
-    responses = solve(np.stack([held.balanced(force) for force in forces.values()], axis=1))
+    compliance, solve_free = seen
+
+    def solve(nodal: FloatArray) -> FloatArray:
+        displacement = np.zeros_like(nodal)
+        displacement[held.free] = solve_free(nodal[held.free])
+        return displacement
+
+    named = {**held.further, **(forces or {})}
+    # all at once, which takes hardly longer than one of them
+    balance, *responses = solve(
+        np.stack([held.balance, *(held.balanced(force) for force in named.values())], axis=1)
+    ).T
     loads = {}
-    for (name, force), response in zip(forces.items(), responses.T, strict=True):
-        response = held.counted(response)
+    for (name, force), response in zip(named.items(), responses, strict=True):
+        counted = held.counted(response)
         if name == "wall":
-            response[held.wall] = -1.0
+            counted[held.wall] = -1.0
         axial = float(force[node_dofs(held.basis)[1]].sum())
-        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(response), response)
-    return CondensedBody(held, compliance, loads, solve)
+        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(counted), counted)
+    return CondensedBody(held, held.floating(compliance, balance), loads, solve)
 
 
 def body_field(

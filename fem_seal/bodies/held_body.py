@@ -117,60 +117,25 @@ class HeldBody:
         """How far the contact nodes move along the normal into the body [m], shape (n,)."""
         return np.sum(self.normal * self.counted(displacement)[self.contact_dofs], axis=0)
 
-    def condensed(self, stiffness: csc_matrix) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """Factorise a stiffness of the free dofs, and see the body from its contact line.
-
-        Parameters
-        ----------
-        stiffness : csc_matrix, shape (free dofs, free dofs)
-            [N/m]
-
-        Returns
-        -------
-        compliance : ndarray, shape (n, n)
-            Retreat of the contact nodes per unit normal force at each [m/N].
-        solve : callable
-            From nodal forces (dofs,) or (dofs, k) to displacements.
-
-        Raises
-        ------
-        RuntimeError
-            If the stiffness is not positive definite.
-        """
-        return self.floating(*self.contact_compliance(stiffness, self.free_rows))
-
-    def floating(
-        self, compliance: FloatArray, solve_free: Callable[[FloatArray], FloatArray]
-    ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """A body seen from its contact line, balanced by what holds it and counted from there.
+    def floating(self, compliance: FloatArray, balanced: FloatArray) -> FloatArray:
+        """Compliance of the contact nodes where what holds a floating body balances the forces on them.
 
         Parameters
         ----------
         compliance : ndarray, shape (n, n)
             Retreat of the contact nodes per unit normal force at each, as `contact_compliance` has it [m/N].
-        solve_free : callable
-            From forces on the free dofs to their displacements.
-
-        Returns
-        -------
-        compliance, solve
-            See `condensed`.
+        balanced : ndarray, shape (dofs,)
+            Displacement under `balance` [m/N].
 
         Notes
         -----
         (F - c s)^T K^-1 (F - c s) with the unit normal forces F and the shares s of each that the load c balances.
         """
-
-        def solve(forces: FloatArray) -> FloatArray:
-            displacement = np.zeros_like(forces)
-            displacement[self.free] = solve_free(forces[self.free])
-            return displacement
-
-        if self.balance.any():
-            share, balanced = self.normal[1], solve(self.balance)
-            cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
-            compliance = compliance + self.balance @ balanced * np.outer(share, share) - cross - cross.T
-        return compliance, solve
+        if not self.balance.any():
+            return compliance
+        share = self.normal[1]
+        cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
+        return compliance + self.balance @ balanced * np.outer(share, share) - cross - cross.T
 
     @cached_property
     def free_rows(self) -> NDArray[np.int64]:

@@ -292,17 +292,13 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
 
 
 def _condense_body(held: HeldBody) -> CondensedBody:
-    body = condense_body(held, held.floating(*DissectedBody(held).elastic()), _pulled(held))
+    forces = {}
+    if len(held.wall):
+        outwards = np.zeros(held.basis.N)
+        outwards[held.wall] = 1.0
+        forces["wall"] = np.asarray(stiffness_matrix(held.basis, held.material) @ outwards)
+    body = condense_body(held, DissectedBody(held).elastic(), forces)
     return replace(body, loads={**body.loads, **dict(_heated(body))})
-
-
-def _pulled(held: HeldBody) -> FloatArray | None:
-    """Nodal forces while the wall alone is moved outwards by 1 m [N]; None if no wall is held."""
-    if not len(held.wall):
-        return None
-    outwards = np.zeros(held.basis.N)
-    outwards[held.wall] = 1.0
-    return np.asarray(stiffness_matrix(held.basis, held.material) @ outwards)
 
 
 def _heated(body: CondensedBody) -> Iterator[tuple[str, BoundaryLoad]]:

@@ -87,15 +87,24 @@ class FurtherLoads:
             lift += float(model.line.normal[1] @ (model.line.area_weight * self.gap_pressure))
         return lift
 
-    def displacement(self, body: CondensedBody, model: ContactModel) -> FloatArray:
-        """Displacement of a body of the model under these loads [m], shape (dofs,)."""
+    def displacement(
+        self, body: CondensedBody, model: ContactModel, point_forces: FloatArray | None = None
+    ) -> FloatArray:
+        """Displacement of a body of the model under these loads [m], shape (dofs,).
+
+        Parameters
+        ----------
+        point_forces : ndarray, shape (m,), optional
+            Normal forces of a solid contact at the points of the contact line, which act as well [N].
+        """
         magnitudes = self.closure if body is model.closure else self.seat
         moved = sum(
             (size * body.loads[name].response for name, size in magnitudes.items()), np.zeros(body.basis.N)
         )
+        pressed = [] if point_forces is None else [point_forces]
         if self.gap_pressure is not None:
-            moved = moved + body.displacement(model.line.area_weight * self.gap_pressure)
-        return moved
+            pressed.append(model.line.area_weight * self.gap_pressure)
+        return moved + body.displacement(np.sum(pressed, axis=0)) if pressed else moved
 
     def free_strain(self, body: CondensedBody, model: ContactModel) -> FloatArray | float:
         """Strain of a body of the model under these loads that takes no stress: a number, or one for each node."""

@@ -246,9 +246,8 @@ class _Step:
         found = {}
         for name in self.bodies:
             body = linear.closure if name == "closure" else linear.seat
-            found[name] = at_rest[name] + loads.displacement(body, linear)
-            if contact is not None:
-                found[name] += body.displacement(contact.point_forces)
+            pressed = None if contact is None else contact.point_forces
+            found[name] = at_rest[name] + loads.displacement(body, linear, pressed)
         return found
 
     def _free_strain(self, name: str) -> FloatArray | float:
@@ -358,9 +357,13 @@ class YieldingBody:
         heat : mapping
             Those loads of the body that heat it.
         """
-        body = self._condensed(flow) if flow.yielding.any() or elastic.solve is None else elastic
-        assert body.solve is not None  # just condensed
-        at_rest = displacement - self.held.counted(body.solve(self.solid.internal_forces(flow.stress)))
+        internal = self.solid.internal_forces(flow.stress)
+        if flow.yielding.any() or elastic.solve is None:
+            body = self._condensed(flow, internal)
+            at_rest = displacement - body.loads["stress"].response
+        else:
+            body = elastic
+            at_rest = displacement - self.held.counted(elastic.solve(internal))
         if len(self.held.wall):
             # back to where no press fit holds it
             at_rest = at_rest + displacement[self.held.wall[0]] * body.loads["wall"].response
@@ -369,13 +372,15 @@ class YieldingBody:
             at_rest = at_rest - size * body.loads[name].response
         return body, at_rest
 
-    def _condensed(self, flow: Flow) -> CondensedBody:
-        solid, wall, pulled = self.solid, self.held.wall, None
+    def _condensed(self, flow: Flow, internal: FloatArray) -> CondensedBody:
+        """The body with its tangents, and what it answers to its own internal forces (dofs,) [N] as "stress"."""
+        solid, wall, forces = self.solid, self.held.wall, {"stress": internal}
         if len(wall):
             outwards = np.zeros(self.held.basis.N)
             outwards[wall] = 1.0
-            pulled = solid.internal_forces(np.einsum("eqij,eqj->eqi", flow.tangent, solid.strain(outwards)))
-        body = condense_body(self.held, self.held.floating(*self._dissected.condensed(flow)), pulled)
+            pulled = np.einsum("eqij,eqj->eqi", flow.tangent, solid.strain(outwards))
+            forces["wall"] = solid.internal_forces(pulled)
+        body = condense_body(self.held, self._dissected.condensed(flow), forces)
         # how it got where it is with its heat stands in its displacement, from which this way is not counted back
         unmoved = BoundaryLoad(0.0, np.zeros(self.held.trace.shape[0]), np.zeros(self.held.basis.N))
         return replace(body, loads={**body.loads, **dict.fromkeys(self.held.free_strain, unmoved)})

@@ -112,10 +112,20 @@ class ContactSolution:
         """Normal forces at the points of the contact line [N]."""
         return self.model.line.area_weight * self.pressure
 
+    @property
+    def line_forces(self) -> FloatArray:
+        """Normal forces of solid contact and fluid at the points of the contact line [N]."""
+        between = self.loads.gap_pressure
+        return (
+            self.point_forces
+            if between is None
+            else self.point_forces + self.model.line.area_weight * between
+        )
+
     @cached_property
     def moved(self) -> dict[str, FloatArray]:
-        """Displacement of "closure" and "seat" by the contact pressure alone [m], shape (dofs,)."""
-        model, forces = self.model, self.point_forces
+        """Displacement of "closure" and "seat" by all that presses on the contact line [m], shape (dofs,)."""
+        model, forces = self.model, self.line_forces
         return {body.held.name: body.displacement(forces) for body in (model.closure, model.seat)}
 
     @cached_property
@@ -209,7 +219,7 @@ def move_together(solutions: Sequence[ContactSolution]) -> None:
     if not solutions:
         return
     model = solutions[0].model
-    forces = np.stack([one.point_forces for one in solutions], axis=1)
+    forces = np.stack([one.line_forces for one in solutions], axis=1)
     bodies = {body.held.name: body.displacement(forces).T.copy() for body in (model.closure, model.seat)}
     for number, one in enumerate(solutions):
         vars(one)["moved"] = {name: moved[number] for name, moved in bodies.items()}
@@ -232,11 +242,12 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     (['closure', 'seat'], True)
     """
     model, loads = solution.model, solution.loads
+    beside = replace(loads, gap_pressure=None)
     return {
         name: body_field(
             name,
             body,
-            solution.moved[name] + loads.displacement(body, model),
+            solution.moved[name] + beside.displacement(body, model),
             _at_contact(body, model, solution.pressure),
             loads.free_strain(body, model),
             loads.temperature.get(name),
