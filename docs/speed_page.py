@@ -47,7 +47,7 @@ def _missed(missed: Sequence[Entry]) -> str:
     if not missed:
         return ""
     lines = [
-        f"- {entry.figure}: {_number(entry)}, {entry.scaled / entry.goal:.2g} times "
+        f"- {entry.figure}: {_number(entry)}, {entry.scaled / entry.goal:.3g} times "
         f"its goal of {entry.goal:g} {entry.unit}"
         for entry in missed
         if entry.goal
