@@ -183,7 +183,7 @@ def run(designs: int, workers: int = 2, compare: int = 2500) -> Cost:
         watch = Watch(Path(top) / "cluster", count, processes, add)
         with Client(address) as client:
             client.wait_for_workers(workers, timeout=120)
-            client.run(ready)
+            client.run(exec, "import fem_seal.studies.responses")
             watcher = threading.Thread(target=watch)
             watcher.start()
             start = time.perf_counter()
@@ -207,11 +207,6 @@ def run(designs: int, workers: int = 2, compare: int = 2500) -> Cost:
         )
         compared = compare_here(asked, Path(top), max(count // compare, 1))
     return Cost(count, failed, compared, wall, cost, overhead, late[0], late[0] - early[0])
-
-
-def ready() -> None:
-    """Load in a worker what the designs need."""
-    import fem_seal.studies.responses  # noqa: F401
 
 
 def compare_here(asked, top: Path, every: int) -> int:
