@@ -133,9 +133,6 @@ def _against_closed_forms(
     axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: float, unit: str
 ) -> None:
     reach = _reach([load])
-    # all of them are even, and the crossover is an integral for each point
-    half = np.linspace(0.0, reach, 181)
-    x = np.append(-half[:0:-1], half)
     profile = load.contact.profile
     # Hertz may be many times higher; drawn in full it would flatten everything else.
     top = 1.75 * profile.peak_pressure
@@ -143,8 +140,10 @@ def _against_closed_forms(
     for key, (form_name, colour, dashes) in _CLOSED_FORMS.items():
         form = getattr(closed, key)
         if form is not None:
+            # all of them are even; the crossover is smooth, and an integral for each point
+            half = np.linspace(0.0, reach, 61 if key == "crossover" else 181)
             right = np.asarray(form.pressure(half)) / pressure.size
-            y = np.append(right[:0:-1], right)
+            x, y = np.append(-half[:0:-1], half), np.append(right[:0:-1], right)
             cut = form.peak_pressure > top
             peak = f", peak {quantity('contact pressure', form.peak_pressure)}" if cut else ""
             axes.plot(
