@@ -176,8 +176,10 @@ class Dissection:
 
             solution = right.reshape(len(right), -1).copy()
             for part, one in zip(parts, found, strict=True):
-                if len(part.inner):
-                    forward, _ = dtrtrs(one.lower, solution[part.inner], lower=1)
+                inner = solution[part.inner]
+                # forces stand on few parts
+                if inner.any():
+                    forward, _ = dtrtrs(one.lower, inner, lower=1)
                     solution[part.inner] = forward
                     solution[part.outer] -= one.coupling.T @ forward
             solution[places], _ = dpotrs(last, solution[places], lower=1)
