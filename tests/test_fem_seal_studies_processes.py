@@ -12,6 +12,7 @@ import sys
 import time
 from contextlib import ExitStack, suppress
 from pathlib import Path
+from threading import Event, Thread
 
 import pandas as pd
 import pytest
@@ -254,6 +255,46 @@ def test_nobody_waits_for_ever(tmp_path):
         rows = Cluster(client, 1, 3.0).results(Recipe.of(study), [Chunk(study.points)])
         with pytest.raises(ClusterError, match=r"no worker for 3 s.*--resume"):
             next(rows)
+
+
+def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypatch):
+    """When all workers are lost at once, as at the end of their time, dask keeps what was meant for them for ever."""
+    from dask.distributed import Client, LocalCluster
+
+    from fem_seal.studies import responses
+    from fem_seal.studies.pools import Cluster
+    from fem_seal.studies.work import Chunk, Recipe
+
+    study, begun, free, found = load_study(_small(tmp_path)), Event(), Event(), []
+    harmless = responses.evaluate
+
+    def held(*about, **more):
+        begun.set()
+        free.wait(PATIENCE)
+        return harmless(*about, **more)
+
+    monkeypatch.setattr(responses, "evaluate", held)
+    with (
+        LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        # not even one more attempt: the designs have done nothing wrong
+        rows = Cluster(client, 0, PATIENCE).results(
+            Recipe.of(study), [Chunk(one[None]) for one in study.points]
+        )
+        reader = Thread(target=lambda: found.extend(row for some in rows for row in some))
+        reader.start()
+        assert begun.wait(PATIENCE)
+        (lost,) = client.scheduler_info(n_workers=-1)["workers"]
+        client.sync(cluster.scheduler.remove_worker, lost, stimulus_id="lost")
+        free.set()
+        cluster.scale(2)
+        reader.join(PATIENCE / 2)
+        assert not reader.is_alive()
+    assert sorted(row.inputs for row in found) == [(0.0,), (1.0,), (2.0,), (3.0,)]
+    assert {row.reason for row in found} == {None}
 
 
 def _small(folder):

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
+from scipy.sparse import bsr_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import lame_parameters, node_dofs, quadratic_nodes
@@ -105,7 +105,7 @@ class CondensedBody:
         return self.held.contact_x
 
     @cached_property
-    def stress_operator(self) -> csr_matrix:
+    def stress_operator(self) -> bsr_matrix:
         """From displacement dofs [m] to nodal stress [Pa], see `fem_seal.bodies.fields.stress_operator`."""
         return stress_operator(self.basis, self.material)
 

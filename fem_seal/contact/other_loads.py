@@ -9,7 +9,6 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import CondensedBody
-from fem_seal.bodies.elasticity import quadratic_nodes
 from fem_seal.contact.model import ContactModel
 
 
@@ -117,11 +116,10 @@ class FurtherLoads:
     ) -> float | None:
         """Temperature of a body's face where it carries a pressure (m,), in the mean over it [K]; None if not given."""
         known = self.temperature.get(body.held.name)
-        if known is None:
-            return None
+        if known is None or np.ndim(known) == 0:
+            return None if known is None else float(known)
         weight = model.line.area_weight * pressure
-        nodal = np.broadcast_to(known, len(quadratic_nodes(body.basis.mesh)[0]))[body.contact_nodes]
-        return float(weight @ (body.trace @ nodal) / weight.sum())
+        return float(weight @ (body.trace @ np.asarray(known)[body.contact_nodes]) / weight.sum())
 
     def _by_body(self, model: ContactModel) -> tuple[tuple[CondensedBody, Mapping[str, float]], ...]:
         return (model.closure, self.closure), (model.seat, self.seat)
