@@ -33,6 +33,7 @@ from fem_seal.analysis.results import (
 from fem_seal.analysis.variants import interface_variants, theory_variants
 from fem_seal.analysis.verdict import seal_judgement, with_judgements
 from fem_seal.analysis.warnings import contact_cautions, earlier_cautions, load_validity
+from fem_seal.contact.solution import move_together
 from fem_seal.units import given
 from leak import LeakError
 
@@ -119,6 +120,8 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
             for load in bare
         )
     with clock.step("stress", "stress in both bodies"):
+        with suppress(MemoryError):  # one after the other they may fit
+            move_together([load.contact for load in loads])
         loads = tuple(
             _settled(after, _settled(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
