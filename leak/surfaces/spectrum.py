@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, different
 from leak.errors import SpectrumError, positive
 from leak.surfaces.periodogram import Window
 from leak.surfaces.scan_files import Unit, read_topographies
@@ -340,7 +340,7 @@ class PowerSpectrum:
         kinks = right[bend | step]
         kinks = kinks[:: 1 + kinks.size // _MOST_BREAKS]
         nodes = self._slope_moment[np.concatenate([[0], kinks, [self._last_piece + 1]])]
-        breaks = np.unique(np.concatenate([nodes, self._saturation_moments()]))
+        breaks = different(np.concatenate([nodes, self._saturation_moments()]))
         return np.append(breaks[breaks < self.last_moment], self.last_moment)
 
     def _saturation_moments(self) -> FloatArray:
