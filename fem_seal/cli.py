@@ -84,7 +84,7 @@ def run(
         bool | None,
         typer.Option(
             "--levers/--no-levers",
-            show_default="with a [requirement]",
+            show_default="with a [requirement], of elastic bodies",
             help="Also find which changes of the design change the leak rate most.",
         ),
     ] = None,

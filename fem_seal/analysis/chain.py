@@ -33,6 +33,7 @@ from fem_seal.analysis.results import (
 from fem_seal.analysis.variants import interface_variants, theory_variants
 from fem_seal.analysis.verdict import seal_judgement, with_judgements
 from fem_seal.analysis.warnings import contact_cautions, earlier_cautions, load_validity
+from fem_seal.contact.solution import move_together
 from fem_seal.units import given
 from leak import LeakError
 
@@ -85,7 +86,7 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
     progress : callable, optional
         Told in words what is being done.
     levers : bool, optional
-        Whether to look for levers; with a requirement unless given.
+        Whether to look for levers; with a requirement unless given, not where a body yields.
     """
     clock = Clock(progress or (lambda text: None))
     with clock.step("interface", "roughness and interface law"):
@@ -119,6 +120,8 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
             for load in bare
         )
     with clock.step("stress", "stress in both bodies"):
+        with suppress(MemoryError):  # one after the other they may fit
+            move_together([load.contact for load in loads])
         loads = tuple(
             _settled(after, _settled(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
@@ -173,7 +176,9 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
     result = _with_uncertainty(result, clock, after)
     points = {whole.loads.points[number]: problem for number, problem in missing.items()}
     result = after.get("verdict on the requirement", partial(_with_judgement, result, points), result)
-    result = _with_levers(result, clock, after, case.requirement is not None if levers is None else levers)
+    # of a path of loads they take as long as a dozen paths: only if they are asked for
+    unasked = case.requirement is not None and not problem.curves
+    result = _with_levers(result, clock, after, unasked if levers is None else levers)
     return replace(result, warnings=(*result.warnings, *after.failures))
 
 

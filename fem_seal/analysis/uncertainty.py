@@ -514,13 +514,14 @@ class _Study:
             return linearised_again(result.contact, law, result.earlier)
         if not problem.curves:
             return solved_again(result.contact, stiffer(result.model, stiffness), law, result.earlier)
-        changed = replace(problem, surface=surface, materials=_stiffer_bodies(problem.materials, stiffness))
+        changed = replace(problem, surface=surface, materials=stiffer_bodies(problem.materials, stiffness))
         model = result.model if stiffness == 1 else condensed(changed, result.seal_mesh)
         contacts = path_again(LoadSolver(changed, model))
         return contacts if self.numbers is None else [contacts[number] for number in self.numbers]
 
 
-def _stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[str, Material]:
+def stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[str, Material]:
+    """Materials with both Young's moduli times a factor."""
     return {name: replace(one, youngs_modulus=one.youngs_modulus * factor) for name, one in materials.items()}
 
 
