@@ -49,7 +49,7 @@ class _Part:
         """Stiffness of inner and outer from that of its elements (elements, shapes, shapes), of a smallest part."""
         size, (place,) = len(self.inner) + len(self.outer) + 1, self.places
         index = place[:, :, None] * size + place[:, None, :]
-        summed: FloatArray = np.bincount(index.ravel(), local.ravel(), minlength=size * size)
+        summed = np.asarray(np.bincount(index.ravel(), local.ravel(), minlength=size * size), dtype=float)
         # symmetric, and turned round in the order that LAPACK takes without a copy of each row
         return summed.reshape(size, size)[:-1, :-1].T
 
