@@ -26,6 +26,10 @@ def make(angle: float = math.radians(45), radius: float = 0.02, sizing: Sizing =
     return meshes.build(Ball(radius), ConicalSeat.around(angle, Ball(radius)), sizing)
 
 
+# two builds are two
+pytestmark = pytest.mark.usefixtures("made_anew")
+
+
 @pytest.fixture(scope="module")
 def seal_mesh() -> SealMesh:
     return make()

@@ -185,8 +185,10 @@ class Dissection:
 
             solution = right.reshape(len(right), -1).copy()
             for part, (lower, coupling) in zip(parts, kept, strict=True):
-                if len(part.inner):
-                    forward, _ = dtrtrs(lower, solution[part.inner], lower=1)
+                inner = solution[part.inner]
+                # forces stand on few parts
+                if inner.any():
+                    forward, _ = dtrtrs(lower, inner, lower=1)
                     solution[part.inner] = forward
                     solution[part.outer] -= coupling.T @ forward
             solution[places], _ = dpotrs(last, solution[places], lower=1)
