@@ -786,9 +786,12 @@ def _elastic_range(surface: RoughContact, ends: FloatArray) -> tuple[float, floa
     return 10.0 ** np.floor(low), 10.0 ** np.ceil(high)
 
 
-# The low-pressure law holds to 1e-9 this far (in ln p) below p_c; above it ubar is tabulated at this spacing.
-_LAW_RANGE = 50.0
+# The low-pressure law holds to 1e-9 50 below p_c (in ln p); above it ubar is tabulated at this spacing, and where it is
+# all but straight at wider ones: the curve between is off by less than 1e-6 of ubar.
 _LAW_SPACING = 0.05
+_LAW_PLACES = np.concatenate(
+    [np.arange(-50.0, -20.0, 1.0), np.arange(-20.0, -8.0, 0.25), np.arange(-8.0, 8.0, _LAW_SPACING)]
+)
 # The table ends where the gap is this fraction of u0: full contact for any purpose.
 _LAW_END = 1e-6
 
@@ -797,7 +800,7 @@ _LAW_END = 1e-6
 def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
     """Mean separation over ln p, with its exact slope for elastic asperities and a spline's for plastic ones."""
     log_p_c = np.log(surface.p_c)
-    log_p = np.arange(log_p_c - _LAW_RANGE, log_p_c + 8.0, _LAW_SPACING)
+    log_p = log_p_c + _LAW_PLACES
     if surface.hardness is not None:
         # Toward the hardness the gap closes ever faster: equal ratios of sigma_P - p instead of equal steps.
         near = np.log(surface.hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from os import PathLike
 from typing import Literal, NamedTuple
 
@@ -244,24 +243,20 @@ class PowerSpectrum:
         if not isinstance(other, PowerSpectrum):
             return NotImplemented
         nodes = np.unique(np.concatenate([self.wavenumber, other.wavenumber]))
-        pieces_q: list[FloatArray] = []
-        pieces_C: list[FloatArray] = []
-        for left, right in pairwise(nodes):
-            middle, ends = float(np.sqrt(left * right)), np.array([left, right])
-            count = _pieces_of_sum(
-                np.log(right / left), self._inside_piece(middle, ends), other._inside_piece(middle, ends)
-            )
-            q = np.geomspace(left, right, count + 1)
-            q[[0, -1]] = left, right
-            C = self._inside_piece(middle, q) + other._inside_piece(middle, q)
-            if C[0] == 0.0:
-                C = np.full_like(q, _GAP * min(self.density.min(), other.density.min()))
-            pieces_q.append(q)
-            pieces_C.append(C)
-        q_all, C_all = np.concatenate(pieces_q), np.concatenate(pieces_C)
-        same = (np.diff(q_all) == 0.0) & np.isclose(np.diff(np.log(C_all)), 0.0, atol=1e-13)
+        left, right = nodes[:-1], nodes[1:]
+        ends = [one._at_ends_of(left, right) for one in (self, other)]
+        count = _pieces_of_sum(np.log(right / left), *ends)
+        # the nodes of each stretch, both its ends among them, one stretch after the other
+        of = np.repeat(np.arange(left.size), count + 1)
+        share = (np.arange(of.size) - np.repeat(np.cumsum(count + 1) - count - 1, count + 1)) / count[of]
+        q = left[of] * (right / left)[of] ** share
+        q = np.where(share == 1.0, right[of], q)
+        C = sum(np.exp(log_C[of, 0] + share * slope[of]) for log_C, slope in map(_straight, ends))
+        nothing = np.isneginf(np.maximum(ends[0][:, 0], ends[1][:, 0]))[of]
+        C = np.where(nothing, _GAP * min(self.density.min(), other.density.min()), C)
+        same = (np.diff(q) == 0.0) & np.isclose(np.diff(np.log(C)), 0.0, atol=1e-13)
         keep = np.concatenate([[True], ~same])
-        return PowerSpectrum(q_all[keep], C_all[keep])
+        return PowerSpectrum(q[keep], C[keep])
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, PowerSpectrum):
@@ -370,12 +365,14 @@ class PowerSpectrum:
     def _last_piece(self) -> int:
         return int(np.flatnonzero(self._length > 0.0)[-1])
 
-    def _inside_piece(self, middle: float, q: FloatArray) -> FloatArray:
-        """C of the piece that contains `middle`, continued to `q` at its ends, so that steps stay steps."""
-        if not self.q_low < middle < self.q_high:
-            return np.zeros_like(q)
-        k = int(self._piece_of(np.asarray(middle)))
-        return np.exp(self._log_C[k] + self._slope[k] * (np.log(q) - self._log_q[k]))
+    def _at_ends_of(self, left: FloatArray, right: FloatArray) -> FloatArray:
+        """ln C at both ends of stretches within one piece, steps being steps; -inf outside, shape (n, 2)."""
+        middle = np.sqrt(left * right)
+        k = self._piece_of(middle)
+        log_q = np.log(np.column_stack([left, right]))
+        log_C = self._log_C[k, None] + self._slope[k, None] * (log_q - self._log_q[k, None])
+        inside = (middle > self.q_low) & (middle < self.q_high)
+        return np.where(inside[:, None], log_C, -np.inf)
 
     @cached_property
     def _log_q(self) -> FloatArray:
@@ -420,18 +417,23 @@ def _log_range(q_from: float, q_to: float, spectrum: PowerSpectrum) -> tuple[flo
     return float(np.log(np.clip(q_from, low, high))), float(np.log(np.clip(q_to, low, high)))
 
 
-def _pieces_of_sum(length: float, one: FloatArray, other: FloatArray) -> int:
-    """Pieces of a sum of two power laws, given at both ends of a stretch of `length` in ln q.
+def _straight(ends: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """ln C at both ends of stretches and its rise, zero where there is nothing."""
+    there = np.isfinite(ends[:, 0])
+    return ends, np.subtract(ends[:, 1], ends[:, 0], out=np.zeros(len(ends)), where=there)
 
-    The sum bends by (difference of slopes)^2 w (1 - w), w the share of one; its chord is off by length^2/8 of that.
+
+def _pieces_of_sum(length: FloatArray, one: FloatArray, other: FloatArray) -> NDArray[np.intp]:
+    """Pieces of the sums of two power laws on stretches of `length` in ln q, from ln C at both ends, shape (n, 2).
+
+    A sum bends by (difference of slopes)^2 w (1 - w), w the share of one; its chord is off by length^2/8 of that.
     """
-    if one[0] == 0.0 or other[0] == 0.0:
-        return 1
-    ratio = np.log(one / other)
-    nearest = 0.0 if ratio[0] * ratio[1] < 0.0 else float(np.abs(ratio).min())
-    share = 1.0 / (1.0 + np.exp(nearest))
-    bend = (ratio[1] - ratio[0]) ** 2 * share * (1.0 - share)
-    return max(int(np.ceil(np.sqrt(bend / (8.0 * _SUM_ERROR)))), 1)
+    both = np.isfinite(one[:, 0]) & np.isfinite(other[:, 0])
+    ratio = np.subtract(one, other, out=np.zeros(one.shape), where=both[:, None])
+    nearest = np.where(ratio[:, 0] * ratio[:, 1] < 0.0, 0.0, np.abs(ratio).min(axis=1))
+    share = 1.0 / (1.0 + np.exp(np.minimum(nearest, 700.0)))
+    bend = (ratio[:, 1] - ratio[:, 0]) ** 2 * share * (1.0 - share)
+    return np.maximum(np.ceil(np.sqrt(bend / (8.0 * _SUM_ERROR))), 1).astype(int)
 
 
 def _power_integral(exponent: FloatArray, length: FloatArray) -> FloatArray:
