@@ -51,6 +51,7 @@ from leak.flow.inertia import GasInertia, gas_inertia
 from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
 from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
 from leak.flow.memory import LoadMemory
+from leak.flow.nearby import NearbyTables
 from leak.flow.particles import (
     Clogging,
     GapDistribution,
@@ -167,6 +168,7 @@ __all__ = [
     "Liquid",
     "LoadMemory",
     "MeasuredSurface",
+    "NearbyTables",
     "ParticleCounts",
     "Paths",
     "PowerSpectrum",

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, SurfaceError, positive
@@ -482,8 +482,7 @@ class RoughContact:
         p, lengths = np.atleast_1d(_checked(pressure)), np.asarray(flight, dtype=float)
         n = medium.dimension_number(self.percolation_threshold)
         out = np.empty(lengths.shape)
-        for start in range(0, p.size, _CHUNK):
-            part = slice(start, start + _CHUNK)
+        for part in _parts(np.arange(p.size)):
             acting = self.acting_pressure(p[part])
             lost, mean, aspect = self._channels(acting, self._seen(acting), 1)
             out[part] = effective_gas_gap(lost, mean, self.spectrum.rms_height, n, aspect, lengths[part])
@@ -596,8 +595,7 @@ class RoughContact:
             out[yielded] = 0.0
             usual &= ~yielded
         index = np.flatnonzero(usual)
-        for start in range(0, index.size, _CHUNK):
-            part = index[start : start + _CHUNK]
+        for part in _parts(index):
             out[part] = at(flat[part])
         if np.any(tiny):
             last, before = at(np.array([least, np.e * least]))
@@ -644,6 +642,11 @@ class RoughContact:
     def _critical_separation(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
         relative = p / self.effective_modulus
         return critical_gap(self.spectrum, seen, relative, self.gamma, self.percolation_threshold)
+
+
+def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """About `_CHUNK` at a time."""
+    return np.array_split(index, max(round(index.size / _CHUNK), 1)) if index.size else []
 
 
 _NEWTON_STEPS = 40

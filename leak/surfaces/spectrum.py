@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
 from typing import Literal, NamedTuple
@@ -24,6 +24,8 @@ _SUM_ERROR = 2e-5
 _GAP = 1e-12
 # Quadratures stop at nodes where the exponent of C changes by more than this or C steps; smaller kinks do no harm.
 _KINK, _STEP = 0.05, 1e-4
+# Where only some of many kinks are stops, those as large as this are always among them.
+_STRONG_KINK, _STRONG_STEP = 1.5, 0.7
 # With more kinks than this (a raw Fourier spectrum) they average out, and stopping at some of them is enough.
 _MOST_BREAKS = 400
 # The end of a spectrum that adds less than this fraction per e-fold of q to M; M itself resolves 1e-16.
@@ -50,6 +52,8 @@ class PowerSpectrum:
         q of the nodes, shape (n,), not decreasing [1/m].
     density : array_like
         C at the nodes, shape (n,), positive [m^4].
+    most_breaks : int
+        At so many of the kinks between the nodes, at most, quadratures over magnification stop.
 
     Raises
     ------
@@ -71,6 +75,7 @@ class PowerSpectrum:
 
     wavenumber: FloatArray
     density: FloatArray
+    most_breaks: int = field(default=_MOST_BREAKS, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         try:
@@ -261,8 +266,10 @@ class PowerSpectrum:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, PowerSpectrum):
             return NotImplemented
-        return np.array_equal(self.wavenumber, other.wavenumber) and np.array_equal(
-            self.density, other.density
+        return (
+            self.most_breaks == other.most_breaks
+            and np.array_equal(self.wavenumber, other.wavenumber)
+            and np.array_equal(self.density, other.density)
         )
 
     def __hash__(self) -> int:
@@ -332,13 +339,27 @@ class PowerSpectrum:
         """Slope moments M at the nodes where a quadrature should be split, ends included, increasing [-]."""
         real = np.flatnonzero(self._length > 0.0)
         left, right = real[:-1], real[1:]
-        bend = np.abs(self._slope[right] - self._slope[left]) > _KINK
-        step = np.abs(self._log_C[right] - self._log_C[left + 1]) > _STEP
-        kinks = right[bend | step]
-        kinks = kinks[:: 1 + kinks.size // _MOST_BREAKS]
+        bend = np.abs(self._slope[right] - self._slope[left])
+        step = np.abs(self._log_C[right] - self._log_C[left + 1])
+        real = (bend > _KINK) | (step > _STEP)
+        strong = (bend > _STRONG_KINK) | (step > _STRONG_STEP)
+        kinks = self._spread(right[real], right[strong])
         nodes = self._slope_moment[np.concatenate([[0], kinks, [self._last_piece + 1]])]
         breaks = np.unique(np.concatenate([nodes, self._saturation_moments()]))
         return np.append(breaks[breaks < self.last_moment], self.last_moment)
+
+    def _spread(self, kinks: NDArray[np.intp], strong: NDArray[np.intp]) -> NDArray[np.intp]:
+        """So many kinks as are allowed, in even steps of what changes with magnification: q, M and its rest."""
+        if kinks.size <= self.most_breaks:
+            return kinks
+        M = self._slope_moment[kinks] / self.last_moment
+        place = self._log_q[kinks] + 0.5 * np.log(M) - np.log(np.maximum(1.0 - M, 0.0) + 1e-3)
+        end = max(self._log_q[-1] - np.log(1e-3), place[-1])
+        wanted = np.linspace(place[0], end, self.most_breaks + 2)[1:-1]
+        near = np.clip(np.searchsorted(place, wanted), 1, place.size - 1)
+        near = kinks[np.unique(near - (wanted - place[near - 1] < place[near] - wanted))]
+        # where most are strong, in a raw Fourier spectrum, they average out as well
+        return near if strong.size > 4 * self.most_breaks else np.union1d(near, strong)
 
     def _saturation_moments(self) -> FloatArray:
         """Moments that part a steep spectrum, whose M hardly rises with q any more, at each half e-fold of dM/dlnq."""
