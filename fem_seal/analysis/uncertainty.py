@@ -14,7 +14,7 @@ import numpy as np
 from fem_seal.analysis.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.analysis.problem import condensed
 from fem_seal.analysis.response_surface import ResponseSurface, fit
-from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution, coarse_leak_rates, leak_rates
+from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution, leak_rates
 from fem_seal.analysis.sampling import UncertainInput, sobol_points
 from fem_seal.arrays import FloatArray
 from fem_seal.case.checks import problems_with_uncertainty
@@ -137,14 +137,14 @@ def _interval_of_finish(
 ) -> LeakInterval:
     """The interval of a finish, a factor of ten or more, for the price of few runs.
 
-    Ratios of leak rates to those of the case itself, of both with coarse tables, at few loads: a quadratic polynomial
-    of their logarithms gives the samples, and the other loads follow over the line load.
+    Ratios of leak rates to those of the case itself at few loads: a quadratic polynomial of their logarithms gives the
+    samples, and the other loads follow over the line load.
     """
     chosen = _representative(result.loads)
     part = replace(result, loads=tuple(result.loads[n] for n in chosen))
     study = _Study.of(part, settings)
-    study = replace(study, coarse=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
-    usual, viscosity = study.of_coarse, study.viscosity[:, None]
+    study = replace(study, lenient=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
+    usual, viscosity = np.array(study.of_case), study.viscosity[:, None]
     if not np.all((usual > 0) & np.isfinite(usual)):
         # what is sealed has no ratios
         few = settings.model_copy(update={"samples": min(settings.samples, _OF_SEALED)})
@@ -303,7 +303,7 @@ def _ends(leak_rate: FloatArray, confidence: float) -> list[int]:
     last = len(leak_rate) - 1
     near = []
     for share, outer in ((0.5 - 0.5 * confidence, np.argmin), (0.5 + 0.5 * confidence, np.argmax)):
-        order = np.argsort(leak_rate[:, outer(np.quantile(leak_rate, share, axis=0))])
+        order = np.argsort(leak_rate[:, outer(np.quantile(leak_rate, share, axis=0, method="lower"))])
         near += [int(order[min(last, int(share * last) + n)]) for n in range(_CHECKS // 2)]
     return sorted(set(near))
 
@@ -337,8 +337,8 @@ class _Study:
     ----------
     uniform : ndarray, shape (samples, dimensions)
         Numbers between 0 and 1.
-    coarse : bool
-        Whether conductivities are tabulated at few pressures.
+    lenient : bool
+        Whether samples whose contact does not converge are NaN, instead of an error.
     exact : bool
         Whether each sample has a conductivity table of its own, instead of one from that of the case.
     whole_paths : bool
@@ -351,7 +351,7 @@ class _Study:
     result: SealSolution
     inputs: tuple[AnyInput, ...]
     uniform: FloatArray
-    coarse: bool = False
+    lenient: bool = False
     exact: bool = False
     whole_paths: bool = False
     numbers: Sequence[int] | None = None
@@ -391,12 +391,6 @@ class _Study:
         loads = self.result.loads
         found = [load.leak for load in loads] + [load.leak_capped for load in loads] * (self.readings - 1)
         return [math.nan if leak is None else leak.leak_rate for leak in found]
-
-    @property
-    def of_coarse(self) -> FloatArray:
-        """Leak rates of the case itself from coarse tables."""
-        assert self.result.surface is not None  # of the checks
-        return np.array(self._rates(self.result.surface, self.result.loads))
 
     @cached_property
     def calculated(self) -> tuple[AnyInput, ...]:
@@ -452,7 +446,7 @@ class _Study:
         try:
             return self._rates(surface, self._loads(surface, factors))
         except ConvergenceError:
-            if self.coarse or (self.whole_paths and not self._bulk):
+            if self.lenient or (self.whole_paths and not self._bulk):
                 return [math.nan] * (self.readings * len(self.result.loads))
             raise
 
@@ -461,8 +455,6 @@ class _Study:
         flow = self.result.problem.flow
         assert flow is not None  # of the checks
         read = (surface, surface.capped)[: self.readings]
-        if self.coarse:
-            return [rate for one in read for rate in coarse_leak_rates(one, flow, loads)]
         if self.exact or flow.simulated is not None:
             # with the range of the case itself, as long as it will do, the table's own error is that of all samples
             return [rate for one in read for rate in leak_rates(one, flow, loads, alike=self.result.loads)]

@@ -15,11 +15,10 @@ from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
 
-# A surface is calculated at these places of the abscissa of the tables below the highest pressure that occurs, and there:
-# close together where the contact's part of the surface is no longer small and sealing not yet near. Where all pressures
-# are low, at these distances below the highest instead.
+# A surface is calculated at the highest pressure that occurs and at these places of the abscissa of the tables below:
+# close together between low pressures and sealing. Where all are low, at these distances below the highest instead.
 _PLACES = np.array(
-[-14.0, -9.0, -6.0, -4.0, -2.8, -1.9, -1.2, -0.6, -0.1, 0.3, 0.7, 1.1, 1.6, 2.2, 3.0, 4.2, 6.0, 9.0, 14.0]
+    [-14.0, -9.0, -6.0, -4.0, -2.8, -1.9, -1.2, -0.6, -0.1, 0.3, 0.7, 1.1, 1.6, 2.2, 3.0, 4.2, 6.0, 9.0, 14.0]
 )
 _BELOW, _LOW = np.array([14.0, 8.5, 5.5, 3.0, 1.4, 0.0]), -2.5
 # The highest pressure is rounded up to a lattice, so that many surfaces share what is needed of the known one.
@@ -140,7 +139,7 @@ class NearbyTables:
         sealing = surface.sealing_pressure_by(self.method)
         highest = min(_ABOVE * p_max, _CLOSEST * sealing)
         ends = self._abscissa(np.log(np.array([_LOWEST, highest / sealing])))
-        p = sealing * np.exp(self._log_share(np.linspace(*ends, _OF_CAPPED)))
+        p = sealing * np.exp(self._log_share(np.linspace(ends[0], ends[1], _OF_CAPPED)))
         p[-1] = highest
         acting = surface.acting_pressure(p)
         elastic = self._elastic.table(surface.elastic, float(acting[-1]))
@@ -216,7 +215,7 @@ def _places(top: float) -> FloatArray:
     """Where in the abscissa a surface is calculated."""
     if top < _LOW:
         return np.asarray(top - _BELOW)
-    return np.append(_PLACES[_PLACES < top - 0.3], top)
+    return np.append(_PLACES[top > _PLACES + 0.3], top)
 
 
 def _with_gas(

@@ -341,9 +341,9 @@ class PowerSpectrum:
         left, right = real[:-1], real[1:]
         bend = np.abs(self._slope[right] - self._slope[left])
         step = np.abs(self._log_C[right] - self._log_C[left + 1])
-        real = (bend > _KINK) | (step > _STEP)
+        any_kink = (bend > _KINK) | (step > _STEP)
         strong = (bend > _STRONG_KINK) | (step > _STRONG_STEP)
-        kinks = self._spread(right[real], right[strong])
+        kinks = self._spread(right[any_kink], right[strong])
         nodes = self._slope_moment[np.concatenate([[0], kinks, [self._last_piece + 1]])]
         breaks = np.unique(np.concatenate([nodes, self._saturation_moments()]))
         return np.append(breaks[breaks < self.last_moment], self.last_moment)
