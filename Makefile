@@ -10,7 +10,7 @@ export PYTHONPYCACHEPREFIX := $(abspath $(VENV))/bytecode
 
 PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: run test lint check wheel docs system clean
+.PHONY: run test lint check wheel docs benchmarks system clean
 
 run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
@@ -35,12 +35,17 @@ wheel: $(VENV)/.tools
 docs: $(VENV)/.tools
 	@$(VENV)/bin/python docs/make_input_reference.py
 	@$(VENV)/bin/python docs/make_reference_pages.py
+	@$(VENV)/bin/python docs/speed_page.py
 	@$(VENV)/bin/python docs/gallery.py
 	@$(VENV)/bin/python -m sphinx -W --keep-going --quiet -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo docs/_build/html/index.html
 
+# Every figure that has a goal beside it, on a machine that does nothing else; ASKED="--quick --record" and the like.
+benchmarks: $(VENV)/.tools
+	@$(VENV)/bin/python benchmarks/goals.py $(ASKED)
+
 clean:
-	rm -rf $(VENV) build *.egg-info .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis examples/*.out docs/_build docs/cases docs/reference/api docs/reference/cli.md docs/tutorial/made
+	rm -rf $(VENV) build *.egg-info .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis examples/*.out docs/_build docs/cases docs/reference/api docs/reference/cli.md docs/tutorial/made docs/verification/made
 
 # Libraries and the venv module; as root on Debian or Ubuntu they are installed, otherwise the command is printed.
 system:

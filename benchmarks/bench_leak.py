@@ -6,12 +6,12 @@ differs in the ninth digit).
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from itertools import count
 
 import numpy as np
 import pytest
+from measured_process import measured
 
 import leak
 
@@ -37,7 +37,6 @@ def test_conductivity_table(benchmark, hardness, goal):
         warmup_rounds=1,
     )
     assert table.effective_separation(50e6) > 1e-6
-    assert benchmark.stats.stats.min < goal
 
 
 @pytest.mark.parametrize(("hardness", "goal"), [(None, 0.15), (3.5e9, 0.35)], ids=["elastic", "plastic"])
@@ -50,7 +49,6 @@ def test_gas_conductivity_table(benchmark, hardness, goal):
         warmup_rounds=1,
     )
     assert table.liquid.effective_separation(50e6) > 1e-6
-    assert benchmark.stats.stats.min < goal
 
 
 def test_gas_flow_of_a_profile(benchmark):
@@ -94,8 +92,12 @@ def test_crossover_profile(benchmark):
     benchmark(line.pressure, x)
 
 
-def test_import(benchmark):
-    """A process that only imports the package; goal 0.25 s."""
+def test_import_of_the_package_leak(benchmark, tmp_path):
+    """A process that only imports the package, its processor time."""
+    costs = []
     benchmark.pedantic(
-        lambda: subprocess.run([sys.executable, "-c", "import leak"], check=True), rounds=5, warmup_rounds=1
+        lambda: costs.append(measured([sys.executable, "-c", "import leak"], tmp_path)),
+        rounds=5,
+        warmup_rounds=1,
     )
+    benchmark.extra_info.update(goal_s=0.25, figure_s=min(cost.processor for cost in costs))

@@ -76,7 +76,7 @@ GROUPS = {
         "tilted_poppet",
         "scratched_seat",
     ),
-    "What a load leaves behind": ("proof_load", "elastoplastic_seat"),
+    "What a load leaves behind": ("proof_load", "elastoplastic_seat", "hot_coined_seat"),
 }
 
 

@@ -134,6 +134,7 @@ def _tables() -> Iterator[str]:
             yield from _inner_tables(name, table, {})
     yield f"### A material as a table\n\n{_about(MaterialTable)}\n"
     yield from _rows(MaterialTable)
+    yield from _inner_tables("material", MaterialTable, {})
 
 
 def _inner_tables(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fem_seal import contact
     from fem_seal.analysis.closed_forms import derive
     from fem_seal.analysis.leak_map import LeakMap, leak_map
-    from fem_seal.bodies.held_body import Supports
+    from fem_seal.bodies.supports import Supports
     from fem_seal.case.case import Case, load_case
     from fem_seal.contact.coupled import Seal
     from fem_seal.contact.fluid_path import FlowThrough, HeldFluid
@@ -63,7 +63,7 @@ _HOME = {
     "HeldFluid": "fem_seal.contact.fluid_path",
     "blow_off_pressure": "fem_seal.contact.penetration",
     "FurtherLoads": "fem_seal.contact.other_loads",
-    "Supports": "fem_seal.bodies.held_body",
+    "Supports": "fem_seal.bodies.supports",
     "body_fields": "fem_seal.contact.solution",
     "ContactSettings": "fem_seal.contact.solution",
     "ContactSolution": "fem_seal.contact.solution",

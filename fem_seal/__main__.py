@@ -26,6 +26,8 @@ def main() -> int:
     # The matrices are small: threads gain nothing, and on a busy machine their waiting for each other makes a run
     # several times slower. To be set before numpy is loaded; a user's own setting wins.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # No plugin has a say in what a case file may hold; pydantic reads the metadata of every installed package for them.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Nearly all that a command makes stays to its end: going through it a thousand times takes a fifteenth of a run.
     gc.set_threshold(50_000, 20, 50)
     try:

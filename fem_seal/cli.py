@@ -17,8 +17,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from fem_seal.analysis.caution import Level
-from fem_seal.analysis.results import DIGITS, digits_near_opening, highest_load
 from fem_seal.cli_explore import explore
 from fem_seal.cli_library import fluids, materials
 from fem_seal.cli_new import new
@@ -27,8 +25,7 @@ from fem_seal.cli_study import app as study_app
 from fem_seal.cli_table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError
 from fem_seal.files import as_json
-from fem_seal.output.case_words import section_text
-from fem_seal.units import Unit, fixed_unit, rounded
+from fem_seal.units import DIGITS, Unit, fixed_unit, rounded
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -87,7 +84,7 @@ def run(
         bool | None,
         typer.Option(
             "--levers/--no-levers",
-            show_default="with a [requirement]",
+            show_default="with a [requirement], of elastic bodies",
             help="Also find which changes of the design change the leak rate most.",
         ),
     ] = None,
@@ -171,7 +168,7 @@ def check(
     from fem_seal.analysis.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
     from fem_seal.analysis.heating import warmed
     from fem_seal.case.case import load_case
-    from fem_seal.output import summary
+    from fem_seal.output.derived import derived_numbers, requirement_numbers
     from fem_seal.output.finish import finish_rows
     from fem_seal.output.report.verdict import requirement_lines
     from fem_seal.output.temperature import temperature_rows
@@ -183,12 +180,12 @@ def check(
 
         drawn = write_section(case, Path(picture) if picture else Path(case_file.with_suffix(".png").name))
     derived = derive(case)
-    numbers = summary.derived_numbers(case, derived)
+    numbers = derived_numbers(case, derived)
     from fem_seal.analysis.problem import SealProblem, sizing
 
     problem = SealProblem.of(case)
     numbers["contact_size_m"] = sizing(problem).contact_size
-    numbers["requirement"] = summary.requirement_numbers(case)
+    numbers["requirement"] = requirement_numbers(case)
     limits = [nearly_open(derived), strain_limit(derived), closed_form_limits(case, derived)]
     _warn([*_remarks(case), *filter(None, limits)])
     if json:
@@ -447,7 +444,7 @@ def _made(folder: Path) -> Path:
 def _remarks(case: Case) -> list[str]:
     from fem_seal.analysis.left_out import left_out
     from fem_seal.analysis.problem import SealProblem
-    from fem_seal.analysis.warnings import creep_remarks
+    from fem_seal.materials import creep_remarks
 
     remarks = []
     if case.roughness is None:
@@ -570,6 +567,7 @@ _ENDLESS = 100_000
 
 def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
     """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks."""
+    from fem_seal.analysis.caution import Level
     from fem_seal.output.columns import LEAK_ON_TERMINAL
 
     columns = [column for column in LEAK_ON_TERMINAL if any(_filled(row.get(column.name)) for row in rows)]
@@ -601,6 +599,7 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
 
 def _digits(row: Mapping[str, Any], name: str) -> int:
     """Significant digits that a number of a row is worth."""
+    from fem_seal.analysis.results import digits_near_opening
     from fem_seal.output.columns import COLUMNS
 
     share = row.get("opening_margin", math.nan)
@@ -619,6 +618,7 @@ def show_leakage(
     ends : sequence of tuple, optional
         Ends of the leak rate's interval at each load, where they are more than its two readings [m^3/s].
     """
+    from fem_seal.analysis.results import highest_load
     from fem_seal.output.report.words import leakage_lines
 
     highest = highest_load(loads)
@@ -778,6 +778,7 @@ def _dimension(key: str, value: float) -> str:
 
 def show_derived(numbers: Mapping[str, Any]) -> None:
     """Print the derived numbers of a case."""
+    from fem_seal.output.case_words import section_text
     from fem_seal.output.columns import CHECK_ON_TERMINAL
 
     for body, lengths in numbers["dimensions"].items():

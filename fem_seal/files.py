@@ -241,6 +241,8 @@ def column(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
     TextTableError
         If its header has no unit of this dimension.
     """
+    import numpy as np
+
     header, values = table.header[place], table.values[:, place]
     unit = name_and_unit(header)[1]
     if dimension == "strain":
@@ -251,11 +253,14 @@ def column(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
             )
         return values * _STRAINS[unit.lower()]
     if not unit:
-        example = "mm" if dimension == "length" else "MPa"
+        example = {"length": "mm", "temperature": "degC"}.get(dimension, "MPa")
         raise TextTableError(
             f'column "{header}" has no unit; write it as "{header}_{example}" or "{header} [{example}]"'
         )
     try:
+        if dimension == "temperature":
+            # whose scales begin at different places
+            return np.array([parse_quantity(f"{value!r} {unit}", dimension) for value in values.tolist()])
         return values * parse_quantity(f"1 {unit}", dimension)
     except QuantityError as error:
         raise TextTableError(f'column "{header}": {error}') from None
@@ -274,7 +279,7 @@ def name_and_unit(header: str) -> tuple[str, str]:
 def _is_unit(text: str) -> bool:
     if text.lower() in ("%", "percent"):
         return True
-    for dimension in ("length", "pressure"):
+    for dimension in ("length", "pressure", "temperature"):
         try:
             parse_quantity(f"1 {text}", dimension)
         except QuantityError:

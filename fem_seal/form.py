@@ -6,12 +6,14 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from leak import Groove
+
+if TYPE_CHECKING:
+    from leak import Groove
 
 Direction = Literal["radial", "axial", "normal"]
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
 from fem_seal.errors import InputError, Problem
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from fem_seal.arrays import FloatArray
 
 
@@ -78,11 +80,12 @@ class OverTemperature:
         """The number at a temperature, or an array of them [K]; InputError outside the table."""
         low, high = self.temperature[0], self.temperature[-1]
         if not self.reaches(temperature):
+            reach = f"from {celsius(low)} to {celsius(high)}" if low < high else f"at {celsius(low)} only"
             asked = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
             raise InputError(
                 Problem(
                     self.key,
-                    f"is known from {_celsius(low)} to {_celsius(high)} and asked for at {_celsius(float(asked))}; "
+                    f"is known {reach} and asked for at {celsius(float(asked))}; "
                     "extend the table, or change the temperature",
                 )
             )
@@ -90,7 +93,8 @@ class OverTemperature:
         return found if np.ndim(temperature) else float(found)
 
 
-def _celsius(temperature: float) -> str:
+def celsius(temperature: float) -> str:
+    """A temperature [K] as it is said to people."""
     return f"{temperature - 273.15:.4g} degC"
 
 
@@ -127,6 +131,8 @@ class Material:
         [W/(m K)]; None if unknown.
     over_temperature : tuple of OverTemperature, optional
         Which of the numbers depend on the temperature, and how; those beside it are of one temperature, see `at`.
+    hardening_over_temperature : HardeningOverTemperature, optional
+        Hardening curves at several temperatures; `hardening` is then the curve at one of them, or between.
 
     Raises
     ------
@@ -152,6 +158,7 @@ class Material:
     creeps: bool = False
     thermal_conductivity: float | None = None
     over_temperature: tuple[OverTemperature, ...] = ()
+    hardening_over_temperature: HardeningOverTemperature | None = None
 
     def __post_init__(self) -> None:
         for key in ("youngs_modulus", "hardness", "yield_stress"):
@@ -164,6 +171,16 @@ class Material:
             raise InputError(
                 Problem(
                     f"{self.name}: poissons_ratio", "must lie between -1 and 0.5", repr(self.poissons_ratio)
+                )
+            )
+        curves = self.hardening_over_temperature
+        if self.hardening is None and curves is not None:
+            object.__setattr__(self, "hardening", curves.next_to(ROOM_TEMPERATURE))
+        if curves is not None and any(table.key == "yield_stress" for table in self.over_temperature):
+            raise InputError(
+                Problem(
+                    f"{self.name}: yield_stress",
+                    "is a table over temperature, and the stress_strain curves have their own; leave yield_stress out",
                 )
             )
         if self.hardening is not None:
@@ -201,15 +218,19 @@ class Material:
         >>> round(steel.at(393.15).youngs_modulus / 1e9, 6)
         200.0
         """
-        if not self.over_temperature:
+        curves = self.hardening_over_temperature
+        if not self.over_temperature and curves is None:
             return self
-        numbers: dict[str, float | None] = {
+        numbers: dict[str, Any] = {
             table.key: None
             if table.key == _EXPANSION and not table.reaches(temperature)
             else table.at(temperature)
             for table in self.over_temperature
         }
-        return replace(self, **numbers)  # type: ignore[arg-type]
+        if curves is not None:
+            # the curve brings its own
+            numbers |= {"hardening": curves.at(temperature), "yield_stress": None}
+        return replace(self, **numbers)
 
     def conductivity(self, temperature: FloatArray) -> FloatArray:
         """Thermal conductivity at temperatures [W/(m K)].
@@ -313,6 +334,8 @@ def effective_modulus(first: Material, second: Material) -> float:
 # How far the first point of a table of total strain may lie from the elastic line, as a strain: what is lost when
 # strains are written with four decimals.
 _YIELD_POINT = 1e-4
+# Points of two curves that are nearer than this have the same strain.
+_SAME_STRAIN = 1e-9
 # What no tensile test reaches: larger numbers are meant as per cent.
 _LARGEST_STRAIN = 2.0
 
@@ -330,6 +353,8 @@ class HardeningCurve:
         Logarithmic (true) plastic strain [-], zero at first, increasing, at most 2.
     stress : tuple of float
         True stress in tension [Pa], positive, nowhere falling; the first is the yield stress.
+    known_to : float, optional
+        Plastic strain up to which it was measured [-], where that is not the last point.
 
     Raises
     ------
@@ -345,6 +370,7 @@ class HardeningCurve:
 
     plastic_strain: tuple[float, ...]
     stress: tuple[float, ...]
+    known_to: float | None = None
 
     def __post_init__(self) -> None:
         _check(_rows(self.plastic_strain, self.stress), self.plastic_strain)
@@ -390,6 +416,8 @@ class HardeningCurve:
     @property
     def last_strain(self) -> float:
         """Plastic strain up to which the table reaches [-]; infinite for perfect plasticity, which claims no more."""
+        if self.known_to is not None:
+            return self.known_to
         return self.plastic_strain[-1] if len(self.stress) > 1 else math.inf
 
     def flow_stress(self, plastic_strain: FloatArray) -> FloatArray:
@@ -419,6 +447,138 @@ class HardeningCurve:
     @cached_property
     def _points(self) -> tuple[FloatArray, FloatArray]:
         return np.array(self.plastic_strain), np.array(self.stress)
+
+
+@dataclass(frozen=True)
+class HardeningOverTemperature:
+    """Hardening curves at several temperatures.
+
+    In between the flow stress at a plastic strain is linear in the temperature, whatever strains the points of the
+    curves have; it is not known beyond the first and the last of them.
+
+    Parameters
+    ----------
+    temperature : tuple of float
+        Increasing [K].
+    curve : tuple of HardeningCurve
+
+    Raises
+    ------
+    InputError
+        If there are not as many curves as temperatures, or these do not increase.
+
+    Examples
+    --------
+    >>> cold, hot = HardeningCurve((0.0, 0.1), (250e6, 350e6)), HardeningCurve((0.0, 0.05), (150e6, 200e6))
+    >>> between = HardeningOverTemperature((293.15, 573.15), (cold, hot)).at(433.15)
+    >>> between.plastic_strain, [round(one / 1e6, 6) for one in between.stress]
+    ((0.0, 0.05, 0.1), [200.0, 250.0, 275.0])
+    """
+
+    temperature: tuple[float, ...]
+    curve: tuple[HardeningCurve, ...]
+
+    def __post_init__(self) -> None:
+        # which says what is wrong with the temperatures
+        _ = self._number
+
+    @cached_property
+    def _number(self) -> OverTemperature:
+        """The number of the curve over temperature, which knows its range and how far it is from one to the next."""
+        return OverTemperature("stress_strain", self.temperature, tuple(map(float, range(len(self.curve)))))
+
+    def at(self, temperature: float) -> HardeningCurve:
+        """The curve at a temperature [K]; InputError outside the range of the table."""
+        number = self._number.at(temperature)
+        lower, share = int(number), number % 1
+        if share == 0 or self.curve[lower] == self.curve[lower + 1]:
+            return self.curve[lower]
+        first, second = self.curve[lower : lower + 2]
+        strain = _union((first, second))
+        stress = (1 - share) * first.flow_stress(strain) + share * second.flow_stress(strain)
+        stress = np.maximum.accumulate(stress)  # of round-off on a plateau
+        known = min(first.last_strain, second.last_strain)
+        return HardeningCurve(
+            tuple(strain.tolist()), tuple(stress.tolist()), None if known == strain[-1] else known
+        )
+
+    def next_to(self, temperature: float) -> HardeningCurve:
+        """The curve at a temperature [K], or at the end of the table next to it."""
+        return self.at(min(max(temperature, self.temperature[0]), self.temperature[-1]))
+
+    def check(self, temperature: FloatArray) -> None:
+        """InputError if the table does not reach all of some temperatures [K]."""
+        self._number.at(temperature)
+
+    def at_points(self, temperature: FloatArray) -> HardeningField:
+        """The curve of each of many points.
+
+        Parameters
+        ----------
+        temperature : ndarray, shape (...)
+            [K]; beyond the table, which `check` looks for, the curve at its end.
+        """
+        number = np.interp(temperature, self.temperature, np.arange(len(self.curve)))
+        strain = _union(self.curve)
+        stresses = np.array([curve.flow_stress(strain) for curve in self.curve])
+        lower = np.minimum(number.astype(int), max(len(self.curve) - 2, 0))
+        upper = np.minimum(lower + 1, len(self.curve) - 1)
+        share = (number - lower)[..., None]
+        return HardeningField(strain, (1 - share) * stresses[lower] + share * stresses[upper])
+
+
+def _union(curves: Sequence[HardeningCurve]) -> FloatArray:
+    """Plastic strains of the points of all curves, increasing; those that only round-off tells apart are one."""
+    strain = np.unique(np.concatenate([curve.plastic_strain for curve in curves]))
+    return strain[np.diff(strain, prepend=-1.0) > _SAME_STRAIN]
+
+
+@dataclass(frozen=True, eq=False)
+class HardeningField:
+    """Hardening curves of many points, which differ in their temperature and share their plastic strains.
+
+    Parameters
+    ----------
+    strain : ndarray, shape (k,)
+        Plastic strain, increasing from zero [-].
+    stress : ndarray, shape (..., k)
+        Flow stress of each point [Pa].
+    """
+
+    strain: FloatArray
+    stress: FloatArray
+
+    def flow_stress(self, plastic_strain: FloatArray) -> FloatArray:
+        """Flow stress of each point [Pa] at its plastic strain [-], shape (...)."""
+        piece = self._piece(self.strain, plastic_strain)
+        return self._of(self.stress, piece) + self._slopes(piece) * (plastic_strain - self.strain[piece])
+
+    def slope(self, plastic_strain: FloatArray) -> FloatArray:
+        """Derivative of the flow stress of each point [Pa], at a corner of its curve that towards larger strain."""
+        return self._slopes(self._piece(self.strain, plastic_strain))
+
+    def plastic_strain_at(self, trial: FloatArray, stiffness: float) -> FloatArray:
+        """Plastic strain p of each point at which flow stress(p) + `stiffness` p = `trial` [Pa], as of one curve."""
+        rising = self.stress + stiffness * self.strain
+        piece = self._piece(rising, trial)
+        beyond = trial - self._of(rising, piece)
+        return self.strain[piece] + beyond / (stiffness + self._slopes(piece))
+
+    def _piece(self, begins: FloatArray, value: FloatArray) -> NDArray[np.intp]:
+        """Number of the last point of each curve that a value has reached; the first if none."""
+        return np.maximum(np.sum(begins <= np.asarray(value)[..., None], axis=-1) - 1, 0)
+
+    @staticmethod
+    def _of(columns: FloatArray, piece: NDArray[np.intp]) -> FloatArray:
+        return np.asarray(np.take_along_axis(columns, piece[..., None], axis=-1)[..., 0])
+
+    def _slopes(self, piece: NDArray[np.intp]) -> FloatArray:
+        return self._of(self._slope, piece)
+
+    @cached_property
+    def _slope(self) -> FloatArray:
+        rise = np.diff(self.stress, axis=-1) / np.diff(self.strain)
+        return np.concatenate([rise, np.zeros_like(self.stress[..., :1])], axis=-1)
 
 
 class _Row(NamedTuple):
@@ -463,3 +623,20 @@ def _check(rows: Sequence[_Row], plastic_strain: Sequence[float]) -> None:
             raise rows[n].wrong(
                 "the stress must not fall from row to row: a softening material has no unique solution"
             )
+
+
+def creep_remarks(materials: Mapping[str, Material]) -> list[str]:
+    """What is to be known of bodies that creep, one sentence for each.
+
+    Parameters
+    ----------
+    materials : mapping
+        From "closure" and "seat" to their materials.
+    """
+    return [
+        f"{name}: {material.name} creeps. Its contact grows with time and temperature, and what is lost of the "
+        "closing force after a change of temperature or of load is not calculated: the results are those of a short "
+        "time at the modulus and hardness given"
+        for name, material in materials.items()
+        if material.creeps
+    ]

@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from leak.flow.contact_profile import ContactProfile
+
+# Of Newton's method, with halving where it leaves the interval.
+_ROOT_STEPS = 60
 
 
 @dataclass(frozen=True)
@@ -54,12 +61,12 @@ class PressureProfile:
         """int p (x - centre)^order dx [Pa m^(order + 1)]."""
         return float(self.arc_weight @ (self.pressure * (self.x - centre) ** order))
 
-    @property
+    @cached_property
     def centroid(self) -> float:
         """Centre of the pressure over x [m]."""
         return self.moment(1) / self.moment(0)
 
-    @property
+    @cached_property
     def std(self) -> float:
         """Square root of the second central moment of p over x [m]."""
         return float(np.sqrt(self.moment(2, self.centroid) / self.moment(0)))
@@ -74,12 +81,29 @@ class PressureProfile:
         if k in (0, len(self.x) - 1):
             return float(self.x[k]), float(self.pressure[k])
         # Points that mirror each other about the peak make argmax a matter of round-off; the parabola does not.
-        x, p = self.x[k - 1 : k + 2] - self.x[k], self.pressure[k - 1 : k + 2]
-        c2, c1, c0 = np.polyfit(x / x[2], p / p[1], 2)
+        x, p = (self.x[k - 1 : k + 2] - self.x[k]).tolist(), self.pressure[k - 1 : k + 2].tolist()
+        # 1 + c1 t + c2 t^2 over t = x / x[2], which is 0 and 1 at two of the points
+        before, rise_before, rise = x[0] / x[2], p[0] / p[1] - 1, p[2] / p[1] - 1
+        c2 = (rise_before / before - rise) / (before - 1)
         if not c2 < 0:
-            return float(self.x[k]), float(p[1])
-        top = float(np.clip(-c1 / (2 * c2), x[0] / x[2], 1.0))
-        return float(self.x[k] + top * x[2]), float(p[1] * (c0 + c1 * top + c2 * top**2))
+            return float(self.x[k]), p[1]
+        c1 = rise - c2
+        top = min(max(-c1 / (2 * c2), before), 1.0)
+        return float(self.x[k] + top * x[2]), p[1] * (1 + c1 * top + c2 * top**2)
+
+    @cached_property
+    def contact(self) -> ContactProfile:
+        """The profile between and beyond its points, on first loading.
+
+        Raises
+        ------
+        ProfileError
+            Its points cannot be used.
+        """
+        from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile
+
+        points = checked_profile(self.x, self.pressure, self.radius)
+        return ContactProfile.through(*points, checked_ends(self.ends))
 
     @property
     def peak_pressure(self) -> float:
@@ -158,6 +182,30 @@ def _through(x: FloatArray, y: FloatArray) -> np.polynomial.Polynomial:
 
 def _root(curve: np.polynomial.Polynomial, a: float, b: float) -> float:
     """Real root between a and b, where the curve changes sign."""
+    offset, scale = curve.mapparms()
+    coefficients = curve.coef[::-1].tolist()
+
+    def at(t: float) -> tuple[float, float]:
+        value = slope = 0.0
+        for c in coefficients:
+            value, slope = c + t * value, value + t * slope
+        return value, slope
+
+    low, high = offset + scale * a, offset + scale * b
+    rises, falls = at(low)[0], at(high)[0]
+    if rises * falls < 0.0:
+        t = 0.5 * (low + high)
+        for _ in range(_ROOT_STEPS):
+            value, slope = at(t)
+            if (value < 0.0) == (rises < 0.0):
+                low = t
+            else:
+                high = t
+            newton = t - value / slope if slope else low
+            last, t = t, newton if low <= newton <= high else 0.5 * (low + high)
+            if abs(t - last) <= 1e-15 * (high - low + abs(t)):
+                break
+        return float((t - offset) / scale)
     roots = curve.roots()
     outside = np.maximum(0, np.maximum(a - roots.real, roots.real - b)) + np.abs(roots.imag)
     return float(roots.real[np.argmin(outside)])

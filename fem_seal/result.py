@@ -205,7 +205,8 @@ def run(
     progress : callable, optional
         Told in words what is being done.
     levers : bool, optional
-        Whether to look for what changes the leak rate most; with a requirement unless given.
+        Whether to look for what changes the leak rate most; with a requirement unless given, not where a body yields:
+        there it takes as long as a dozen paths of loads.
 
     Returns
     -------

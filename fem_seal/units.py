@@ -97,6 +97,9 @@ DIMENSIONS = {
     )
 }
 
+# Significant digits of numbers in tables.
+DIGITS = 4
+
 # Number first, then a product of units with single-digit powers: no arithmetic, so no "9**9**9".
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?"
 # "cm3" is what drawings write for "cm^3"

@@ -18,109 +18,234 @@ Examples
 393 mm^3/s
 """
 
-from leak import direct
-from leak.errors import (
-    ConductivityError,
-    DirectError,
-    FluidError,
-    LawError,
-    LeakError,
-    ProfileError,
-    ScanError,
-    SpectrumError,
-    SurfaceError,
-)
-from leak.flow.around import (
-    AroundFlow,
-    AroundGasFlow,
-    around_flow,
-    gas_around_flow,
-    rarefied_conductivity,
-)
-from leak.flow.conductivity import (
-    Conductivity,
-    ConductivityTable,
-    GasConductivity,
-    GasConductivityTable,
-    RemembersLoad,
-)
-from leak.flow.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
-from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
-from leak.flow.groove_section import EllipticGroove, GrooveSection, SinusoidalGroove
-from leak.flow.inertia import GasInertia, gas_inertia
-from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
-from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
-from leak.flow.memory import LoadMemory
-from leak.flow.nearby import NearbyTables
-from leak.flow.particles import (
-    Clogging,
-    GapDistribution,
-    Paths,
-    ShutConductivityTable,
-    cloggings,
-    parallel_paths,
-    shut_conductivity,
-    stopped,
-    throttling_length,
-)
-from leak.flow.rough_contact import RoughContact, gas_conductivity_table
-from leak.flow.scratch import (
-    Groove,
-    LeakBounds,
-    Scratch,
-    SpiralLay,
-    deepest_scratch,
-    gas_scratch_flow,
-    scratch_flow,
-)
-from leak.fluids.contamination import Concentration, ParticleCounts
-from leak.fluids.find import gas, is_gas, is_liquid, liquid
-from leak.fluids.library import FLUIDS, GASES
-from leak.fluids.pressure_law import (
-    Barus,
-    FlowPotential,
-    PressureLaw,
-    PressureTable,
-    Roelands,
-    Tait,
-    effective_viscosity_ratio,
-)
-from leak.fluids.properties import Gas, Liquid
-from leak.fluids.real_gas import GasPotential, RealGas, real_gas_flow_ratio
-from leak.standards import (
-    LeakageClass,
-    LeakageLimit,
-    bubbles_per_minute,
-    drops_per_minute,
-    leakage_class,
-    leakage_limits,
-    millibar_litres_per_second,
-    millilitres_per_minute,
-    nominal_size_of_bore,
-)
-from leak.surfaces.finish import Finish, FinishedSurface, Process, process_named
-from leak.surfaces.line_spectrum import profile_density
-from leak.surfaces.measured import MeasuredSurface, measure
-from leak.surfaces.profile_filter import ExpectedRoughness, ProfileFilter, expected_roughness, implied_filter
-from leak.surfaces.profile_parameters import RoughnessParameters, roughness_parameters
-from leak.surfaces.random import random_line_scan, random_map
-from leak.surfaces.scan_files import read_topographies, read_topography
-from leak.surfaces.scans import HeightMap, LineScan, height_map, line_scan
-from leak.surfaces.settings import ScanSettings, SelfAffineContinuation
-from leak.surfaces.spectrum import PowerSpectrum
-from leak.surfaces.stretched import StretchedRoughness, stretched_roughness, stretched_spectrum
-from leak.theory.interface_law import ExponentialLaw, RoughSurfaceLaw, TabulatedLaw
-from leak.theory.line_contact import (
-    CrossoverLine,
-    GaussianLine,
-    HertzLine,
-    LineProfile,
-    crossover_line,
-    gaussian_line,
-    hertz_line,
-)
-from leak.theory.persson import relative_contact_area
-from leak.theory.plasticity import AreaFractions, area_fractions, remaining_fraction
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from leak import direct
+    from leak.errors import (
+        ConductivityError,
+        DirectError,
+        FluidError,
+        LawError,
+        LeakError,
+        ProfileError,
+        ScanError,
+        SpectrumError,
+        SurfaceError,
+    )
+    from leak.flow.around import (
+        AroundFlow,
+        AroundGasFlow,
+        around_flow,
+        gas_around_flow,
+        rarefied_conductivity,
+    )
+    from leak.flow.conductivity import (
+        Conductivity,
+        ConductivityTable,
+        GasConductivity,
+        GasConductivityTable,
+        RemembersLoad,
+    )
+    from leak.flow.fluid_in_gap import CoupledLeakResult, coupled_leak_flow
+    from leak.flow.gas_flow import GasLeakResult, gas_leak_flow
+    from leak.flow.groove_section import EllipticGroove, GrooveSection, SinusoidalGroove
+    from leak.flow.inertia import GasInertia, gas_inertia
+    from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
+    from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
+    from leak.flow.memory import LoadMemory
+    from leak.flow.nearby import NearbyTables
+    from leak.flow.particles import (
+        Clogging,
+        GapDistribution,
+        Paths,
+        ShutConductivityTable,
+        cloggings,
+        parallel_paths,
+        shut_conductivity,
+        stopped,
+        throttling_length,
+    )
+    from leak.flow.rough_contact import RoughContact, gas_conductivity_table
+    from leak.flow.scratch import (
+        Groove,
+        LeakBounds,
+        Scratch,
+        SpiralLay,
+        deepest_scratch,
+        gas_scratch_flow,
+        scratch_flow,
+    )
+    from leak.fluids.contamination import Concentration, ParticleCounts
+    from leak.fluids.find import gas, is_gas, is_liquid, liquid
+    from leak.fluids.library import FLUIDS, GASES
+    from leak.fluids.pressure_law import (
+        Barus,
+        FlowPotential,
+        PressureLaw,
+        PressureTable,
+        Roelands,
+        Tait,
+        effective_viscosity_ratio,
+    )
+    from leak.fluids.properties import Gas, Liquid
+    from leak.fluids.real_gas import GasPotential, RealGas, real_gas_flow_ratio
+    from leak.standards import (
+        LeakageClass,
+        LeakageLimit,
+        bubbles_per_minute,
+        drops_per_minute,
+        leakage_class,
+        leakage_limits,
+        millibar_litres_per_second,
+        millilitres_per_minute,
+        nominal_size_of_bore,
+    )
+    from leak.surfaces.finish import Finish, FinishedSurface, Process, process_named
+    from leak.surfaces.line_spectrum import profile_density
+    from leak.surfaces.measured import MeasuredSurface, measure
+    from leak.surfaces.profile_filter import (
+        ExpectedRoughness,
+        ProfileFilter,
+        expected_roughness,
+        implied_filter,
+    )
+    from leak.surfaces.profile_parameters import RoughnessParameters, roughness_parameters
+    from leak.surfaces.random import random_line_scan, random_map
+    from leak.surfaces.scan_files import read_topographies, read_topography
+    from leak.surfaces.scans import HeightMap, LineScan, height_map, line_scan
+    from leak.surfaces.settings import ScanSettings, SelfAffineContinuation
+    from leak.surfaces.spectrum import PowerSpectrum
+    from leak.surfaces.stretched import StretchedRoughness, stretched_roughness, stretched_spectrum
+    from leak.theory.interface_law import ExponentialLaw, RoughSurfaceLaw, TabulatedLaw
+    from leak.theory.line_contact import (
+        CrossoverLine,
+        GaussianLine,
+        HertzLine,
+        LineProfile,
+        crossover_line,
+        crossover_widths,
+        gaussian_line,
+        hertz_line,
+    )
+    from leak.theory.persson import relative_contact_area
+    from leak.theory.plasticity import AreaFractions, area_fractions, remaining_fraction
+
+# The public names of each module; loaded on first use, so that a program loads only what it calls.
+_NAMES = {
+    "leak.errors": (
+        "ConductivityError",
+        "DirectError",
+        "FluidError",
+        "LawError",
+        "LeakError",
+        "ProfileError",
+        "ScanError",
+        "SpectrumError",
+        "SurfaceError",
+    ),
+    "leak.flow.around": (
+        "AroundFlow",
+        "AroundGasFlow",
+        "around_flow",
+        "gas_around_flow",
+        "rarefied_conductivity",
+    ),
+    "leak.flow.conductivity": (
+        "Conductivity",
+        "ConductivityTable",
+        "GasConductivity",
+        "GasConductivityTable",
+        "RemembersLoad",
+    ),
+    "leak.flow.fluid_in_gap": ("CoupledLeakResult", "coupled_leak_flow"),
+    "leak.flow.gas_flow": ("GasLeakResult", "gas_leak_flow"),
+    "leak.flow.groove_section": ("EllipticGroove", "GrooveSection", "SinusoidalGroove"),
+    "leak.flow.inertia": ("GasInertia", "gas_inertia"),
+    "leak.flow.leak_rate": ("LeakResult", "leak_flow", "leak_rate"),
+    "leak.flow.medium": ("DirectionalGap", "anisotropic_medium", "dimension_number", "effective_medium"),
+    "leak.flow.memory": ("LoadMemory",),
+    "leak.flow.nearby": ("NearbyTables",),
+    "leak.flow.particles": (
+        "Clogging",
+        "GapDistribution",
+        "Paths",
+        "ShutConductivityTable",
+        "cloggings",
+        "parallel_paths",
+        "shut_conductivity",
+        "stopped",
+        "throttling_length",
+    ),
+    "leak.flow.rough_contact": ("RoughContact", "gas_conductivity_table"),
+    "leak.flow.scratch": (
+        "Groove",
+        "LeakBounds",
+        "Scratch",
+        "SpiralLay",
+        "deepest_scratch",
+        "gas_scratch_flow",
+        "scratch_flow",
+    ),
+    "leak.fluids.contamination": ("Concentration", "ParticleCounts"),
+    "leak.fluids.find": ("gas", "is_gas", "is_liquid", "liquid"),
+    "leak.fluids.library": ("FLUIDS", "GASES"),
+    "leak.fluids.pressure_law": (
+        "Barus",
+        "FlowPotential",
+        "PressureLaw",
+        "PressureTable",
+        "Roelands",
+        "Tait",
+        "effective_viscosity_ratio",
+    ),
+    "leak.fluids.properties": ("Gas", "Liquid"),
+    "leak.fluids.real_gas": ("GasPotential", "RealGas", "real_gas_flow_ratio"),
+    "leak.standards": (
+        "LeakageClass",
+        "LeakageLimit",
+        "bubbles_per_minute",
+        "drops_per_minute",
+        "leakage_class",
+        "leakage_limits",
+        "millibar_litres_per_second",
+        "millilitres_per_minute",
+        "nominal_size_of_bore",
+    ),
+    "leak.surfaces.finish": ("Finish", "FinishedSurface", "Process", "process_named"),
+    "leak.surfaces.line_spectrum": ("profile_density",),
+    "leak.surfaces.measured": ("MeasuredSurface", "measure"),
+    "leak.surfaces.profile_filter": (
+        "ExpectedRoughness",
+        "ProfileFilter",
+        "expected_roughness",
+        "implied_filter",
+    ),
+    "leak.surfaces.profile_parameters": ("RoughnessParameters", "roughness_parameters"),
+    "leak.surfaces.random": ("random_line_scan", "random_map"),
+    "leak.surfaces.scan_files": ("read_topographies", "read_topography"),
+    "leak.surfaces.scans": ("HeightMap", "LineScan", "height_map", "line_scan"),
+    "leak.surfaces.settings": ("ScanSettings", "SelfAffineContinuation"),
+    "leak.surfaces.spectrum": ("PowerSpectrum",),
+    "leak.surfaces.stretched": ("StretchedRoughness", "stretched_roughness", "stretched_spectrum"),
+    "leak.theory.interface_law": ("ExponentialLaw", "RoughSurfaceLaw", "TabulatedLaw"),
+    "leak.theory.line_contact": (
+        "CrossoverLine",
+        "GaussianLine",
+        "HertzLine",
+        "LineProfile",
+        "crossover_line",
+        "crossover_widths",
+        "gaussian_line",
+        "hertz_line",
+    ),
+    "leak.theory.persson": ("relative_contact_area",),
+    "leak.theory.plasticity": ("AreaFractions", "area_fractions", "remaining_fraction"),
+}
+_HOME = {name: module for module, names in _NAMES.items() for name in names}
 
 __all__ = [
     "FLUIDS",
@@ -202,6 +327,7 @@ __all__ = [
     "cloggings",
     "coupled_leak_flow",
     "crossover_line",
+    "crossover_widths",
     "deepest_scratch",
     "dimension_number",
     "direct",
@@ -250,3 +376,16 @@ __all__ = [
     "stretched_spectrum",
     "throttling_length",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "direct":
+        return import_module("leak.direct")
+    if name not in _HOME:
+        raise AttributeError(f"module 'leak' has no attribute {name!r}")
+    value = globals()[name] = getattr(import_module(_HOME[name]), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -111,12 +111,12 @@ def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
         outline if isinstance(outline, MeshedOutline) else _with_contact_line(outline, arc, stub)
         for outline, arc in ((contact.closure, contact.closure_arc(x)), (contact.seat, contact.seat_arc(x)))
     )
-    meshed = [o for o in outlines if isinstance(o, MeshedOutline)]
-    if not meshed:
-        return SealMesh(triangulate(outlines, contact, sizing), contact, sizing, outlines)
-    free = tuple(o for o in outlines if not isinstance(o, MeshedOutline))
-    bodies = [(o.name, o.with_contact(contact, sizing.zone)) for o in meshed]
-    bodies += [(o.name, triangulate((o,), contact, sizing)) for o in free]
+    bodies = [
+        (o.name, o.with_contact(contact, sizing.zone))
+        if isinstance(o, MeshedOutline)
+        else (o.name, triangulate(o, contact, sizing))
+        for o in outlines
+    ]
     return SealMesh(joined(bodies), contact, sizing, outlines)
 
 
@@ -148,13 +148,13 @@ def _check_zone(contact: ContactGeometry, sizing: Sizing) -> None:
         )
 
 
-def triangulate(outlines: tuple[Outline, ...], contact: ContactGeometry, sizing: Sizing) -> MeshTri:
-    """Mesh the outlines with straight triangles, graded from the contact line outwards.
+def triangulate(outline: Outline, contact: ContactGeometry, sizing: Sizing) -> MeshTri:
+    """Mesh a body with straight triangles, graded from the contact line outwards; the other body changes nothing.
 
     Parameters
     ----------
-    outlines : tuple of Outline
-        Sections of the bodies [m]; they share no node, even where they touch.
+    outline : Outline
+        Section of the body [m].
     contact : ContactGeometry
         Where the elements are small.
     sizing : Sizing
@@ -165,26 +165,30 @@ def triangulate(outlines: tuple[Outline, ...], contact: ContactGeometry, sizing:
         If gmsh fails.
     """
     # gmsh sees the seal in units of this length, so that its absolute tolerances mean the same for every size.
-    scale = outlines[0].largest_radius
+    scale = contact.closure.largest_radius
     with gmsh_session("seal") as gmsh:
-        exact: dict[int, tuple[float, float]] = {}
-        groups = [_add_body(gmsh, outline, scale, exact) for outline in outlines]
+        drawn = _add_body(gmsh, outline, scale)
         _set_sizes(gmsh, contact, sizing, scale)
         try:
             gmsh.model.mesh.generate(2)
         except Exception as error:  # gmsh raises plain Exception
-            raise MeshingError(f"gmsh could not mesh the bodies: {error}") from error
-        return _to_skfem(gmsh, outlines, groups, scale, exact)
+            raise MeshingError(f"gmsh could not mesh the {outline.name}: {error}") from error
+        return _to_skfem(gmsh, drawn, scale)
 
 
-def _add_body(
-    gmsh: ModuleType, outline: Outline, scale: float, exact: dict[int, tuple[float, float]]
-) -> dict[str, list[int]]:
-    """Add one body; return the curve tags of each boundary, and the surface tag under the body's name.
+@dataclass(frozen=True)
+class _Drawn:
+    """What gmsh calls a body: its points with their places, the curves of each boundary, the ends of contact pieces."""
 
-    The exact places of its points are put into `exact`, by their tags.
-    """
+    points: Mapping[int, tuple[float, float]]
+    curves: Mapping[str, list[int]]
+    chords: Mapping[str, list[tuple[int, int]]]
+
+
+def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> _Drawn:
+    """Add a body."""
     geo = gmsh.model.geo
+    exact: dict[int, tuple[float, float]] = {}
 
     @cache
     def point(p: tuple[float, float]) -> int:
@@ -193,22 +197,25 @@ def _add_body(
         return tag
 
     curves: dict[str, list[int]] = {}
+    chords: dict[str, list[tuple[int, int]]] = {}
     loop = []
     # A segment ends where the next one starts, also where round-off puts its own end a bit off that point.
     for s, following in zip(outline.segments, (*outline.segments[1:], outline.segments[0]), strict=True):
         start, end = point(s.start), point(following.start)
         # Pieces of the contact line carry one element each: chords, whatever they are cut from.
-        if s.centre is None or s.name.endswith("_contact"):
-            curve = geo.addLine(start, end)
+        if s.name.endswith("_contact"):
+            loop.append(geo.addLine(start, end))
+            geo.mesh.setTransfiniteCurve(loop[-1], 2)
+            chords.setdefault(s.name, []).append((start, end))
+            continue
+        if s.centre is None:
+            loop.append(geo.addLine(start, end))
         else:
-            curve = geo.addCircleArc(start, point(s.centre), end)
-        curves.setdefault(s.name, []).append(curve)
-        loop.append(curve)
-    surface = geo.addPlaneSurface([geo.addCurveLoop(loop)])
+            loop.append(geo.addCircleArc(start, point(s.centre), end))
+        curves.setdefault(s.name, []).append(loop[-1])
+    geo.addPlaneSurface([geo.addCurveLoop(loop)])
     geo.synchronize()
-    for curve in curves[f"{outline.name}_contact"]:
-        gmsh.model.mesh.setTransfiniteCurve(curve, 2)
-    return {**curves, outline.name: [surface]}
+    return _Drawn(exact, curves, chords)
 
 
 def _set_sizes(gmsh: ModuleType, contact: ContactGeometry, sizing: Sizing, scale: float) -> None:
@@ -273,68 +280,26 @@ def _square(point: FloatArray, scale: float) -> str:
     return f"(x-({point[0] / scale:.{_DIGITS}g}))^2+(y-({point[1] / scale:.{_DIGITS}g}))^2"
 
 
-def _to_skfem(
-    gmsh: ModuleType,
-    outlines: tuple[Outline, ...],
-    groups: list[dict[str, list[int]]],
-    scale: float,
-    exact: Mapping[int, tuple[float, float]],
-) -> MeshTri:
-    from skfem import MeshTri
+def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
+    from meshes.mesh.triangles import Triangles, bounded, smoothed
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    triangles, subdomains, lines = [], {}, {}
-    count = 0
-    for outline, entities in zip(outlines, groups, strict=True):
-        for name, curves in entities.items():
-            if name == outline.name:
-                cells = _connectivity(gmsh, _TRIANGLE, curves)
-                triangles.append(cells)
-                subdomains[name] = np.arange(count, count + len(cells))
-                count += len(cells)
-            else:
-                lines[name] = _connectivity(gmsh, _LINE, curves)
+    # One node on each point, in the order of the points' tags.
+    on_points = gmsh.model.mesh.getNodes(0)[0]
+    node = np.zeros(max(drawn.points) + 1, dtype=np.int64)
+    node[sorted(drawn.points)] = on_points
+    lines = {name: _connectivity(gmsh, _LINE, curves) for name, curves in drawn.curves.items()}
+    lines |= {name: node[np.array(ends)] for name, ends in drawn.chords.items()}
+    triangles = _connectivity(gmsh, _TRIANGLE, [-1])
     # Nodes that belong to no triangle, such as centres of arcs, are left out.
-    used = np.unique(np.vstack(triangles))
+    used = np.unique(triangles)
     row, index = np.full((2, int(tags.max()) + 1), -1)
     row[tags], index[used] = np.arange(len(tags)), np.arange(len(used))
     places = scale * coordinates.reshape(-1, 3)[:, :2]
-    for point, place in exact.items():
-        places[row[gmsh.model.mesh.getNodes(0, point)[0]]] = place
-    points = places[row[used]]
-    mesh = MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(index[np.vstack(triangles)].T))
-    boundaries = facets_between(mesh, {name: index[pairs] for name, pairs in lines.items()})
-    return mesh.with_boundaries(boundaries).with_subdomains(subdomains)
-
-
-def facets_between(mesh: MeshTri, lines: Mapping[str, NDArray[np.int64]]) -> dict[str, NDArray[np.int64]]:
-    """The facets of some lines.
-
-    Parameters
-    ----------
-    mesh : skfem.MeshTri
-    lines : mapping of ndarray of int, shape (n, 2)
-        Pairs of vertices.
-
-    Raises
-    ------
-    MeshingError
-        If there is no facet between a pair.
-    """
-
-    def numbers(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
-        return pairs.min(axis=1) * np.int64(mesh.nvertices) + pairs.max(axis=1)
-
-    # scikit-fem sorts the facets by their vertices, and so are these numbers.
-    known = numbers(mesh.facets.T)
-    facets = {name: np.searchsorted(known, numbers(pairs)) for name, pairs in lines.items()}
-    for name, pairs in lines.items():
-        if not np.array_equal(known.take(facets[name], mode="clip"), numbers(pairs)):
-            raise MeshingError(
-                "gmsh merged neighbouring vertices of a boundary; the elements asked for there are too small against "
-                "the bodies, use a larger contact size or edge radius"
-            )
-    return facets
+    places[row[on_points]] = [drawn.points[point] for point in sorted(drawn.points)]
+    t = np.ascontiguousarray(index[triangles].T)
+    p = smoothed(Triangles(np.ascontiguousarray(places[row[used]].T), t))
+    return bounded(p, t, {name: index[pairs] for name, pairs in lines.items()})
 
 
 def _connectivity(gmsh: ModuleType, kind: int, entities: list[int]) -> NDArray[np.int64]:

@@ -21,6 +21,8 @@ _OPTIONS = {
     "Geometry.AutoCoherence": 0,
     "Mesh.Algorithm": 6,
     "Mesh.ElementOrder": 1,
+    # gmsh's own 1e-9 takes two thirds of the time that meshing the curves takes
+    "Mesh.LcIntegrationPrecision": 1e-6,
     "Mesh.MeshSizeFromPoints": 0,
     "Mesh.MeshSizeFromCurvature": 0,
     "Mesh.MeshSizeExtendFromBoundary": 0,
@@ -28,7 +30,8 @@ _OPTIONS = {
     "Mesh.MeshSizeMin": 0.0,
     "Mesh.MeshSizeMax": 1e22,
     "Mesh.Optimize": 1,
-    "Mesh.Smoothing": 1,
+    # `meshes.mesh.triangles.smoothed` does it in a tenth of the time
+    "Mesh.Smoothing": 0,
     "Mesh.RandomSeed": 1,
     "Mesh.RandomFactor": 1e-9,
     "Mesh.RecombineAll": 0,

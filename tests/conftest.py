@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import math
 import os
+import sys
 from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
@@ -12,6 +13,7 @@ from pathlib import Path
 import hypothesis
 import numpy as np
 import pytest
+import warm_process
 
 import meshes
 from fem_seal.contact.model import ContactModel, condense
@@ -86,6 +88,18 @@ def reference(reference_folder: Path) -> Callable[[str], np.ndarray]:
     return lambda name: np.genfromtxt(
         reference_folder / name, delimiter=",", names=True, dtype=None, encoding="utf8"
     )
+
+
+@pytest.fixture(autouse=True, scope="session")
+def warm_processes() -> Iterator[None]:
+    """What is called apart runs in copies of a process that has loaded VTK and the readers of drawings.
+
+    `tests/test_meshes_own_process.py` tests the processes themselves, which load everything anew.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        if sys.platform == "linux":
+            patch.setattr("meshes.own_process.subprocess", warm_process)
+        yield
 
 
 @pytest.fixture

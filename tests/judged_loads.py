@@ -52,6 +52,7 @@ def load(
         turning=turning,
         fields={name: field(name) for name in ("closure", "seat")} | {body.name: body for body in bodies},
         model=SimpleNamespace(closure=None, seat=None),
+        stays_below=lambda name, stress: False,
     )
     return SimpleNamespace(
         fluid_pressure=fluid_pressure,

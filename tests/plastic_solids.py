@@ -13,7 +13,7 @@ from skfem import MeshTri, MeshTri2
 import meshes
 from fem_seal.bodies.elasticity import displacement_basis
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
-from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.sizing import element_sizes
@@ -70,6 +70,7 @@ def balanced(
     before: BodyState,
     forces: np.ndarray | float = 0.0,
     start: np.ndarray | None = None,
+    free_strain: np.ndarray | float = 0.0,
 ) -> tuple[BodyState, list[float]]:
     """State in balance with nodal forces after one step, and the relative residual of each Newton iteration.
 
@@ -78,7 +79,7 @@ def balanced(
     displacement = (before.displacement if start is None else start).copy()
     residuals = []
     for _ in range(25):
-        flow = body.respond(displacement, before)
+        flow = body.respond(displacement, before, free_strain)
         unbalanced = (forces - body.internal_forces(flow.stress))[body.free]
         scale = np.abs(body.internal_forces(np.abs(flow.stress))).max() + np.abs(forces).max()
         residuals.append(float(np.abs(unbalanced).max() / scale))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import Basis, MeshTri, condense, solve
+from skfem import Basis, LinearForm, MeshTri, condense, solve
 
 from fem_seal.bodies.elasticity import (
     displacement_basis,
@@ -12,6 +12,8 @@ from fem_seal.bodies.elasticity import (
     node_dofs,
     pressure_load,
     quadratic_nodes,
+    shape_functions,
+    shape_gradients,
     stiffness_matrix,
 )
 from fem_seal.bodies.fields import stress_operator, von_mises
@@ -122,3 +124,49 @@ def test_von_mises_of_simple_states() -> None:
     assert von_mises(np.array([100.0, 0, 0, 0])) == pytest.approx(100.0)
     assert von_mises(np.array([0.0, 0, 0, 50.0])) == pytest.approx(50 * np.sqrt(3))
     assert von_mises(np.array([-7.0, -7.0, -7.0, 0])) == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("inner", [0.0, INNER])
+def test_pressure_loads_are_those_of_scikit_fem(inner: float) -> None:
+    """r times a quadratic shape function: both integrate it exactly."""
+    basis = displacement_basis(ring(2, inner))
+
+    @LinearForm
+    def push(v, w):  # type: ignore[no-untyped-def]
+        r, _ = w.x
+        return -2 * np.pi * r * (v[0] * w.n[0] + v[1] * w.n[1])
+
+    for boundary in basis.mesh.boundaries:
+        expected = push.assemble(basis.boundary(boundary))
+        scale = np.abs(expected).max() or 1.0  # nothing presses on the axis
+        np.testing.assert_allclose(pressure_load(basis, boundary) / scale, expected / scale, atol=1e-14)
+
+
+def test_shape_functions_are_those_of_scikit_fem() -> None:
+    basis = displacement_basis(ring(1, 0.0))
+    values, _ = shape_functions(basis.X)
+    gradients = shape_gradients(basis.mesh, basis.X)
+    for n in range(6):
+        (radial,) = basis.basis[2 * n]
+        np.testing.assert_allclose(
+            np.broadcast_to(values[:, n], basis.dx.shape), np.asarray(radial)[0], atol=1e-14
+        )
+        np.testing.assert_allclose(
+            gradients[:, :, n].transpose(2, 0, 1), radial.grad[0], rtol=1e-12, atol=1e-9
+        )
+
+
+def test_strain_of_a_quadratic_displacement_is_exact_at_the_nodes() -> None:
+    """Strains that quadratic displacements have are linear, and those of all triangles around a node agree."""
+    basis = displacement_basis(ring(2, 0.0))
+    u = nodal(
+        basis, lambda p: 3 * p[:, 0] * (1 + 40 * p[:, 1]), lambda p: 70 * p[:, 0] ** 2 - 9 * p[:, 1] ** 2
+    )
+    (r, z), (lam, mu) = quadratic_nodes(basis.mesh)[0].T, lame_parameters(STEEL)
+    radial, axial, shear = 3 * (1 + 40 * z), -18 * z, 120 * r + 140 * r
+    volume = lam * (2 * radial + axial)
+    expected = np.stack(
+        [volume + 2 * mu * radial, volume + 2 * mu * axial, volume + 2 * mu * radial, mu * shear]
+    )
+    stress = (stress_operator(basis, STEEL) @ u).reshape(-1, 4).T
+    np.testing.assert_allclose(stress, expected, atol=1e-12 * np.abs(expected).max())

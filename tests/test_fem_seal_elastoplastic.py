@@ -17,8 +17,8 @@ from plastic_solids import CURVE, HARDENING, LAW, NU, PERFECT, YIELD, E, ring_so
 from fem_seal.bodies.elasticity import elasticity_matrix, node_dofs, quadratic_nodes, stiffness_matrix
 from fem_seal.bodies.elastoplastic import ElastoplasticBody
 from fem_seal.bodies.fields import BodyField, von_mises
-from fem_seal.bodies.held_body import Supports
 from fem_seal.bodies.plastic_flow import PlasticState, radial_return
+from fem_seal.bodies.supports import Supports
 from fem_seal.case.case import load_case
 from fem_seal.contact.imprint import Imprint
 from fem_seal.contact.laws import HardContact, Law

@@ -4,6 +4,8 @@ import csv
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,11 +16,14 @@ from scipy.optimize import minimize_scalar
 import fem_seal
 import leak
 from fem_seal import InputError, cli
+from fem_seal.analysis.chain import solve
+from fem_seal.analysis.leak_map import _with_memory
 from fem_seal.cli_table import grid
 from fem_seal.output.leak_map import matlab_text, modelica_text, tables_of
 from leak.flow.leakage_area import leakage_area_of_gas, leakage_area_of_liquid
 from leak.fluids.heat_capacity import HEAT_CAPACITIES, heat_capacity_ratio
 
+EXAMPLES = Path(__file__).parent.parent / "examples"
 PRESSURES, FORCES = [2e5, 20e5], [0.0, 400.0, 1000.0]
 NITROGEN = leak.gas("nitrogen")
 
@@ -158,7 +163,18 @@ def test_what_has_no_result_stays_empty_and_the_rest_is_complete(inside):
             {"seat": cone({"name": "316L", "stress_strain": {"plastic_strain": [0], "stress": ["240 MPa"]}})},
             None,
             None,
-            "stress_strain",
+            "load.largest_earlier_force: is missing: a body that yields",
+        ),
+        (
+            {
+                "seat": cone(
+                    {"name": "316L", "stress_strain": {"plastic_strain": [0], "stress": ["240 MPa"]}}
+                ),
+                "load": {"fluid_pressure": ["5 bar", "20 bar"], "largest_earlier_pressure": "10 bar"},
+            },
+            None,
+            None,
+            "load.largest_earlier_pressure: closes with",
         ),
     ],
 )
@@ -166,6 +182,34 @@ def test_what_makes_no_table_is_refused_at_once(tables, pressures, forces, said)
     with pytest.raises(InputError) as caught:
         fem_seal.leak_map(case(**tables), pressures, forces)
     assert said in str(caught.value)
+
+
+@pytest.mark.slow
+def test_a_seat_that_was_coined_has_a_table_whatever_the_order():
+    coined = fem_seal.load_case(EXAMPLES / "elastoplastic_seat.toml").replace(
+        {
+            "load": {"fluid_pressure": ["50 bar", "300 bar"], "largest_earlier_pressure": "300 bar"},
+            "mesh.contact_size": "40 um",
+        }
+    )
+    found = fem_seal.leak_map(coined, [60e5, 180e5, 300e5])
+    assert found.level == [["valid"]] * 3 and found.reasons == ()
+    # each as the only load after the earlier one; the elements are sized for it, half as long as the contact is wide
+    for pressure, leak_rate in zip((60, 180), found.leak_rate[:, 0], strict=False):
+        alone = solve(coined.replace({"load.fluid_pressure": f"{pressure} bar"}), levers=False).loads[0]
+        assert leak_rate == pytest.approx(alone.leak.leak_rate, rel=0.02)
+
+
+def test_a_body_that_yields_again_makes_a_table_doubtful(water):
+    def leaking(rate):
+        return SimpleNamespace(point=(20e5, 0.0), leak=SimpleNamespace(leak_rate=rate))
+
+    first, again = leaking(1e-9), leaking(1.2e-9)
+    loads = (first, SimpleNamespace(point=(5e5, 0.0), leak=None), again)
+    told = _with_memory(water, SimpleNamespace(loads=loads))
+    assert all(level in ("doubtful", "outside the theory") for row in told.level for level in row)
+    assert "changes by +20 %" in told.reasons[-1]
+    assert _with_memory(water, SimpleNamespace(loads=(first, again, first))) is water
 
 
 # --- files ------------------------------------------------------------------------------------------------

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import pytest
 from sample_results import case, smooth_result
 
 import fem_seal
+from fem_seal.analysis.chain import solve
 from fem_seal.analysis.levers import _round_step, levers
 from fem_seal.output.report.levers import lever_lines, ratio_in_words, step_in_words, told_levers
 from fem_seal.output.summary import summary
@@ -109,3 +111,38 @@ def test_there_are_no_levers_without_a_leak():
 
 def test_steps_of_lengths_are_round():
     assert [_round_step(one) for one in (0.02, 0.1e-3, 1e-3)] == pytest.approx([1e-3, 5e-6, 5e-5])
+
+
+@cache
+def coined():
+    examples = Path(__file__).parent.parent / "examples"
+    case = fem_seal.load_case(examples / "elastoplastic_seat.toml")
+    changes = {
+        "load.fluid_pressure": ["200 bar", "50 bar"],
+        "load.axial_force": "100 N",
+        "mesh.contact_size": "40 um",
+    }
+    return solve(case.replace(changes), levers=False)
+
+
+@pytest.mark.slow
+def test_levers_of_a_body_that_yields_are_paths_of_their_own():
+    result = coined()
+    assert result.levers == ()
+    found = {one.key: one for one in levers(result, 1)}
+    assert {"force", "rms_height", "youngs_modulus", "closure.radius"} <= found.keys()
+    before = result.loads[1].leak.leak_rate
+    changes = {
+        "force": {"load.axial_force": ["100 N", "110 N"]},
+        "rms_height": {"roughness.spectrum.rms_height": "0.5 um"},
+    }
+    for key, change in changes.items():
+        again = solve(result.case.replace(change), levers=False).loads[1].leak.leak_rate
+        # the same path; tables of conductivity to 1e-4, elements that are chosen for the rougher or smoother surface
+        assert found[key].ratio[0] == pytest.approx(again / before, rel=1e-3), key
+
+
+def test_levers_of_a_path_are_not_looked_for_unless_asked(monkeypatch):
+    monkeypatch.setattr("fem_seal.analysis.levers.levers", lambda result: pytest.fail("looked for"))
+    asked = coined().case.replace({"load.fluid_pressure": "50 bar", "requirement": {"leak_rate": "1 ml/min"}})
+    assert solve(asked).levers == ()

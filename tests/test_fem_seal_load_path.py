@@ -22,7 +22,7 @@ from fem_seal.analysis.profile_file import read_profiles
 from fem_seal.analysis.results import LoadResult
 from fem_seal.analysis.target import target_remarks
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
-from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import condense
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.errors import InputError

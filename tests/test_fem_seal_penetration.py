@@ -14,7 +14,7 @@ import meshes
 from fem_seal import HardContact, solve
 from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.bodies.elasticity import node_dofs, pressure_load, quadratic_nodes, stiffness_matrix
-from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.supports import Supports
 from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
 from fem_seal.contact.fluid_path import FlowThrough, HeldFluid

@@ -12,7 +12,7 @@ from sample_results import case, cone, rough_result, single_result
 import fem_seal
 from fem_seal.analysis.flow import Flow
 from fem_seal.analysis.problem import Loads, SealProblem, expected_forces
-from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import HardContact
 from fem_seal.errors import LoadProblem
 

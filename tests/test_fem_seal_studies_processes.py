@@ -10,7 +10,9 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import ExitStack, suppress
 from pathlib import Path
+from threading import Event, Thread
 
 import pandas as pd
 import pytest
@@ -28,17 +30,28 @@ pytestmark = [
 CASE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"
 STUDY = f"""
 base = "{CASE}"
-responses = ["peak_pressure_Pa", "leak_rate_m3_per_s"]
+responses = ["peak_pressure_Pa", "line_load_N_per_m"]
 
 [changes]
-mesh.contact_size = "60 um"
+mesh.contact_size = "100 um"
 
 [parameters]
-seat.angle = {{ start = "40 deg", stop = "50 deg", num = 4 }}
-roughness.spectrum.rms_height = {{ start = "1 um", stop = "2 um", num = 3 }}
-load.fluid_pressure = {{ start = "5 bar", stop = "20 bar", num = 24 }}
+seat.angle = {{ start = "40 deg", stop = "50 deg", num = 12 }}
+load.fluid_pressure = {{ start = "5 bar", stop = "20 bar", num = 6 }}
 """
-DESIGNS = 4 * 3 * 24
+DESIGNS = 12 * 6
+# Loaded by each worker, which may do so twice: designs that take their time and little of the processor's.
+SLOW = """
+import time
+from fem_seal.studies import responses
+
+def slow(case, columns, swift=responses.evaluate, **options):
+    time.sleep(0.1)
+    return swift(case, columns, **options)
+
+if responses.evaluate.__name__ != "slow":
+    responses.evaluate = slow
+"""
 # Longest wait for anything; on an idle machine it is seconds.
 PATIENCE = 120.0
 
@@ -58,7 +71,9 @@ def never_forever():
 
 
 @pytest.fixture
-def study_file(tmp_path):
+def study_file(tmp_path, monkeypatch):
+    (tmp_path / "slow.py").write_text(SLOW)
+    monkeypatch.setenv("DASK_DISTRIBUTED__WORKER__PRELOAD", str(tmp_path / "slow.py"))
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
     return path
@@ -108,10 +123,13 @@ def workers_of(pid):
             except OSError:
                 continue
             parents[int(entry.name)] = int(status.split("PPid:")[1].split()[0])
-    found = [child for child, parent in parents.items() if parent == pid]
-    for child in found:
-        found += [grandchild for grandchild, parent in parents.items() if parent == child]
-    return [one for one in found if "spawn_main" in names.get(one, "")]
+    # copies of one process that has loaded everything, which is itself no worker
+    (server,) = [
+        one
+        for one, parent in parents.items()
+        if parent == pid and "multiprocessing.forkserver" in names.get(one, "")
+    ] or [None]
+    return [one for one, parent in parents.items() if server is not None and parent == server]
 
 
 def alive(pid):
@@ -174,7 +192,11 @@ def test_ctrl_c_ends_with_one_line(study_file, tmp_path, calculating):
 def test_a_port_that_is_taken_is_passed_over_in_silence(recwarn):
     from fem_seal.studies.pools import local_client
 
-    with socket.create_server(("", 8787), reuse_port=True), local_client(1):
+    with ExitStack() as taken:
+        # by somebody else, perhaps
+        with suppress(OSError):
+            taken.enter_context(socket.create_server(("", 8787), reuse_port=True))
+        taken.enter_context(local_client(1))
         assert not [str(one.message) for one in recwarn if "8787" in str(one.message)]
 
 
@@ -233,6 +255,46 @@ def test_nobody_waits_for_ever(tmp_path):
         rows = Cluster(client, 1, 3.0).results(Recipe.of(study), [Chunk(study.points)])
         with pytest.raises(ClusterError, match=r"no worker for 3 s.*--resume"):
             next(rows)
+
+
+def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypatch):
+    """When all workers are lost at once, as at the end of their time, dask keeps what was meant for them for ever."""
+    from dask.distributed import Client, LocalCluster
+
+    from fem_seal.studies import responses
+    from fem_seal.studies.pools import Cluster
+    from fem_seal.studies.work import Chunk, Recipe
+
+    study, begun, free, found = load_study(_small(tmp_path)), Event(), Event(), []
+    harmless = responses.evaluate
+
+    def held(*about, **more):
+        begun.set()
+        free.wait(PATIENCE)
+        return harmless(*about, **more)
+
+    monkeypatch.setattr(responses, "evaluate", held)
+    with (
+        LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        # not even one more attempt: the designs have done nothing wrong
+        rows = Cluster(client, 0, PATIENCE).results(
+            Recipe.of(study), [Chunk(one[None]) for one in study.points]
+        )
+        reader = Thread(target=lambda: found.extend(row for some in rows for row in some))
+        reader.start()
+        assert begun.wait(PATIENCE)
+        (lost,) = client.scheduler_info(n_workers=-1)["workers"]
+        client.sync(cluster.scheduler.remove_worker, lost, stimulus_id="lost")
+        free.set()
+        cluster.scale(2)
+        reader.join(PATIENCE / 2)
+        assert not reader.is_alive()
+    assert sorted(row.inputs for row in found) == [(0.0,), (1.0,), (2.0,), (3.0,)]
+    assert {row.reason for row in found} == {None}
 
 
 def _small(folder):

@@ -21,7 +21,7 @@ from fem_seal.analysis.results import LoadResult, SealSolution
 from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.analysis.uncertainty import _Study
 from fem_seal.bodies.elasticity import node_dofs
-from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.supports import Supports
 from fem_seal.case.uncertainty import Spread, Uncertainty
 from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid

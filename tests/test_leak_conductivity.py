@@ -403,3 +403,20 @@ def test_against_direct_numerical_solutions(reference):
         flow = (contact.effective_separation(part["pressure_over_modulus_and_rms_slope"]) / C.rms_height) ** 3
         low = part["contact_area"] < 0.19
         assert np.all(np.abs(np.log(flow / part["conductivity_over_rms_height_cubed"]))[low] < np.log(1.35))
+
+
+def test_a_table_of_scaled_heights_and_pressures_is_that_of_the_scaled_surface():
+    """u_eff = h f(p/(E* h)): three times the heights at a fifth of the modulus, its curve taken along."""
+    one = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+    other = leak.PowerSpectrum(one.wavenumber, 9 * one.density)
+    first = leak.RoughContact(one, effective_modulus=115e9).conductivity_table(1e5, 1e8)
+    second = leak.RoughContact(other, effective_modulus=23e9).conductivity_table(0.6e5, 0.6e8)
+    scaled = first.scaled(3.0, 0.6)
+    p = np.geomspace(1e4, 0.99 * min(scaled.p_max, scaled.sealing_pressure), 60)
+    # 6e-4 of sigma, the accuracy of either table, is 2e-4 of its cube root
+    np.testing.assert_allclose(scaled.effective_separation(p), second.effective_separation(p), rtol=2e-4)
+    # the curve that was taken along is the one that the scaled points have
+    own = leak.ConductivityTable(
+        scaled.pressure, scaled.separation, scaled.sealing_pressure, scaled.p_max, scaled.method
+    )
+    np.testing.assert_allclose(scaled.effective_separation(p), own.effective_separation(p), rtol=1e-12)

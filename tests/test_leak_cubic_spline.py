@@ -1,12 +1,16 @@
-"""The not-a-knot spline is scipy's."""
+"""What stands in for scipy where importing it would take longer than the work: its numbers are scipy's."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
+import scipy.special
 from scipy.interpolate import CubicSpline
 
 from leak.numerics.curves import cubic_spline_slopes
+from leak.numerics.special import erf
 
 
 @pytest.mark.parametrize("n", [3, 4, 5, 60])
@@ -14,3 +18,13 @@ def test_slopes_are_those_of_scipy(n: int) -> None:
     rng = np.random.default_rng(n)
     x, y = np.cumsum(rng.uniform(0.01, 1.0, n)), rng.normal(size=n)
     assert cubic_spline_slopes(x, y) == pytest.approx(CubicSpline(x, y)(x, 1), rel=1e-10, abs=1e-10)
+
+
+@pytest.mark.parametrize("count", [1, 100, 1000])
+def test_error_function_of_few_and_of_many_is_that_of_scipy(count: int) -> None:
+    """The C library's and cephes' agree to the last digits."""
+    x = np.linspace(-6.0, 6.0, count).reshape(-1, 1)
+    found = erf(x)
+    assert found.shape == x.shape
+    np.testing.assert_allclose(found, scipy.special.erf(x), rtol=1e-14, atol=1e-300)
+    assert float(erf(0.5)) == pytest.approx(math.erf(0.5), rel=1e-15)

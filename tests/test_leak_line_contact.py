@@ -156,3 +156,15 @@ def test_wrong_input_names_the_key(key):
     arguments = {"line_load": 1e3, "radius": 0.02, "effective_modulus": E, "u0": 1e-6} | {key: -1.0}
     with pytest.raises(leak.ProfileError, match=key):
         leak.crossover_line(**arguments)
+
+
+def test_widths_found_together_are_those_found_alone():
+    """Over all shares of Hertz's contact; each profile is followed until it has converged itself."""
+    lines = [with_share(c) for c in np.geomspace(1e-6, 1e6, 25)]
+    alone = [line.fwhm for line in lines]
+    np.testing.assert_allclose(leak.crossover_widths(lines), alone, rtol=1e-12)
+    halves = [
+        float(line.pressure(0.5 * width)) / line.peak_pressure
+        for line, width in zip(lines, alone, strict=True)
+    ]
+    np.testing.assert_allclose(halves, 0.5, rtol=1e-9)

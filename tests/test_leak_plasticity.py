@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from paper_surface import HARDNESS, E, spectrum, surface
 
 import leak
-from leak.theory.plasticity import PlasticRoughness
+from leak.theory.plasticity import PlasticRoughness, touching_area
 
 
 def stress_distribution(sigma: np.ndarray, s: float, t: float) -> np.ndarray:
@@ -161,3 +161,10 @@ def test_hardness_far_above_changes_nothing():
     hard = surface(hardness=1e15)
     p = np.array([1e5, 1e8])
     np.testing.assert_allclose(hard.effective_separation(p), hard.elastic.effective_separation(p), rtol=1e-5)
+
+
+def test_the_touching_area_is_elastic_and_plastic_area_together():
+    s, t = np.meshgrid([1e-9, 1e-3, 0.3, 0.7, 0.999, 1.0, 2.0], [1e-12, 1e-3, 0.29, 0.31, 3.0, 1e3])
+    parts = leak.area_fractions(s, t)
+    np.testing.assert_allclose(touching_area(s, t), parts.elastic + parts.plastic, rtol=1e-14, atol=0)
+    assert touching_area(0.2, 0.5).shape == ()

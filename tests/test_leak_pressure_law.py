@@ -301,3 +301,22 @@ def test_scratched_roughness_alone_is_the_leak_integral():
     )  # fmt: skip
     assert thick.without.leak_rate == pytest.approx(uniform(1.5e8, OIL).leak_rate, rel=1e-6)
     assert thick.without.leak_rate <= thick.lower.leak_rate <= thick.upper.leak_rate
+
+
+def test_a_law_that_knows_no_equality_works_like_one_that_does():
+    class Own:
+        """Barus' law of somebody's own making, mutable and so without a hash."""
+
+        highest_pressure, uncertainty = 1e9, 0.0
+        __hash__ = None
+
+        def viscosity_ratio(self, pressure):
+            return np.exp(20e-9 * np.asarray(pressure, dtype=float))
+
+        def density_ratio(self, pressure):
+            return np.ones(np.shape(pressure))
+
+    drop = 60e6
+    assert leak.effective_viscosity_ratio(Own(), drop) == pytest.approx(
+        leak.effective_viscosity_ratio(leak.Barus(20e-9), drop), rel=1e-14
+    )

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from skfem import MeshTri
 
 import meshes
 from meshes import Ball, ConicalSeat, GeometryError, MeshingError, SealMesh, Sizing
-from meshes.build import facets_between
-from meshes.mesh.seal_mesh import section_area
+from meshes.mesh.measures import doubled_area, section_area, triangle_shape
+from meshes.mesh.triangles import Triangles, facets_between, smoothed
 
 SIZING = Sizing(20e-6, 0.3e-3, (-0.8e-3, 0.8e-3), 0.1, 0.25, 2.5e-3)
 CLOSURE_NAMES = {"closure_contact", "closure_inner", "closure_outer", "closure_top", "closure_axis"}
@@ -194,3 +195,38 @@ def test_an_edge_that_gmsh_left_out_is_told(seal_mesh: SealMesh) -> None:
     )
     with pytest.raises(MeshingError, match="gmsh merged neighbouring vertices"):
         facets_between(body, {"all": edges, "across": across})
+
+
+def test_edges_are_numbered_as_scikit_fem_does(seal_mesh: SealMesh) -> None:
+    for mesh in (seal_mesh.mesh, seal_mesh.closure, seal_mesh.seat):
+        plain = MeshTri(mesh.p, mesh.t)
+        np.testing.assert_array_equal(mesh.facets, plain.facets)
+        np.testing.assert_array_equal(mesh.t2f, plain.t2f)
+
+
+def test_a_body_cut_out_is_what_scikit_fem_cuts_out(seal_mesh: SealMesh) -> None:
+    for name in ("closure", "seat"):
+        body, plain = getattr(seal_mesh, name), seal_mesh.mesh.restrict(name)
+        np.testing.assert_array_equal(body.p, plain.p)
+        np.testing.assert_array_equal(body.t, plain.t)
+        for boundary, facets in body.boundaries.items():
+            np.testing.assert_array_equal(facets, plain.boundaries[boundary])
+
+
+def test_smoothing_makes_triangles_better_and_turns_none() -> None:
+    rng = np.random.default_rng(0)
+    mesh = Triangles.init_tensor(np.linspace(0, 1, 12), np.linspace(0, 1, 12))
+    inside = ~np.isin(np.arange(mesh.nvertices), mesh.facets[:, mesh.boundary_facets()])
+    shaken = mesh.p + 0.04 * inside * rng.uniform(-1, 1, mesh.p.shape)
+    rough = Triangles(shaken, mesh.t)
+    p = smoothed(rough)
+    np.testing.assert_array_equal(p[:, ~inside], shaken[:, ~inside])
+    assert np.all(doubled_area(p, mesh.t) * doubled_area(shaken, mesh.t) > 0)
+    before, after = triangle_shape(shaken, mesh.t), triangle_shape(p, mesh.t)
+    assert after.min() >= min(before.min(), 0.6)
+    assert after.mean() > before.mean() + 0.05
+
+
+def test_smoothing_leaves_even_triangles_alone() -> None:
+    mesh = Triangles.init_tensor(np.linspace(0, 2, 9), np.linspace(0, 1, 5))
+    np.testing.assert_allclose(smoothed(mesh), mesh.p, atol=1e-15)

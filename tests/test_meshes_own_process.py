@@ -20,6 +20,12 @@ from meshes.own_process import OwnProcessError, TimeLimitError, call_apart
 LONG = 120.0
 
 
+@pytest.fixture(autouse=True)
+def cold_processes(monkeypatch) -> None:
+    """Processes as everybody has them, not the copies that other tests make do with."""
+    monkeypatch.setattr("meshes.own_process.subprocess", subprocess)
+
+
 def test_results_and_own_errors_come_back() -> None:
     assert call_apart(LONG, math.hypot, 3.0, 4.0) == 5.0
     with pytest.raises(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from fem_seal.analysis.load_solver import LoadSolver, solve_load
 from fem_seal.analysis.problem import SealProblem, condensed
 from fem_seal.analysis.results import Comparison, DiscretisationError
-from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution

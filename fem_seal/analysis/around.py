@@ -6,19 +6,22 @@ import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.flow import ProfileFlow
-from fem_seal.arrays import FloatArray
 from fem_seal.contact.around import line_load_around
-from fem_seal.contact.local_contact import LocalContact
-from fem_seal.contact.solution import ContactSolution
 from fem_seal.contact.waves import Stiffening
 from fem_seal.errors import OpenSealError
-from fem_seal.form import FormError
 from fem_seal.profile import PressureProfile, remembered
 from leak import GasLeakResult, LeakResult
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.flow import ProfileFlow
+    from fem_seal.arrays import FloatArray
+    from fem_seal.contact.local_contact import LocalContact
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.form import FormError
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64

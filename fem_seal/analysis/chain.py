@@ -85,7 +85,7 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
     progress : callable, optional
         Told in words what is being done.
     levers : bool, optional
-        Whether to look for levers; with a requirement unless given.
+        Whether to look for levers; with a requirement unless given, not where a body yields.
     """
     clock = Clock(progress or (lambda text: None))
     with clock.step("interface", "roughness and interface law"):
@@ -173,7 +173,9 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
     result = _with_uncertainty(result, clock, after)
     points = {whole.loads.points[number]: problem for number, problem in missing.items()}
     result = after.get("verdict on the requirement", partial(_with_judgement, result, points), result)
-    result = _with_levers(result, clock, after, case.requirement is not None if levers is None else levers)
+    # of a path of loads they take as long as a dozen paths: only if they are asked for
+    unasked = case.requirement is not None and not problem.curves
+    result = _with_levers(result, clock, after, unasked if levers is None else levers)
     return replace(result, warnings=(*result.warnings, *after.failures))
 
 

@@ -10,16 +10,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.analysis.problem import LARGEST_TURNING, TURNED, SealProblem
-from fem_seal.analysis.results import SealSolution
-from fem_seal.analysis.seal_flow import SealFlow
-from fem_seal.analysis.target import expected_contact_force
-from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
 from fem_seal.loads import blow_off_of_sealed_area, closing_force, expected_force, line_load
-from leak import CrossoverLine, GaussianLine, HertzLine, crossover_line, gaussian_line, hertz_line
+from leak import (
+    CrossoverLine,
+    GaussianLine,
+    HertzLine,
+    crossover_line,
+    crossover_widths,
+    gaussian_line,
+    hertz_line,
+)
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.results import SealSolution
+    from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
@@ -253,10 +259,15 @@ def _derive_load(
 
 
 def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | None:
-    flow, target = SealFlow.of(problem), problem.loads.target_leak_rate
-    if flow is None or target is None:
+    target = problem.loads.target_leak_rate
+    if target is None:
         return None
+    from fem_seal.analysis.seal_flow import SealFlow
+    from fem_seal.analysis.target import expected_contact_force
 
+    flow = SealFlow.of(problem)
+    if flow is None:
+        return None
     try:
         force = expected_contact_force(flow, fluid_pressure, target)
     except InputError:
@@ -287,10 +298,19 @@ class Sizes:
 
     @classmethod
     def of(cls, profiles: Sequence[Any]) -> Sizes:
-        """Measure profiles, calculated or closed; each is measured once, because some search for their width."""
+        """Measure profiles, calculated or closed."""
         return cls(
-            *(np.array([getattr(p, name) for p in profiles]) for name in ("peak_pressure", "fwhm", "std"))
+            np.array([p.peak_pressure for p in profiles]),
+            widths(profiles),
+            np.array([p.std for p in profiles]),
         )
+
+
+def widths(profiles: Sequence[Any]) -> FloatArray:
+    """Full widths at half maximum of profiles of one kind [m]; those that have to be looked for all together."""
+    if profiles and isinstance(profiles[0], CrossoverLine):
+        return crossover_widths(profiles)
+    return np.array([p.fwhm for p in profiles])
 
 
 def profile_sizes(result: SealSolution, derived: Derived) -> dict[str, Sizes]:

@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import as_json, read_text, write_text
 from leak import ConductivityTable, DirectError, RoughContact
 from leak.direct import Patch, PeriodicHalfSpace, PressedPatch, press, smoothed
 
 if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
     from leak.direct import ContactState
 
 Branch = Literal["load", "unload", "cutoff"]

@@ -97,7 +97,17 @@ def family_table(
     if flow.simulated is not None:
         return None
     if tables is None:
-        tables = [name.made() for name in family_tables(flow, surface, log_peaks)]
+        return _table_from(surface, family_tables(flow, surface, log_peaks))
+    return _between(surface, tables)
+
+
+@lru_cache(maxsize=64)
+def _table_from(surface: RoughContact, names: tuple[FamilyTable, ...]) -> Conductivity:
+    """The table of one surface, which the loads of a grid share."""
+    return _between(surface, [name.made() for name in names])
+
+
+def _between(surface: RoughContact, tables: Sequence[Conductivity]) -> Conductivity:
     member, height, pressure = _member(surface)
     table = tables[0] if len(tables) == 1 else _interpolated(tables, _on_lattice(member)[1])
     return _scaled_table(table, height, pressure, LoadMemory(surface))
@@ -168,16 +178,10 @@ def _scaled_table(table: Conductivity, height: float, pressure: float, memory: L
         liquid = _scaled_table(table.liquid, height, pressure, memory)
         assert isinstance(liquid, ConductivityTable)  # of what a liquid's is made of
         return replace(table, liquid=liquid)
-    return ConductivityTable(
-        table.pressure * pressure,
-        table.separation * height,
-        table.sealing_pressure * pressure,
-        table.p_max * pressure,
-        table.method,
-        memory,
-    )
+    return table.scaled(height, pressure, memory)
 
 
+@lru_cache(maxsize=64)
 def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
     """The standing member of a surface's family; height and pressure that turn its results into the surface's."""
     height = surface.spectrum.rms_height / _HEIGHT

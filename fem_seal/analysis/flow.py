@@ -9,42 +9,32 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from fem_seal.analysis.direct import DirectSettings
+import leak
 from fem_seal.analysis.lazy import Lazy
-from fem_seal.arrays import FloatArray
-from fem_seal.loads import PressureSide
-from fem_seal.profile import PressureProfile
-from leak import (
-    ConductivityTable,
-    Gas,
-    GasConductivityTable,
-    Groove,
-    LeakBounds,
-    LeakResult,
-    PressureLaw,
-    RoughContact,
-    around_flow,
-    coupled_leak_flow,
-    effective_viscosity_ratio,
-    gas_around_flow,
-    gas_conductivity_table,
-    gas_leak_flow,
-    gas_scratch_flow,
-    leak_flow,
-    rarefied_conductivity,
-    scratch_flow,
-)
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.direct import DirectSettings
+    from fem_seal.arrays import FloatArray
     from fem_seal.contact.solution import ContactSolution
+    from fem_seal.loads import PressureSide
+    from fem_seal.profile import PressureProfile
+    from leak import (
+        ConductivityTable,
+        Gas,
+        GasConductivityTable,
+        Groove,
+        LeakBounds,
+        LeakResult,
+        PressureLaw,
+        RoughContact,
+    )
 
 
 # Decades between the highest pressure and the end of a table.
 MARGIN = 0.3
 
-Conductivity: TypeAlias = ConductivityTable | GasConductivityTable
+Conductivity: TypeAlias = "ConductivityTable | GasConductivityTable"
 
 
 class Seals(Protocol):
@@ -111,7 +101,7 @@ class Flow:
         """
         if self.gas is not None:
             return None
-        return self.viscosity * effective_viscosity_ratio(self.pressure_law, fluid_pressure)
+        return self.viscosity * leak.effective_viscosity_ratio(self.pressure_law, fluid_pressure)
 
     @property
     def simulated(self) -> DirectSettings | None:
@@ -145,7 +135,7 @@ class Flow:
         if self.simulated is not None:
             return self.simulated.table(surface).conductivity_table(p_min, p_max, num, self.end)
         if self.gas is not None:
-            return gas_conductivity_table(surface, p_min, p_max, num, self.conductivity)
+            return leak.gas_conductivity_table(surface, p_min, p_max, num, self.conductivity)
         return surface.conductivity_table(p_min, p_max, num, method=self.conductivity)
 
     def table_around(
@@ -177,45 +167,30 @@ class Flow:
         """
         return self.table_around(surface, log_peaks(contacts))
 
-    def leak(
-        self,
-        table: Conductivity,
-        x: ArrayLike,
-        pressure: ArrayLike,
-        fluid_pressure: float,
-        radius: ArrayLike,
-        ends: tuple[float | None, float | None] | None = None,
-        largest: ArrayLike | None = None,
-    ) -> LeakResult:
-        """Leak of a pressure profile.
+    def leak_of(self, table: Conductivity, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
+        """Leak of one contact.
 
         Parameters
         ----------
         table : ConductivityTable or GasConductivityTable
-            From `table`.
-        x, pressure : array_like
-            Arc length [m] and contact pressure [Pa].
+            For all pressures of the contact.
+        profile : PressureProfile
+            Not after a larger load with fluid_in_gap = "local", of which the theory says nothing then.
         fluid_pressure : float
             Pressure difference [Pa].
-        radius : float or array_like
-            [m]
-        ends : tuple of float or None, optional
-            x at which the faces end, see `leak.leak_flow` [m].
-        largest : array_like, optional
-            Largest pressure that each place has carried before [Pa]; not with fluid_in_gap = "local", of which the
-            theory says nothing then.
 
         Returns
         -------
         LeakResult
             A `leak.CoupledLeakResult` for fluid_in_gap = "local".
         """
-        side = self.pressure_side
-        if isinstance(table, ConductivityTable):
-            sigma = table.at(self.viscosity)
+        x, pressure, radius, ends = profile.x, profile.pressure, profile.radius, profile.ends
+        side, largest = self.pressure_side, profile.largest
+        if isinstance(table, leak.ConductivityTable):
+            sigma, law = table.at(self.viscosity), self.pressure_law
             if self.fluid_in_gap == "local":
                 assert largest is None  # the case's own checks refuse it
-                found: LeakResult = coupled_leak_flow(
+                found: LeakResult = leak.coupled_leak_flow(
                     x,
                     pressure,
                     sigma,
@@ -223,10 +198,16 @@ class Flow:
                     radius,
                     pressure_side=side,
                     ends=ends,
-                    pressure_law=self.pressure_law,
+                    pressure_law=law,
+                )
+            elif largest is None:
+                from leak.flow.leak_rate import leak_through
+
+                found = leak_through(
+                    profile.contact, x, sigma, fluid_pressure, pressure_side=side, pressure_law=law
                 )
             else:
-                found = leak_flow(
+                found = leak.leak_flow(
                     x,
                     pressure,
                     sigma,
@@ -235,13 +216,13 @@ class Flow:
                     pressure_side=side,
                     ends=ends,
                     largest_pressure=largest,
-                    pressure_law=self.pressure_law,
+                    pressure_law=law,
                 )
             return found.with_density(self.density)
         gas, outlet = self.gas, self.outlet_pressure
         assert gas is not None  # the table is one of a gas
         inlet = outlet + fluid_pressure
-        return gas_leak_flow(
+        return leak.gas_leak_flow(
             x,
             pressure,
             table,
@@ -276,8 +257,8 @@ class Flow:
         """
         x, p, radius = profile.x, profile.pressure, profile.radius
         side, ends, modulus = self.pressure_side, profile.ends, surface.effective_modulus
-        if isinstance(table, ConductivityTable):
-            found = scratch_flow(
+        if isinstance(table, leak.ConductivityTable):
+            found = leak.scratch_flow(
                 x,
                 p,
                 grooves,
@@ -293,7 +274,7 @@ class Flow:
             )
             return replace(found, upper=found.upper.with_density(self.density))
         assert self.gas is not None  # the table is one of a gas
-        return gas_scratch_flow(
+        return leak.gas_scratch_flow(
             x,
             p,
             grooves,
@@ -330,14 +311,14 @@ class Flow:
         with np.errstate(divide="ignore"):
             log_pressure = np.maximum(np.log(pressure.T), -600.0)
         side = self.pressure_side
-        if isinstance(table, ConductivityTable):
+        if isinstance(table, leak.ConductivityTable):
             sigma = table.at(self.viscosity).at_log_pressure(log_pressure)
             # psi of a liquid that thickens obeys the same equation: it changes no share
-            found = around_flow(profile.x, profile.radius, sigma, fluid_pressure, pressure_side=side)
+            found = leak.around_flow(profile.x, profile.radius, sigma, fluid_pressure, pressure_side=side)
             return found.leak_rate / found.radial_leak_rate - 1.0
         assert self.gas is not None  # the table is one of a gas
-        field, outlet = rarefied_conductivity(table, self.gas, log_pressure), self.outlet_pressure
-        of_gas = gas_around_flow(
+        field, outlet = leak.rarefied_conductivity(table, self.gas, log_pressure), self.outlet_pressure
+        of_gas = leak.gas_around_flow(
             profile.x,
             profile.radius,
             field,
@@ -347,32 +328,6 @@ class Flow:
             pressure_side=side,
         )
         return of_gas.mass_flow / of_gas.radial_mass_flow - 1.0
-
-    def leak_of(
-        self,
-        table: Conductivity,
-        profile: PressureProfile,
-        fluid_pressure: float,
-    ) -> LeakResult:
-        """Leak of one contact.
-
-        Parameters
-        ----------
-        table : ConductivityTable or GasConductivityTable
-            For all pressures of the contact.
-        profile : PressureProfile
-        fluid_pressure : float
-            Pressure difference [Pa].
-        """
-        return self.leak(
-            table,
-            profile.x,
-            profile.pressure,
-            fluid_pressure,
-            profile.radius,
-            profile.ends,
-            profile.largest,
-        )
 
 
 def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressureProfile:

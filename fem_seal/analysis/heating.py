@@ -8,16 +8,13 @@ is taken at the contact, and then on that of the problem, for the field that str
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from fem_seal.bodies.held_body import Heat, HeldBody
-from fem_seal.contact.conduction import Face, Surroundings, TemperatureField, conduct
 from fem_seal.contact.laws import HardContact
-from fem_seal.contact.model import line_points
 from fem_seal.contact.sizing import Opening, contact_width, element_sizes
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import expected_force, line_load
@@ -25,7 +22,10 @@ from fem_seal.materials import Material, effective_modulus
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from fem_seal.bodies.held_body import Heat, HeldBody
     from fem_seal.case.tables import CaseTables
+    from fem_seal.contact.conduction import Surroundings, TemperatureField
 
 AnyCase = TypeVar("AnyCase", bound="CaseTables")
 
@@ -52,6 +52,9 @@ class Heating:
 
     def field(self, seal_mesh: SealMesh, materials: Mapping[str, Material]) -> TemperatureField:
         """Temperatures on a mesh; see `fem_seal.contact.conduction.conduct`."""
+        from fem_seal.contact.conduction import conduct
+        from fem_seal.contact.model import line_points
+
         return conduct(seal_mesh, materials, self.surroundings, *line_points(seal_mesh))
 
     def of_bodies(self, seal_mesh: SealMesh, materials: Mapping[str, Material]) -> dict[str, Heat]:
@@ -63,6 +66,8 @@ class Heating:
             If a number of a material is not known at a temperature that is reached, or strains are not small.
         ConvergenceError
         """
+        from fem_seal.bodies.held_body import Heat
+
         try:
             found = self.field(seal_mesh, materials)
             base = materials["seat"].thermal_strain(found.faces["seat"], self.reference)
@@ -70,6 +75,8 @@ class Heating:
                 name: materials[name].thermal_strain(nodes, self.reference) - base
                 for name, nodes in found.nodes.items()
             }
+            for name, nodes in found.nodes.items():
+                _check_curves(name, materials[name], nodes)
         except InputError as error:
             raise InputError(*(Problem("temperature", str(one)) for one in error.problems)) from None
         return {name: Heat(nodes, strains[name]) for name, nodes in found.nodes.items()}
@@ -102,6 +109,19 @@ class Heating:
         return (base - around) * float(seat.basis.mesh.p[0].max())
 
 
+def _check_curves(name: str, material: Material, temperature: FloatArray) -> None:
+    """InputError where the hardening curves of a body do not reach to all of its temperatures [K]."""
+    curves = material.hardening_over_temperature
+    if curves is None:
+        return
+    try:
+        curves.check(temperature)
+    except InputError as error:
+        raise InputError(
+            *(replace(one, key=f"{name}.material.{one.key}") for one in error.problems)
+        ) from None
+
+
 def heating(case: CaseTables) -> Heating | None:
     """What warms the seal of a case whose temperatures are calculated; None for any other.
 
@@ -112,6 +132,8 @@ def heating(case: CaseTables) -> Heating | None:
     heat = case.temperature
     if heat is None or not heat.faces:
         return None
+    from fem_seal.contact.conduction import Face, Surroundings
+
     faces = {name: Face(face.temperature, face.heat_transfer) for name, face in heat.faces.items()}
     return Heating(
         Surroundings(faces, heat.contact_conductance, _touching(case)),

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.caution import Level, Validity
+from fem_seal.analysis.caution import Caution, Level, Validity
 from fem_seal.analysis.chain import solve
 from fem_seal.arrays import FloatArray
+from fem_seal.case.tables import curves
 from fem_seal.errors import InputError, Problem
+from fem_seal.loads import expected_force
 
 if TYPE_CHECKING:
     from fem_seal.analysis.load_solver import Progress
@@ -141,6 +143,9 @@ def leak_map(
 
     All of them are loads of one run, on one mesh: each has the interval and the validity that `run` gives it.
 
+    Bodies that yield must have been formed by an earlier load that is as large as all of these: they then come back,
+    whatever the order of the loads.
+
     Parameters
     ----------
     case : Case
@@ -155,7 +160,7 @@ def leak_map(
     Raises
     ------
     InputError
-        If the case has no leak rate, a body's stress-strain curve, or the grid is wrong.
+        If the case has no leak rate, bodies that yield were not formed by a larger load, or the grid is wrong.
     NoLoadLeftError, ConvergenceError
         As of `run`.
 
@@ -171,13 +176,6 @@ def leak_map(
         raise InputError(
             Problem("table", "needs [roughness] and [fluid]: without them there is no leak rate")
         )
-    if any(body.material.hardening is not None for body in (case.closure, case.seat)):
-        raise InputError(
-            Problem(
-                "table",
-                "is for elastic bodies: with a stress_strain curve a leak depends on the loads before it",
-            )
-        )
     pressures = _pressures(case) if fluid_pressure is None else _increasing("pressures", fluid_pressure)
     forces = _forces(case) if axial_force is None else _increasing("forces", axial_force)
     if not pressures[0] > 0:
@@ -188,12 +186,80 @@ def leak_map(
         raise InputError(
             Problem("table", f"has {len(pressures)} x {len(forces)} points; up to {_MOST} are calculated")
         )
-    solution = solve(_with_loads(case, pressures, forces), progress)
-    return _of_solution(case, solution, pressures, forces)
-
-
-def _with_loads(case: Case, pressures: Sequence[float], forces: Sequence[float]) -> Case:
     points = [(pressure, force) for force in forces for pressure in pressures]
+    yields = bool(curves(case))
+    if yields:
+        # from the largest load on a body that was formed by a larger one only comes back, and the first is asked again
+        points = sorted(points, key=lambda point: -_contact_force(case, *point))
+        points.append(points[0])
+    loaded = _with_loads(case, points)
+    if yields:
+        _check_formed(loaded)
+    solution = solve(loaded, progress)
+    found = _of_solution(case, solution, pressures, forces)
+    return _with_memory(found, solution) if yields else found
+
+
+def _contact_force(case: Case, fluid_pressure: float, axial_force: float) -> float:
+    side, closing = case.load.pressure_side, case.load.closing
+    return expected_force(case.touch_radius, fluid_pressure, axial_force, side, closing)
+
+
+def _check_formed(case: Case) -> None:
+    """InputError where bodies that yield were not formed by a load that is as large as all others."""
+    load = case.load
+    largest = max(_contact_force(case, *point) for point in load.points)
+    why = (
+        "a body that yields (stress_strain) has no table of its own until a load larger than all others has formed it: "
+        "before that a leak depends on the loads before it"
+    )
+    key = "load.largest_earlier_force"
+    if load.earlier is None:
+        raise InputError(
+            Problem(
+                key,
+                f"is missing: {why}. Give at least {math.ceil(largest)} N, the largest contact force here",
+            )
+        )
+    formed = _contact_force(case, *load.earlier)
+    if formed < largest * (1 - 1e-6):
+        raise InputError(
+            Problem(
+                load.earlier_key,
+                f"closes with {formed:.4g} N, and the largest contact force here is {largest:.4g} N; {why}. Raise it, "
+                "or ask for smaller pressures and forces",
+            )
+        )
+
+
+# Change of the leak rate at the largest load, after all others, up to which a formed body is taken to come back.
+_COMES_BACK = 0.01
+
+
+def _with_memory(found: LeakMap, solution: SealSolution) -> LeakMap:
+    """The same, doubtful if the leak at its first load is another one when that load comes back."""
+    first, last = solution.loads[0], solution.loads[-1]
+    if len(solution.loads) < 2 or first.point != last.point or first.leak is None or last.leak is None:
+        return found
+    before, after = first.leak.leak_rate, last.leak.leak_rate
+    if math.isclose(before, after, rel_tol=_COMES_BACK):
+        return found
+    change = f"{100 * (after / before - 1):+.2g} %" if before > 0 else "from nothing"
+    caution = Caution(
+        "load history",
+        Level.DOUBTFUL,
+        f"the body yields again: leak rate changes by {change} when the largest load comes back",
+        f"the leak rate at the largest load changes by {change} when that load comes back after all "
+        "others: the body yields again between them, and a leak depends on the order of the loads",
+    )
+    validity = tuple(
+        tuple(None if one is None else Validity.of([*one.cautions, caution]) for one in row)
+        for row in found.validity
+    )
+    return replace(found, validity=validity, reasons=(*found.reasons, caution.text))
+
+
+def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:
     grid = {
         "fluid_pressure": [pressure for pressure, _ in points],
         "axial_force": [force for _, force in points],

@@ -15,10 +15,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.flow import Conductivity, Flow, RoughFlow, log_peaks
-from fem_seal.analysis.load_solver import LoadSolver, model_and_contacts
-from fem_seal.analysis.problem import SealProblem
+from fem_seal.analysis.load_solver import LoadSolver, model_and_contacts, solve_load
+from fem_seal.analysis.problem import SealProblem, build_mesh, condensed
 from fem_seal.analysis.results import Lever, LoadResult, SealSolution
-from fem_seal.analysis.uncertainty import changed_surface, stiffer
+from fem_seal.analysis.uncertainty import changed_surface, stiffer, stiffer_bodies
 from fem_seal.case.fields import Quantity, quantities_of
 from fem_seal.case.roughness import self_affine_part
 from fem_seal.errors import SealError
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 # Relative step of the local exponent of what costs a surface, and of a force.
 _SMALL, _SMALL_FORCE = 0.02, 0.01
+# The same of a path, whose load steps leave some parts in ten thousand of the width.
+_SMALL_PATH = 0.05
 # Steps that are told: of the applied force; of heights, hardness, modulus and roll-off; of the Hurst exponent.
 _FORCE, _TWICE, _HURST = 1.1, 2.0, 1.1
 _LARGEST_HURST = 1.0
@@ -63,7 +65,7 @@ def levers(result: SealSolution, number: int | None = None) -> tuple[Lever, ...]
     Parameters
     ----------
     result : SealSolution
-        Of elastic bodies; none where one yields, because its loads are a path.
+        Where a body yields every step takes the path of loads once more.
     number : int, optional
         Of the load; the one that decides the verdict, or that with the highest fluid pressure, unless given.
 
@@ -72,7 +74,8 @@ def levers(result: SealSolution, number: int | None = None) -> tuple[Lever, ...]
     tuple of Lever
         Empty where nothing leaks, the seal is open, or there is no leak rate.
     """
-    bench = _Bench(result, _asked(result) if number is None else result.loads[number])
+    load = _asked(result) if number is None else result.loads[number]
+    bench = _Bench(result, load, next(n for n, one in enumerate(result.loads) if one is load))
     if not bench.usable:
         return ()
     found: list[Lever] = []
@@ -98,6 +101,12 @@ class _Bench:
 
     result: SealSolution
     load: LoadResult
+    number: int
+
+    @property
+    def yields(self) -> bool:
+        """Whether the load is the end of a path."""
+        return bool(self.problem.curves)
 
     @property
     def problem(self) -> SealProblem:
@@ -113,15 +122,18 @@ class _Bench:
 
     @property
     def usable(self) -> bool:
-        elastic = not LoadSolver(self.problem, self.result.model).yields
-        leaks = self.problem.leaks and all(0 < rate < math.inf for rate in self.rates)
-        return elastic and leaks and bool(self.rates)
+        return self.problem.leaks and all(0 < rate < math.inf for rate in self.rates) and bool(self.rates)
 
     def solved(
         self, problem: SealProblem, model: ContactModel, force: float, start: ContactSolution | None
     ) -> LoadResult:
         """The load on another problem or model; its own table of conductivities as long as it will do."""
-        contact = LoadSolver(problem, model).solve(self.load.fluid_pressure, force, start=start)
+        if self.yields:
+            points = (*problem.loads.points[: self.number], (self.load.fluid_pressure, force))
+            path = replace(problem, loads=replace(problem.loads, points=points))
+            contact = solve_load(LoadSolver(path, model), self.number)
+        else:
+            contact = LoadSolver(problem, model).solve(self.load.fluid_pressure, force, start=start)
         bare = LoadResult(self.load.fluid_pressure, force, contact, formed=problem.around(contact))
         peaks = log_peaks(bare.contacts)
         own = self.load.rough
@@ -145,6 +157,7 @@ class _Bench:
         value: float | None = None,
     ) -> Iterator[Lever]:
         """The lever of a factor: a small step up says which way, and a large one how far."""
+        small = max(small, _SMALL_PATH) if self.yields else small
         with suppress(*_FAILURES):
             near = _rates(solved(1.0 + small))
             if len(near) != len(self.rates):
@@ -198,9 +211,13 @@ class _Bench:
 
     def _with_surface(self, key: str) -> Callable[[float], LoadResult]:
         def solved(factor: float) -> LoadResult:
-            surface = self._changed(key, factor)
-            model = stiffer(self.result.model, factor if key == "youngs_modulus" else 1.0)
-            problem = replace(self.problem, surface=surface)
+            surface, stiffness = self._changed(key, factor), factor if key == "youngs_modulus" else 1.0
+            problem, model = replace(self.problem, surface=surface), self.result.model
+            if stiffness != 1.0 and self.yields:
+                problem = replace(problem, materials=stiffer_bodies(problem.materials, stiffness))
+                model = condensed(problem, self.result.seal_mesh)
+            else:
+                model = stiffer(model, stiffness)
             return self.solved(problem, model, self.load.applied_force, self.load.contact)
 
         return solved
@@ -273,16 +290,22 @@ class _Bench:
             yield (path,), *listed[path]
 
     def _with_dimensions(self, entries: dict[str, float]) -> LoadResult:
+        points = self.problem.loads.points[: self.number] if self.yields else ()
+        pressures, forces = zip(*points, self.load.point, strict=True)
         of_load = {
-            "load.fluid_pressure": [self.load.fluid_pressure],
-            "load.axial_force": self.load.applied_force,
+            "load.fluid_pressure": list(pressures),
+            "load.axial_force": list(forces),
             "requirement": None,
         }
         case = self.case.replace({**of_load, **entries})
         size = self.result.seal_mesh.sizing.contact_size
         problem = replace(SealProblem.of(case), surface=self.problem.surface, contact_size=size)
-        _, model, solved = model_and_contacts(problem)
-        return self.solved(problem, model, self.load.applied_force, solved.contacts[0])
+        if self.yields:
+            model, start = condensed(problem, build_mesh(problem)), None
+        else:
+            _, model, found = model_and_contacts(problem)
+            start = found.contacts[0]
+        return self.solved(problem, model, self.load.applied_force, start)
 
 
 def _quantity(table: type[BaseModel], key: str) -> Quantity | None:

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.arrays import FloatArray
-from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.units import Unit, given, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult
+    from fem_seal.arrays import FloatArray
 
 
 def load_name(load: LoadResult, loads: Sequence[LoadResult]) -> str:
@@ -60,6 +59,8 @@ def _number(load: LoadResult, loads: Sequence[LoadResult]) -> str:
 
 
 def _remembers(load: LoadResult) -> bool:
+    from fem_seal.contact.load_path import ElastoplasticContact
+
     return isinstance(load.contact, ElastoplasticContact)
 
 

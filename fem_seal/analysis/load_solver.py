@@ -7,17 +7,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.analysis.afterwards import told
-from fem_seal.analysis.around import Around
 from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.analysis.seal_flow import SealFlow
-from fem_seal.arrays import FloatArray
 from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
-from fem_seal.contact.laws import Law
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
     LoadPath,
@@ -25,7 +23,6 @@ from fem_seal.contact.load_path import (
     load_path,
     yielding_bodies,
 )
-from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
 from fem_seal.contact.path_loads import FluidLoad, PathLoad
 from fem_seal.contact.penetration import (
@@ -36,7 +33,6 @@ from fem_seal.contact.penetration import (
 )
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.refit import solve_fitted
-from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import (
     ConvergenceError,
     InputError,
@@ -48,6 +44,13 @@ from fem_seal.errors import (
 )
 from fem_seal.loads import blow_off_of_sealed_area, closing_force
 from meshes import SealMesh, Sizing, build_contact
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.around import Around
+    from fem_seal.arrays import FloatArray
+    from fem_seal.contact.laws import Law
+    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.solution import ContactSolution
 
 
 @dataclass(frozen=True)

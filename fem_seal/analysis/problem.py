@@ -13,29 +13,29 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from fem_seal.analysis.around import Around, around_after
 from fem_seal.analysis.flow import Flow
 from fem_seal.analysis.heating import Heating, heating, warmed
-from fem_seal.bodies.held_body import Supports
+from fem_seal.bodies.supports import Supports
 from fem_seal.case.load_limits import refused_loads
-from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.local_contact import LocalContact
-from fem_seal.contact.model import ContactModel, condense
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.laws import HardContact
 from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import element_sizes, for_yielding
 from fem_seal.errors import InputError, LoadProblem, Problem
-from fem_seal.form import FormError
 from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.around import Around
     from fem_seal.analysis.direct import DirectSettings
     from fem_seal.arrays import FloatArray
     from fem_seal.case.direct import Direct
     from fem_seal.case.tables import CaseTables
+    from fem_seal.contact.laws import Law
+    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.other_loads import FurtherLoads
     from fem_seal.contact.solution import ContactSolution
+    from fem_seal.form import FormError
     from leak import RoughContact
 
 # Ratio of decay length to rms height of Fischer et al. 2020, below eq. 8.
@@ -301,6 +301,8 @@ class SealProblem:
         model : ContactModel
             Its bodies, condensed with the temperatures of the problem.
         """
+        from fem_seal.contact.other_loads import FurtherLoads
+
         bodies = (model.closure, model.seat)
         found = {body.held.name: body.held.temperature for body in bodies}
         if self.heating is None:
@@ -334,6 +336,9 @@ class SealProblem:
         """
         if self.form is None:
             return None
+        from fem_seal.analysis.around import around_after
+        from fem_seal.contact.local_contact import LocalContact
+
         own = law or self.law
         before = None if contact.earlier is None else LocalContact(contact.earlier, own)
         return around_after(self.form, LocalContact(contact, own), before)
@@ -401,11 +406,11 @@ def direct_settings(case: CaseTables) -> DirectSettings | None:
     ----------
     case : CaseTables
     """
-    from fem_seal.analysis.direct import DirectSettings
-
     given = case.direct
     if given is None:
         return None
+    from fem_seal.analysis.direct import DirectSettings
+
     return DirectSettings(
         points=given.points,
         samples=given.samples,
@@ -517,6 +522,8 @@ def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | N
     known : ContactModel, optional
         Whose closure may be the same, see `fem_seal.contact.model.condense`.
     """
+    from fem_seal.contact.model import condense
+
     heat = None if problem.heating is None else problem.heating.of_bodies(seal_mesh, problem.materials)
     return condense(seal_mesh, problem.materials, problem.supports, heat, known=known)
 

@@ -9,21 +9,21 @@ from typing import TYPE_CHECKING, Self, TypeAlias
 
 import numpy as np
 
-from fem_seal.analysis.around import Around, LeakCurve
 from fem_seal.analysis.caution import VALID, Validity
 from fem_seal.analysis.flow import Conductivity, RoughFlow
-from fem_seal.analysis.judgement import Judgement, SealJudgement, Verdict
 from fem_seal.analysis.lazy import Lazy
-from fem_seal.arrays import FloatArray
-from fem_seal.units import given, leak_range_text, quantity, quantity_worth
+from fem_seal.units import DIGITS, given, leak_range_text, quantity, quantity_worth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
+    from fem_seal.analysis.around import Around
     from fem_seal.analysis.flow import Flow
+    from fem_seal.analysis.judgement import Judgement, SealJudgement, Verdict
     from fem_seal.analysis.problem import SealProblem
+    from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
     from fem_seal.contact.load_path import Unloaded
     from fem_seal.contact.model import ContactModel
@@ -155,7 +155,11 @@ class LoadResult(Lazy):
         """Line load, pressure and leak around the axis; None for a round seal."""
         formed = self.formed
         flow = None if self.rough is None else self.rough.at(self.fluid_pressure)
-        return formed if formed is None or flow is None else formed.with_leak(LeakCurve(formed.local, flow))
+        if formed is None or flow is None:
+            return formed
+        from fem_seal.analysis.around import LeakCurve
+
+        return formed.with_leak(LeakCurve(formed.local, flow))
 
     @cached_property
     def leak_elastic(self) -> LeakResult | None:
@@ -841,8 +845,6 @@ class LeakInterval:
         return (self.leak_rate == 0).mean(axis=1)
 
 
-# Digits of numbers as they are shown far from opening.
-DIGITS = 4
 # Ratio of leak rates up to which two readings are told as one number.
 AGREE = 1.005
 

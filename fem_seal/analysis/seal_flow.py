@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.around import LeakCurve
 from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow, as_first_loaded
 from fem_seal.analysis.problem import expected_forces
 from fem_seal.contact.sizing import Opening, contact_width
@@ -72,6 +71,8 @@ class SealFlow:
 
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
+        from fem_seal.analysis.around import LeakCurve
+
         formed = self.problem.around(contact)
         if formed is None:
             return self.leak(contact.profile, fluid_pressure)

@@ -30,7 +30,6 @@ from fem_seal.case.roughness import (
 )
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.errors import ConvergenceError, InputError, Problem
-from leak import NearbyTables
 
 if TYPE_CHECKING:
     from fem_seal.analysis.flow import Conductivity, Flow
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.materials import Material
-    from leak import PowerSpectrum, RoughContact
+    from leak import NearbyTables, PowerSpectrum, RoughContact
 
 _FIRST_RUNS = 16
 # Left-out runs must be predicted this well: an error that adds 0.05 % to the width of the interval.
@@ -470,6 +469,8 @@ class _Study:
     @cached_property
     def _nearby(self) -> dict[str, NearbyTables]:
         """Tables of surfaces close to that of the case, by its reading of yielding."""
+        from leak import NearbyTables
+
         surface, flow = self.result.surface, self.result.problem.flow
         assert surface is not None and flow is not None  # of the checks
         return {
@@ -526,13 +527,14 @@ class _Study:
             return linearised_again(result.contact, law, result.earlier)
         if not problem.curves:
             return solved_again(result.contact, stiffer(result.model, stiffness), law, result.earlier)
-        changed = replace(problem, surface=surface, materials=_stiffer_bodies(problem.materials, stiffness))
+        changed = replace(problem, surface=surface, materials=stiffer_bodies(problem.materials, stiffness))
         model = result.model if stiffness == 1 else condensed(changed, result.seal_mesh)
         contacts = path_again(LoadSolver(changed, model))
         return contacts if self.numbers is None else [contacts[number] for number in self.numbers]
 
 
-def _stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[str, Material]:
+def stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[str, Material]:
+    """Materials with both Young's moduli times a factor."""
     return {name: replace(one, youngs_modulus=one.youngs_modulus * factor) for name, one in materials.items()}
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from fem_seal.analysis.flow import Flow, RoughFlow
 from fem_seal.analysis.load_solver import LoadSolver, solve_load, solve_loads, solved_again
-from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import (
     Comparison,
     LoadResult,
@@ -18,7 +17,10 @@ from fem_seal.analysis.results import (
     leak_rates,
     strongest_load,
 )
-from leak import RoughContact
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.problem import SealProblem
+    from leak import RoughContact
 
 # Share of the contact area at which channels close: two-dimensional percolation, and the textbook value.
 _THRESHOLDS = (0.42, 0.5)

@@ -18,7 +18,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
-from fem_seal.materials import Material
+from fem_seal.materials import creep_remarks
 from fem_seal.units import number
 
 if TYPE_CHECKING:
@@ -341,9 +341,11 @@ def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadRes
 def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for name, material in problem.materials.items():
         curve = material.hardening
+        if curve is None:
+            continue
         found = [(load, _yielding_of(problem, load).get(name)) for load in loads]
         zones = [(load, zone) for load, zone in found if isinstance(zone, PlasticZone)]
-        if curve is None or not zones:
+        if not zones:
             continue
         load, zone = max(zones, key=lambda item: item[1].strain)
         if zone.strain > curve.last_strain:
@@ -477,23 +479,6 @@ def _moved_by_heat(
             f"nearest end of a face is {1e6 * ends:.4g} um away. The contact is calculated where the drawing has it: "
             "give the dimensions of the hot parts instead, with that temperature as reference",
         )
-
-
-def creep_remarks(materials: Mapping[str, Material]) -> list[str]:
-    """What is to be known of bodies that creep, one sentence for each.
-
-    Parameters
-    ----------
-    materials : mapping
-        From "closure" and "seat" to their materials.
-    """
-    return [
-        f"{name}: {material.name} creeps. Its contact grows with time and temperature, and what is lost of the "
-        "closing force after a change of temperature or of load is not calculated: the results are those of a short "
-        "time at the modulus and hardness given"
-        for name, material in materials.items()
-        if material.creeps
-    ]
 
 
 def _creeps(

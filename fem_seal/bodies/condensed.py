@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse import bsr_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import lame_parameters, node_dofs, quadratic_nodes
@@ -105,7 +105,7 @@ class CondensedBody:
         return self.held.contact_x
 
     @cached_property
-    def stress_operator(self) -> csr_matrix:
+    def stress_operator(self) -> bsr_matrix:
         """From displacement dofs [m] to nodal stress [Pa], see `fem_seal.bodies.fields.stress_operator`."""
         return stress_operator(self.basis, self.material)
 
@@ -124,36 +124,40 @@ class CondensedBody:
 
 def condense_body(
     held: HeldBody,
-    stiffness: csc_matrix,
-    pulled: FloatArray | None = None,
-    order: NDArray[np.intp] | None = None,
+    seen: tuple[FloatArray, Callable[[FloatArray], FloatArray]],
+    forces: Mapping[str, FloatArray] | None = None,
 ) -> CondensedBody:
-    """Factorise the stiffness of a body and see it from its contact line.
+    """A body whose stiffness is factorised, with all that loads it.
 
     Parameters
     ----------
-    stiffness : csc_matrix, shape (free dofs, free dofs)
-        [N/m]
-    pulled : ndarray, shape (dofs,), optional
-        Nodal forces while the wall alone is moved outwards by 1 m [N]; of a body whose wall can be moved.
-    order : ndarray of int, shape (free dofs,), optional
-        See `HeldBody.condensed`.
-
-    Raises
-    ------
-    RuntimeError
-        If the stiffness is not positive definite.
+    seen : tuple
+        Compliance of its contact nodes, and from forces on its free dofs to their displacements, see
+        `HeldBody.contact_compliance`.
+    forces : mapping of ndarray, shape (dofs,), optional
+        Nodal forces of loads beside those of the held body [N per unit]; "wall", of a body whose wall can be moved,
+        while the wall alone is moved outwards by 1 m.
     """
-    compliance, solve = held.condensed(stiffness, order)
-    forces = dict(held.further) if pulled is None else {**held.further, "wall": pulled}
+    compliance, solve_free = seen
+
+    def solve(nodal: FloatArray) -> FloatArray:
+        displacement = np.zeros_like(nodal)
+        displacement[held.free] = solve_free(nodal[held.free])
+        return displacement
+
+    named = {**held.further, **(forces or {})}
+    # all at once, which takes hardly longer than one of them
+    balance, *responses = solve(
+        np.stack([held.balance, *(held.balanced(force) for force in named.values())], axis=1)
+    ).T
     loads = {}
-    for name, force in forces.items():
-        response = held.counted(solve(held.balanced(force)))
+    for (name, force), response in zip(named.items(), responses, strict=True):
+        counted = held.counted(response)
         if name == "wall":
-            response[held.wall] = -1.0
+            counted[held.wall] = -1.0
         axial = float(force[node_dofs(held.basis)[1]].sum())
-        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(response), response)
-    return CondensedBody(held, compliance, loads, solve)
+        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(counted), counted)
+    return CondensedBody(held, held.floating(compliance, balance), loads, solve)
 
 
 def body_field(

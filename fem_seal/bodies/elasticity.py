@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # Corners, then the middles of the edges 01, 12, 20, in the reference triangle: the order of `quadratic_nodes`.
 NODES = np.array([[0, 1, 0, 0.5, 0.5, 0], [0, 0, 1, 0, 0.5, 0.5]])
 # A point is on the axis that is this near to it, as a share of the body's radius.
-_AXIS = 1e-12
+AXIS = 1e-12
 
 
 def lame_parameters(material: Material) -> tuple[float, float]:
@@ -48,19 +48,57 @@ def ring_volume(basis: Basis) -> FloatArray:
     return 2 * np.pi * np.asarray(basis.global_coordinates())[0] * basis.dx
 
 
+def shape_functions(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The six quadratic shape functions of the reference triangle and their gradients.
+
+    Parameters
+    ----------
+    points : ndarray, shape (2, q)
+        In the reference triangle.
+
+    Returns
+    -------
+    values : ndarray, shape (q, 6)
+        In the order of `quadratic_nodes`.
+    gradients : ndarray, shape (q, 6, 2)
+    """
+    corner = np.stack([1 - points[0] - points[1], *points], axis=1)
+    slope = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
+    first, second = np.array([0, 1, 2]), np.array([1, 2, 0])
+    values = np.hstack([corner * (2 * corner - 1), 4 * corner[:, first] * corner[:, second]])
+    at_corners = (4 * corner - 1)[..., None] * slope
+    between = 4 * (corner[:, first, None] * slope[second] + corner[:, second, None] * slope[first])
+    return values, np.concatenate([at_corners, between], axis=1)
+
+
+def shape_gradients(mesh: MeshTri, points: FloatArray) -> FloatArray:
+    """Gradients (d/dr, d/dz) of the quadratic shape functions [1/m]; shape (elements, points, 6, 2).
+
+    Parameters
+    ----------
+    points : ndarray, shape (2, q)
+        In the reference triangle.
+    """
+    _, gradients = shape_functions(points)
+    (a, b), (c, d) = mesh.p[:, mesh.t[1:]] - mesh.p[:, mesh.t[:1]]  # dr/ds, dr/dt, dz/ds, dz/dt
+    inverse = np.moveaxis(np.array([[d, -b], [-c, a]]) / (a * d - b * c), -1, 0)
+    return (gradients.reshape(-1, 2) @ inverse).reshape(len(inverse), *gradients.shape)
+
+
 def strain_matrix(basis: Basis) -> FloatArray:
     """Strains of each shape function at the quadrature points [1/m]; shape (elements, points, 4, shapes).
 
     e_rr = du_r/dr, e_zz = du_z/dz, e_tt = u_r/r, g_rz = du_r/dz + du_z/dr. On the axis u_r/r is its limit du_r/dr.
     """
     r = np.asarray(basis.global_coordinates())[0]
-    on_axis = r < _AXIS * basis.mesh.p[0].max()
-    r = np.where(on_axis, 1.0, r)
-    B = np.empty((*r.shape, 4, basis.Nbfun))
-    for n, (u,) in enumerate(basis.basis):
-        (u_rr, u_rz), (u_zr, u_zz) = u.grad
-        B[..., 0, n], B[..., 1, n], B[..., 3, n] = u_rr, u_zz, u_rz + u_zr
-        B[..., 2, n] = np.where(on_axis, u_rr, np.asarray(u)[0] / r)
+    on_axis = r < AXIS * basis.mesh.p[0].max()
+    gradients = shape_gradients(basis.mesh, basis.X)
+    along_r, along_z = gradients[..., 0], gradients[..., 1]
+    B = np.zeros((*r.shape, 4, basis.Nbfun))
+    B[..., 0, ::2] = B[..., 3, 1::2] = along_r
+    B[..., 1, 1::2] = B[..., 3, ::2] = along_z
+    over_r = shape_functions(basis.X)[0] / np.where(on_axis, 1.0, r)[..., None]
+    B[..., 2, ::2] = np.where(on_axis[..., None], along_r, over_r)
     return B
 
 
@@ -79,28 +117,36 @@ def stiffness_matrix(basis: Basis, material: Material) -> csr_matrix:
 
 
 def pressure_load(basis: Basis, boundary: str) -> FloatArray:
-    """Nodal forces [N] of a unit pressure (1 Pa, pushing into the body) on a named boundary; none if it is missing."""
-    from skfem import LinearForm
+    """Nodal forces [N] of a unit pressure (1 Pa, pushing into the body) on a named boundary; none if it is missing.
 
-    if boundary not in (basis.mesh.boundaries or {}):
+    Over a straight edge r times a quadratic shape function is integrated exactly by Simpson's rule.
+    """
+    mesh, forces = basis.mesh, np.zeros(basis.N)
+    if boundary not in (mesh.boundaries or {}):
         # A contact line that reaches to the end of its face leaves nothing wetted beside it.
-        return np.zeros(basis.N)
-
-    @LinearForm
-    def push(v, w):  # type: ignore[no-untyped-def]
-        r, _ = w.x
-        return -2 * np.pi * r * (v[0] * w.n[0] + v[1] * w.n[1])
-
-    return push.assemble(basis.boundary(boundary))
+        return forces
+    facets = np.asarray((mesh.boundaries or {})[boundary])
+    start, end = mesh.facets[:, facets]
+    along = mesh.p[:, end] - mesh.p[:, start]
+    triangle = np.empty(mesh.facets.shape[1], dtype=np.int64)
+    triangle[mesh.t2f] = np.arange(mesh.t.shape[1])
+    into = mesh.p[:, mesh.t[:, triangle[facets]].sum(axis=0) - start - end] - mesh.p[:, start]
+    normal = np.stack([-along[1], along[0]])
+    normal *= np.sign((normal * into).sum(axis=0))  # as long as the edge
+    r = mesh.p[0]
+    for nodes, radius, weight in (
+        (start, r[start], 1 / 6),
+        (end, r[end], 1 / 6),
+        (mesh.p.shape[1] + facets, 0.5 * (r[start] + r[end]), 4 / 6),
+    ):
+        np.add.at(forces, node_dofs(basis)[:, nodes], 2 * np.pi * weight * radius * normal)
+    return forces
 
 
 def at_quadrature_points(basis: Basis, nodal: FloatArray) -> FloatArray:
     """Values at the quadrature points of a quadratic field given at the nodes (n,); shape (elements, points)."""
     _, triangles = quadratic_nodes(basis.mesh)
-    s, t = basis.X
-    r = 1 - s - t
-    shapes = np.stack([r * (2 * r - 1), s * (2 * s - 1), t * (2 * t - 1), 4 * r * s, 4 * s * t, 4 * t * r])
-    return np.asarray(nodal[triangles] @ shapes)
+    return np.asarray(nodal[triangles] @ shape_functions(basis.X)[0].T)
 
 
 def grown_by_one(basis: Basis) -> FloatArray:

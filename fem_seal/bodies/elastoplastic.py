@@ -20,7 +20,7 @@ from fem_seal.bodies.elasticity import (
     strain_matrix,
 )
 from fem_seal.bodies.plastic_flow import Flow, PlasticState, radial_return
-from fem_seal.materials import HardeningCurve, Material
+from fem_seal.materials import HardeningCurve, HardeningField, Material
 
 if TYPE_CHECKING:
     from skfem import Basis
@@ -57,6 +57,9 @@ class ElastoplasticBody:
         With its hardening curve.
     free : ndarray of int
         Dofs that are not held.
+    temperature : ndarray, shape (elements, points), optional
+        At the quadrature points [K], where it differs from place to place; of a material whose hardening curve depends
+        on it each point then has its own.
 
     Raises
     ------
@@ -67,16 +70,20 @@ class ElastoplasticBody:
     basis: Basis
     material: Material
     free: NDArray[np.int64]
+    temperature: FloatArray | None = None
 
     def __post_init__(self) -> None:
         if self.material.hardening is None:
             raise ValueError(f"{self.material.name}: has no hardening curve, it does not yield")
 
-    @property
-    def hardening(self) -> HardeningCurve:
-        """Flow stress over plastic strain."""
+    @cached_property
+    def hardening(self) -> HardeningCurve | HardeningField:
+        """Flow stress over plastic strain, of all points or of each."""
         assert self.material.hardening is not None  # checked when made
-        return self.material.hardening
+        curves = self.material.hardening_over_temperature
+        if curves is None or self.temperature is None:
+            return self.material.hardening
+        return curves.at_points(self.temperature)
 
     @property
     def virgin(self) -> BodyState:
@@ -96,8 +103,10 @@ class ElastoplasticBody:
 
     def strain(self, displacement: FloatArray) -> FloatArray:
         """Strain at the quadrature points; shape (elements, points, 4)."""
-        local = displacement[self.basis.element_dofs].T
-        return np.einsum("eqis,es->eqi", self.strain_shapes, local)
+        shapes, local = self.strain_shapes, displacement[self.basis.element_dofs].T
+        elements, points, components, size = shapes.shape
+        strain = shapes.reshape(elements, points * components, size) @ local[..., None]
+        return strain.reshape(elements, points, components)
 
     def respond(
         self, displacement: FloatArray, before: BodyState, free_strain: FloatArray | float = 0.0
@@ -124,16 +133,22 @@ class ElastoplasticBody:
 
     def internal_forces(self, stress: FloatArray) -> FloatArray:
         """int sigma : epsilon(v) 2 pi r dr dz of every test function [N]; shape (dofs,)."""
-        local = np.einsum("eqis,eqi,eq->se", self.strain_shapes, stress, self.weight)
-        forces = np.bincount(self.basis.element_dofs.ravel(), local.ravel(), minlength=self.basis.N)
+        shapes = self.strain_shapes
+        weighted = (self.weight[..., None] * stress).reshape(len(shapes), 1, -1)
+        local = (weighted @ shapes.reshape(len(shapes), -1, shapes.shape[-1]))[:, 0]
+        forces = np.bincount(self.basis.element_dofs.T.ravel(), local.ravel(), minlength=self.basis.N)
         return np.asarray(forces, dtype=np.float64)
+
+    def element_stiffness(self, elements: NDArray[np.int64], tangent: FloatArray) -> FloatArray:
+        """Stiffness of some elements [N/m], shape (k, shapes, shapes), with their tangent, (k, points, 4, 4) [Pa]."""
+        shapes = self.strain_shapes[elements]
+        stress = (self.weight[elements][..., None, None] * tangent) @ shapes
+        count, _, _, size = shapes.shape
+        return shapes.reshape(count, -1, size).transpose(0, 2, 1) @ stress.reshape(count, -1, size)
 
     def stiffness(self, tangent: FloatArray) -> csc_matrix:
         """Stiffness of the free dofs with a given tangent (elements, points, 4, 4) at the quadrature points [N/m]."""
-        shapes = self.strain_shapes
-        stress = (self.weight[..., None, None] * tangent) @ shapes
-        elements, _, _, count = shapes.shape
-        local = shapes.reshape(elements, -1, count).transpose(0, 2, 1) @ stress.reshape(elements, -1, count)
+        local = self.element_stiffness(np.arange(len(self.weight)), tangent)
         place, indices, indptr = self._pattern
         data = np.bincount(place, local.ravel(), minlength=len(indices) + 1)[:-1]
         return csc_matrix((data, indices, indptr), shape=(len(self.free), len(self.free)))

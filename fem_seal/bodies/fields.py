@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
+from scipy.sparse import bsr_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import (
+    AXIS,
     NODES,
     elasticity_matrix,
     node_dofs,
     node_shares,
     quadratic_nodes,
-    strain_matrix,
+    shape_gradients,
 )
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
@@ -63,7 +65,7 @@ class BodyField:
     contact_pressure: FloatArray
     temperature: FloatArray | None = field(default=None, kw_only=True)
 
-    @property
+    @cached_property
     def von_mises(self) -> FloatArray:
         """von Mises stress at the nodes [Pa]."""
         return von_mises(self.stress)
@@ -75,22 +77,31 @@ def von_mises(stress: FloatArray) -> FloatArray:
     return np.sqrt(0.5 * ((rr - zz) ** 2 + (zz - tt) ** 2 + (tt - rr) ** 2) + 3 * rz**2)
 
 
-def stress_operator(basis: Basis, material: Material) -> csr_matrix:
+def stress_operator(basis: Basis, material: Material) -> bsr_matrix:
     """Matrix from displacement dofs [m] to nodal stress [Pa], rows 4 i + (rr, zz, tt, rz) of node i.
 
     The strain is evaluated at the six nodes of each triangle and averaged over the triangles that share a node,
-    weighted by their area.
+    weighted by their area. Averaged are the gradients: u_r/r at a node is the same in all triangles.
     """
-    from skfem import Basis
-
-    points, triangles = quadratic_nodes(basis.mesh)
-    at_nodes = Basis(basis.mesh, basis.elem, quadrature=(NODES, np.ones(6)))
-    stress = elasticity_matrix(material) @ strain_matrix(at_nodes)
-    entries = node_shares(basis.mesh)[..., None, None] * stress  # (m, node 6, 4, shape 12)
-    rows = np.broadcast_to((4 * triangles[..., None] + np.arange(4))[..., None], entries.shape)
-    columns = np.broadcast_to(basis.element_dofs.T[:, None, None, :], entries.shape)
-    shape = (4 * len(points), basis.N)
-    return csr_matrix((entries.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
+    mesh = basis.mesh
+    points, triangles = quadratic_nodes(mesh)
+    count = len(points)
+    gradients = node_shares(mesh)[..., None, None] * shape_gradients(mesh, NODES)
+    rows, columns = np.broadcast_arrays(triangles[:, :, None], triangles[:, None, :])
+    # both components at once
+    both = gradients[..., 0] + 1j * gradients[..., 1]
+    along: csr_matrix = csr_matrix((both.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
+    over_r, over_z = along.data.real, along.data.imag
+    row = np.repeat(np.arange(count), np.diff(along.indptr))
+    r = points[row, 0]
+    on_axis = r < AXIS * points[:, 0].max()
+    hoop = np.where(on_axis, over_r, (row == along.indices) / np.where(on_axis, 1.0, r))
+    strain = np.zeros((len(row), 4, 2))
+    strain[:, 0, 0] = strain[:, 3, 1] = over_r
+    strain[:, 1, 1] = strain[:, 3, 0] = over_z
+    strain[:, 2, 0] = hoop
+    shape = (4 * count, basis.N)  # node i has the dofs 2 i and 2 i + 1
+    return bsr_matrix((elasticity_matrix(material) @ strain, along.indices, along.indptr), shape=shape)
 
 
 @dataclass(frozen=True)
@@ -112,7 +123,7 @@ class ElastoplasticField(BodyField):
     plastic_strain: FloatArray
     accumulated_plastic_strain: FloatArray
 
-    @property
+    @cached_property
     def von_mises(self) -> FloatArray:
         """von Mises stress at the nodes [Pa]."""
         return self.equivalent_stress

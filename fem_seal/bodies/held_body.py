@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,31 +13,14 @@ from scipy.sparse import csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import displacement_basis, node_dofs, pressure_load, quadratic_nodes
-from fem_seal.bodies.restricted_inverse import elimination_order, restricted_inverse
+from fem_seal.bodies.restricted_inverse import restricted_inverse
 from fem_seal.materials import Material
 from meshes import SealMesh
 
 if TYPE_CHECKING:
     from skfem import Basis
 
-
-@dataclass(frozen=True)
-class Supports:
-    """How the seat is held; its bottom always is, along the axis.
-
-    Parameters
-    ----------
-    wall : {"free", "fixed"}
-        Whether the outer wall of the housing is held radially.
-
-    Examples
-    --------
-    >>> import fem_seal
-    >>> fem_seal.Supports().wall
-    'free'
-    """
-
-    wall: Literal["free", "fixed"] = "free"
+    from fem_seal.bodies.supports import Supports
 
 
 @dataclass(frozen=True)
@@ -134,54 +117,28 @@ class HeldBody:
         """How far the contact nodes move along the normal into the body [m], shape (n,)."""
         return np.sum(self.normal * self.counted(displacement)[self.contact_dofs], axis=0)
 
-    def condensed(
-        self, stiffness: csc_matrix, order: NDArray[np.intp] | None = None
-    ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """Factorise a stiffness of the free dofs, and see the body from its contact line.
+    def floating(self, compliance: FloatArray, balanced: FloatArray) -> FloatArray:
+        """Compliance of the contact nodes where what holds a floating body balances the forces on them.
 
         Parameters
         ----------
-        stiffness : csc_matrix, shape (free dofs, free dofs)
-            [N/m]
-        order : ndarray of int, shape (free dofs,), optional
-            `elimination_order` of this body, where it is factorised many times.
-
-        Returns
-        -------
         compliance : ndarray, shape (n, n)
-            Retreat of the contact nodes per unit normal force at each [m/N].
-        solve : callable
-            From nodal forces (dofs,) or (dofs, k) to displacements.
-
-        Raises
-        ------
-        RuntimeError
-            If the stiffness is not positive definite.
+            Retreat of the contact nodes per unit normal force at each, as `contact_compliance` has it [m/N].
+        balanced : ndarray, shape (dofs,)
+            Displacement under `balance` [m/N].
 
         Notes
         -----
         (F - c s)^T K^-1 (F - c s) with the unit normal forces F and the shares s of each that the load c balances.
         """
-        compliance, solve_free = self.contact_compliance(stiffness, self._free_rows, order)
+        if not self.balance.any():
+            return compliance
+        share = self.normal[1]
+        cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
+        return compliance + self.balance @ balanced * np.outer(share, share) - cross - cross.T
 
-        def solve(forces: FloatArray) -> FloatArray:
-            displacement = np.zeros_like(forces)
-            displacement[self.free] = solve_free(forces[self.free])
-            return displacement
-
-        if self.balance.any():
-            share, balanced = self.normal[1], solve(self.balance)
-            cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
-            compliance += self.balance @ balanced * np.outer(share, share) - cross - cross.T
-        return compliance, solve
-
-    def elimination_order(self, stiffness: csc_matrix) -> NDArray[np.intp]:
-        """Order in which `condensed` eliminates the free dofs; of a stiffness the pattern alone matters."""
-        place = self._free_rows[self.contact_dofs].ravel()
-        return elimination_order(stiffness, place[place >= 0])
-
-    @property
-    def _free_rows(self) -> NDArray[np.int64]:
+    @cached_property
+    def free_rows(self) -> NDArray[np.int64]:
         """Row of every dof among the free ones; -1 where it is held."""
         number = np.full(self.basis.N, -1)
         number[self.free] = np.arange(len(self.free))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import elasticity_matrix, lame_parameters
-from fem_seal.materials import HardeningCurve, Material
+from fem_seal.materials import HardeningCurve, HardeningField, Material
 
 _UNIT = np.array([1.0, 1.0, 1.0, 0.0])
 # From strain with engineering shear to tensor components, and the weights of a double contraction of tensors.
@@ -68,7 +68,7 @@ class Flow:
 
 
 def radial_return(
-    strain: FloatArray, before: PlasticState, material: Material, hardening: HardeningCurve
+    strain: FloatArray, before: PlasticState, material: Material, hardening: HardeningCurve | HardeningField
 ) -> Flow:
     """Stress after a step from `before` to a given strain, by one implicit Euler step (radial return).
 
@@ -78,6 +78,8 @@ def radial_return(
         Whole strain at the end of the step.
     before : PlasticState
         At the beginning of the step.
+    hardening : HardeningCurve or HardeningField
+        One curve for all points, or one for each.
 
     Notes
     -----
@@ -99,18 +101,22 @@ def radial_return(
     p = np.where(
         yielding, hardening.plastic_strain_at(q + 3 * mu * before.accumulated, 3 * mu), before.accumulated
     )
-    increment = p - before.accumulated
-    safe = np.where(yielding, q, 1.0)
-    normal = deviator / (np.sqrt(2 / 3) * safe)[..., None]  # unit tensor along the flow
-    shrink = 3 * mu * increment / safe
-    stress = trial - shrink[..., None] * deviator
-    plastic = before.strain + np.sqrt(1.5) * increment[..., None] * normal / _TENSOR
+    # most points of a body stay elastic: the rest is for those that flow
+    flowing = np.asarray(yielding)
+    increment, size = np.asarray(p - before.accumulated)[flowing], np.asarray(q)[flowing]
+    deviator = deviator[flowing]
+    normal = deviator / (np.sqrt(2 / 3) * size)[:, None]  # unit tensor along the flow
+    shrink = 3 * mu * increment / size
+    stress, plastic = trial, before.strain.copy()
+    stress[flowing] -= shrink[:, None] * deviator
+    plastic[flowing] += np.sqrt(1.5) * increment[:, None] * normal / _TENSOR
 
     deviatoric = np.diag(_TENSOR) - np.outer(_UNIT, _UNIT) / 3
-    along = 2 * mu * (3 * mu / (3 * mu + hardening.slope(p)) - shrink) * yielding
-    tangent = (
+    along = 2 * mu * (3 * mu / (3 * mu + np.asarray(hardening.slope(p))[flowing]) - shrink)
+    tangent = np.broadcast_to(elasticity_matrix(material), (*flowing.shape, 4, 4)).copy()
+    tangent[flowing] = (
         bulk * np.outer(_UNIT, _UNIT)
-        + (2 * mu * (1 - shrink))[..., None, None] * deviatoric
-        - along[..., None, None] * normal[..., :, None] * normal[..., None, :]
+        + (2 * mu * (1 - shrink))[:, None, None] * deviatoric
+        - along[:, None, None] * normal[:, :, None] * normal[:, None, :]
     )
     return Flow(stress, tangent, PlasticState(plastic, p), yielding)

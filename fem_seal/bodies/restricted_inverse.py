@@ -13,9 +13,13 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
 
 _SYMMETRIC = {"SymmetricMode": True}
+# Columns of a supernode that may be made of a subtree. SuperLU's own ten fill more zeros in than they save.
+_RELAX = 1
 
 
-def elimination_order(matrix: csc_matrix, places: ArrayLike) -> NDArray[np.intp]:
+def elimination_order(
+    matrix: csc_matrix, places: ArrayLike, nodes: NDArray[np.int64] | None = None
+) -> NDArray[np.intp]:
     """Order that eliminates a symmetric matrix with little fill, some places last; the pattern alone matters.
 
     Parameters
@@ -23,6 +27,8 @@ def elimination_order(matrix: csc_matrix, places: ArrayLike) -> NDArray[np.intp]
     matrix : csc_matrix, shape (n, n)
     places : array_like of int, shape (m,)
         All different.
+    nodes : ndarray of int, shape (n,), optional
+        Node of each unknown, if those of a node have the same neighbours: to order the nodes takes half the time.
 
     Returns
     -------
@@ -31,6 +37,9 @@ def elimination_order(matrix: csc_matrix, places: ArrayLike) -> NDArray[np.intp]
     from scipy.sparse.linalg import spilu
 
     places = np.asarray(places, dtype=np.intp)
+    if nodes is not None:
+        _, first, node = np.unique(nodes, return_index=True, return_inverse=True)
+        matrix = matrix[first][:, first]
     # SuperLU tells its fill-reducing order only after a factorisation; one that drops nearly everything is cheap.
     ordered = spilu(
         matrix,
@@ -40,8 +49,9 @@ def elimination_order(matrix: csc_matrix, places: ArrayLike) -> NDArray[np.intp]
         diag_pivot_thresh=0.0,
         options=_SYMMETRIC,
     )
-    order = np.argsort(ordered.perm_c)
-    last = np.zeros(matrix.shape[0], dtype=bool)
+    rank = ordered.perm_c if nodes is None else ordered.perm_c[node]
+    order = np.argsort(rank, kind="stable")
+    last = np.zeros(len(order), dtype=bool)
     last[places] = True
     return np.concatenate([order[~last[order]], places])
 
@@ -83,7 +93,11 @@ def restricted_inverse(
     if order is None:
         order = elimination_order(matrix, places)
     factor = splu(
-        matrix[order][:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=_SYMMETRIC
+        matrix[order][:, order].tocsc(),
+        permc_spec="NATURAL",
+        diag_pivot_thresh=0.0,
+        relax=_RELAX,
+        options=_SYMMETRIC,
     )
     split = len(order) - len(places)
     last_rows = factor.U[split:, split:].toarray()

@@ -22,7 +22,10 @@ def single_threaded(function: Callable[P, T]) -> Callable[P, T]:
 
     @wraps(function)
     def limited(*args: P.args, **kwargs: P.kwargs) -> T:
-        with _controller().limit(limits=1, user_api="blas"):
+        controller = _controller()
+        if all(one.num_threads == 1 for one in controller.lib_controllers if one.user_api == "blas"):
+            return function(*args, **kwargs)
+        with controller.limit(limits=1, user_api="blas"):
             return function(*args, **kwargs)
 
     return limited

@@ -3,17 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, cast
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    Tag,
+    model_validator,
+)
 from pydantic_core import CoreSchema, core_schema
 
-from fem_seal.case.fields import Number, Numbers, OverTemperatureTable, Pressures, Quantity, Table
-from fem_seal.case.input_files import read_stress_strain
+from fem_seal.case.fields import (
+    TEMPERATURE,
+    Number,
+    Numbers,
+    OverTemperatureTable,
+    Pressures,
+    Quantity,
+    Table,
+)
+from fem_seal.case.input_files import TensileTest, read_stress_strain
 from fem_seal.errors import InputError, Problem
 from fem_seal.material_library import LIBRARY, library_name, material, similar_names
-from fem_seal.materials import ROOM_TEMPERATURE, HardeningCurve, Material, OverTemperature
+from fem_seal.materials import (
+    ROOM_TEMPERATURE,
+    HardeningCurve,
+    HardeningOverTemperature,
+    Material,
+    OverTemperature,
+    celsius,
+)
 from meshes import Shape
 
 Length = Annotated[float, Quantity("length", "10 um", "10 m")]
@@ -57,12 +80,16 @@ class Body(Table):
 
 
 class StressStrain(Table):
-    """A stress-strain curve in tension, true stress over true strain, from a file or written out."""
+    """A stress-strain curve in tension, true stress over true strain, from a file or written out.
+
+    Several of them, each with its temperature, are a list of such tables, [[seat.material.stress_strain]], or one file
+    with a column for the temperature.
+    """
 
     file: str | None = Field(
         None,
         description="text file with a header and the columns plastic_strain (or strain, elastic and plastic together) "
-        "and stress with its unit; relative to the case file",
+        "and stress with its unit, of several temperatures also temperature with its unit; relative to the case file",
         examples=["seat_curve.csv"],
     )
     plastic_strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = Field(
@@ -79,6 +106,12 @@ class StressStrain(Table):
     stress: Annotated[tuple[float, ...], Pressures(_STRENGTH)] | None = Field(
         None, description="true stress", examples=[["250 MPa", "310 MPa", "350 MPa"]]
     )
+    temperature: Annotated[float, TEMPERATURE] | None = Field(
+        None,
+        description="at which the curve was measured; one curve without it is that of the body at its temperature, "
+        "whatever that is",
+        examples=["20 degC"],
+    )
 
     @model_validator(mode="after")
     def _one_source(self) -> StressStrain:
@@ -91,19 +124,81 @@ class StressStrain(Table):
                 'stress = ["250 MPa", "350 MPa"]'
             )
         if self.file is not None:
-            read_stress_strain(self.file)
+            measured = read_stress_strain(self.file)
+            if self.temperature is not None and measured[0].temperature is not None:
+                raise ValueError(f"{self.file} has a column for the temperature; leave temperature out")
         return self
 
-    def curve(self, youngs_modulus: float) -> HardeningCurve:
-        """The hardening curve; InputError or TextTableError if the table is none."""
+    @property
+    def tests(self) -> list[TensileTest]:
+        """What was measured, in the order of the temperatures; TextTableError if the file is no such table."""
         if self.file is not None:
-            kind, strain, stress = read_stress_strain(self.file)
-        else:
-            kind = "strain" if self.plastic_strain is None else "plastic_strain"
-            strain, stress = self.plastic_strain or self.strain or (), self.stress or ()
-        if kind == "strain":
-            return HardeningCurve.from_total_strain(strain, stress, youngs_modulus)
-        return HardeningCurve(strain, stress)
+            return [
+                one if one.temperature is not None else one._replace(temperature=self.temperature)
+                for one in read_stress_strain(self.file)
+            ]
+        kind = "strain" if self.plastic_strain is None else "plastic_strain"
+        strain = self.plastic_strain or self.strain or ()
+        return [TensileTest(kind, strain, self.stress or (), self.temperature)]
+
+
+# Names of the two forms in which curves are given; the messages leave them out.
+CURVE_FORMS = ("one curve", "several curves")
+
+
+def _form_of_curves(value: object) -> str:
+    return CURVE_FORMS[isinstance(value, (list, tuple))]
+
+
+Curves = Annotated[
+    Annotated[StressStrain, Tag(CURVE_FORMS[0])]
+    | Annotated[tuple[StressStrain, ...], Tag(CURVE_FORMS[1]), Field(strict=False)],
+    Discriminator(_form_of_curves),
+]
+
+
+def _hardening(
+    given: StressStrain | tuple[StressStrain, ...] | None, youngs_modulus: Callable[[float | None], float]
+) -> HardeningCurve | HardeningOverTemperature | None:
+    """What a material's stress_strain says; InputError or TextTableError if it is no such thing.
+
+    Parameters
+    ----------
+    youngs_modulus : callable
+        At a temperature [K]; None for that of the material as it stands.
+    """
+    tables = (given,) if isinstance(given, StressStrain) else given or ()
+    tests = [test for table in tables for test in table.tests]
+    if given is None:
+        return None
+    without = [n for n, test in enumerate(tests, start=1) if test.temperature is None]
+    if not tests or (without and len(tests) > 1):
+        what = f"curve {without[0]} has no temperature" if tests else "has no curve"
+        raise InputError(
+            Problem(
+                "stress_strain", f'{what}; several curves need one each, such as temperature = "300 degC"'
+            )
+        )
+    curves = []
+    for number, test in enumerate(tests, start=1):
+        try:
+            curves.append(_curve(test, youngs_modulus))
+        except InputError as error:
+            if len(tests) == 1:
+                raise
+            which = f"curve {number} ({celsius(test.temperature or 0.0)})"
+            raise InputError(
+                *(replace(one, message=f"{which}, {one.message}") for one in error.problems)
+            ) from None
+    if without:
+        return curves[0]
+    return HardeningOverTemperature(tuple(test.temperature or 0.0 for test in tests), tuple(curves))
+
+
+def _curve(test: TensileTest, youngs_modulus: Callable[[float | None], float]) -> HardeningCurve:
+    if test.kind == "strain":
+        return HardeningCurve.from_total_strain(test.strain, test.stress, youngs_modulus(test.temperature))
+    return HardeningCurve(test.strain, test.stress)
 
 
 class MaterialTable(Table):
@@ -133,10 +228,10 @@ class MaterialTable(Table):
         description="onset of plastic flow in tension; a von Mises stress above it is warned about",
         examples=["1 GPa"],
     )
-    stress_strain: StressStrain | None = Field(
+    stress_strain: Curves | None = Field(
         None,
-        description="stress-strain curve of a body that is solved as elastoplastic, with isotropic hardening; elastic "
-        "whatever its stress unless given",
+        description="stress-strain curve of a body that is solved as elastoplastic, with isotropic hardening, or a "
+        "list of curves, each with its temperature; elastic whatever its stress unless given",
         examples=[{"plastic_strain": [0, 0.1], "stress": ["250 MPa", "350 MPa"]}],
     )
     thermal_expansion: Expansion | None = Field(
@@ -195,8 +290,16 @@ class MaterialEntry:
         try:
             numbers, over = _over_temperature(table.model_dump(exclude={"stress_strain"}))
             _check_hardness(numbers["hardness"], numbers["yield_stress"], inherited)
-            hardening = table.stress_strain and table.stress_strain.curve(numbers["youngs_modulus"])
-            return Material(**numbers, hardening=hardening, over_temperature=over, **_origin(value))
+            modulus = next((one for one in over if one.key == "youngs_modulus"), None)
+            hardening = _hardening(
+                table.stress_strain,
+                lambda at: numbers["youngs_modulus"] if modulus is None or at is None else modulus.at(at),
+            )
+            if isinstance(hardening, HardeningOverTemperature):
+                numbers["hardening_over_temperature"] = hardening
+            else:
+                numbers["hardening"] = hardening
+            return Material(**numbers, over_temperature=over, **_origin(value))
         except InputError as error:
             raise ValueError(str(error)) from None
 
@@ -301,9 +404,10 @@ def place_body_files(body: object, folder: Path) -> None:
     if isinstance(body, dict) and isinstance(body.get("file"), str):
         body["file"] = str(folder / body["file"])
     material = body.get("material") if isinstance(body, dict) else None
-    curve = material.get("stress_strain") if isinstance(material, dict) else None
-    if isinstance(curve, dict) and isinstance(curve.get("file"), str):
-        curve["file"] = str(folder / curve["file"])
+    curves = material.get("stress_strain") if isinstance(material, dict) else None
+    for curve in curves if isinstance(curves, list) else [curves]:
+        if isinstance(curve, dict) and isinstance(curve.get("file"), str):
+            curve["file"] = str(folder / curve["file"])
 
 
 MaterialField = Annotated[Material, MaterialEntry()]

@@ -339,7 +339,7 @@ class OverTemperatureTable(Entry):
                 'a table over temperature is { temperature = ["20 degC", "300 degC"], value = [...] }, two lists'
             )
         return (
-            tuple(_TEMPERATURE.read_part(one, f"temperature {n}") for n, one in _count(value["temperature"])),
+            tuple(TEMPERATURE.read_part(one, f"temperature {n}") for n, one in _count(value["temperature"])),
             tuple(self.one.read_part(one, f"value {n}") for n, one in _count(value["value"])),
         )
 
@@ -351,7 +351,8 @@ class OverTemperatureTable(Entry):
         return {"anyOf": [one, table]}
 
 
-_TEMPERATURE = Quantity("temperature", "0 K", "3000 K")
+# Of a table over temperature.
+TEMPERATURE = Quantity("temperature", "0 K", "3000 K")
 
 
 def _count(entries: list[Any] | tuple[Any, ...]) -> enumerate[Any]:
@@ -380,7 +381,10 @@ def shown(value: object) -> str:
 class Table(BaseModel):
     """Base of all tables: frozen, unknown keys refused, nothing converted silently."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=False)
+    # built when it is first read: what stands in other tables is built with those, and not twice
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, validate_default=False, defer_build=True
+    )
 
 
 class Whole(Number):

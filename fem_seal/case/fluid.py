@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
@@ -205,6 +206,7 @@ def _temperature(table: dict[str, Any]) -> float | None:
         return None
 
 
+@lru_cache(maxsize=256)
 def _entry(name: str, temperature: float) -> Gas | Liquid | None:
     """Gas or liquid of a library; ValueError for a temperature outside its range."""
     from leak import gas, is_gas, is_liquid, liquid

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from fem_seal.errors import TextTableError
 from fem_seal.files import Names, TextTable, column, find_columns, read_text_table
+from fem_seal.materials import celsius
 
 if TYPE_CHECKING:
     import numpy as np
@@ -51,23 +54,42 @@ _NAMES: Names = {
     "strain": ("strain", ("strain", "total_strain", "true_strain", "epsilon")),
     "plastic_strain": ("strain", ("plastic_strain", "true_plastic_strain", "epsilon_p", "ep")),
     "stress": ("pressure", ("stress", "true_stress", "flow_stress", "sigma")),
+    "temperature": ("temperature", ("temperature", "t")),
 }
 
 
-def read_stress_strain(file: str | Path) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
+class TensileTest(NamedTuple):
     """Strain and stress of a table.
+
+    Parameters
+    ----------
+    kind : {"plastic_strain", "strain"}
+    strain, stress : tuple of float
+        [-], [Pa].
+    temperature : float or None
+        [K]; None where the table does not say.
+    """
+
+    kind: str
+    strain: tuple[float, ...]
+    stress: tuple[float, ...]
+    temperature: float | None = None
+
+
+def read_stress_strain(file: str | Path) -> list[TensileTest]:
+    """Strain and stress of a table, or of the tables of several temperatures in one.
 
     Parameters
     ----------
     file : path
         Text with a header and the columns ``plastic_strain`` or ``strain`` (elastic and plastic together), true, as
-        numbers or in ``[%]``, and ``stress_MPa``, true.
+        numbers or in ``[%]``, and ``stress_MPa``, true. A column ``temperature_degC`` says to which of several curves,
+        one below the other, a row belongs.
 
     Returns
     -------
-    kind : {"plastic_strain", "strain"}
-    strain, stress : tuple of float
-        [-], [Pa].
+    list of TensileTest
+        One, or one for each temperature in the order of the file.
 
     Raises
     ------
@@ -80,7 +102,7 @@ def read_stress_strain(file: str | Path) -> tuple[str, tuple[float, ...], tuple[
         raise TextTableError(f"{file} {error}") from None
 
 
-def _read(table: TextTable) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
+def _read(table: TextTable) -> list[TensileTest]:
     places = find_columns(table, _NAMES, 'such as "plastic_strain, stress_MPa"')
     kinds = [kind for kind in ("plastic_strain", "strain") if kind in places]
     if len(kinds) != 1 or "stress" not in places:
@@ -88,5 +110,21 @@ def _read(table: TextTable) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
             "must have a column stress with its unit and either a column plastic_strain or a column strain; its "
             f"columns are {', '.join(table.header)}"
         )
-    strain, stress = (column(table, places[role], _NAMES[role][0]) for role in (kinds[0], "stress"))
-    return kinds[0], tuple(strain.tolist()), tuple(stress.tolist())
+
+    def read(role: str) -> list[float]:
+        found: list[float] = column(table, places[role], _NAMES[role][0]).tolist()
+        return found
+
+    strain, stress = read(kinds[0]), read("stress")
+    if "temperature" not in places:
+        return [TensileTest(kinds[0], tuple(strain), tuple(stress))]
+    rows = zip(read("temperature"), strain, stress, strict=True)
+    tests: list[TensileTest] = []
+    for temperature, group in groupby(rows, key=itemgetter(0)):
+        _, strains, stresses = zip(*group, strict=True)
+        if any(one.temperature == temperature for one in tests):
+            raise TextTableError(
+                f"the rows of {celsius(temperature)} do not stand together; write one curve below the other"
+            )
+        tests.append(TensileTest(kinds[0], strains, stresses, temperature))
+    return tests

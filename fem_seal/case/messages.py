@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from fem_seal.case.bodies import MaterialTable
+from fem_seal.case.bodies import CURVE_FORMS, MaterialTable
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, shown
 from fem_seal.errors import Problem
@@ -37,7 +37,7 @@ def problems(error: ValidationError, case: type[BaseModel]) -> list[Problem]:
 
 def tables_of(field: FieldInfo) -> list[type[Table]]:
     """Models that may stand at a field: none for a plain value, several if its shape or kind decides."""
-    return list(_tables(field.annotation))
+    return list(dict.fromkeys(_tables(field.annotation)))
 
 
 def choices(table: type[BaseModel], key: str) -> list[str]:
@@ -71,6 +71,8 @@ def _locate(loc: tuple[int | str, ...], case: type[BaseModel]) -> tuple[list[str
         tagged = [one for one in candidates if len(candidates) > 1 and part in _tags(one)]
         if tagged:
             candidates = tagged
+            continue
+        if part in CURVE_FORMS:
             continue
         if isinstance(part, int):
             path[-1] += f"[{part + 1}]"

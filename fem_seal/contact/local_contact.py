@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSettings, ContactSolution
@@ -22,6 +21,8 @@ from fem_seal.errors import ConvergenceError
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
+
+    from fem_seal.arrays import FloatArray
 
 # Step of the ladder in ln f. A cubic spline over it is good to 1e-5 of the decay length
 # (tests/test_fem_seal_around.py compares it with contacts in between).

@@ -12,7 +12,7 @@ expansion are further columns of the same factorisation.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -22,8 +22,10 @@ from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
-from fem_seal.bodies.held_body import Heat, HeldBody, Supports, held_body
+from fem_seal.bodies.held_body import Heat, HeldBody, held_body
 from fem_seal.bodies.single_thread import single_threaded
+from fem_seal.bodies.stress_screen import StressScreen
+from fem_seal.bodies.supports import Supports
 from fem_seal.materials import Material, effective_modulus
 from fem_seal.units import quantity
 from meshes import ContactGeometry, SealMesh
@@ -113,6 +115,8 @@ class ContactModel:
         R_rel [m].
     harmonics : tuple of HarmonicBody
         Closure and seat under loads that wave around the axis.
+    screens : mapping of StressScreen
+        Of "closure" and "seat", where many loads ask whether they pass a stress.
 
     Examples
     --------
@@ -136,6 +140,7 @@ class ContactModel:
     touch_normal_z: float
     relative_radius: float
     harmonics: tuple[HarmonicBody, HarmonicBody] = field(repr=False)
+    screens: Mapping[str, StressScreen] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
         return (
@@ -152,6 +157,18 @@ class ContactModel:
     def line_load(self, axial_force: float) -> float:
         """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""
         return axial_force / (2 * np.pi * self.touch_radius * self.touch_normal_z)
+
+
+def screened(model: ContactModel, names: Iterable[str]) -> ContactModel:
+    """The same model with a quick look at the stress of some bodies, for many loads.
+
+    Parameters
+    ----------
+    names : iterable of str
+        "closure" or "seat".
+    """
+    bodies, area = {"closure": model.closure, "seat": model.seat}, model.line.area_weight
+    return replace(model, screens={name: StressScreen.of(bodies[name], area) for name in names})
 
 
 @single_threaded
@@ -277,8 +294,10 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
 def _condense_body(held: HeldBody) -> CondensedBody:
     stiffness = stiffness_matrix(held.basis, held.material)
     free = stiffness[held.free][:, held.free].tocsc()
-    pulled = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel() if len(held.wall) else None
-    body = condense_body(held, free, pulled)
+    forces = {}
+    if len(held.wall):
+        forces["wall"] = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel()
+    body = condense_body(held, held.contact_compliance(free, held.free_rows), forces)
     return replace(body, loads={**body.loads, **dict(_heated(body))})
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.lapack import dpotrf, dpotrs
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.single_thread import single_threaded
@@ -140,14 +140,15 @@ def _newton(
     for _ in range(settings.max_iterations):
         try:
             with np.errstate(over="raise", invalid="raise", under="ignore"):
+                decay = law.decay_length(state[0])
                 gap_residual, missing_force, worst = _unbalanced(
-                    model, law, axial_force, gap0, state, settings
+                    model, law, axial_force, gap0, state, decay, settings
                 )
                 residuals.append(worst)
                 balanced = abs(missing_force) < settings.force_tolerance * axial_force
                 if worst < settings.gap_tolerance and balanced:
                     return state, residuals
-                state = _newton_step(model, law, state, gap_residual, missing_force)
+                state = _newton_step(model, state, decay, gap_residual, missing_force)
         except (FloatingPointError, np.linalg.LinAlgError):
             residuals.append(np.inf)
             return None, residuals
@@ -183,6 +184,7 @@ def _unbalanced(
     axial_force: float,
     gap0: FloatArray,
     state: State,
+    decay: FloatArray,
     settings: ContactSettings,
 ) -> tuple[FloatArray, float, float]:
     """How far the bodies are from the gap of the law [m], and the force from F_N [N]; the former in decay lengths."""
@@ -198,16 +200,15 @@ def _unbalanced(
         # the lift is the difference of places
         lost = lost + _ROUND_OFF * model.touch_radius / 8
     round_off = lost / settings.gap_tolerance
-    worst = float(np.max((np.abs(gap_residual) / (law.decay_length(v) + round_off))[f > 0], initial=0.0))
+    worst = float(np.max((np.abs(gap_residual) / (decay + round_off))[f > 0], initial=0.0))
     return gap_residual, axial_force - float(line.normal[1] @ f), worst
 
 
 def _newton_step(
-    model: ContactModel, law: InterfaceLaw, state: State, gap_residual: FloatArray, missing_force: float
+    model: ContactModel, state: State, decay: FloatArray, gap_residual: FloatArray, missing_force: float
 ) -> State:
     """The state after one Newton step; that the lift follows the highest pressure is left out of the derivative."""
     (v, d), C, n_z = state, model.compliance, model.line.normal[1]
-    decay = law.decay_length(v)
     # Points that carry nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.
     scale = np.sqrt(model.line.area_weight * np.exp(v) / decay)
     active = np.flatnonzero(scale**2 * np.diagonal(C) > 1e-18)
@@ -220,8 +221,10 @@ def _newton_step(
     matrix.flat[:: len(active) + 1] += 1.0
     right = np.column_stack([-gap_residual[active], n_z[active]]) * D[:, None]
     # symmetric: the transpose is the same matrix in LAPACK's order
-    factor = cho_factor(matrix.T, lower=True, overwrite_a=True, check_finite=False)
-    eta = D[:, None] * cho_solve(factor, right, check_finite=False)
+    factor, failed = dpotrf(matrix.T, lower=True, overwrite_a=True, clean=False)
+    if failed:
+        raise np.linalg.LinAlgError("the contact is not stable")
+    eta = D[:, None] * dpotrs(factor, right, lower=True)[0]
     step_d = (missing_force - n_z[active] @ eta[:, 0]) / (n_z[active] @ eta[:, 1])
     step_f = eta[:, 0] + step_d * eta[:, 1]
     step_v = (-gap_residual + step_d * n_z - columns @ step_f) / decay

@@ -9,7 +9,6 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import CondensedBody
-from fem_seal.bodies.elasticity import quadratic_nodes
 from fem_seal.contact.model import ContactModel
 
 
@@ -88,15 +87,24 @@ class FurtherLoads:
             lift += float(model.line.normal[1] @ (model.line.area_weight * self.gap_pressure))
         return lift
 
-    def displacement(self, body: CondensedBody, model: ContactModel) -> FloatArray:
-        """Displacement of a body of the model under these loads [m], shape (dofs,)."""
+    def displacement(
+        self, body: CondensedBody, model: ContactModel, point_forces: FloatArray | None = None
+    ) -> FloatArray:
+        """Displacement of a body of the model under these loads [m], shape (dofs,).
+
+        Parameters
+        ----------
+        point_forces : ndarray, shape (m,), optional
+            Normal forces of a solid contact at the points of the contact line, which act as well [N].
+        """
         magnitudes = self.closure if body is model.closure else self.seat
         moved = sum(
             (size * body.loads[name].response for name, size in magnitudes.items()), np.zeros(body.basis.N)
         )
+        pressed = [] if point_forces is None else [point_forces]
         if self.gap_pressure is not None:
-            moved = moved + body.displacement(model.line.area_weight * self.gap_pressure)
-        return moved
+            pressed.append(model.line.area_weight * self.gap_pressure)
+        return moved + body.displacement(np.sum(pressed, axis=0)) if pressed else moved
 
     def free_strain(self, body: CondensedBody, model: ContactModel) -> FloatArray | float:
         """Strain of a body of the model under these loads that takes no stress: a number, or one for each node."""
@@ -108,11 +116,10 @@ class FurtherLoads:
     ) -> float | None:
         """Temperature of a body's face where it carries a pressure (m,), in the mean over it [K]; None if not given."""
         known = self.temperature.get(body.held.name)
-        if known is None:
-            return None
+        if known is None or np.ndim(known) == 0:
+            return None if known is None else float(known)
         weight = model.line.area_weight * pressure
-        nodal = np.broadcast_to(known, len(quadratic_nodes(body.basis.mesh)[0]))[body.contact_nodes]
-        return float(weight @ (body.trace @ nodal) / weight.sum())
+        return float(weight @ (body.trace @ np.asarray(known)[body.contact_nodes]) / weight.sum())
 
     def _by_body(self, model: ContactModel) -> tuple[tuple[CondensedBody, Mapping[str, float]], ...]:
         return (model.closure, self.closure), (model.seat, self.seat)

@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
-from fem_seal.bodies.elasticity import at_quadrature_points, elasticity_matrix
+from fem_seal.bodies.dissected_body import DissectedBody
+from fem_seal.bodies.elasticity import at_quadrature_points
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.bodies.plastic_flow import Flow
@@ -246,29 +246,41 @@ class _Step:
         found = {}
         for name in self.bodies:
             body = linear.closure if name == "closure" else linear.seat
-            found[name] = at_rest[name] + loads.displacement(body, linear)
-            if contact is not None:
-                found[name] += body.displacement(contact.point_forces)
+            pressed = None if contact is None else contact.point_forces
+            found[name] = at_rest[name] + loads.displacement(body, linear, pressed)
         return found
 
     def _free_strain(self, name: str) -> FloatArray | float:
         """Strain of a body at its quadrature points that takes no stress."""
-        held = self.bodies[name].held
-        heated = [
-            size * held.free_strain[way] for way, size in _heat(held, getattr(self.at_rest, name)).items()
-        ]
-        return at_quadrature_points(held.basis, np.sum(heated, axis=0)) if heated else 0.0
+        return self._free_strains[name]
+
+    @cached_property
+    def _free_strains(self) -> dict[str, FloatArray | float]:
+        found: dict[str, FloatArray | float] = {}
+        for name, body in self.bodies.items():
+            held = body.held
+            heated = [
+                size * held.free_strain[way] for way, size in _heat(held, getattr(self.at_rest, name)).items()
+            ]
+            found[name] = at_quadrature_points(held.basis, np.sum(heated, axis=0)) if heated else 0.0
+        return found
 
     def _imbalance(self, name: str, flow: Flow, forces: FloatArray) -> float:
         """Largest free nodal force out of balance over the largest that the elements put on a node in the step."""
         body, internal = self.bodies[name], self.bodies[name].solid.internal_forces
         unbalanced = internal(flow.stress) - forces
-        stresses = (self.before[name].stress, flow.stress)
-        scale = max(float(np.abs(internal(np.abs(stress))).max()) for stress in stresses)
-        # what grows freely has no stress to measure by, only the one that would keep it from growing
-        hindered = body.solid.hindered(self._free_strain(name))
-        scale = max(scale, float(np.abs(internal(hindered)).max()))
+        scale = max(self._scales[name], float(np.abs(internal(np.abs(flow.stress))).max()))
         return float(np.abs(unbalanced[body.held.free]).max()) / scale if scale > 0 else 0.0
+
+    @cached_property
+    def _scales(self) -> dict[str, float]:
+        """Largest force that the elements of each body put on a node before the step, or would if kept from growing."""
+        found = {}
+        for name, body in self.bodies.items():
+            # what grows freely has no stress to measure by, only the one that would keep it from growing
+            stresses = [np.abs(self.before[name].stress), body.solid.hindered(self._free_strain(name))]
+            found[name] = max(float(np.abs(body.solid.internal_forces(one)).max()) for one in stresses)
+        return found
 
 
 def _further_forces(held: HeldBody, magnitudes: Mapping[str, float]) -> FloatArray:
@@ -325,7 +337,9 @@ class YieldingBody:
     @cached_property
     def solid(self) -> ElastoplasticBody:
         """The elastoplastic solid."""
-        return ElastoplasticBody(self.held.basis, self.held.material, self.held.free)
+        nodes, basis = self.held.temperature, self.held.basis
+        warm = None if nodes is None else at_quadrature_points(basis, nodes)
+        return ElastoplasticBody(basis, self.held.material, self.held.free, warm)
 
     def linear(
         self, elastic: CondensedBody, displacement: FloatArray, flow: Flow, heat: Mapping[str, float]
@@ -343,9 +357,13 @@ class YieldingBody:
         heat : mapping
             Those loads of the body that heat it.
         """
-        body = self._condensed(flow) if flow.yielding.any() or elastic.solve is None else elastic
-        assert body.solve is not None  # just condensed
-        at_rest = displacement - self.held.counted(body.solve(self.solid.internal_forces(flow.stress)))
+        internal = self.solid.internal_forces(flow.stress)
+        if flow.yielding.any() or elastic.solve is None:
+            body = self._condensed(flow, internal)
+            at_rest = displacement - body.loads["stress"].response
+        else:
+            body = elastic
+            at_rest = displacement - self.held.counted(elastic.solve(internal))
         if len(self.held.wall):
             # back to where no press fit holds it
             at_rest = at_rest + displacement[self.held.wall[0]] * body.loads["wall"].response
@@ -354,19 +372,19 @@ class YieldingBody:
             at_rest = at_rest - size * body.loads[name].response
         return body, at_rest
 
-    def _condensed(self, flow: Flow) -> CondensedBody:
-        solid, wall, pulled = self.solid, self.held.wall, None
+    def _condensed(self, flow: Flow, internal: FloatArray) -> CondensedBody:
+        """The body with its tangents, and what it answers to its own internal forces (dofs,) [N] as "stress"."""
+        solid, wall, forces = self.solid, self.held.wall, {"stress": internal}
         if len(wall):
             outwards = np.zeros(self.held.basis.N)
             outwards[wall] = 1.0
-            pulled = solid.internal_forces(np.einsum("eqij,eqj->eqi", flow.tangent, solid.strain(outwards)))
-        body = condense_body(self.held, solid.stiffness(flow.tangent), pulled, self._order)
+            pulled = np.einsum("eqij,eqj->eqi", flow.tangent, solid.strain(outwards))
+            forces["wall"] = solid.internal_forces(pulled)
+        body = condense_body(self.held, self._dissected.condensed(flow), forces)
         # how it got where it is with its heat stands in its displacement, from which this way is not counted back
         unmoved = BoundaryLoad(0.0, np.zeros(self.held.trace.shape[0]), np.zeros(self.held.basis.N))
         return replace(body, loads={**body.loads, **dict.fromkeys(self.held.free_strain, unmoved)})
 
     @cached_property
-    def _order(self) -> NDArray[np.intp]:
-        elastic = elasticity_matrix(self.held.material)
-        tangent = np.broadcast_to(elastic, (*self.solid.weight.shape, 4, 4))
-        return self.held.elimination_order(self.solid.stiffness(tangent))
+    def _dissected(self) -> DissectedBody:
+        return DissectedBody(self.held, self.solid)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
-from fem_seal.profile import PressureProfile
 from meshes import ContactGeometry, MeshingError, Sizing
+
+if TYPE_CHECKING:
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.profile import PressureProfile
 
 # Pressure over peak pressure that the ends of the zone may carry.
 _TAIL = 1e-6

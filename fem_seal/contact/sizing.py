@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -54,9 +55,8 @@ class Opening:
 
     @classmethod
     def of(cls, contact: ContactGeometry) -> Opening:
-        """The opening of two faces in first touch."""
-        sides = [cls._side(contact, end) for end in contact.reach]
-        return cls(*(np.stack(rows) for rows in zip(*sides, strict=True)))
+        """The opening of two faces in first touch, of geometries that are asked for again from memory."""
+        return _opening.__wrapped__(contact) if contact.has_ready_mesh else _opening(contact)
 
     @staticmethod
     def _side(contact: ContactGeometry, end: float) -> tuple[FloatArray, FloatArray]:
@@ -81,6 +81,13 @@ class Opening:
             for root_gap, distance in zip(self.root_gap, self.distance, strict=True)
         )
         return inner, outer
+
+
+# Meshes that are ready know no equality.
+@lru_cache(maxsize=32)
+def _opening(contact: ContactGeometry) -> Opening:
+    sides = [Opening._side(contact, end) for end in contact.reach]
+    return Opening(*(np.stack(rows) for rows in zip(*sides, strict=True)))
 
 
 @dataclass(frozen=True)
@@ -137,19 +144,16 @@ def contact_width(law: Law, line_load: float, opening: Opening, effective_modulu
         law_variance = R * decay_length
         std = math.sqrt(law_variance + a**2 / 4)
         log_peak = math.log(line_load / (math.sqrt(2 * math.pi) * std))
-    tails = opening.reach(_gap(law, log_peak + math.log(_TAIL)) - _gap(law, log_peak))
+    at_tail, at_closed, at_peak = law.gap(log_peak + np.log([_TAIL, _NO_PRESSURE, 1.0])).tolist()
+    tails = opening.reach(at_tail - at_peak)
     reach = (sides[0] + tails[0], sides[1] + tails[1])
-    closed = flattened + _gap(law, log_peak + math.log(_NO_PRESSURE)) - _gap(law, log_peak)
+    closed = flattened + at_closed - at_peak
     per_std = min(max(a / math.sqrt(law_variance), _PER_STD_SOFT), _PER_STD_HARD)
     return ContactWidth(min(std, sum(reach) / math.sqrt(12)), per_std, reach, decay_length, closed)
 
 
 def _decay_length(law: InterfaceLaw, log_pressure: float) -> float:
     return float(law.decay_length(np.array([log_pressure]))[0])
-
-
-def _gap(law: InterfaceLaw, log_pressure: float) -> float:
-    return float(law.gap(np.array([log_pressure]))[0])
 
 
 def element_sizes(

@@ -101,7 +101,7 @@ class ContactSolution:
             f"{len(self.log_pressure)} points, {self.iterations} iterations>"
         )
 
-    @property
+    @cached_property
     def pressure(self) -> FloatArray:
         """Contact pressure at the points of the contact line [Pa]."""
         return np.exp(self.log_pressure)
@@ -115,6 +115,25 @@ class ContactSolution:
     def fields(self) -> dict[str, BodyField]:
         """Displacement and stress of "closure" and "seat"."""
         return body_fields(self)
+
+    def stays_below(self, name: str, stress: float) -> bool:
+        """Whether it is certain, without the fields, that no von Mises stress of a body is above a value [Pa].
+
+        Parameters
+        ----------
+        name : str
+            "closure" or "seat".
+        stress : float
+            [Pa]
+        """
+        screen = self.model.screens.get(name)
+        if screen is None:
+            return False
+        pressure, between = self.pressure, self.loads.gap_pressure
+        magnitudes = self.loads.closure if name == "closure" else self.loads.seat
+        return stress > screen.highest_von_mises(
+            pressure if between is None else pressure + between, magnitudes
+        )
 
     @property
     def turning(self) -> float:
@@ -144,7 +163,7 @@ class ContactSolution:
         """f_N [N/m]."""
         return self.model.line_load(self.axial_force)
 
-    @property
+    @cached_property
     def profile(self) -> PressureProfile:
         """Nominal pressure profile."""
         line, p = self.model.line, self.pressure
@@ -192,7 +211,7 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
         name: body_field(
             name,
             body,
-            body.displacement(solution.point_forces) + loads.displacement(body, model),
+            loads.displacement(body, model, solution.point_forces),
             _at_contact(body, model, solution.pressure),
             loads.free_strain(body, model),
             loads.temperature.get(name),

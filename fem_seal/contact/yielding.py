@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.arrays import FloatArray
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
-from fem_seal.contact.solution import ContactSolution
-from fem_seal.materials import Material
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.materials import Material
 
 # Plastic strain that counts as yielded, as a share of the elastic strain at yield.
 _COUNTS = 0.01
@@ -124,6 +127,8 @@ def yielding_of(
         limit = material.yield_stress
         if limit is None:
             # without a look at the stress, which a model without displacements does not hold
+            continue
+        if contact.stays_below(name, limit):
             continue
         field = contact.fields[name]
         zone = (

@@ -13,14 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.caution import VALIDITY_COLUMNS
-from fem_seal.analysis.results import DIGITS
-from fem_seal.bodies.fields import ElastoplasticField
-from fem_seal.contact.load_path import ElastoplasticContact
-from fem_seal.units import Unit, fixed_unit, split_unit
-from leak import CoupledLeakResult, LeakResult
+from fem_seal.units import DIGITS, Unit, fixed_unit, split_unit
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult
+    from leak import CoupledLeakResult, LeakResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +143,8 @@ def _knudsen_number(row: Row) -> float | None:
 
 
 def _coupled(row: Row) -> CoupledLeakResult | None:
+    from leak import CoupledLeakResult
+
     return row.load.leak if isinstance(row.load.leak, CoupledLeakResult) else None
 
 
@@ -160,6 +159,9 @@ def _blow_off_pressure(row: Row) -> float | None:
 
 
 def _plastic_strain(row: Row) -> float | None:
+    from fem_seal.bodies.fields import ElastoplasticField
+    from fem_seal.contact.load_path import ElastoplasticContact
+
     contact = row.load.contact
     if not isinstance(contact, ElastoplasticContact):
         return None
@@ -171,6 +173,8 @@ def _plastic_strain(row: Row) -> float | None:
 
 
 def _load_steps(row: Row) -> float | None:
+    from fem_seal.contact.load_path import ElastoplasticContact
+
     contact = row.load.contact
     return float(contact.load_steps) if isinstance(contact, ElastoplasticContact) else None
 

@@ -6,26 +6,27 @@ import math
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.closed_forms import Derived, derive
+from fem_seal.analysis.closed_forms import derive
 from fem_seal.analysis.problem import exponential_law
-from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution
-from fem_seal.analysis.verdict import limits
-from fem_seal.case.case import Case, input_tables
+from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.files import as_json, write_text
-from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section
-from fem_seal.output.finish import finish_numbers
+from fem_seal.output.case_words import chosen_dimensions
+from fem_seal.output.derived import derived_numbers
 from fem_seal.output.report.levers import ratio_in_words, step_in_words
 from fem_seal.output.report.verdict import verdict_sentences
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import leak_rows, leakage_table, variant_rows
 from fem_seal.version import __version__
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution
 
 # Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
 FORMAT_VERSION = 1
@@ -179,25 +180,6 @@ def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
     }
 
 
-def requirement_numbers(case: Case) -> list[dict[str, Any]] | None:
-    """What will be judged at which fluid pressure, as `check --json` prints it; None without a requirement."""
-    required = case.requirement
-    if required is None:
-        return None
-    return [
-        {
-            "fluid_pressure_Pa": pressure,
-            "limit": limit.name,
-            "allowed_m3_per_s": limit.leak_rate,
-            "test_fluid": limit.test_fluid or None,
-            "test_fluid_leaks_times": list(limit.ratio),
-        }
-        for pressure in dict.fromkeys(case.load.fluid_pressure)
-        if required.judges(pressure)
-        for limit in limits(case, pressure)
-    ]
-
-
 def _yielding(load: LoadResult) -> dict[str, Any]:
     """Where the bodies yield or, solved as elastic, pass their yield stress."""
     found = yielding_of(load.contact)
@@ -247,45 +229,4 @@ def _convergence(load: LoadResult) -> dict[str, Any]:
         "approach_m": contact.approach,
         "load_steps": None if plastic is None else plastic.load_steps,
         "equilibrium_residual": None if plastic is None else plastic.equilibrium_residuals[-1],
-    }
-
-
-def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
-    """Derived numbers of a case in SI, as `check --json` prints them."""
-    fluid = case.fluid
-    return {
-        "title": case.title,
-        "touch_radius_m": derived.touch_radius,
-        "contact_angle_rad": case.contact.angle,
-        "relative_radius_m": derived.relative_radius,
-        "dimensions": {
-            name: {key: value for key, (value, _) in listed_dimensions(case, name).items()}
-            for name in ("closure", "seat")
-        },
-        "sections": {name: found for name in ("closure", "seat") if (found := section(case, name))},
-        "effective_modulus_Pa": derived.effective_modulus,
-        "hardness_Pa": derived.hardness,
-        "rms_height_m": derived.rms_height,
-        "rms_slope": derived.rms_slope,
-        "finishes": finish_numbers(case),
-        "decay_length_m": derived.decay_length,
-        "law_pressure_Pa": derived.law_pressure,
-        "viscosity_Pa_s": fluid.viscosity if fluid else None,
-        "loads": [
-            {
-                "fluid_pressure_Pa": load.fluid_pressure,
-                "axial_force_N": load.closing_force,
-                "line_load_N_per_m": load.line_load,
-                "blow_off_pressure_Pa": load.blow_off_pressure,
-                "force_for_target_leak_N": load.force_for_target,
-                "hertz_peak_pressure_Pa": load.hertz.peak_pressure if load.hertz else None,
-                "hertz_half_width_m": load.hertz.half_width if load.hertz else None,
-                "gaussian_peak_pressure_Pa": load.gaussian.peak_pressure if load.gaussian else None,
-                "gaussian_std_m": load.gaussian.std if load.gaussian else None,
-                "crossover_peak_pressure_Pa": load.crossover.peak_pressure if load.crossover else None,
-                "crossover_fwhm_m": load.crossover.fwhm if load.crossover else None,
-                "crossover_std_m": load.crossover.std if load.crossover else None,
-            }
-            for load in derived.loads
-        ],
     }

@@ -10,11 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_seal.analysis.caution import VALIDITY_COLUMNS, validity_entries
 from fem_seal.analysis.leakage import leakage_classes, nominal_size
-from fem_seal.analysis.results import GivenLoad, SealSolution
 from fem_seal.analysis.variants import ratio_to_case
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.columns import (
@@ -31,6 +29,9 @@ from leak.standards import STANDARDS, Standard
 
 if TYPE_CHECKING:
     import pandas as pd
+    from numpy.typing import NDArray
+
+    from fem_seal.analysis.results import GivenLoad, SealSolution
 
 
 # Ten digits: more than any of the numbers is good for, and the files stay readable.

@@ -178,8 +178,11 @@ def local_client(workers: int) -> Iterator[Client]:
         # the death of a worker is told in the table and not in the terminal
         "logging.distributed": "error",
     }
+    if _WARM:
+        settings["distributed.worker.multiprocessing-method"] = "forkserver"
     with dask.config.set(settings), ExitStack() as opened:
         with _uninterrupted():
+            _warm()
             try:
                 cluster = LocalCluster(
                     n_workers=workers,
@@ -199,6 +202,23 @@ def local_client(workers: int) -> Iterator[Client]:
                 ) from None
             client = opened.enter_context(Client(opened.enter_context(cluster)))
         yield client
+
+
+# Here every worker is a copy of one process that has loaded what they all need, instead of loading it itself. On macOS
+# a copy may crash in the system's own libraries.
+_WARM = sys.platform == "linux"
+
+
+def _warm() -> None:
+    """Name what workers find loaded."""
+    if _WARM:
+        import multiprocessing
+
+        from distributed.utils import get_mp_context
+
+        # names the modules that it wants itself, the first time that it is called
+        get_mp_context()
+        multiprocessing.set_forkserver_preload(["distributed.nanny", "fem_seal.studies.responses"])
 
 
 @contextmanager
@@ -298,6 +318,8 @@ class Cluster:
         shares = _Shares(list(chunks), workers.addresses())
         suspects = deque[tuple[Chunk, int]]()
         while True:
+            for sent in on_the_way.stranded():
+                shares.give_back(sent.worker, sent.chunk)
             for worker in on_the_way.with_room():
                 chunk = shares.next(worker)
                 if chunk is None:
@@ -308,7 +330,10 @@ class Cluster:
                     return
                 suspect, attempt = suspects.popleft()
                 on_the_way.send(suspect, None, attempt)
-            sent, rows = on_the_way.next()
+            settled = on_the_way.next()
+            if settled is None:
+                continue
+            sent, rows = settled
             if rows is not None:
                 yield rows
             elif any(late := on_the_way.late(sent.chunk)):
@@ -388,6 +413,7 @@ class _OnTheWay:
         self._settled = SimpleQueue[Any]()
         # chunks that the scheduler did not calculate any more when it was asked last
         self._doubtful = set[str]()
+        self._next_look = 0.0
 
     def close(self) -> None:
         """Listen to workers no longer."""
@@ -425,16 +451,40 @@ class _OnTheWay:
         self._sent[future] = _Sent(chunk, worker, attempt)
         future.add_done_callback(self._settled.put)
 
-    def next(self) -> tuple[_Sent, list[Row] | None]:
-        """Wait for one: what it was, and its rows; None if its workers died or one of its designs is late."""
+    def stranded(self) -> list[_Sent]:
+        """Chunks that are taken back because dask keeps them for a worker that is gone, though others are there.
+
+        What was meant for the last worker that died waits for that very address, whoever comes after it.
+        """
+        there = self._workers.addresses()
+        if not there or time.monotonic() < self._next_look:
+            return []
+        self._next_look = time.monotonic() + _HEARTBEAT
+        meant = [
+            future
+            for future, sent in self._sent.items()
+            if sent.worker is not None and sent.worker not in there
+        ]
+        states = self._states(meant) if meant else {}
+        kept = [future for future in meant if states.get(future.key) == "no-worker"]
+        for future in kept:
+            future.release()
+        return [self._sent.pop(future) for future in kept]
+
+    def next(self) -> tuple[_Sent, list[Row] | None] | None:
+        """Wait for one: what it was, and its rows, None if its workers died or one of its designs is late.
+
+        After a silence there is none: who has come meanwhile may be given something.
+        """
         future = None
-        while future is None:
-            with suppress(Empty):
-                future = self._settled.get(timeout=_HEARTBEAT)
-            if isinstance(future, _Over):
-                future = self._given_up(future)
-            else:
-                future = future if future in self._sent else self._fallen()
+        with suppress(Empty):
+            future = self._settled.get(timeout=_HEARTBEAT)
+        if isinstance(future, _Over):
+            future = self._given_up(future)
+        else:
+            future = future if future in self._sent else self._fallen()
+        if future is None:
+            return None
         sent = self._sent.pop(future)
         try:
             return sent, self._rows(future)
@@ -489,13 +539,17 @@ class _OnTheWay:
         for future in self._sent:
             if future.status != "pending":
                 return future
-        keys = [future.key for future in self._sent]
-        states = _asked(self._client, self._client.scheduler.get_task_status, keys=keys) or {}
+        states = self._states(self._sent)
         doubtful = {key for key, state in states.items() if state in (None, "forgotten", "memory", "erred")}
         # at the first look its result may just be on the way to us
         fallen = doubtful & self._doubtful
         self._doubtful = doubtful
         return next((future for future in self._sent if future.key in fallen), None)
+
+    def _states(self, futures: Iterable[Any]) -> dict[str, str | None]:
+        """What the scheduler does with chunks, by key; empty if it does not answer."""
+        keys = [future.key for future in futures]
+        return _asked(self._client, self._client.scheduler.get_task_status, keys=keys) or {}
 
 
 class _Workers:

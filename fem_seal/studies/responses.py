@@ -29,7 +29,7 @@ from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, Row
 from fem_seal.output.tables import rows_of
 from fem_seal.studies.shared import TabulatedSurface, shared_model
-from leak import ConductivityTable, RoughContact
+from leak import ConductivityTable, GasConductivityTable, RoughContact
 from meshes import Sizing
 
 # Columns of leak.csv that take a complete run of the case, the second ones where inputs are uncertain; all others cost
@@ -201,6 +201,8 @@ def _shared_table(contact: ContactSolution, flow: Flow, surface: RoughContact) -
 def _validity(problem: SealProblem, load: LoadResult, *, tabulated: bool) -> Validity:
     """By the checks of a load; its table, if it has one, spares the search for what takes longer than a design."""
     table = load.rough.table if tabulated and load.rough is not None else None
+    # a gas percolates where a liquid does
+    table = table.liquid if isinstance(table, GasConductivityTable) else table
     if problem.surface is None or not isinstance(table, ConductivityTable):
         return load_validity(problem, load, problem.surface)
     peak = load.contact.profile.peak_pressure

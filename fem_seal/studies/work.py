@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 # A chunk is what is lost when a worker dies and what travels at once: about a second of work, by these estimates of
 # what new bodies, a new surface and a further design cost [s]; a cone takes less, a land with its edges more.
-_BODIES, _SURFACE, _DESIGN, _CHUNK = 0.3, 0.02, 0.008, 1.0
+_BODIES, _SURFACE, _DESIGN, _CHUNK = 0.2, 0.004, 0.004, 1.0
 
 # Materials enter the bodies by their elastic constants, the surface by their hardness.
 _BODY_TABLES = ("closure.", "seat.", "mesh.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -146,6 +147,29 @@ class ConductivityTable:
     @property
     def _log_sealing(self) -> float:
         return float(np.log(self.sealing_pressure))
+
+    def scaled(
+        self, height: float, pressure: float, memory: RemembersLoad | None = None
+    ) -> ConductivityTable:
+        """The table of a surface with all heights times `height` that is asked for pressures times `pressure`.
+
+        Parameters
+        ----------
+        height, pressure : float
+            Ratios [-].
+        memory : RemembersLoad, optional
+            Of that surface.
+        """
+        table = ConductivityTable(
+            self.pressure * pressure,
+            self.separation * height,
+            self.sealing_pressure * pressure,
+            self.p_max * pressure,
+            self.method,
+            memory,
+        )
+        vars(table)["_curve"] = self._curve.shifted(math.log(pressure))
+        return table
 
     def effective_separation(self, pressure: ArrayLike) -> FloatArray | float:
         """u_eff(p) [m]; infinite at p = 0, zero from the sealing pressure on.

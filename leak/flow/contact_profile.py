@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -113,6 +113,22 @@ class Patch:
 
 
 @dataclass(frozen=True, eq=False)
+class _Radius:
+    """r(x), straight between points and beyond them."""
+
+    x: FloatArray
+    r: FloatArray
+
+    def __call__(self, at: FloatArray, /) -> FloatArray:
+        x, r = self.x, self.r
+        out_below, out_above = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
+        ends = (r[1] - r[0]) / (x[1] - x[0]), (r[-1] - r[-2]) / (x[-1] - x[-2])
+        straight = np.interp(at, x, r) + ends[0] * out_below + ends[1] * out_above
+        # A tail that runs far beyond the profile adds nothing there, whatever the radius; keep it positive.
+        return np.maximum(straight, 0.5 * r.min())
+
+
+@dataclass(frozen=True, eq=False)
 class ContactProfile:
     """All of the contact: patches with p > 0, open stretches between them, tails where p does not reach zero."""
 
@@ -153,15 +169,7 @@ class ContactProfile:
             _tail(last.x, last.log_p, -1, ends[1] - x[-1]) if runs[-1][-1] == x.size - 1 else None,
         )
         edges = np.unique(np.concatenate([[patch.ends[0], *patch.x, patch.ends[1]] for patch in patches]))
-
-        def radius(at: FloatArray) -> FloatArray:
-            out_below, out_above = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
-            ends = (r[1] - r[0]) / (x[1] - x[0]), (r[-1] - r[-2]) / (x[-1] - x[-2])
-            straight = np.interp(at, x, r) + ends[0] * out_below + ends[1] * out_above
-            # A tail that runs far beyond the profile adds nothing there, whatever the radius; keep it positive.
-            return np.maximum(straight, 0.5 * r.min())
-
-        return cls(patches, edges, radius, tails)
+        return cls(patches, edges, _Radius(x, r), tails)
 
     @property
     def log_p(self) -> FloatArray:
@@ -210,6 +218,7 @@ class ContactProfile:
         at = np.arange(parts * (self.x.size - 1) + 1) / parts
         return replace(self, x=np.interp(at, np.arange(self.x.size), self.x))
 
+    @cached_property
     def panels(self) -> tuple[Panels | None, Panels, Panels | None]:
         """Quadrature over the inner tail, the cells between the edges, and the outer tail; None for no tail."""
         t = 0.5 * (1.0 + gauss(_CELL_NODES)[0])

@@ -241,7 +241,7 @@ class _Path:
 
     @classmethod
     def along(cls, profile: ContactProfile, table: GasConductivity, gas: Gas) -> _Path:
-        panels = profile.panels()
+        panels = profile.panels
         used = tuple(part for part in panels if part is not None)
         u = tuple(np.asarray(table.at_log_pressure(part.first_loading)) for part in used)
         # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.

@@ -15,13 +15,12 @@ from leak.errors import ProfileError, positive
 from leak.flow.contact_profile import (
     SMALLEST_LOG_PRESSURE,
     ContactProfile,
-    Panels,
     after_largest,
     checked_ends,
     checked_profile,
     checked_side,
 )
-from leak.fluids.pressure_law import FlowPotential, PressureLaw
+from leak.fluids.pressure_law import PressureLaw, flow_potential
 from leak.numerics.curves import MonotoneCurve, spline_slopes
 
 
@@ -240,28 +239,49 @@ def leak_flow(
     '0.632121 0.632121'
     """
     x_all, p_all, r_all = checked_profile(x, p, radius)
-    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
-    checked_side(pressure_side)
     places = checked_ends(ends)
     profile = ContactProfile.through(x_all, p_all, r_all, places)
     profile = after_largest(profile, x_all, r_all, largest_pressure, places, conductivity)
-    sigma = by_log_pressure(
-        conductivity
-        if callable(conductivity) or isinstance(conductivity, LogConductivity)
-        else _through_values(p_all, conductivity)
+    if not (callable(conductivity) or isinstance(conductivity, LogConductivity)):
+        conductivity = _through_values(p_all, conductivity)
+    return leak_through(
+        profile, x_all, conductivity, pressure_drop, pressure_side=pressure_side, pressure_law=pressure_law
     )
-    inner_tail, cells, outer_tail = _resistances(profile, sigma)
+
+
+def leak_through(
+    profile: ContactProfile,
+    x: FloatArray,
+    conductivity: SigmaOfPressure | LogConductivity,
+    pressure_drop: float,
+    *,
+    pressure_side: str = "outer",
+    pressure_law: PressureLaw | None = None,
+) -> LeakResult:
+    """`leak_flow` through a profile between and beyond its points, of which several conductivities may make use.
+
+    Parameters
+    ----------
+    profile : ContactProfile
+    x : ndarray, shape (n,)
+        Where the fluid pressure is wanted [m].
+    conductivity, pressure_drop, pressure_side, pressure_law
+        See `leak_flow`.
+    """
+    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
+    checked_side(pressure_side)
+    inner_tail, cells, outer_tail = _resistances(profile, by_log_pressure(conductivity))
     total = inner_tail + float(cells.sum()) + outer_tail
     below = np.concatenate([[0.0], np.cumsum(cells)])
     if np.isinf(total):
         fraction_at_nodes = _sealed_fraction(inner_tail, cells, outer_tail)
     else:
         fraction_at_nodes = (inner_tail + below) / total
-    fraction = np.interp(x_all, profile.x, fraction_at_nodes)
+    fraction = np.interp(x, profile.x, fraction_at_nodes)
     if pressure_side == "inner":
         fraction = 1.0 - fraction
-    potential = FlowPotential(pressure_law, drop)
-    whole = float(potential(drop))
+    potential = flow_potential(pressure_law, drop)
+    whole = potential.whole
     rate = 0.0 if np.isinf(total) else whole / total
     return LeakResult(rate, drop / rate if rate > 0.0 else float("inf"), potential.pressure(whole * fraction))
 
@@ -270,13 +290,19 @@ def _resistances(
     profile: ContactProfile, sigma: Callable[[FloatArray], FloatArray]
 ) -> tuple[float, FloatArray, float]:
     """int dx/(2 pi r sigma_eff) over the inner tail, each cell, and the outer tail [Pa s/m^3]."""
-
-    def over(panels: Panels | None) -> FloatArray:
-        if panels is None:
-            return np.zeros(1)
-        return panels.integral(_inverse(sigma(panels.first_loading), panels.radius))
-
-    inner, cells, outer = (over(panels) for panels in profile.panels())
+    panels = profile.panels
+    parts = [one for one in panels if one is not None]
+    # one question for all of the contact
+    at_once = sigma(np.concatenate([one.first_loading.ravel() for one in parts]))
+    found, start = [], 0
+    for one in panels:
+        if one is None:
+            found.append(np.zeros(1))
+            continue
+        shape, stop = one.first_loading.shape, start + one.first_loading.size
+        found.append(one.integral(_inverse(at_once[start:stop].reshape(shape), one.radius)))
+        start = stop
+    inner, cells, outer = found
     return float(inner[0]), cells, float(outer[0])
 
 

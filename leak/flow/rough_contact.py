@@ -34,7 +34,13 @@ from leak.theory.persson import (
     relative_contact_area,
     separations,
 )
-from leak.theory.plasticity import AreaFractions, PlasticRoughness, area_fractions, remaining_fraction
+from leak.theory.plasticity import (
+    AreaFractions,
+    PlasticRoughness,
+    area_fractions,
+    remaining_fraction,
+    touching_area,
+)
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
 
 _WIDTHS = ("effective", "plain")
@@ -247,8 +253,7 @@ class RoughContact:
         With a hardness it is the sum of `elastic_area` and `plastic_area`.
         """
         if self.hardness is not None:
-            parts = self._area_fractions(pressure, wavenumber)
-            return _scalar(parts.elastic + parts.plastic)
+            return _scalar(touching_area(*self._yield_variables(pressure, wavenumber)))
         p = _checked(pressure)
         return _scalar(relative_contact_area(p, self._slope_moment(wavenumber), self.effective_modulus))
 

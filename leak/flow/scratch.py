@@ -527,7 +527,7 @@ class _Contact:
     def through(cls, profile: ContactProfile, gap_at: GapOfLogPressure | None) -> _Contact:
         """Slices of a profile; without roughness only between its points, where a groove would have no end."""
         profile = profile.refined(_CELLS)
-        inner, cells, outer = profile.panels()
+        inner, cells, outer = profile.panels
         parts = [cells] if gap_at is None else [part for part in (inner, cells, outer) if part is not None]
         before = 0 if gap_at is None or inner is None else inner.log_pressure.size
         count, per_cell = cells.log_pressure.shape

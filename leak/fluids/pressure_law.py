@@ -7,17 +7,19 @@ transformation) obeys the equation of a liquid that does not thicken.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import FluidError, positive
+from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
 from leak.numerics.gauss import gauss
 
 
@@ -232,9 +234,11 @@ def _density_ratio(compression: Tait | None, pressure: ArrayLike) -> FloatArray:
 
 # -------------------------------------------------------------------- the flow potential
 
-# Panels between zero and the highest pressure, and Gauss points in each: 1e-13 of psi for thickening by e^40.
-_PANELS, _POINTS = 96, 6
-_NEWTON_STEPS, _NEWTON_CLOSE = 40, 1e-14
+# Panels between zero and the highest pressure, and Gauss points in each: 1e-13 of psi for thickening by e^40. They
+# reach up to a power of two to this step, so that neighbouring pressures share them.
+_PANELS, _POINTS, _STEP = 112, 6, 0.25
+# Newton's method doubles the digits: a step of this share of the highest pressure leaves round-off.
+_NEWTON_STEPS, _NEWTON_CLOSE, _EXACT = 40, 1e-9, 1e-14
 # A liquid 1e9 times as viscous is a solid. Held there, pressures whose psi differs by round-off alone stay apart, and
 # psi is too large by no more than 1e-9 of the pressure.
 _LEAST_MOBILITY = 1e-9
@@ -270,32 +274,38 @@ class FlowPotential:
         p = np.asarray(pressure, dtype=float)
         if self.law is None:
             return p
-        at, psi = self._table
+        at, psi, _, _ = self._panels
         inside = np.clip(p, 0.0, self.highest)
-        k = np.clip(np.searchsorted(at, inside, side="right") - 1, 0, _PANELS - 1)
+        k = np.minimum(np.searchsorted(at, inside, side="right") - 1, _PANELS - 1)
         nodes, weights = gauss(_POINTS)
         half = 0.5 * (inside - at[k])
         here = self.mobility(at[k][..., None] + half[..., None] * (1.0 + nodes))
-        ends = self._ends
-        out = np.where(p > self.highest, (p - self.highest) * ends[1], np.minimum(p, 0.0) * ends[0])
-        return np.asarray(psi[k] + half * (here @ weights) + out)
+        within = psi[k] + half * (here @ weights)
+        if np.array_equal(inside, p):
+            return np.asarray(within)
+        first, last = self._ends
+        out = np.where(p > self.highest, (p - self.highest) * last, np.minimum(p, 0.0) * first)
+        return np.asarray(within + out)
 
     def pressure(self, potential: ArrayLike) -> FloatArray:
         """p at values of psi [Pa], shape kept [Pa]."""
         target = np.asarray(potential, dtype=float)
         if self.law is None:
             return target
-        at, psi = self._table
-        first, last = self._ends
-        inside = np.clip(target, 0.0, psi[-1])
-        p = np.interp(inside, psi, at)
-        k = np.clip(np.searchsorted(psi, inside, side="right") - 1, 0, _PANELS - 1)
-        for _ in range(_NEWTON_STEPS):
-            step = (inside - self(p)) / self.mobility(p)
-            before, p = p, np.clip(p + step, at[k], at[k + 1])
+        at, psi, inverse, exact = self._panels
+        whole = self.whole
+        inside = np.clip(target, 0.0, whole)
+        k = np.minimum(np.searchsorted(psi, inside, side="right") - 1, _PANELS - 1)
+        low, high = np.minimum(at[k], self.highest), np.minimum(at[k + 1], self.highest)
+        p = np.clip(inverse.value(inside), low, high)
+        for _ in range(0 if exact else _NEWTON_STEPS):
+            before, p = p, np.clip(p + (inside - self(p)) / self.mobility(p), low, high)
             if not np.any(np.abs(p - before) > _NEWTON_CLOSE * self.highest):
                 break
-        out = np.where(target > psi[-1], (target - psi[-1]) / last, np.minimum(target, 0.0) / first)
+        if np.array_equal(inside, target):
+            return np.asarray(p)
+        first, last = self._ends
+        out = np.where(target > whole, (target - whole) / last, np.minimum(target, 0.0) / first)
         return np.asarray(p + out)
 
     def mobility(self, pressure: ArrayLike) -> FloatArray:
@@ -303,22 +313,69 @@ class FlowPotential:
         p = np.asarray(pressure, dtype=float)
         if self.law is None:
             return np.ones(p.shape)
-        held = np.clip(p, 0.0, self.highest)
-        return np.maximum(self.law.density_ratio(held) / self.law.viscosity_ratio(held), _LEAST_MOBILITY)
+        return _mobility(self.law, np.clip(p, 0.0, self.highest))
+
+    @property
+    def _panels(self) -> _Panels:
+        assert self.law is not None
+        highest = 2.0 ** (_STEP * math.ceil(math.log2(self.highest) / _STEP))
+        try:
+            return _panels(cast(Hashable, self.law), highest)
+        except TypeError:
+            return _panels.__wrapped__(self.law, highest)
 
     @cached_property
-    def _table(self) -> tuple[FloatArray, FloatArray]:
-        """Ends of the panels, and psi there."""
-        at = np.linspace(0.0, self.highest, _PANELS + 1)
-        nodes, weights = gauss(_POINTS)
-        half = 0.5 * np.diff(at)
-        parts = half * (self.mobility(at[:-1, None] + half[:, None] * (1.0 + nodes)) @ weights)
-        return at, np.concatenate([[0.0], np.cumsum(parts)])
+    def whole(self) -> float:
+        """psi at the highest pressure [Pa]."""
+        return float(self(self.highest))
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
         first, last = self.mobility(np.array([0.0, self.highest]))
         return float(first), float(last)
+
+
+def flow_potential(law: PressureLaw | None, highest: float) -> FlowPotential:
+    """The `FlowPotential` of a law up to a pressure [Pa], with what it has worked out already."""
+    try:
+        return _known_potential(cast(Hashable, law), highest)
+    except TypeError:
+        # somebody's own law, of which equal ones are not known
+        return FlowPotential(law, highest)
+
+
+@lru_cache(maxsize=256)
+def _known_potential(law: PressureLaw | None, highest: float) -> FlowPotential:
+    return FlowPotential(law, highest)
+
+
+class _Panels(NamedTuple):
+    """Ends of the panels, psi there, p over psi, and whether that is as good as it gets."""
+
+    at: FloatArray
+    psi: FloatArray
+    inverse: MonotoneCurve
+    exact: bool
+
+
+@lru_cache(maxsize=64)
+def _panels(law: PressureLaw, highest: float) -> _Panels:
+    at = np.linspace(0.0, highest, _PANELS + 1)
+    nodes, weights = gauss(_POINTS)
+    half = 0.5 * np.diff(at)
+    p = at[:-1, None] + half[:, None] * (1.0 + nodes)
+    psi = np.concatenate([[0.0], np.cumsum(half * (_mobility(law, p) @ weights))])
+    inverse = MonotoneCurve(psi, at, 1.0 / _mobility(law, at))
+    # at the middle of a panel the cubic is farthest off
+    middle = at[:-1] + half
+    quarter = at[:-1, None] + 0.5 * half[:, None] * (1.0 + nodes)
+    there = psi[:-1] + 0.5 * half * (_mobility(law, quarter) @ weights)
+    exact = bool(np.abs(inverse.value(there) - middle).max() < _EXACT * highest)
+    return _Panels(at, psi, inverse, exact)
+
+
+def _mobility(law: PressureLaw, pressure: FloatArray) -> FloatArray:
+    return np.maximum(law.density_ratio(pressure) / law.viscosity_ratio(pressure), _LEAST_MOBILITY)
 
 
 def effective_viscosity_ratio(law: PressureLaw | None, pressure_drop: float) -> float:
@@ -336,7 +393,7 @@ def effective_viscosity_ratio(law: PressureLaw | None, pressure_drop: float) -> 
     '1.5820'
     """
     drop = positive(FluidError, "pressure_drop", pressure_drop, "Pa")
-    return drop / float(FlowPotential(law, drop)(drop))
+    return drop / flow_potential(law, drop).whole
 
 
 # -------------------------------------------------------------------- tables
@@ -402,7 +459,7 @@ def check_table(pressures: tuple[float, ...], columns: Mapping[str, tuple[float,
 
 
 def cubic_of_logarithms(at: tuple[float, ...], ratios: tuple[float, ...], pressure: ArrayLike) -> FloatArray:
-    """Ratios at other pressures: their logarithms are cubic splines, and go on straight beyond the last one.
+    """Ratios at other pressures: their logarithms are cubic splines, and go on straight beyond their ends.
 
     Parameters
     ----------
@@ -411,15 +468,11 @@ def cubic_of_logarithms(at: tuple[float, ...], ratios: tuple[float, ...], pressu
     pressure : array_like
         [Pa]
     """
-    p = np.asarray(pressure, dtype=float)
-    spline = _spline(at, ratios)
-    inside, last = np.minimum(p, at[-1]), at[-1]
-    beyond = np.maximum(p - last, 0.0) * float(spline(last, 1))
-    return np.asarray(np.exp(spline(inside) + beyond))
+    return np.exp(_curve(at, ratios).value(np.asarray(pressure, dtype=float)))
 
 
 @lru_cache(maxsize=32)
-def _spline(at: tuple[float, ...], ratios: tuple[float, ...]):  # type: ignore[no-untyped-def]
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(np.array(at), np.log(ratios))
+def _curve(at: tuple[float, ...], ratios: tuple[float, ...]) -> MonotoneCurve:
+    """The cubic spline of the logarithms; only a curve that is asked for its inverse need be monotone."""
+    pressures, logarithms = np.array(at), np.log(ratios)
+    return MonotoneCurve(pressures, logarithms, cubic_spline_slopes(pressures, logarithms))

@@ -37,9 +37,24 @@ class MonotoneCurve:
     y: FloatArray
     slope: FloatArray
 
+    def shifted(self, by: float) -> MonotoneCurve:
+        """The same curve at x + by, with what it has worked out already."""
+        moved = MonotoneCurve(self.x + by, self.y, self.slope)
+        vars(moved)["_cubics"] = self._cubics
+        return moved
+
     def value(self, x: FloatArray) -> FloatArray:
         """y at x."""
-        return self.value_and_derivative(x)[0]
+        x = np.asarray(x, dtype=float)
+        inside = np.minimum(np.maximum(x, self.x[0]), self.x[-1])
+        k = np.searchsorted(self.x[1:-1], inside, side="right")
+        c0, c1, c2, c3 = self._cubics.take(k, axis=1)
+        s = inside - self.x[k]
+        y = c0 + s * (c1 + s * (c2 + c3 * s))
+        beyond = x - inside
+        if beyond.any():
+            y += np.where(beyond < 0.0, self.slope[0], self.slope[-1]) * beyond
+        return y
 
     def derivative(self, x: FloatArray) -> FloatArray:
         """dy/dx at x."""
@@ -64,7 +79,7 @@ class MonotoneCurve:
 
     def _cell(self, k: NDArray[np.intp], s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """y and dy/dx in the cells k at the distances s from their left ends."""
-        c0, c1, c2, c3 = self._cubics[:, k]
+        c0, c1, c2, c3 = self._cubics.take(k, axis=1)
         cubic = c3 * s
         return c0 + s * (c1 + s * (c2 + cubic)), c1 + s * (2.0 * c2 + 3.0 * cubic)
 
@@ -135,19 +150,19 @@ def cubic_spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
     ----------
     C. de Boor, A Practical Guide to Splines (2001), chapter IV.
     """
-    from scipy.linalg import solve_banded
+    from scipy.linalg.lapack import dgtsv
 
     h, secant = np.diff(x), np.diff(y) / np.diff(x)
     if x.size == 3:  # a parabola
         bend = (secant[1] - secant[0]) / (h[0] + h[1])
         return np.array([secant[0] - bend * h[0], secant[0] + bend * h[0], secant[1] + bend * h[1]])
-    # The unused corners of the band must be finite: solve_banded looks at them.
-    upper, main, lower = np.zeros((3, x.size))
-    main[1:-1], upper[2:], lower[:-2] = 2.0 * (h[:-1] + h[1:]), h[:-1], h[1:]
+    upper, main, lower = np.empty(x.size - 1), np.empty(x.size), np.empty(x.size - 1)
+    main[1:-1], upper[1:], lower[:-1] = 2.0 * (h[:-1] + h[1:]), h[:-1], h[1:]
     right = np.empty(x.size)
     right[1:-1] = 3.0 * (h[1:] * secant[:-1] + h[:-1] * secant[1:])
     # Not-a-knot: the third derivative is continuous at the second and at the last but one point.
     for end, (a, b), (s, t) in ((0, h[:2], secant[:2]), (-1, h[:-3:-1], secant[:-3:-1])):
         main[end], right[end] = b, ((a + 2.0 * (a + b)) * b * s + a**2 * t) / (a + b)
-    upper[1], lower[-2] = h[0] + h[1], h[-1] + h[-2]
-    return solve_banded((1, 1), np.stack([upper, main, lower]), right)
+    upper[0], lower[-1] = h[0] + h[1], h[-1] + h[-2]
+    slopes: FloatArray = dgtsv(lower, main, upper, right, 1, 1, 1, 1)[3]
+    return slopes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from os import PathLike
 from typing import Literal, NamedTuple
 
@@ -141,10 +141,8 @@ class PowerSpectrum:
             raise SpectrumError(
                 f"q_rolloff = {q_rolloff}: must lie between q_low = {q_low} and q_high = {q_high}"
             )
-        q = np.array(sorted({low, rolloff, high}))
-        shape = np.where(q > rolloff, (q / rolloff) ** (-2.0 * (1.0 + H)), 1.0)
-        unit = cls(q, shape)
-        return cls(q, shape * (h / unit.rms_height) ** 2)
+        unit = _self_affine_shape(low, rolloff, high, H)
+        return cls(unit.wavenumber, unit.density * (h / unit.rms_height) ** 2)
 
     @classmethod
     def from_table(cls, wavenumber: ArrayLike, density: ArrayLike) -> PowerSpectrum:
@@ -455,6 +453,13 @@ def _pieces_of_sum(length: FloatArray, one: FloatArray, other: FloatArray) -> ND
     share = 1.0 / (1.0 + np.exp(np.minimum(nearest, 700.0)))
     bend = (ratio[:, 1] - ratio[:, 0]) ** 2 * share * (1.0 - share)
     return np.maximum(np.ceil(np.sqrt(bend / (8.0 * _SUM_ERROR))), 1).astype(int)
+
+
+@lru_cache(maxsize=256)
+def _self_affine_shape(low: float, rolloff: float, high: float, hurst: float) -> PowerSpectrum:
+    """Self-affine spectrum with a flat part of 1 m^4."""
+    q = np.array(sorted({low, rolloff, high}))
+    return PowerSpectrum(q, np.where(q > rolloff, (q / rolloff) ** (-2.0 * (1.0 + hurst)), 1.0))
 
 
 def _power_integral(exponent: FloatArray, length: FloatArray) -> FloatArray:

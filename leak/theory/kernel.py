@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -49,19 +50,24 @@ class Kernel:
 @lru_cache(maxsize=8)
 def kernel(gamma: float) -> Kernel:
     """The tabulated kernel for one value of Yang and Persson's gamma."""
-    from scipy.special import erf, exp1
-
     count = int(np.ceil(np.log(KERNEL_END / _KERNEL_START) / _KERNEL_STEP)) + 1
     log_x = np.log(_KERNEL_START) + _KERNEL_STEP * np.arange(count)
     x = np.exp(log_x)
-    k = erf(x) ** 2 * np.exp(-(x**2))
-    dk = (4.0 / np.sqrt(np.pi)) * x * erf(x) * np.exp(-2.0 * x**2) - 2.0 * x**2 * k
-    # Corrected trapezoid rule: fourth order with the exact derivative of the integrand.
-    cells = 0.5 * _KERNEL_STEP * (k[1:] + k[:-1]) + _KERNEL_STEP**2 / 12.0 * (dk[:-1] - dk[1:])
-    K = np.concatenate([np.cumsum(cells[::-1])[::-1], [0.0]])
-    F = 0.5 * gamma * exp1(x**2) + 3.0 * (1.0 - gamma) * K
-    f = gamma * np.exp(-(x**2)) + 3.0 * (1.0 - gamma) * k
+    # by the C library: importing scipy.special takes longer than this table
+    erf = np.array([math.erf(one) for one in x.tolist()])
+    gauss = np.exp(-(x**2))
+    k = erf**2 * gauss
+    dk = (4.0 / np.sqrt(np.pi)) * x * erf * gauss**2 - 2.0 * x**2 * k
+    K = _above(k, dk)
+    F = gamma * _above(gauss, -2.0 * x**2 * gauss) + 3.0 * (1.0 - gamma) * K
+    f = gamma * gauss + 3.0 * (1.0 - gamma) * k
     F[-1] = f[-1] = 0.0
     return Kernel(
         gamma, float(K[0] + 2.0 / np.pi * x[0] ** 2), F, np.diff(F, append=0.0), f, np.diff(f, append=0.0)
     )
+
+
+def _above(k: FloatArray, dk: FloatArray) -> FloatArray:
+    """Integral of k over ln x from each point to the end: corrected trapezoids, of fourth order with dk/dln x."""
+    cells = 0.5 * _KERNEL_STEP * (k[1:] + k[:-1]) + _KERNEL_STEP**2 / 12.0 * (dk[:-1] - dk[1:])
+    return np.concatenate([np.cumsum(cells[::-1])[::-1], [0.0]])

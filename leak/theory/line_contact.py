@@ -6,7 +6,8 @@ the leak integral without one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -148,12 +149,13 @@ class CrossoverLine:
     @property
     def fwhm(self) -> float:
         """Full width at half maximum [m]."""
-        return 2.0 * self._s * _half_height(self.hertzian_share)
+        return float(crossover_widths([self])[0])
 
     def log_pressure(self, x: ArrayLike) -> FloatArray:
         """ln(p/Pa) at x, also where p is too small for a floating-point number."""
         X = np.abs(np.asarray(x, dtype=float)) / self._s
-        fall = _log_N(self.hertzian_share, X.ravel())[0] - _log_N(self.hertzian_share, np.zeros(1))[0]
+        c = np.array([self.hertzian_share])
+        fall = _log_N(c, X.ravel())[0] - _log_N(c, np.zeros(1))[0]
         return np.log(self.peak_pressure) - fall.reshape(X.shape)
 
     def pressure(self, x: ArrayLike) -> FloatArray:
@@ -243,6 +245,29 @@ def crossover_line(line_load: float, radius: float, effective_modulus: float, u0
     )
 
 
+def crossover_widths(lines: Sequence[CrossoverLine]) -> FloatArray:
+    """Full widths at half maximum of several crossover profiles, looked for together: as fast as of one.
+
+    Parameters
+    ----------
+    lines : sequence of CrossoverLine
+
+    Returns
+    -------
+    ndarray, shape (lines,)
+        [m]
+
+    Examples
+    --------
+    >>> import leak
+    >>> lines = [leak.crossover_line(f, 0.02, 210e9 / 1.82, 0.76e-6) for f in (10e3, 20e3)]
+    >>> [f"{1e3 * width:.4f} mm" for width in leak.crossover_widths(lines)]
+    ['0.2978 mm', '0.3070 mm']
+    """
+    half = _half_heights(tuple(line.hertzian_share for line in lines))
+    return 2.0 * np.array([line._s for line in lines]) * half
+
+
 _UNITS = {"line_load": "N/m", "radius": "m", "effective_modulus": "Pa", "u0": "m"}
 
 
@@ -252,34 +277,37 @@ def _valid(**values: float) -> list[float]:
 
 def _log_gamma_ratio(z: float) -> float:
     """ln(Gamma(z + 1/2)/Gamma(z + 1)); by its asymptotic series where the two logarithms would cancel."""
-    from scipy.special import gammaln
-
     if z < 50.0:
-        return float(gammaln(z + 0.5) - gammaln(z + 1.0))
+        return math.lgamma(z + 0.5) - math.lgamma(z + 1.0)
     y = 1.0 / (z + 0.25)  # Gamma(z+1/2)/Gamma(z+1) in powers of 1/(z + 1/4): only even corrections
     return float(-0.5 * np.log(z + 0.25) + np.log1p(y**2 * (-1.0 / 64.0 + 21.0 / 8192.0 * y**2)))
 
 
 @lru_cache(maxsize=256)
-def _half_height(c: float) -> float:
-    """X at which the profile has fallen to one half, by Newton's method in ln p."""
-    target = float(_log_N(c, np.zeros(1))[0][0]) + np.log(2.0)
+def _half_heights(shares: tuple[float, ...]) -> FloatArray:
+    """X at which the profiles have fallen to one half, by Newton's method in ln p."""
+    c = np.array(shares)
+    target = _log_N(c, np.zeros_like(c))[0] + np.log(2.0)
     X = 1.1774 * np.sqrt(1.0 + 0.54 * c / (1.0 + 0.1 / (0.1 + c)))
+    left = np.arange(len(c))
     for _ in range(50):
-        value, slope = _log_N(c, np.array([X]))
-        step = (target - float(value[0])) / float(slope[0])
-        X += float(np.clip(step, -0.3 * X, 0.3 * X))
-        if abs(step) < 1e-12 * X:
+        value, slope = _log_N(c[left], X[left])
+        step = (target[left] - value) / slope
+        X[left] += np.clip(step, -0.3 * X[left], 0.3 * X[left])
+        left = left[np.abs(step) >= 1e-12 * X[left]]
+        if not len(left):
             break
     return X
 
 
-def _log_N(c: float, X: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """ln N(X) and its derivative, with k = tanh(tau), tau = e^w, over the window of w in which it counts.
+def _log_N(share: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """ln N(X) and its derivative, of one c or of one for each X; k = tanh(tau), tau = e^w.
 
+    The integral runs over the window of w in which it counts.
     N = int (tanh tau)^(-1/2) (1 + tanh tau) exp(-2 c tau + tanh(tau) X^2/2) dtau; times tau it has one peak in w.
     """
     half = 0.5 * X[:, None] ** 2
+    c = share[:, None]
 
     def log_integrand(w: FloatArray) -> FloatArray:
         tau = np.exp(w)
@@ -299,8 +327,8 @@ def _log_N(c: float, X: FloatArray) -> tuple[FloatArray, FloatArray]:
         sech2 = 1.0 / np.cosh(np.minimum(tau, 300.0)) ** 2
         return 1.0 + tau * (sech2 * (-0.5 / k + 1.0 / (1.0 + k) + half) - 2.0 * c) > 0.0
 
-    outer = np.log(60.0 / c) if c < 1.0 else np.log(60.0)
-    low, high = np.full(half.shape, -100.0), np.full(half.shape, max(outer, 6.0))
+    outer = np.log(60.0 / np.minimum(c, 1.0))
+    low, high = np.full(half.shape, -100.0), np.maximum(outer, 6.0) + 0.0 * half
     peak = _bisect(rising, low, high)
     floor = log_integrand(peak) - _DROP
     left = _bisect(lambda w: log_integrand(w) < floor, low, peak)

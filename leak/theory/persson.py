@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.numerics.gauss import gauss
+from leak.numerics.special import erf
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.kernel import KERNEL_END, kernel
 
@@ -127,8 +128,6 @@ def relative_contact_area(
     >>> print(f"{float(leak.relative_contact_area(1e7, 0.01, 115e9)):.2e}")
     5.54e-04
     """
-    from scipy.special import erf
-
     return erf(area_argument(np.asarray(pressure, dtype=float) / effective_modulus, slope_moment))
 
 
@@ -182,8 +181,6 @@ def separations(
     ----------
     C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20, 215214 (2008).
     """
-    from scipy.special import erf
-
     remaining = seen.moment(M)
     z = area_argument(relative_pressure[:, None], remaining)
     A = erf(z)

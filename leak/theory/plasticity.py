@@ -82,6 +82,16 @@ def area_fractions(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> AreaF
     return AreaFractions(elastic, plastic, lost)
 
 
+def touching_area(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> FloatArray:
+    """Elastic and plastic contact area together, A/A0, for `area_fractions`' s and t."""
+    s, t = np.broadcast_arrays(
+        np.asarray(stress_ratio, dtype=float), np.asarray(stress_variance, dtype=float)
+    )
+    inside = s < 1.0
+    s_in = np.where(inside, s, 0.5)
+    return np.where(inside, _elastic_area(s_in, t) + _lost_area(s_in, 1.0 - s_in, t), 1.0)
+
+
 def remaining_fraction(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> FloatArray:
     """C_pl/C = 1 - (A_pl/A_pl0)^6 with A_pl0/A0 = p/sigma_P, accurate where either side is tiny.
 
@@ -127,6 +137,8 @@ def _lost_area(s: FloatArray, distance: FloatArray, t: FloatArray) -> FloatArray
     """Probability absorbed at the boundary at `distance` = 1 - s: A_pl(s); A_non is A_pl(1 - s)."""
     area = np.empty(t.shape)
     early = t < _CROSSING
+    if not early.any():
+        return np.asarray(s + _mode_sum(s, t, -1.0))
     area[early] = _absorbed_by_images(s[early], distance[early], t[early])
     late = ~early
     area[late] = s[late] + _mode_sum(s[late], t[late], -1.0)
@@ -139,6 +151,8 @@ def _elastic_area(s: FloatArray, t: FloatArray) -> FloatArray:
 
     area = np.empty(t.shape)
     early = t < _CROSSING
+    if not early.any():
+        return np.asarray(_mode_sum(s, t, 1.0) - _mode_sum(s, t, -1.0))
     scale = _image_scale(t[early])
     total = erf(s[early] * scale)
     for m in range(1, _IMAGES + 1):
@@ -176,10 +190,14 @@ def _erf_difference(middle: FloatArray, half: FloatArray, near: FloatArray) -> F
 
 def _mode_sum(s: FloatArray, t: FloatArray, sign: float) -> FloatArray:
     """sum_n (2/(n pi)) sign^n sin(n pi s) exp(-n^2 pi^2 t)."""
-    # sin(n pi s) near s = 1 is the sine of the small rest.
     total = np.zeros(t.shape)
+    if t.size == 0:
+        return total
+    # sin(n pi s) near s = 1 is the sine of the small rest.
+    low = s < 0.5
+    angle = np.pi * np.where(low, s, 1.0 - s)
     for n in range(1, _MODES + 1):
-        sine = np.where(s < 0.5, np.sin(n * np.pi * s), -((-1.0) ** n) * np.sin(n * np.pi * (1.0 - s)))
+        sine = np.sin(n * angle) if n % 2 else np.where(low, 1.0, -1.0) * np.sin(n * angle)
         total += sign**n * 2.0 / (n * np.pi) * sine * np.exp(-np.minimum((n * np.pi) ** 2 * t, 740.0))
     return total
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _LARGEST = 1e8
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MeshedOutline(Outline):
     """Outline of a body whose mesh exists already.
 
@@ -42,6 +42,12 @@ class MeshedOutline(Outline):
     """
 
     mesh: MeshTri
+
+    def __eq__(self, other: object) -> bool:
+        return super().__eq__(other) and isinstance(other, MeshedOutline) and self.mesh is other.mesh
+
+    def __hash__(self) -> int:
+        return super().__hash__()
 
     @property
     def ready_mesh(self) -> MeshTri:

@@ -10,16 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
+from meshes.mesh.measures import section_area, triangle_shape
 from meshes.mesh.sizing import Sizing
 
 if TYPE_CHECKING:
     from skfem import MeshTri
-
-    from meshes.arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -103,7 +101,7 @@ class SealMesh:
     def quality(self) -> Quality:
         """Shape of the elements and error of the areas."""
         shape = triangle_shape(self.mesh.p, self.mesh.t)
-        errors = [abs(section_area(_body(self.mesh, o.name)) / o.area - 1) for o in self.outlines]
+        errors = [abs(section_area(getattr(self, o.name)) / o.area - 1) for o in self.outlines]
         return Quality(
             float(shape.min()), float(shape.mean()), self.mesh.nelements, self.mesh.nvertices, max(errors)
         )
@@ -119,23 +117,19 @@ class SealMesh:
         return write_msh(self.mesh, Path(path))
 
 
-def triangle_shape(p: FloatArray, t: NDArray[np.int64]) -> FloatArray:
-    """Return 2 r_in/r_circ of every triangle: 1 equilateral, 0 degenerate."""
-    a, b, c = (np.linalg.norm(p[:, t[i]] - p[:, t[j]], axis=0) for i, j in ((0, 1), (1, 2), (2, 0)))
-    return (b + c - a) * (c + a - b) * (a + b - c) / (a * b * c)
-
-
-def section_area(mesh: MeshTri) -> float:
-    """Area of the meshed section [m^2]."""
-    p, t = mesh.p, mesh.t
-    e, f = p[:, t[1]] - p[:, t[0]], p[:, t[2]] - p[:, t[0]]
-    return float(0.5 * np.abs(e[0] * f[1] - e[1] * f[0]).sum())
-
-
 def _body(mesh: MeshTri, name: str) -> MeshTri:
-    body = mesh.restrict(name)
-    boundaries = {key: facets for key, facets in (body.boundaries or {}).items() if key.startswith(name)}
-    return type(body)(body.p, body.t).with_boundaries(boundaries)
+    from meshes.mesh.triangles import bounded
+
+    triangles = mesh.t[:, (mesh.subdomains or {})[name]]
+    vertices = np.unique(triangles)
+    number = np.full(mesh.p.shape[1], -1)
+    number[vertices] = np.arange(len(vertices))
+    lines = {
+        key: number[mesh.facets[:, facets].T]
+        for key, facets in (mesh.boundaries or {}).items()
+        if key.startswith(name)
+    }
+    return bounded(mesh.p[:, vertices], number[triangles], lines)
 
 
 def write_msh(mesh: MeshTri, path: Path) -> Path:
@@ -192,22 +186,21 @@ def joined(bodies: list[tuple[str, MeshTri]]) -> MeshTri:
     bodies : list of (name, skfem.MeshTri)
         With their boundaries.
     """
-    from skfem import MeshTri
+    from meshes.mesh.triangles import bounded
 
-    offsets = np.cumsum([0, *(mesh.nvertices for _, mesh in bodies)])
+    offsets = np.cumsum([0, *(mesh.p.shape[1] for _, mesh in bodies)])
     counts = np.cumsum([0, *(mesh.nelements for _, mesh in bodies)])
-    mesh = MeshTri(
-        np.ascontiguousarray(np.hstack([body.p for _, body in bodies])),
-        np.ascontiguousarray(np.hstack([body.t + offsets[n] for n, (_, body) in enumerate(bodies)])),
-    )
-    facets = {tuple(pair): n for n, pair in enumerate(np.sort(mesh.facets, axis=0).T.tolist())}
-    boundaries = {
-        name: np.array(
-            [facets[tuple(pair)] for pair in np.sort(body.facets[:, found] + offsets[n], axis=0).T.tolist()]
-        )
-        for n, (_, body) in enumerate(bodies)
-        for name, found in (body.boundaries or {}).items()
-        if len(found)
+    lines = {
+        name: mesh.facets[:, facets].T + offset
+        for (_, mesh), offset in zip(bodies, offsets, strict=False)
+        for name, facets in (mesh.boundaries or {}).items()
+        if len(facets)
     }
-    subdomains = {name: np.arange(counts[n], counts[n + 1]) for n, (name, _) in enumerate(bodies)}
-    return mesh.with_boundaries(boundaries).with_subdomains(subdomains)
+    mesh = bounded(
+        np.hstack([body.p for _, body in bodies]),
+        np.hstack([body.t + offset for (_, body), offset in zip(bodies, offsets, strict=False)]),
+        lines,
+    )
+    return mesh.with_subdomains(
+        {name: np.arange(counts[n], counts[n + 1]) for n, (name, _) in enumerate(bodies)}
+    )

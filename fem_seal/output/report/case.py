@@ -146,9 +146,11 @@ def _material(material: Material) -> list[tuple[str, str]]:
         rows.append(("thermal expansion", f"{trimmed(1e6 * material.thermal_expansion)}·10⁻⁶ 1/K"))
     if material.thermal_conductivity is not None:
         rows.append(("thermal conductivity", f"{trimmed(material.thermal_conductivity)} W/(m K)"))
-    if material.over_temperature:
-        keys = ", ".join(table.key.replace("_", " ") for table in material.over_temperature)
-        rows.append(("taken from a table over temperature", keys))
+    keys = [table.key.replace("_", " ") for table in material.over_temperature]
+    if material.hardening_over_temperature is not None:
+        keys.append("stress over plastic strain")
+    if keys:
+        rows.append(("taken from a table over temperature", ", ".join(keys)))
     if material.creeps:
         rows.append(("creep", "creeps: results are those of a short time"))
     rows += [("condition", material.condition)] if material.condition else []

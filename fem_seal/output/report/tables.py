@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from fem_seal.analysis.results import AGREE, Comparison, LoadResult, SealSolutio
 from fem_seal.analysis.variants import ratio_to_case
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
-from fem_seal.materials import HardeningCurve
 from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import said
 from fem_seal.output.tables import rows_of
@@ -32,6 +32,9 @@ from fem_seal.units import (
     unit_for,
     worth,
 )
+
+if TYPE_CHECKING:
+    from fem_seal.materials import HardeningCurve
 
 
 @dataclass(frozen=True)
@@ -501,10 +504,12 @@ def _depth(depth: float) -> str:
 
 def curve_in_words(curve: HardeningCurve) -> str:
     """A hardening curve in a few words."""
-    first = given("contact pressure", curve.stress[0])
+    # four digits: between two temperatures it is no number that anybody wrote
+    first, last = (
+        given("contact pressure", float(f"{one:.4g}")) for one in (curve.stress[0], curve.stress[-1])
+    )
     if len(curve.stress) == 1:
         return f"{first}, perfectly plastic"
-    last = given("contact pressure", curve.stress[-1])
     return f"{first} to {last} at {percent(curve.last_strain)} plastic strain"
 
 

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from fem_seal.analysis.caution import Level
 from fem_seal.analysis.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.analysis.leakage import next_class, nominal_size
 from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.results import LoadResult, SealSolution
 from fem_seal.analysis.verdict import OF_LEAK_RATE, limits
-from fem_seal.case.case import Case
 from fem_seal.case.fields import Throughput
 from fem_seal.output.prose import said
 from fem_seal.units import given, leak_range_text, number, percent, quantity, range_text, worth
 from leak import millibar_litres_per_second
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import LoadResult, SealSolution
+    from fem_seal.case.case import Case
 
 # Factors beyond this are told as "more than".
 _FAR = 1000.0

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.caution import Level, Validity
-from fem_seal.analysis.closed_forms import Derived
 from fem_seal.analysis.leakage import fluid_of_test, leakage_classes, nominal_size
 from fem_seal.analysis.load_names import load_name, load_values
 from fem_seal.analysis.results import AGREE, LoadResult, SealSolution, highest_load
@@ -46,6 +45,7 @@ from leak import (
 )
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.closed_forms import Derived
     from fem_seal.case.case import Case
     from leak import LeakageClass
 

@@ -1,0 +1,288 @@
+"""Every figure that has a goal, beside it: python benchmarks/goals.py [GROUP ...] [--quick] [--record].
+
+Groups are measured one after the other; one that fails is named and the others go on. `--record` puts what was measured
+into benchmarks/history.csv, from which the manual makes its page of speed and memory. Times are processor times where
+a figure does not say "wall time", so that other programs disturb them little.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from datetime import date
+from itertools import pairwise
+from pathlib import Path
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+# As a user has it: modules are compiled once. Where Python is told to keep none, imports take three times as long.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+os.environ.setdefault("PYTHONPYCACHEPREFIX", str(Path(sys.prefix) / "bytecode"))
+
+import history
+from measured_process import Cost, measured
+
+HERE = Path(__file__).parent
+ROOT = HERE.parent
+CASE = ROOT / "examples" / "ball_cone.toml"
+IMPORTS = "import numpy, scipy.sparse.linalg, gmsh, skfem"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number, and the largest that is wanted; times on the machine of the goals."""
+
+    name: str
+    value: float
+    unit: str
+    goal: float | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How thoroughly it is measured.
+
+    Parameters
+    ----------
+    quick : bool
+        Fewer repetitions, a tenth of the designs.
+    designs : int
+        Of the cluster.
+    reference : float
+        Processor time of the imports [s].
+    """
+
+    quick: bool
+    designs: int
+    reference: float
+
+    @property
+    def rounds(self) -> int:
+        """How often a short program is run; the fastest counts."""
+        return 3 if self.quick else 7
+
+
+def process(settings: Settings) -> Iterator[Figure]:
+    """Commands as whole processes."""
+    for command, of_imports, seconds in (("run", 5.5, 1.8), ("check", 1.5, 0.5)):
+        with tempfile.TemporaryDirectory() as folder:
+            out = ["-o", str(Path(folder) / "out")] if command == "run" else []
+            cost = best_of(settings.rounds, ["-m", "fem_seal", command, str(CASE), *out])
+        yield Figure(f"{command}: processor time", cost.processor / settings.reference, "imports", of_imports)
+        yield Figure(f"{command}: wall time", cost.wall, "s", seconds)
+        yield Figure(f"{command}: memory", cost.memory, "MB", 200 if command == "run" else None)
+
+
+def best_of(rounds: int, arguments: list[str]) -> Cost:
+    """Least that a Python program takes, after a first time that fills the caches of the system."""
+    with tempfile.TemporaryDirectory() as folder:
+        costs = [measured([sys.executable, *arguments], Path(folder), _here()) for _ in range(rounds + 1)][1:]
+    return Cost(*(min(getattr(cost, name) for cost in costs) for name in ("wall", "processor", "memory")))
+
+
+def _here() -> dict[str, str]:
+    return {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep)}
+
+
+def geometry(settings: Settings) -> Iterator[Figure]:
+    """A geometry that was not there before, in a process that has loaded everything; nothing is written."""
+    from fem_seal.case.case import load_case
+    from fem_seal.result import run
+
+    case, whole, bare = load_case(CASE), [], []
+    angles = [47 + 0.7 * n for n in range(4 if settings.quick else 10)]
+    for angle in angles:
+        marks: list[tuple[str, float]] = []
+        run(
+            case.replace_written({"seat.angle": f"{angle} deg"}),
+            lambda text, marks=marks: marks.append((text, time.process_time())),
+        )
+        marks.append(("end", time.process_time()))
+        steps = [(name, end - start) for (name, start), (_, end) in pairwise(marks)]
+        whole.append(sum(seconds for _, seconds in steps))
+        bare.append(sum(seconds for name, seconds in steps if not name.startswith(_AFTERWARDS)))
+    note = f"median of {len(angles) - 1}, 20 loads"
+    yield Figure("new geometry in a warm process", statistics.median(whole[1:]), "s", 0.3, note)
+    yield Figure(
+        "new geometry without stress, error estimate and far field",
+        statistics.median(bare[1:]),
+        "s",
+        0.15,
+        note,
+    )
+
+
+# What the chain says when it begins these steps.
+_AFTERWARDS = ("stress in", "estimating the discretisation error", "comparing sizes and supports")
+
+
+def theory(settings: Settings) -> Iterator[Figure]:
+    """Tables of flow conductivity, interface laws, gas flow, import of the package `leak`."""
+    return of_pytest("bench_leak.py", "--benchmark-timer=time.process_time")
+
+
+def uncertainty(settings: Settings) -> Iterator[Figure]:
+    """Samples of every kind of fluid and spectrum."""
+    return of_pytest("bench_uncertainty.py", *(["-k", "per_sample"] if settings.quick else []))
+
+
+def of_pytest(file: str, *options: str) -> Iterator[Figure]:
+    """Benchmarks of a file that say their goal: `goal_s`, of `figure_s` or else of the fastest round."""
+    with tempfile.TemporaryDirectory() as folder:
+        told = Path(folder) / "told.json"
+        asked = [str(HERE / file), f"--benchmark-json={told}", *options]
+        tests = subprocess.run(
+            [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *asked],
+            cwd=ROOT,
+            env={**os.environ, **_here()},
+            capture_output=True,
+            text=True,
+        )
+        if not told.exists():
+            raise RuntimeError(tests.stdout[-2000:] + tests.stderr[-2000:])
+        found = json.loads(told.read_text())["benchmarks"]
+    if tests.returncode != 0:
+        print(tests.stdout[-2000:], file=sys.stderr)
+    for one in found:
+        about = one["extra_info"]
+        if "goal_s" in about:
+            name = one["name"].removeprefix("test_").replace("[", ": ").rstrip("]").replace("_", " ")
+            yield Figure(name, about.get("figure_s", one["stats"]["min"]), "s", about["goal_s"])
+
+
+def studies(settings: Settings) -> Iterator[Figure]:
+    """Designs on one geometry and with one each, on two workers."""
+    import bench_studies
+
+    part = 10 if settings.quick else 1
+    note = "a tenth of the designs, times ten" if settings.quick else ""
+    for name, goal, tables in (
+        ("10 000 designs, grid", 15, bench_studies.grid(round((10000 / part) ** 0.5))),
+        ("10 000 designs, latin hypercube", 15, bench_studies.latin(10000 // part)),
+        ("1000 geometries", 90, bench_studies.geometries(1000 // part)),
+    ):
+        cost = bench_studies.run(name, 2, goal / part, **tables)
+        yield Figure(f"{name}: wall time", part * cost.wall, "s", goal, note)
+        yield Figure(f"{name}: processor time of each worker", part * cost.processor, "s", goal, note)
+
+
+def cluster(settings: Settings) -> Iterator[Figure]:
+    """A study on a scheduler and workers that speak TCP, one lost, one added."""
+    import bench_cluster
+
+    cost = bench_cluster.run(settings.designs)
+    note = f"{cost.designs} designs, {cost.compared} of them calculated here as well, all equal"
+    yield Figure("cluster: wall time per design", 1e3 * cost.wall / cost.designs, "ms", None, note)
+    yield Figure("cluster: cost of a design in its worker", 1e3 * cost.cost, "ms", None, note)
+    yield Figure(
+        "cluster: overhead, repeats after the loss of a worker included", 100 * cost.overhead, "%", None, note
+    )
+    yield Figure("cluster: memory of the coordinating process", cost.memory, "MB", None, note)
+    yield Figure("cluster: its growth over the last nine tenths", cost.growth, "MB", None, note)
+
+
+def tests(settings: Settings) -> Iterator[Figure]:
+    """The whole suite on two cores."""
+    start = time.perf_counter()
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-n", "2", "--dist", "loadfile"],
+        cwd=ROOT,
+        env={**os.environ, **_here()},
+    )
+    note = "" if done.returncode == 0 else "some tests failed"
+    yield Figure("test suite on two cores: wall time", time.perf_counter() - start, "s", 300, note)
+
+
+GROUPS: dict[str, Callable[[Settings], Iterator[Figure]]] = {
+    one.__name__: one for one in (process, geometry, uncertainty, studies, cluster, theory, tests)
+}
+# Minutes, and nothing else may run meanwhile: only where it is asked for by name.
+_ONLY_BY_NAME = ("tests",)
+
+
+def imports(rounds: int) -> float:
+    """Processor time of the imports that the goals are measured by [s]."""
+    return best_of(rounds, ["-c", IMPORTS]).processor
+
+
+def program() -> tuple[str, str]:
+    """Version and commit, with a + where files differ from it."""
+    from fem_seal.version import __version__
+
+    def git(*arguments: str) -> str:
+        return subprocess.run(
+            ["git", "-C", str(ROOT), *arguments], capture_output=True, text=True
+        ).stdout.strip()
+
+    code = ("fem_seal", "leak", "meshes")
+    return __version__, git("rev-parse", "--short", "HEAD") + (
+        "+" if git("status", "--short", "--", *code) else ""
+    )
+
+
+def printed(cells: tuple[str, ...]) -> None:
+    """One line of the table."""
+    name, *others = cells
+    widths = (14, 9, 12, 7, 8)
+    print(
+        f"{name:58s}" + "".join(f"{cell:>{width}s}" for cell, width in zip(others, widths, strict=True)),
+        flush=True,
+    )
+
+
+def main() -> None:
+    """Measure, print, record."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "groups", nargs="*", metavar="GROUP", help=f"of {', '.join(GROUPS)}; all but tests unless given"
+    )
+    parser.add_argument("--quick", action="store_true", help="fewer repetitions, a tenth of the designs")
+    parser.add_argument("--record", action="store_true", help="into benchmarks/history.csv")
+    parser.add_argument("--designs", type=int, help="of the cluster; 2500, or 1000 with --quick")
+    given = parser.parse_args()
+    wrong = [name for name in given.groups if name not in GROUPS]
+    if wrong:
+        parser.error(f"no group {', '.join(wrong)}; there are {', '.join(GROUPS)}")
+    designs = given.designs or (1000 if given.quick else 2500)
+    version, commit = program()
+    known, entries = history.read() if history.FILE.exists() else [], []
+    print(f"fem-seal {version} at {commit}, load {os.getloadavg()[0]:.1f}")
+    print(f"scaled: a time on a machine whose imports take {history.GOAL_MACHINE} s, for which the goals are")
+    printed(history.HEAD)
+    for name in given.groups or [name for name in GROUPS if name not in _ONLY_BY_NAME]:
+        # before each group: a machine is not equally fast all the time
+        reference = imports(3 if given.quick else 5)
+        new = []
+        try:
+            for one in GROUPS[name](Settings(given.quick, designs, reference)):
+                new.append(
+                    history.Entry(version, date.today().isoformat(), commit, one.name, one.value, one.unit, one.goal,
+                                  reference, one.note)
+                )  # fmt: skip
+                printed(history.row(new[-1], history.before(known, new[-1])))
+        except Exception:
+            traceback.print_exc()
+            print(f"{name}: not measured", flush=True)
+        entries += new
+        if given.record and new:
+            history.write(history.with_new(history.read() if history.FILE.exists() else [], new))
+    missed = [entry.figure for entry in entries if entry.met is False]
+    judged = [entry for entry in entries if entry.met is not None]
+    print(f"{len(judged) - len(missed)} of {len(judged)} goals met" + (", missed:" if missed else ""))
+    for figure in missed:
+        print(f"  {figure}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,125 @@
+"""Write docs/verification/made/, figures of speed and memory over versions: a table and a picture for the manual.
+
+    python docs/speed_page.py
+
+They are made of benchmarks/history.csv, which `python benchmarks/goals.py --record` writes.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+
+from history import FILE, Entry, before, latest, read, row, states
+
+FOLDER = Path(__file__).parent / "verification" / "made"
+COLUMNS = 3
+
+
+def page(entries: Sequence[Entry]) -> str:
+    """The figures as Markdown: what is missed first, the latest of each, and all of them over versions."""
+    newest = latest(entries)
+    missed = [entry for entry in newest if entry.met is False]
+    judged = [entry for entry in newest if entry.met is not None]
+    return "\n\n".join(
+        [
+            f"**{len(judged) - len(missed)} of {len(judged)} goals are met.**" + _missed(missed),
+            "## The latest figures",
+            _table(
+                ("figure", "measured", "scaled", "goal", "", "ratio to the one before", "at"),
+                [(*_plain(row(entry, before(entries, entry))), entry.commit) for entry in newest],
+            ),
+            _notes(newest),
+            "## Over versions",
+            "![Figures over versions](speed.svg)",
+            _table(
+                ("figure", *(_name(state, entries) for state in states(entries))),
+                [_over_versions(entry, entries) for entry in newest],
+            ),
+        ]
+    )
+
+
+def _missed(missed: Sequence[Entry]) -> str:
+    if not missed:
+        return ""
+    lines = [
+        f"- {entry.figure}: {_number(entry)}, {entry.scaled / entry.goal:.2g} times "
+        f"its goal of {entry.goal:g} {entry.unit}"
+        for entry in missed
+        if entry.goal
+    ]
+    return " Missed:\n\n" + "\n".join(lines)
+
+
+def _number(entry: Entry) -> str:
+    return f"{entry.scaled:.3g} {entry.unit}"
+
+
+def _plain(cells: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple("**missed**" if cell == "missed" else cell for cell in cells)
+
+
+def _notes(newest: Sequence[Entry]) -> str:
+    return "\n".join(f"- {entry.figure}: {entry.note}." for entry in newest if entry.note)
+
+
+def _over_versions(entry: Entry, entries: Sequence[Entry]) -> tuple[str, ...]:
+    known = {one.state: one for one in entries if one.figure == entry.figure}
+    return entry.figure, *(_number(known[state]) if state in known else "" for state in states(entries))
+
+
+def _name(state: tuple[str, str], entries: Sequence[Entry]) -> str:
+    version, commit = state
+    return f"{version} {commit} {next(entry.date for entry in entries if entry.state == state)}"
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    cells = [head, ["---", *["---:"] * (len(head) - 1)], *rows]
+    return "\n".join(f"| {' | '.join(one)} |" for one in cells)
+
+
+def picture(entries: Sequence[Entry], path: Path) -> None:
+    """Every figure that has a goal, over versions, with the goal as a line."""
+    import matplotlib
+
+    matplotlib.use("svg")
+    from matplotlib import pyplot as plt
+
+    shown, places = [entry for entry in latest(entries) if entry.goal is not None], states(entries)
+    lines = -(-len(shown) // COLUMNS)
+    figure, axes = plt.subplots(
+        lines, COLUMNS, figsize=(3.3 * COLUMNS, 1.7 * lines), squeeze=False, layout="constrained"
+    )
+    for axis, entry in zip(axes.flat, shown, strict=False):
+        values = [one for one in entries if one.figure == entry.figure]
+        met = "tab:green" if entry.met else "tab:red"
+        axis.plot(
+            [places.index(one.state) for one in values], [one.scaled for one in values], "o-", color=met
+        )
+        axis.axhline(entry.goal, color="grey", linestyle="--", linewidth=1)
+        axis.set_title(entry.figure, fontsize=7)
+        axis.set_ylabel(entry.unit, fontsize=7)
+        axis.set_ylim(bottom=0)
+        axis.set_xlim(-0.3, len(places) - 0.7)
+        axis.set_xticks(range(len(places)), [commit for _, commit in places], fontsize=6)
+        axis.tick_params(axis="y", labelsize=6)
+    for axis in axes.flat[len(shown) :]:
+        axis.remove()
+    figure.savefig(path, metadata={"Date": None})
+    plt.close(figure)
+
+
+def main(history: Path = FILE, folder: Path = FOLDER) -> None:
+    """Write both files."""
+    entries = read(history)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "speed.md").write_text(page(entries) + "\n", encoding="utf-8")
+    picture(entries, folder / "speed.svg")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,145 @@
+"""A body that yields, seen from its contact line: only the parts in which it yields are condensed anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from fem_seal.arrays import FloatArray
+from fem_seal.bodies.dissection import Dissection
+from fem_seal.bodies.elasticity import elasticity_matrix, quadratic_nodes
+from fem_seal.bodies.elastoplastic import ElastoplasticBody
+from fem_seal.bodies.held_body import HeldBody
+from fem_seal.bodies.plastic_flow import Flow
+
+
+@dataclass(frozen=True, eq=False)
+class DissectedBody:
+    """A held body in parts.
+
+    Parameters
+    ----------
+    held : HeldBody
+    solid : ElastoplasticBody
+        The same body with its law.
+
+    Notes
+    -----
+    The contact nodes move along normal and tangent instead of r and z, so that the tangential motion, which no contact
+    presses on, is eliminated with all others.
+    """
+
+    held: HeldBody
+    solid: ElastoplasticBody
+
+    def condensed(self, flow: Flow) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """The body linearised, as `HeldBody.contact_compliance` sees it from its contact line.
+
+        Parameters
+        ----------
+        flow : Flow
+            About which it is linearised.
+
+        Raises
+        ------
+        RuntimeError
+            If its stiffness is not positive definite.
+        """
+        inverse, solve_turned = self._dissection.condensed(
+            np.asarray(flow.yielding.any(axis=1)),
+            lambda elements: self._stiffness(elements, flow.tangent[elements]),
+        )
+        (radial, axial), (n_r, n_z) = self._turned_rows, self.held.normal[:, self._turned][..., None]
+
+        def solve(forces: FloatArray) -> FloatArray:
+            turned = forces.reshape(len(forces), -1).copy()
+            along_r, along_z = turned[radial], turned[axial]
+            turned[radial], turned[axial] = n_r * along_r + n_z * along_z, n_r * along_z - n_z * along_r
+            moved = solve_turned(turned)
+            normal, tangent = moved[radial], moved[axial]
+            moved[radial], moved[axial] = n_r * normal - n_z * tangent, n_z * normal + n_r * tangent
+            return moved.reshape(forces.shape)
+
+        _, along = self._last
+        return np.asarray(along.T @ (along.T @ inverse).T), solve
+
+    def _stiffness(self, elements: NDArray[np.int64], tangent: FloatArray) -> FloatArray:
+        """Stiffness of elements with turned contact nodes; their tangent has the shape (k, points, 4, 4)."""
+        local = self.solid.element_stiffness(elements, tangent)
+        touched = self._touched[elements]
+        turn = self._turn[elements[touched]]
+        local[touched] = turn.transpose(0, 2, 1) @ local[touched] @ turn
+        return local
+
+    @cached_property
+    def _turned(self) -> NDArray[np.bool_]:
+        """Which contact nodes can move both ways, shape (n,)."""
+        return np.all(self.held.free_rows[self.held.contact_dofs] >= 0, axis=0)
+
+    @cached_property
+    def _turned_rows(self) -> NDArray[np.int64]:
+        """Rows of the free dofs that are turned to normal and tangent, shape (2, turned)."""
+        return self.held.free_rows[self.held.contact_dofs[:, self._turned]]
+
+    @cached_property
+    def _touched(self) -> NDArray[np.bool_]:
+        """Which elements have a turned node."""
+        turned = self.held.contact_dofs[0, self._turned]
+        return np.asarray(np.isin(self.held.basis.element_dofs, turned).any(axis=0))
+
+    @cached_property
+    def _turn(self) -> FloatArray:
+        """From normal and tangent to r and z, of the shapes of every element; shape (elements, shapes, shapes)."""
+        basis, (radial, axial) = self.held.basis, self.held.contact_dofs[:, self._turned]
+        dofs = basis.element_dofs.T
+        node = np.full(basis.N, -1)
+        node[radial] = np.arange(len(radial))
+        element, first = np.nonzero(node[dofs] >= 0)
+        which = node[dofs[element, first]]
+        second = np.argmax(dofs[element] == axial[which][:, None], axis=1)
+        n_r, n_z = self.held.normal[:, self._turned][:, which]
+        turn = np.broadcast_to(np.eye(dofs.shape[1]), (*dofs.shape, dofs.shape[1])).copy()
+        turn[element, first, first], turn[element, first, second] = n_r, -n_z
+        turn[element, second, first], turn[element, second, second] = n_z, n_r
+        return turn
+
+    @cached_property
+    def _last(self) -> tuple[NDArray[np.int64], csr_matrix]:
+        """Rows that are left to the last, and what a force on each contact node along its normal is to them."""
+        rows, normal = self.held.free_rows[self.held.contact_dofs], self.held.normal
+        node = np.flatnonzero(self._turned)
+        parts = [(rows[0, node], node, np.ones(len(node)))]
+        for way in (0, 1):
+            node = np.flatnonzero(~self._turned & (rows[way] >= 0))
+            parts.append((rows[way, node], node, normal[way, node]))
+        places, nodes, values = (np.concatenate(column) for column in zip(*parts, strict=True))
+        shape = (len(places), rows.shape[1])
+        return places, csr_matrix((values, (np.arange(len(places)), nodes)), shape=shape)
+
+    @cached_property
+    def _dissection(self) -> Dissection:
+        held, basis = self.held, self.held.basis
+        everywhere = np.arange(basis.mesh.nelements)
+        tangent = np.broadcast_to(elasticity_matrix(held.material), (*self.solid.weight.shape, 4, 4))
+        return Dissection.of(
+            held.free_rows[basis.element_dofs].T,
+            self._coordinates,
+            self._last[0],
+            len(held.free),
+            self._stiffness(everywhere, tangent),
+        )
+
+    @property
+    def _coordinates(self) -> FloatArray:
+        """Of the elements: along four directions, and around the middle of the contact, where they are smallest."""
+        mesh, nodes = self.held.basis.mesh, self.held.contact_nodes
+        middle = quadratic_nodes(mesh)[0][nodes[len(nodes) // 2]]
+        from_there = mesh.p[:, mesh.t].mean(axis=1).T - middle
+        angles = np.arange(4) * np.pi / 4
+        along = from_there @ np.stack([np.cos(angles), np.sin(angles)])
+        return np.column_stack([along, np.hypot(*from_there.T), np.arctan2(*from_there.T)])
