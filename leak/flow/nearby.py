@@ -99,7 +99,8 @@ class NearbyTables:
         ----------
         surface : RoughContact
         p_max : float
-            Highest pressure that occurs below the sealing pressure [Pa].
+            Highest pressure that counts [Pa]. Above it the table goes on to the sealing pressure, for the flanks of
+            contacts that are sealed anyway.
         """
         if surface.hardness is not None and surface.yielding == "capped":
             return self._capped(surface, p_max)
@@ -115,8 +116,7 @@ class NearbyTables:
         change = ours.gap - theirs.gap
         y = known + MonotoneCurve(at, change, cubic_spline_slopes(at, change)).value(abscissa)
         u = _length(surface) * np.logaddexp(0.0, y)
-        p_end = np.inf if top >= self._highest else float(np.exp(x[-1])) * sealing
-        found = ConductivityTable(np.exp(x) * sealing, u, sealing, p_end, self.method, LoadMemory(surface))
+        found = ConductivityTable(np.exp(x) * sealing, u, sealing, np.inf, self.method, LoadMemory(surface))
         if not isinstance(self._known, GasConductivityTable):
             return found
         gas = _with_gas(found, self._known, x + log_sealing)
@@ -144,8 +144,7 @@ class NearbyTables:
         acting = surface.acting_pressure(p)
         elastic = self._elastic.table(surface.elastic, float(acting[-1]))
         u = np.asarray(_liquid(elastic).effective_separation(acting))
-        p_end = np.inf if highest < _ABOVE * p_max else highest
-        found = ConductivityTable(p, u, sealing, p_end, self.method, LoadMemory(surface))
+        found = ConductivityTable(p, u, sealing, np.inf, self.method, LoadMemory(surface))
         if not isinstance(elastic, GasConductivityTable):
             return found
         return _with_gas(found, elastic, np.log(acting))
