@@ -35,13 +35,14 @@ def study(designs: int):
     """Height of the roughness and fluid pressure, every combination."""
     from fem_seal import Study
 
-    side = round(designs**0.5)
+    # exactly so many, on a grid that is as square as can be
+    side = next(count for count in range(int(designs**0.5), 0, -1) if designs % count == 0)
     return Study(
         CASE,
         responses=["peak_pressure_Pa", "fwhm_m", "leak_rate_m3_per_s"],
         parameters={
             "roughness.spectrum.rms_height": {"start": "0.5 um", "stop": "5 um", "num": side},
-            "load.fluid_pressure": {"start": "1 bar", "stop": "50 bar", "num": round(designs / side)},
+            "load.fluid_pressure": {"start": "1 bar", "stop": "50 bar", "num": designs // side},
         },
     )
 

@@ -174,6 +174,10 @@ def studies(settings: Settings) -> Iterator[Figure]:
         share = count / cost.designs
         yield Figure(f"{name}: wall time", share * cost.wall, "s", goal, note)
         yield Figure(f"{name}: processor time of each worker", share * cost.processor, "s", goal, note)
+    growth, each = bench_studies.memory(100_000 // part)
+    note = f"{100_000 // part} designs that take no time"
+    yield Figure("coordinator: growth of its memory over the last nine tenths", growth, "MB", None, note)
+    yield Figure("coordinator: hashing, ordering and storing a design", 1e3 * each, "ms", None, note)
 
 
 def cluster(settings: Settings) -> Iterator[Figure]:

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import subprocess
 import sys
 import time
@@ -58,14 +59,18 @@ def changed(tmp_path):
 
 
 def test_version_is_fast():
+    def now():
+        # of the processor, for which nobody else's processes count; Windows does not tell it
+        spent = os.times()
+        return time.perf_counter() if sys.platform == "win32" else spent.children_user + spent.children_system
+
     times = []
     for _ in range(3):
-        start = time.perf_counter()
+        start = now()
         done = program("--version")
-        times.append(time.perf_counter() - start)
+        times.append(now() - start)
         assert (done.returncode, done.stdout, done.stderr) == (0, f"fem-seal {fem_seal.__version__}\n", "")
-    # the best of three: other processes of the machine are not what is measured
-    assert min(times) < 0.3
+    assert min(times) < 0.2
 
 
 # What reading a case takes no longer than it must: units that nearly every case is written in need no pint, the few

@@ -49,7 +49,7 @@ class _Part:
         """Stiffness of inner and outer from that of its elements (elements, shapes, shapes), of a smallest part."""
         size, (place,) = len(self.inner) + len(self.outer) + 1, self.places
         index = place[:, :, None] * size + place[:, None, :]
-        summed: FloatArray = np.bincount(index.ravel(), local.ravel(), minlength=size * size).astype(float)
+        summed = np.asarray(np.bincount(index.ravel(), local.ravel(), minlength=size * size), dtype=float)
         # symmetric, and turned round in the order that LAPACK takes without a copy of each row
         return summed.reshape(size, size)[:-1, :-1].T
 
@@ -57,8 +57,9 @@ class _Part:
         """The same from what the halves hand on."""
         size = len(self.inner) + len(self.outer)
         front = np.zeros((size, size), order="F")
-        for place, half in zip(self.places, halves, strict=True):
-            front[place[:, None], place] += half
+        (first, second), (one, other) = self.places, halves
+        front[first[:, None], first] = one
+        front[second[:, None], second] += other
         return front
 
 
@@ -138,7 +139,7 @@ class Dissection:
         elastic : ndarray, shape (elements, shapes, shapes)
             Stiffness of each element before it yields.
         nodes : ndarray of int, shape (elements, k), optional
-            Nodes of each element, if they have several unknowns: halves that share few share few unknowns.
+            Nodes of each element, or some of them: halves that share few of them share few unknowns.
         """
         places = np.asarray(places, dtype=np.int64)
         shared = unknowns + 1 if nodes is None else nodes
@@ -184,8 +185,10 @@ class Dissection:
 
             solution = right.reshape(len(right), -1).copy()
             for part, (lower, coupling) in zip(parts, kept, strict=True):
-                if len(part.inner):
-                    forward, _ = dtrtrs(lower, solution[part.inner], lower=1)
+                inner = solution[part.inner]
+                # forces stand on few parts
+                if inner.any():
+                    forward, _ = dtrtrs(lower, inner, lower=1)
                     solution[part.inner] = forward
                     solution[part.outer] -= coupling.T @ forward
             solution[places], _ = dpotrs(last, solution[places], lower=1)

@@ -80,6 +80,9 @@ def shape_gradients(mesh: MeshTri, points: FloatArray) -> FloatArray:
         In the reference triangle.
     """
     _, gradients = shape_functions(points)
+    if not mesh.affine:
+        # curved triangles, each point with a map of its own
+        return np.asarray(np.einsum("qsi,ijeq->eqsj", gradients, mesh.mapping().invDF(points)))
     (a, b), (c, d) = mesh.p[:, mesh.t[1:]] - mesh.p[:, mesh.t[:1]]  # dr/ds, dr/dt, dz/ds, dz/dt
     inverse = np.moveaxis(np.array([[d, -b], [-c, a]]) / (a * d - b * c), -1, 0)
     return (gradients.reshape(-1, 2) @ inverse).reshape(len(inverse), *gradients.shape)
