@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from leak.flow.leak_rate import LeakResult, leak_flow, leak_rate
     from leak.flow.medium import DirectionalGap, anisotropic_medium, dimension_number, effective_medium
     from leak.flow.memory import LoadMemory
+    from leak.flow.nearby import NearbyTables
     from leak.flow.particles import (
         Clogging,
         GapDistribution,
@@ -167,6 +168,7 @@ _NAMES = {
     "leak.flow.leak_rate": ("LeakResult", "leak_flow", "leak_rate"),
     "leak.flow.medium": ("DirectionalGap", "anisotropic_medium", "dimension_number", "effective_medium"),
     "leak.flow.memory": ("LoadMemory",),
+    "leak.flow.nearby": ("NearbyTables",),
     "leak.flow.particles": (
         "Clogging",
         "GapDistribution",
@@ -291,6 +293,7 @@ __all__ = [
     "Liquid",
     "LoadMemory",
     "MeasuredSurface",
+    "NearbyTables",
     "ParticleCounts",
     "Paths",
     "PowerSpectrum",

@@ -47,9 +47,10 @@ class MadeOnce:
             if not self.keeps:
                 return make(*asked)
             kept, key = self._kept.setdefault(name, OrderedDict()), key_of(*asked)
-            if key in kept:
-                kept.move_to_end(key)
-                return kept[key][1]
+            # asked from several threads
+            found = kept.get(key)
+            if found is not None:
+                return found[1]
             made = make(*asked)
             # with what was asked for, so that nothing else gets its id
             kept[key] = asked, made

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Self, TypeAlias
 import numpy as np
 
 from fem_seal.analysis.caution import VALID, Validity
-from fem_seal.analysis.flow import Conductivity, RoughFlow, log_peaks
+from fem_seal.analysis.flow import Conductivity, RoughFlow
 from fem_seal.analysis.lazy import Lazy
 from fem_seal.units import DIGITS, given, leak_range_text, quantity, quantity_worth
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.profile import PressureProfile
-    from leak import ConductivityTable, GasConductivityTable, LeakResult, RoughContact
+    from leak import LeakResult, RoughContact
     from meshes import SealMesh
 
 
@@ -323,41 +323,6 @@ def leak_rates(
     """
     shown = [contact for load in (*alike, *loads) for contact in load.contacts]
     rough = RoughFlow.of(surface, flow, shown, table)
-    found = [replace(load, rough=rough).leak for load in loads]
-    return tuple(math.nan if leak is None else leak.leak_rate for leak in found)
-
-
-# Decades below the smallest peak pressure, and pressures, of a coarse table: below, the pressure decides nothing.
-_DECADES, _PRESSURES, _ABOVE = 2.5, 10, 1.02
-# Inverse Knudsen numbers at which nothing is tabulated.
-_LOG_D = np.linspace(-5.0, 5.0, 4)
-
-
-def coarse_leak_rates(surface: RoughContact, flow: Flow, loads: Sequence[LoadResult]) -> tuple[float, ...]:
-    """`leak_rates` for comparisons with others of the same kind: few pressures in the table of conductivities [m^3/s].
-
-    Of a gas the effective gaps are those of a liquid, with the flow factor of a uniform gap: what the averaging over
-    unequal gaps adds to it is much the same on surfaces that are compared.
-
-    Parameters
-    ----------
-    surface : RoughContact
-    flow : Flow
-    loads : sequence of LoadResult
-    """
-    shown = [contact for load in loads for contact in load.contacts]
-    peaks = [10.0**one for one in log_peaks(shown)]
-    low, high = min(peaks) * 10.0**-_DECADES, max(peaks) * _ABOVE
-
-    from leak import GasConductivityTable
-
-    def make(flow: Flow, surface: RoughContact) -> ConductivityTable | GasConductivityTable:
-        table = surface.conductivity_table(low, high, _PRESSURES, method=flow.conductivity)
-        if flow.gas is None:
-            return table
-        return GasConductivityTable(table, np.zeros((table.pressure.size, _LOG_D.size)), _LOG_D)
-
-    rough = RoughFlow(surface, flow, make)
     found = [replace(load, rough=rough).leak for load in loads]
     return tuple(math.nan if leak is None else leak.leak_rate for leak in found)
 
@@ -828,8 +793,9 @@ class LeakInterval:
         First-order share of each input in the variance of ln Q; their sum falls short of one by what inputs do only
         together. NaN where a sample is sealed or blown open.
     error : float or None
-        Largest relative error of the polynomial at samples that were calculated beside it, at both ends of the
-        interval; None if every sample was calculated.
+        Largest relative error of samples that were calculated anew beside them, at both ends of the interval, with
+        conductivity tables of their own: of the polynomial and of tables from that of the case. None if every sample
+        was calculated so.
     capped : ndarray, shape (loads, samples), or None
         The same samples with yielding asperities that change the surface only where it touches [m^3/s]; None where
         none yields.

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.families import family_table
 from fem_seal.analysis.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.analysis.problem import condensed
 from fem_seal.analysis.response_surface import ResponseSurface, fit
-from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution, coarse_leak_rates, leak_rates
+from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution, leak_rates
 from fem_seal.analysis.sampling import UncertainInput, sobol_points
 from fem_seal.arrays import FloatArray
 from fem_seal.case.checks import problems_with_uncertainty
@@ -40,11 +39,9 @@ if TYPE_CHECKING:
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.materials import Material
-    from leak import PowerSpectrum, RoughContact
+    from leak import NearbyTables, PowerSpectrum, RoughContact
 
 _FIRST_RUNS = 16
-# Inputs that leave a surface in its family, see `fem_seal.analysis.families`.
-_OF_ONE_FAMILY = ("hardness", "youngs_modulus", "rms_height", "form")
 # Left-out runs must be predicted this well: an error that adds 0.05 % to the width of the interval.
 _ERROR_OF_STD = 0.03
 _SMALLEST_ERROR = 2e-4
@@ -52,7 +49,9 @@ _SMALLEST_ERROR = 2e-4
 _CHECKS = 4
 # Bodies that yield are linearised at the loads of the case, unless these checks, which go through all loads, differ by
 # more than the first and by more than this share of the width of ln Q that holds nine tenths of the samples.
-_LARGEST_OF_LINEAR, _SHARE_OF_SCATTER = 0.03, 0.06
+_OF_LINEAR = 0.03, 0.06
+# So it is with tables from that of the case: one of their own for every sample unless they are as good as this.
+_OF_TABLES = 0.01, 0.02
 
 
 def leak_interval(
@@ -137,14 +136,14 @@ def _interval_of_finish(
 ) -> LeakInterval:
     """The interval of a finish, a factor of ten or more, for the price of few runs.
 
-    Ratios of leak rates to those of the case itself, of both with coarse tables, at few loads: a quadratic polynomial
-    of their logarithms gives the samples, and the other loads follow over the line load.
+    Ratios of leak rates to those of the case itself at few loads: a quadratic polynomial of their logarithms gives the
+    samples, and the other loads follow over the line load.
     """
     chosen = _representative(result.loads)
     part = replace(result, loads=tuple(result.loads[n] for n in chosen))
     study = _Study.of(part, settings)
-    study = replace(study, coarse=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
-    usual, viscosity = study.of_coarse, study.viscosity[:, None]
+    study = replace(study, lenient=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
+    usual, viscosity = np.array(study.of_case), study.viscosity[:, None]
     if not np.all((usual > 0) & np.isfinite(usual)):
         # what is sealed has no ratios
         few = settings.model_copy(update={"samples": min(settings.samples, _OF_SEALED)})
@@ -173,7 +172,7 @@ def _interval_of_finish(
         truth = replace(study, whole_paths=True).leak_rates(checked.tolist()) / usual
         checked, truth = (one[~np.isnan(truth).any(axis=1)] for one in (checked, truth))
         error = float(np.abs(ratios[checked] / truth - 1).max(initial=0.0))
-        if study.linearised and error > _allowed(np.log(ratios)):
+        if study.linearised and error > _allowed(ratios, *_OF_LINEAR):
             return _interval_of_finish(result, settings, progress, whole_paths=True)
         ratios[checked], ratios[known] = truth, rates[known]
         runs += _CHECKS
@@ -230,19 +229,21 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
     runs, rates, surface = _runs(study, progress)
     error = None
     nominal = rates * viscosity[:, None] if surface is None else np.exp(surface(study.scores))
-    if surface is not None or (study.linearised and study.calculated):
+    if study.calculated and (surface is not None or study.linearised or not study.exact):
         checked = _ends((nominal / viscosity[:, None])[:, study.last_load], settings.confidence)
-        truth = replace(study, whole_paths=True).leak_rates(checked)
+        truth = replace(study, whole_paths=True, exact=True).leak_rates(checked)
         with np.errstate(divide="ignore", invalid="ignore"):
             differ = np.abs(nominal[checked] / truth - 1)
         # both sealed is no difference; a path that did not converge says nothing
         error = float(np.nan_to_num(differ, nan=0.0).max())
-        if study.linearised and surface is not None and error > _allowed(np.log(nominal)):
+        if study.linearised and surface is not None and error > _allowed(nominal, *_OF_LINEAR):
             return _interval(replace(study, whole_paths=True), settings, progress)
+        if not study.exact and error > _allowed(nominal, *_OF_TABLES):
+            return _interval(replace(study, exact=True), settings, progress)
         if surface is not None:
             nominal[: len(rates)] = rates
+            runs += len(checked)
         nominal[checked] = np.where(np.isnan(truth), nominal[checked], truth)
-        runs += len(checked)
     conserved, *capped = np.split((nominal / viscosity[:, None]).T, study.readings)
     return LeakInterval(
         tuple(one.name for one in study.inputs),
@@ -256,10 +257,15 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
     )
 
 
-def _allowed(log_leak_rate: FloatArray) -> float:
-    """How far linearised bodies may be off, for samples that scatter like these."""
-    low, high = np.quantile(log_leak_rate, (0.05, 0.95), axis=0)
-    return max(_LARGEST_OF_LINEAR, _SHARE_OF_SCATTER * float((high - low).max()))
+def _allowed(leak_rate: FloatArray, least: float, share: float) -> float:
+    """How far samples that scatter like these may be off, from shares of one and of their scatter in ln Q."""
+    with np.errstate(divide="ignore"):
+        found = np.log(leak_rate)
+    found = found[np.isfinite(found).all(axis=1)]
+    if not len(found):
+        return least
+    low, high = np.quantile(found, (0.05, 0.95), axis=0)
+    return max(least, share * float((high - low).max()))
 
 
 def _runs(study: _Study, progress: Callable[[str], None]) -> tuple[int, FloatArray, ResponseSurface | None]:
@@ -296,7 +302,7 @@ def _ends(leak_rate: FloatArray, confidence: float) -> list[int]:
     last = len(leak_rate) - 1
     near = []
     for share, outer in ((0.5 - 0.5 * confidence, np.argmin), (0.5 + 0.5 * confidence, np.argmax)):
-        order = np.argsort(leak_rate[:, outer(np.quantile(leak_rate, share, axis=0))])
+        order = np.argsort(leak_rate[:, outer(np.quantile(leak_rate, share, axis=0, method="lower"))])
         near += [int(order[min(last, int(share * last) + n)]) for n in range(_CHECKS // 2)]
     return sorted(set(near))
 
@@ -330,8 +336,10 @@ class _Study:
     ----------
     uniform : ndarray, shape (samples, dimensions)
         Numbers between 0 and 1.
-    coarse : bool
-        Whether conductivities are tabulated at few pressures.
+    lenient : bool
+        Whether samples whose contact does not converge are NaN, instead of an error.
+    exact : bool
+        Whether each sample has a conductivity table of its own, instead of one from that of the case.
     whole_paths : bool
         Whether bodies that yield go through all their loads in every sample, instead of being linearised at each load
         of the case.
@@ -342,7 +350,8 @@ class _Study:
     result: SealSolution
     inputs: tuple[AnyInput, ...]
     uniform: FloatArray
-    coarse: bool = False
+    lenient: bool = False
+    exact: bool = False
     whole_paths: bool = False
     numbers: Sequence[int] | None = None
 
@@ -381,12 +390,6 @@ class _Study:
         loads = self.result.loads
         found = [load.leak for load in loads] + [load.leak_capped for load in loads] * (self.readings - 1)
         return [math.nan if leak is None else leak.leak_rate for leak in found]
-
-    @property
-    def of_coarse(self) -> FloatArray:
-        """Leak rates of the case itself from coarse tables."""
-        assert self.result.surface is not None  # of the checks
-        return np.array(self._rates(self.result.surface, self.result.loads))
 
     @cached_property
     def calculated(self) -> tuple[AnyInput, ...]:
@@ -427,8 +430,10 @@ class _Study:
     def leak_rates(self, samples: Sequence[int]) -> FloatArray:
         """Leak rates at the case's own viscosity, calculated, shape (samples, readings times loads) [m^3/s]."""
         # numpy and LAPACK leave Python's lock for most of the time, so two samples run side by side
+        # after the first, which makes what they share
+        first, *rest = samples
         with ThreadPoolExecutor(2) as pool:
-            return np.array(list(pool.map(self._leak_rates, samples)))
+            return np.array([self._leak_rates(first), *pool.map(self._leak_rates, rest)])
 
     def _leak_rates(self, sample: int) -> list[float]:
         factors = {
@@ -440,7 +445,7 @@ class _Study:
         try:
             return self._rates(surface, self._loads(surface, factors))
         except ConvergenceError:
-            if self.coarse or (self.whole_paths and not self._bulk):
+            if self.lenient or (self.whole_paths and not self._bulk):
                 return [math.nan] * (self.readings * len(self.result.loads))
             raise
 
@@ -449,21 +454,29 @@ class _Study:
         flow = self.result.problem.flow
         assert flow is not None  # of the checks
         read = (surface, surface.capped)[: self.readings]
-        if self.coarse:
-            return [rate for one in read for rate in coarse_leak_rates(one, flow, loads)]
-        # with the range of the case itself, as long as it will do, the table's own error is that of all samples
-        return [
-            rate
-            for one in read
-            for rate in leak_rates(one, flow, loads, alike=self.result.loads, table=self._table)
-        ]
+        if self.exact or flow.simulated is not None:
+            # with the range of the case itself, as long as it will do, the table's own error is that of all samples
+            return [rate for one in read for rate in leak_rates(one, flow, loads, alike=self.result.loads)]
+        return [rate for one in read for rate in leak_rates(one, flow, loads, table=self._table)]
 
     def _table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
-        """Conductivity; of samples that differ in height, modulus and hardness only from tables they all share."""
-        shared = None
-        if all(one.name in _OF_ONE_FAMILY for one in self.calculated):
-            shared = family_table(flow, surface, log_peaks)
-        return flow.table_around(surface, log_peaks) if shared is None else shared
+        """Conductivity from the table of the case."""
+        sealing = math.log10(flow.sealing_pressure(surface))
+        # what lies above is sealed
+        highest = max((one for one in log_peaks if one < sealing), default=sealing - 1.0)
+        return self._nearby[surface.yielding].table(surface, 10.0**highest)
+
+    @cached_property
+    def _nearby(self) -> dict[str, NearbyTables]:
+        """Tables of surfaces close to that of the case, by its reading of yielding."""
+        from leak import NearbyTables
+
+        surface, flow = self.result.surface, self.result.problem.flow
+        assert surface is not None and flow is not None  # of the checks
+        return {
+            one.yielding: NearbyTables(one, flow.gas is not None, flow.conductivity)
+            for one in (surface, surface.capped)
+        }
 
     def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:
         assert self.result.surface is not None

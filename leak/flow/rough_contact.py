@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, SurfaceError, positive
@@ -487,8 +487,7 @@ class RoughContact:
         p, lengths = np.atleast_1d(_checked(pressure)), np.asarray(flight, dtype=float)
         n = medium.dimension_number(self.percolation_threshold)
         out = np.empty(lengths.shape)
-        for start in range(0, p.size, _CHUNK):
-            part = slice(start, start + _CHUNK)
+        for part in _parts(np.arange(p.size)):
             acting = self.acting_pressure(p[part])
             lost, mean, aspect = self._channels(acting, self._seen(acting), 1)
             out[part] = effective_gas_gap(lost, mean, self.spectrum.rms_height, n, aspect, lengths[part])
@@ -601,8 +600,7 @@ class RoughContact:
             out[yielded] = 0.0
             usual &= ~yielded
         index = np.flatnonzero(usual)
-        for start in range(0, index.size, _CHUNK):
-            part = index[start : start + _CHUNK]
+        for part in _parts(index):
             out[part] = at(flat[part])
         if np.any(tiny):
             last, before = at(np.array([least, np.e * least]))
@@ -649,6 +647,11 @@ class RoughContact:
     def _critical_separation(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
         relative = p / self.effective_modulus
         return critical_gap(self.spectrum, seen, relative, self.gamma, self.percolation_threshold)
+
+
+def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """About `_CHUNK` at a time."""
+    return np.array_split(index, max(round(index.size / _CHUNK), 1)) if index.size else []
 
 
 _NEWTON_STEPS = 40
@@ -791,9 +794,12 @@ def _elastic_range(surface: RoughContact, ends: FloatArray) -> tuple[float, floa
     return 10.0 ** np.floor(low), 10.0 ** np.ceil(high)
 
 
-# The low-pressure law holds to 1e-9 this far (in ln p) below p_c; above it ubar is tabulated at this spacing.
-_LAW_RANGE = 50.0
+# The low-pressure law holds to 1e-9 50 below p_c (in ln p); above it ubar is tabulated at this spacing, and where it is
+# all but straight at wider ones: the curve between is off by less than 1e-6 of ubar.
 _LAW_SPACING = 0.05
+_LAW_PLACES = np.concatenate(
+    [np.arange(-50.0, -20.0, 1.0), np.arange(-20.0, -8.0, 0.25), np.arange(-8.0, 8.0, _LAW_SPACING)]
+)
 # The table ends where the gap is this fraction of u0: full contact for any purpose.
 _LAW_END = 1e-6
 
@@ -802,7 +808,7 @@ _LAW_END = 1e-6
 def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
     """Mean separation over ln p, with its exact slope for elastic asperities and a spline's for plastic ones."""
     log_p_c = np.log(surface.p_c)
-    log_p = np.arange(log_p_c - _LAW_RANGE, log_p_c + 8.0, _LAW_SPACING)
+    log_p = log_p_c + _LAW_PLACES
     if surface.hardness is not None:
         # Toward the hardness the gap closes ever faster: equal ratios of sigma_P - p instead of equal steps.
         near = np.log(surface.hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))

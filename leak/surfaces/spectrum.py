@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from itertools import pairwise
 from os import PathLike
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, different
 from leak.errors import SpectrumError, positive
 from leak.surfaces.periodogram import Window
 from leak.surfaces.scan_files import Unit, read_topographies
@@ -25,6 +24,8 @@ _SUM_ERROR = 2e-5
 _GAP = 1e-12
 # Quadratures stop at nodes where the exponent of C changes by more than this or C steps; smaller kinks do no harm.
 _KINK, _STEP = 0.05, 1e-4
+# Where only some of many kinks are stops, those as large as this are always among them.
+_STRONG_KINK, _STRONG_STEP = 1.5, 0.7
 # With more kinks than this (a raw Fourier spectrum) they average out, and stopping at some of them is enough.
 _MOST_BREAKS = 400
 # The end of a spectrum that adds less than this fraction per e-fold of q to M; M itself resolves 1e-16.
@@ -51,6 +52,8 @@ class PowerSpectrum:
         q of the nodes, shape (n,), not decreasing [1/m].
     density : array_like
         C at the nodes, shape (n,), positive [m^4].
+    most_breaks : int
+        At so many of the kinks between the nodes, at most, quadratures over magnification stop.
 
     Raises
     ------
@@ -72,6 +75,7 @@ class PowerSpectrum:
 
     wavenumber: FloatArray
     density: FloatArray
+    most_breaks: int = field(default=_MOST_BREAKS, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         try:
@@ -242,30 +246,28 @@ class PowerSpectrum:
         if not isinstance(other, PowerSpectrum):
             return NotImplemented
         nodes = np.unique(np.concatenate([self.wavenumber, other.wavenumber]))
-        pieces_q: list[FloatArray] = []
-        pieces_C: list[FloatArray] = []
-        for left, right in pairwise(nodes):
-            middle, ends = float(np.sqrt(left * right)), np.array([left, right])
-            count = _pieces_of_sum(
-                np.log(right / left), self._inside_piece(middle, ends), other._inside_piece(middle, ends)
-            )
-            q = np.geomspace(left, right, count + 1)
-            q[[0, -1]] = left, right
-            C = self._inside_piece(middle, q) + other._inside_piece(middle, q)
-            if C[0] == 0.0:
-                C = np.full_like(q, _GAP * min(self.density.min(), other.density.min()))
-            pieces_q.append(q)
-            pieces_C.append(C)
-        q_all, C_all = np.concatenate(pieces_q), np.concatenate(pieces_C)
-        same = (np.diff(q_all) == 0.0) & np.isclose(np.diff(np.log(C_all)), 0.0, atol=1e-13)
+        left, right = nodes[:-1], nodes[1:]
+        ends = [one._at_ends_of(left, right) for one in (self, other)]
+        count = _pieces_of_sum(np.log(right / left), *ends)
+        # the nodes of each stretch, both its ends among them, one stretch after the other
+        of = np.repeat(np.arange(left.size), count + 1)
+        share = (np.arange(of.size) - np.repeat(np.cumsum(count + 1) - count - 1, count + 1)) / count[of]
+        q = left[of] * (right / left)[of] ** share
+        q = np.where(share == 1.0, right[of], q)
+        C = sum(np.exp(log_C[of, 0] + share * slope[of]) for log_C, slope in map(_straight, ends))
+        nothing = np.isneginf(np.maximum(ends[0][:, 0], ends[1][:, 0]))[of]
+        C = np.where(nothing, _GAP * min(self.density.min(), other.density.min()), C)
+        same = (np.diff(q) == 0.0) & np.isclose(np.diff(np.log(C)), 0.0, atol=1e-13)
         keep = np.concatenate([[True], ~same])
-        return PowerSpectrum(q_all[keep], C_all[keep])
+        return PowerSpectrum(q[keep], C[keep])
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, PowerSpectrum):
             return NotImplemented
-        return np.array_equal(self.wavenumber, other.wavenumber) and np.array_equal(
-            self.density, other.density
+        return (
+            self.most_breaks == other.most_breaks
+            and np.array_equal(self.wavenumber, other.wavenumber)
+            and np.array_equal(self.density, other.density)
         )
 
     def __hash__(self) -> int:
@@ -335,13 +337,27 @@ class PowerSpectrum:
         """Slope moments M at the nodes where a quadrature should be split, ends included, increasing [-]."""
         real = np.flatnonzero(self._length > 0.0)
         left, right = real[:-1], real[1:]
-        bend = np.abs(self._slope[right] - self._slope[left]) > _KINK
-        step = np.abs(self._log_C[right] - self._log_C[left + 1]) > _STEP
-        kinks = right[bend | step]
-        kinks = kinks[:: 1 + kinks.size // _MOST_BREAKS]
+        bend = np.abs(self._slope[right] - self._slope[left])
+        step = np.abs(self._log_C[right] - self._log_C[left + 1])
+        any_kink = (bend > _KINK) | (step > _STEP)
+        strong = (bend > _STRONG_KINK) | (step > _STRONG_STEP)
+        kinks = self._spread(right[any_kink], right[strong])
         nodes = self._slope_moment[np.concatenate([[0], kinks, [self._last_piece + 1]])]
-        breaks = np.unique(np.concatenate([nodes, self._saturation_moments()]))
+        breaks = different(np.concatenate([nodes, self._saturation_moments()]))
         return np.append(breaks[breaks < self.last_moment], self.last_moment)
+
+    def _spread(self, kinks: NDArray[np.intp], strong: NDArray[np.intp]) -> NDArray[np.intp]:
+        """So many kinks as are allowed, in even steps of what changes with magnification: q, M and its rest."""
+        if kinks.size <= self.most_breaks:
+            return kinks
+        M = self._slope_moment[kinks] / self.last_moment
+        place = self._log_q[kinks] + 0.5 * np.log(M) - np.log(np.maximum(1.0 - M, 0.0) + 1e-3)
+        end = max(self._log_q[-1] - np.log(1e-3), place[-1])
+        wanted = np.linspace(place[0], end, self.most_breaks + 2)[1:-1]
+        near = np.clip(np.searchsorted(place, wanted), 1, place.size - 1)
+        near = kinks[np.unique(near - (wanted - place[near - 1] < place[near] - wanted))]
+        # where most are strong, in a raw Fourier spectrum, they average out as well
+        return near if strong.size > 4 * self.most_breaks else np.union1d(near, strong)
 
     def _saturation_moments(self) -> FloatArray:
         """Moments that part a steep spectrum, whose M hardly rises with q any more, at each half e-fold of dM/dlnq."""
@@ -368,12 +384,14 @@ class PowerSpectrum:
     def _last_piece(self) -> int:
         return int(np.flatnonzero(self._length > 0.0)[-1])
 
-    def _inside_piece(self, middle: float, q: FloatArray) -> FloatArray:
-        """C of the piece that contains `middle`, continued to `q` at its ends, so that steps stay steps."""
-        if not self.q_low < middle < self.q_high:
-            return np.zeros_like(q)
-        k = int(self._piece_of(np.asarray(middle)))
-        return np.exp(self._log_C[k] + self._slope[k] * (np.log(q) - self._log_q[k]))
+    def _at_ends_of(self, left: FloatArray, right: FloatArray) -> FloatArray:
+        """ln C at both ends of stretches within one piece, steps being steps; -inf outside, shape (n, 2)."""
+        middle = np.sqrt(left * right)
+        k = self._piece_of(middle)
+        log_q = np.log(np.column_stack([left, right]))
+        log_C = self._log_C[k, None] + self._slope[k, None] * (log_q - self._log_q[k, None])
+        inside = (middle > self.q_low) & (middle < self.q_high)
+        return np.where(inside[:, None], log_C, -np.inf)
 
     @cached_property
     def _log_q(self) -> FloatArray:
@@ -418,18 +436,23 @@ def _log_range(q_from: float, q_to: float, spectrum: PowerSpectrum) -> tuple[flo
     return float(np.log(np.clip(q_from, low, high))), float(np.log(np.clip(q_to, low, high)))
 
 
-def _pieces_of_sum(length: float, one: FloatArray, other: FloatArray) -> int:
-    """Pieces of a sum of two power laws, given at both ends of a stretch of `length` in ln q.
+def _straight(ends: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """ln C at both ends of stretches and its rise, zero where there is nothing."""
+    there = np.isfinite(ends[:, 0])
+    return ends, np.subtract(ends[:, 1], ends[:, 0], out=np.zeros(len(ends)), where=there)
 
-    The sum bends by (difference of slopes)^2 w (1 - w), w the share of one; its chord is off by length^2/8 of that.
+
+def _pieces_of_sum(length: FloatArray, one: FloatArray, other: FloatArray) -> NDArray[np.intp]:
+    """Pieces of the sums of two power laws on stretches of `length` in ln q, from ln C at both ends, shape (n, 2).
+
+    A sum bends by (difference of slopes)^2 w (1 - w), w the share of one; its chord is off by length^2/8 of that.
     """
-    if one[0] == 0.0 or other[0] == 0.0:
-        return 1
-    ratio = np.log(one / other)
-    nearest = 0.0 if ratio[0] * ratio[1] < 0.0 else float(np.abs(ratio).min())
-    share = 1.0 / (1.0 + np.exp(nearest))
-    bend = (ratio[1] - ratio[0]) ** 2 * share * (1.0 - share)
-    return max(int(np.ceil(np.sqrt(bend / (8.0 * _SUM_ERROR)))), 1)
+    both = np.isfinite(one[:, 0]) & np.isfinite(other[:, 0])
+    ratio = np.subtract(one, other, out=np.zeros(one.shape), where=both[:, None])
+    nearest = np.where(ratio[:, 0] * ratio[:, 1] < 0.0, 0.0, np.abs(ratio).min(axis=1))
+    share = 1.0 / (1.0 + np.exp(np.minimum(nearest, 700.0)))
+    bend = (ratio[:, 1] - ratio[:, 0]) ** 2 * share * (1.0 - share)
+    return np.maximum(np.ceil(np.sqrt(bend / (8.0 * _SUM_ERROR))), 1).astype(int)
 
 
 @lru_cache(maxsize=256)

@@ -319,7 +319,8 @@ def interval_note(result: SealSolution) -> str:
     return said(
         "notes.interval",
         "samples",
-        "polynomial" if interval.error is not None else "",
+        "polynomial" if interval.runs < interval.samples else "",
+        "checked" if interval.error is not None else "",
         "finish" if roughness is not None and roughness.finishes else "",
         "sealed" if sealed > 0 else "",
         "shares",
