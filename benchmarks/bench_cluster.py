@@ -35,13 +35,14 @@ def study(designs: int):
     """Height of the roughness and fluid pressure, every combination."""
     from fem_seal import Study
 
-    side = round(designs**0.5)
+    # exactly so many, on a grid that is as square as can be
+    side = next(count for count in range(int(designs**0.5), 0, -1) if designs % count == 0)
     return Study(
         CASE,
         responses=["peak_pressure_Pa", "fwhm_m", "leak_rate_m3_per_s"],
         parameters={
             "roughness.spectrum.rms_height": {"start": "0.5 um", "stop": "5 um", "num": side},
-            "load.fluid_pressure": {"start": "1 bar", "stop": "50 bar", "num": round(designs / side)},
+            "load.fluid_pressure": {"start": "1 bar", "stop": "50 bar", "num": designs // side},
         },
     )
 
@@ -183,7 +184,7 @@ def run(designs: int, workers: int = 2, compare: int = 2500) -> Cost:
         watch = Watch(Path(top) / "cluster", count, processes, add)
         with Client(address) as client:
             client.wait_for_workers(workers, timeout=120)
-            client.run(ready)
+            client.run(exec, "import fem_seal.studies.responses")
             watcher = threading.Thread(target=watch)
             watcher.start()
             start = time.perf_counter()
@@ -207,11 +208,6 @@ def run(designs: int, workers: int = 2, compare: int = 2500) -> Cost:
         )
         compared = compare_here(asked, Path(top), max(count // compare, 1))
     return Cost(count, failed, compared, wall, cost, overhead, late[0], late[0] - early[0])
-
-
-def ready() -> None:
-    """Load in a worker what the designs need."""
-    import fem_seal.studies.responses  # noqa: F401
 
 
 def compare_here(asked, top: Path, every: int) -> int:

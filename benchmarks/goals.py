@@ -165,14 +165,19 @@ def studies(settings: Settings) -> Iterator[Figure]:
 
     part = 10 if settings.quick else 1
     note = "a tenth of the designs, times ten" if settings.quick else ""
-    for name, goal, tables in (
-        ("10 000 designs, grid", 15, bench_studies.grid(round((10000 / part) ** 0.5))),
-        ("10 000 designs, latin hypercube", 15, bench_studies.latin(10000 // part)),
-        ("1000 geometries", 90, bench_studies.geometries(1000 // part)),
+    for name, count, goal, tables in (
+        ("10 000 designs, grid", 10000, 15, bench_studies.grid(round((10000 / part) ** 0.5))),
+        ("10 000 designs, latin hypercube", 10000, 15, bench_studies.latin(10000 // part)),
+        ("1000 geometries", 1000, 90, bench_studies.geometries(1000 // part)),
     ):
         cost = bench_studies.run(name, 2, goal / part, **tables)
-        yield Figure(f"{name}: wall time", part * cost.wall, "s", goal, note)
-        yield Figure(f"{name}: processor time of each worker", part * cost.processor, "s", goal, note)
+        share = count / cost.designs
+        yield Figure(f"{name}: wall time", share * cost.wall, "s", goal, note)
+        yield Figure(f"{name}: processor time of each worker", share * cost.processor, "s", goal, note)
+    growth, each = bench_studies.memory(100_000 // part)
+    note = f"{100_000 // part} designs that take no time"
+    yield Figure("coordinator: growth of its memory over the last nine tenths", growth, "MB", None, note)
+    yield Figure("coordinator: hashing, ordering and storing a design", 1e3 * each, "ms", None, note)
 
 
 def cluster(settings: Settings) -> Iterator[Figure]:

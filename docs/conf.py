@@ -28,6 +28,7 @@ extensions = [
 exclude_patterns = [
     "_build",
     "validation",
+    "verification/made",
     "**/.ipynb_checkpoints",
     "cases/scripts/*.ipynb",
     "cases/scripts/sg_*",

@@ -47,7 +47,7 @@ def _missed(missed: Sequence[Entry]) -> str:
     if not missed:
         return ""
     lines = [
-        f"- {entry.figure}: {_number(entry)}, {entry.scaled / entry.goal:.2g} times "
+        f"- {entry.figure}: {_number(entry)}, {entry.scaled / entry.goal:.3g} times "
         f"its goal of {entry.goal:g} {entry.unit}"
         for entry in missed
         if entry.goal
@@ -103,7 +103,7 @@ def picture(entries: Sequence[Entry], path: Path) -> None:
         axis.axhline(entry.goal, color="grey", linestyle="--", linewidth=1)
         axis.set_title(entry.figure, fontsize=7)
         axis.set_ylabel(entry.unit, fontsize=7)
-        axis.set_ylim(bottom=0)
+        axis.set_ylim(0, 1.1 * max(entry.goal or 0.0, *(one.scaled for one in values)))
         axis.set_xlim(-0.3, len(places) - 0.7)
         axis.set_xticks(range(len(places)), [commit for _, commit in places], fontsize=6)
         axis.tick_params(axis="y", labelsize=6)

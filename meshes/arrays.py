@@ -1,4 +1,4 @@
-"""Arrays as they are annotated."""
+"""Arrays as they are annotated, and what numpy does with them only after further imports."""
 
 from __future__ import annotations
 
@@ -6,3 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+
+
+def different(values: FloatArray) -> FloatArray:
+    """Finite numbers in increasing order, each once: numpy.unique loads numpy.ma, which takes longer than all its work.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of one dimension.
+
+    Examples
+    --------
+    >>> different(np.array([2.0, 1.0, 2.0])).tolist()
+    [1.0, 2.0]
+    """
+    increasing = np.sort(values)
+    return increasing[np.diff(increasing, prepend=-np.inf) > 0]

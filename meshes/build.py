@@ -69,7 +69,7 @@ def build(closure: Shape, seat: Shape, sizing: Sizing) -> SealMesh:
     return build_contact(ContactGeometry.of(closure.outline, seat.outline), sizing)
 
 
-def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
+def build_contact(contact: ContactGeometry, sizing: Sizing, known: SealMesh | None = None) -> SealMesh:
     """Mesh two sections in first touch, see `build`.
 
     Parameters
@@ -77,6 +77,8 @@ def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
     contact : ContactGeometry
         Both sections, also drawn ones or ready meshes.
     sizing : Sizing
+    known : SealMesh, optional
+        Of another seal, from which a body that is the same and would be meshed the same is taken.
 
     Raises
     ------
@@ -111,13 +113,27 @@ def build_contact(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
         outline if isinstance(outline, MeshedOutline) else _with_contact_line(outline, arc, stub)
         for outline, arc in ((contact.closure, contact.closure_arc(x)), (contact.seat, contact.seat_arc(x)))
     )
-    bodies = [
-        (o.name, o.with_contact(contact, sizing.zone))
-        if isinstance(o, MeshedOutline)
-        else (o.name, triangulate(o, contact, sizing))
-        for o in outlines
-    ]
+    alike = known is not None and _graded_alike(contact, sizing, known)
+    before = {o.name: o for o in known.outlines} if known is not None and alike else {}
+    bodies = []
+    for outline in outlines:
+        if isinstance(outline, MeshedOutline):
+            mesh = outline.with_contact(contact, sizing.zone)
+        elif before.get(outline.name) == outline:
+            mesh = getattr(known, outline.name)
+        else:
+            mesh = triangulate(outline, contact, sizing)
+        bodies.append((outline.name, mesh))
     return SealMesh(joined(bodies), contact, sizing, outlines)
+
+
+def _graded_alike(contact: ContactGeometry, sizing: Sizing, known: SealMesh) -> bool:
+    """Whether gmsh is asked for the same element sizes as in a mesh that is known."""
+    seen = [
+        (one.closure.largest_radius, one.touch_radius, *one.point(np.array(sizing.zone)).ravel())
+        for one in (contact, known.contact)
+    ]
+    return sizing == known.sizing and not sizing.spots and seen[0] == seen[1]
 
 
 def _with_contact_line(outline: Outline, ends: FloatArray, stub: FloatArray) -> Outline:

@@ -14,6 +14,7 @@ import hypothesis
 import numpy as np
 import pytest
 import warm_process
+from made_once import MadeOnce
 
 import meshes
 from fem_seal.contact.model import ContactModel, condense
@@ -51,10 +52,26 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(50_000, 20, 50)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def made_once() -> Iterator[MadeOnce]:
+    """Meshes and condensed bodies are made once for each file of tests, not once for each run of the same seal."""
+    with pytest.MonkeyPatch.context() as patch:
+        made = MadeOnce()
+        made.patch(patch)
+        yield made
+
+
+@pytest.fixture
+def made_anew(made_once: MadeOnce, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Everything is made each time, for tests of how it is made."""
+    monkeypatch.setattr(made_once, "keeps", False)
+
+
 @pytest.fixture(scope="module", autouse=True)
-def forgotten_afterwards(request: pytest.FixtureRequest) -> Iterator[None]:
+def forgotten_afterwards(request: pytest.FixtureRequest, made_once: MadeOnce) -> Iterator[None]:
     """Results that the tests of one file share go with it: kept to the end they are gigabytes."""
     yield
+    made_once.forget()
     for thing in vars(request.module).values():
         if hasattr(thing, "cache_clear") and thing.__module__ == request.module.__name__:
             thing.cache_clear()

@@ -68,15 +68,18 @@ def rough_result() -> SealResult:
     return fem_seal.run(case())
 
 
+def single_case() -> Case:
+    """One load with elastic asperities, high pressure in the bore."""
+    return case(
+        load={"fluid_pressure": "20 bar", "pressure_side": "inner", "axial_force": "5 kN"},
+        leak={"plasticity": False},
+    )
+
+
 @cache
 def single_result() -> SealResult:
-    """One load with elastic asperities, high pressure in the bore."""
-    return fem_seal.run(
-        case(
-            load={"fluid_pressure": "20 bar", "pressure_side": "inner", "axial_force": "5 kN"},
-            leak={"plasticity": False},
-        )
-    )
+    """Its result."""
+    return fem_seal.run(single_case())
 
 
 @cache

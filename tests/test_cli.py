@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import subprocess
 import sys
 import time
@@ -58,20 +59,32 @@ def changed(tmp_path):
 
 
 def test_version_is_fast():
+    def now():
+        # of the processor, for which nobody else's processes count; Windows does not tell it
+        spent = os.times()
+        return time.perf_counter() if sys.platform == "win32" else spent.children_user + spent.children_system
+
     times = []
     for _ in range(3):
-        start = time.perf_counter()
+        start = now()
         done = program("--version")
-        times.append(time.perf_counter() - start)
+        times.append(now() - start)
         assert (done.returncode, done.stdout, done.stderr) == (0, f"fem-seal {fem_seal.__version__}\n", "")
-    # the best of three: other processes of the machine are not what is measured
-    assert min(times) < 0.3
+    assert min(times) < 0.2
 
 
 # What reading a case takes no longer than it must: units that nearly every case is written in need no pint, the few
 # numbers of the closed forms no scipy, and nothing of the finite elements is loaded before there is a mesh.
 ALSO_HEAVY = {
-    "check": {"pint", "scipy", "jinja2", "multiprocessing", "fem_seal.bodies.held_body", "leak.direct"}
+    "check": {
+        "pint",
+        "scipy",
+        "numpy.ma",
+        "jinja2",
+        "concurrent.futures",
+        "fem_seal.bodies.held_body",
+        "leak.direct",
+    }
 }
 
 
@@ -86,6 +99,22 @@ def test_commands_without_a_mesh_load_neither_gmsh_nor_pyvista(command, tmp_path
         f"heavy |= {ALSO_HEAVY.get(command, set())}; "
         "print(sorted(heavy & set(sys.modules))); "
         "sys.exit(code)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_a_run_loads_nothing_that_only_other_results_need(tmp_path):
+    code = (
+        "import sys; from fem_seal.cli import main; "
+        f"code = main(['run', {str(CASE)!r}, '-q', '-o', {str(tmp_path)!r}]); "
+        "heavy = {'matplotlib.pyplot', 'pandas', 'pint', 'pyvista', 'scipy.interpolate', 'scipy.optimize', "
+        "'scipy.ndimage', 'scipy.stats', 'leak.direct', 'fem_seal.analysis.form_answers', 'leak.flow.particles', "
+        "'fem_seal.output.pictures.three_d'}; "
+        "print(sorted(heavy & set(sys.modules))); sys.exit(code)"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False

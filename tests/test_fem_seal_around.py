@@ -589,12 +589,19 @@ def two_waves_of_1_um(local: LocalContact) -> tuple[np.ndarray, np.ndarray]:
     return line_load_around(local, stiffening, gap, local.mean.line_load, symmetry=2)
 
 
+@pytest.fixture(scope="module")
+def smooth_in_waves(smooth: LocalContact) -> tuple[np.ndarray, np.ndarray]:
+    return two_waves_of_1_um(smooth)
+
+
 @pytest.mark.slow
-def test_smooth_surfaces_are_the_limit_of_stiff_roughness(smooth: LocalContact) -> None:
+def test_smooth_surfaces_are_the_limit_of_stiff_roughness(
+    smooth: LocalContact, smooth_in_waves: tuple[np.ndarray, np.ndarray]
+) -> None:
     """u0 of 5 nm against waves of 1 um, which rounds the kink where the contact ends: by some 3 u0 over a slope of
     0.8 um per mean line load, 2e-2 of it. 64 angles per wave see the kink of the smooth one to 1e-3."""
     stiff = wide(ExponentialLaw(p_c=10e9, u0=5e-9))
-    (found, _), (limit, _) = (two_waves_of_1_um(local) for local in (smooth, stiff))
+    (found, _), (limit, _) = smooth_in_waves, two_waves_of_1_um(stiff)
     np.testing.assert_allclose(found / 20e3, limit / 20e3, atol=2e-2)
     assert found.max() == pytest.approx(limit.max(), rel=4e-3)
     peaks = [local.peak_pressure(np.array([f.max()]))[0] for local, f in ((smooth, found), (stiff, limit))]
@@ -602,9 +609,11 @@ def test_smooth_surfaces_are_the_limit_of_stiff_roughness(smooth: LocalContact) 
 
 
 @pytest.mark.slow
-def test_smooth_surfaces_press_or_are_apart(smooth: LocalContact) -> None:
+def test_smooth_surfaces_press_or_are_apart(
+    smooth: LocalContact, smooth_in_waves: tuple[np.ndarray, np.ndarray]
+) -> None:
     """f >= 0, and where f = 0 the gap is open."""
-    f, approach = two_waves_of_1_um(smooth)
+    f, approach = smooth_in_waves
     apart = f == 0
     assert 0.2 < apart.mean() < 0.8 and np.all(f >= 0)
     assert np.all(approach[apart] <= smooth.touch_approach)

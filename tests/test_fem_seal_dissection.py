@@ -12,6 +12,7 @@ from plastic_solids import HARDENING, LAW, seal
 import meshes
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.dissection import Dissection
+from fem_seal.bodies.elasticity import stiffness_matrix
 from fem_seal.bodies.elastoplastic import ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody, held_body
 from fem_seal.bodies.plastic_flow import Flow
@@ -87,6 +88,19 @@ def test_a_body_in_parts_is_the_whole_one(name: str) -> None:
     forces = np.random.default_rng(1).normal(size=(len(held.free), 2))
     moved = solve_whole(forces)
     assert solve_parts(forces) == pytest.approx(moved, abs=1e-9 * np.abs(moved).max())
+
+
+@pytest.mark.parametrize("name", ["closure", "seat"])
+def test_an_elastic_body_in_parts_is_the_whole_one(name: str) -> None:
+    held = body_of(name)
+    free = stiffness_matrix(held.basis, held.material)[held.free][:, held.free].tocsc()
+    whole, solve_whole = held.contact_compliance(free, held.free_rows)
+    parts, solve_parts = DissectedBody(held).elastic()
+    assert parts == pytest.approx(whole, abs=1e-12 * np.abs(whole).max())
+    forces = np.random.default_rng(1).normal(size=(len(held.free), 3))
+    moved = solve_whole(forces)
+    assert solve_parts(forces) == pytest.approx(moved, abs=1e-11 * np.abs(moved).max())
+    assert solve_parts(forces[:, 1]) == pytest.approx(moved[:, 1], abs=1e-11 * np.abs(moved).max())
 
 
 def test_nodes_that_are_held_one_way_are_not_turned() -> None:

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from sample_results import case, rough_result, single_result, smooth_result
+from sample_results import case, rough_result, single_case, single_result, smooth_result
 
 import fem_seal
 from fem_seal.analysis.caution import VALID
@@ -73,7 +73,7 @@ def test_a_load_answers_alike_after_pickling_touched_or_not():
     assert repr(whole) == repr(rough_result())
 
 
-@pytest.mark.parametrize("of", [case(load={"fluid_pressure": "20 bar"}), single_result().case, HELIUM])
+@pytest.mark.parametrize("of", [case(load={"fluid_pressure": "20 bar"}), single_case(), HELIUM])
 def test_a_design_with_the_contact_of_a_run_has_its_numbers(of, monkeypatch):
     """All columns but those that only a complete run knows, which has uncertain inputs and load steps."""
     result = fem_seal.run(of)

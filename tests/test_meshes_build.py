@@ -26,6 +26,10 @@ def make(angle: float = math.radians(45), radius: float = 0.02, sizing: Sizing =
     return meshes.build(Ball(radius), ConicalSeat.around(angle, Ball(radius)), sizing)
 
 
+# two builds are two
+pytestmark = pytest.mark.usefixtures("made_anew")
+
+
 @pytest.fixture(scope="module")
 def seal_mesh() -> SealMesh:
     return make()
@@ -230,3 +234,15 @@ def test_smoothing_makes_triangles_better_and_turns_none() -> None:
 def test_smoothing_leaves_even_triangles_alone() -> None:
     mesh = Triangles.init_tensor(np.linspace(0, 2, 9), np.linspace(0, 1, 5))
     np.testing.assert_allclose(smoothed(mesh), mesh.p, atol=1e-15)
+
+
+def test_a_body_of_a_known_mesh_is_that_which_would_be_made(seal_mesh: SealMesh) -> None:
+    ball = Ball(0.02)
+    seat = ConicalSeat.around(math.radians(45), ball)
+    wider = ConicalSeat.around(math.radians(45), ball, outer_radius=2 * seat.outer_radius)
+    contact = meshes.ContactGeometry.of(ball.outline, wider.outline)
+    anew, known = meshes.build_contact(contact, SIZING), meshes.build_contact(contact, SIZING, seal_mesh)
+    np.testing.assert_array_equal(known.mesh.p, anew.mesh.p)
+    np.testing.assert_array_equal(known.mesh.t, anew.mesh.t)
+    finer = meshes.build_contact(contact, SIZING.refined(1.5), seal_mesh)
+    assert finer.closure.nelements > 1.5 * known.closure.nelements

@@ -54,7 +54,7 @@ def test_the_page_says_plainly_what_is_missed(tmp_path):
     speed_page.main(tmp_path / "history.csv", tmp_path / "made")
     page = (tmp_path / "made" / "speed.md").read_text(encoding="utf-8")
     assert page.startswith(
-        "**1 of 2 goals are met.** Missed:\n\n- run: memory: 251 MB, 1.3 times its goal of 200 MB\n"
+        "**1 of 2 goals are met.** Missed:\n\n- run: memory: 251 MB, 1.25 times its goal of 200 MB\n"
     )
     assert "| run: wall time | 3 s | 1.5 | 1.8 s | met | 0.41 | bbbbbbb |" in page
     assert "| run: memory | 251 MB |  | 200 MB | **missed** |  | bbbbbbb |" in page

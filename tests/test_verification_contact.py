@@ -17,7 +17,7 @@ from conftest import STEEL, ball_on_cone
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
-from fem_seal.contact.solution import ContactSettings, ContactSolution, body_fields
+from fem_seal.contact.solution import ContactSettings, ContactSolution, body_fields, move_together
 from fem_seal.errors import ConvergenceError
 from fem_seal.materials import Material
 from leak import ExponentialLaw, TabulatedLaw, crossover_line, hertz_line
@@ -331,3 +331,13 @@ def test_random_seals_all_converge() -> None:
         solution = solve(model, law, axial_force=force)
         assert abs(solution.force_error) < 1e-10
         assert solution.residuals[-1] < 1e-10
+
+
+def test_contacts_moved_together_move_as_each_alone() -> None:
+    model, forces = ball_on_cone(LAW, [2e6, 2e7])
+    together, alone = ([solve(model, LAW, axial_force=force) for force in forces] for _ in range(2))
+    move_together(together)
+    for one, other in zip(together, alone, strict=True):
+        for name, moved in other.moved.items():
+            assert one.moved[name] == pytest.approx(moved, abs=1e-12 * np.abs(moved).max())
+            assert one.fields[name].von_mises == pytest.approx(other.fields[name].von_mises, rel=1e-9)

@@ -139,7 +139,7 @@ def _variations(solver: LoadSolver, mesh: SealMesh) -> Iterator[tuple[str, Conta
             wider = replace(problem, contact=larger)
             yield (
                 "a housing twice as wide and high",
-                condensed(wider, build_contact(larger, mesh.sizing), known),
+                condensed(wider, build_contact(larger, mesh.sizing, mesh), known),
             )
     free = problem.supports.wall == "free"
     other = replace(problem, supports=Supports(wall="fixed" if free else "free"))

@@ -13,12 +13,10 @@ from fem_seal.analysis.accuracy import NOT_ESTIMATED, discretisation_error, far_
 from fem_seal.analysis.afterwards import Afterwards
 from fem_seal.analysis.caution import NOT_JUDGED, Caution, Validity, worst_first
 from fem_seal.analysis.flow import RoughFlow
-from fem_seal.analysis.form_answers import form_answers
 from fem_seal.analysis.heating import warmed
 from fem_seal.analysis.left_out import left_out
 from fem_seal.analysis.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.analysis.opening import with_margins
-from fem_seal.analysis.particle_answers import particle_answers
 from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.questions import with_answers
 from fem_seal.analysis.results import (
@@ -33,6 +31,7 @@ from fem_seal.analysis.results import (
 from fem_seal.analysis.variants import interface_variants, theory_variants
 from fem_seal.analysis.verdict import seal_judgement, with_judgements
 from fem_seal.analysis.warnings import contact_cautions, earlier_cautions, load_validity
+from fem_seal.contact.solution import move_together
 from fem_seal.units import given
 from leak import LeakError
 
@@ -119,6 +118,8 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
             for load in bare
         )
     with clock.step("stress", "stress in both bodies"):
+        with suppress(MemoryError):  # one after the other they may fit
+            move_together([load.contact for load in loads])
         loads = tuple(
             _settled(after, _settled(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
@@ -137,11 +138,15 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
     answers = None
     if whole.form is not None:
         with clock.step("form", "what the form error means"):
+            from fem_seal.analysis.form_answers import form_answers
+
             ask = partial(form_answers, solver, case, loads[highest_load(loads)], whole.form)
             answers = after.get("answers about the form error", ask, None)
     particles: tuple[ParticleAnswers, ...] = ()
     if case.fluid is not None and case.fluid.particles is not None:
         with clock.step("particles", "what particles in the fluid do to the leak"):
+            from fem_seal.analysis.particle_answers import particle_answers
+
             ask_for = partial(particle_answers, loads, case.fluid.particles.counts)
             particles = after.get("answers about particles in the fluid", ask_for, ())
     with clock.step("variants", "comparing elastic and plastic interface law"):

@@ -6,24 +6,18 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+import leak
 from fem_seal.analysis.flow import RoughFlow, as_first_loaded
 from fem_seal.analysis.results import LoadResult, ParticleAnswers, SealSolution, ShutGaps
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
-from leak import (
-    GapDistribution,
-    GasConductivityTable,
-    ParticleCounts,
-    Paths,
-    cloggings,
-    parallel_paths,
-    shut_conductivity,
-    stopped,
-    throttling_length,
-)
+
+if TYPE_CHECKING:
+    from leak import GapDistribution, ParticleCounts, Paths
 
 # Sizes at which the leak is looked at [m]: the series E12, 12 to the decade, from a nanometre to nearly a millimetre.
 _SERIES = (1.0, 1.2, 1.5, 1.8, 2.2, 2.7, 3.3, 3.9, 4.7, 5.6, 6.8, 8.2)
@@ -78,7 +72,7 @@ def _shut() -> Shut:
             table = rough.table
             assert table is not None  # the load leaks
             known[rough, size] = replace(
-                rough, make=lambda flow, surface: shut_conductivity(table, surface, size)
+                rough, make=lambda flow, surface: leak.shut_conductivity(table, surface, size)
             )
         return known[rough, size]
 
@@ -112,7 +106,7 @@ class _Reading:
 
     @cached_property
     def gaps(self) -> GapDistribution:
-        return GapDistribution.of(self.rough.surface, [self.profile.peak_pressure])
+        return leak.GapDistribution.of(self.rough.surface, [self.profile.peak_pressure])
 
     @property
     def largest_passing(self) -> float:
@@ -135,11 +129,11 @@ class _Reading:
 
     def places(self) -> Paths:
         table, profile = self.rough.table, self.profile
-        liquid = table.liquid if isinstance(table, GasConductivityTable) else table
+        liquid = table.liquid if isinstance(table, leak.GasConductivityTable) else table
         assert liquid is not None  # the load leaks
-        length = throttling_length(profile.x, profile.pressure, liquid)
+        length = leak.throttling_length(profile.x, profile.pressure, liquid)
         around = 2.0 * math.pi * self.load.contact.model.touch_radius
-        return parallel_paths(around, length, self.largest_passing)
+        return leak.parallel_paths(around, length, self.largest_passing)
 
 
 def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAnswers | None:
@@ -149,9 +143,9 @@ def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAn
         return None
     sizes, shares = _curve(readings)
     particles = counts.at_least(sizes)
-    each = [stopped(counts, sizes, share) for share in shares]
+    each = [leak.stopped(counts, sizes, share) for share in shares]
     places = [one.places() for one in readings]
-    decays = [cloggings(*one) for one in zip((r.leak_rate for r in readings), each, places, strict=True)]
+    decays = [leak.cloggings(*one) for one in zip((r.leak_rate for r in readings), each, places, strict=True)]
     filter_size = counts.largest if math.isfinite(counts.largest) else None
     left = None if filter_size is None else _range(one.remaining(filter_size) for one in readings)
     # a scratch stays open, whatever is shut beside it

@@ -112,6 +112,11 @@ class CondensedBody:
     def displacement(self, point_forces: FloatArray) -> FloatArray:
         """Displacement dofs [m] under normal forces [N] at the points of the contact line.
 
+        Parameters
+        ----------
+        point_forces : ndarray, shape (m,) or (m, k)
+            Several loads at once take far less time than one after the other.
+
         Raises
         ------
         ValueError

@@ -1,4 +1,4 @@
-"""A body that yields, seen from its contact line: only the parts in which it yields are condensed anew."""
+"""A body condensed part by part; of one that yields only the parts in which it yields are condensed anew."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.dissection import Dissection
-from fem_seal.bodies.elasticity import elasticity_matrix, quadratic_nodes
+from fem_seal.bodies.elasticity import element_stiffness, quadratic_nodes
 from fem_seal.bodies.elastoplastic import ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.bodies.plastic_flow import Flow
@@ -25,8 +25,8 @@ class DissectedBody:
     Parameters
     ----------
     held : HeldBody
-    solid : ElastoplasticBody
-        The same body with its law.
+    solid : ElastoplasticBody or None
+        The same body with its law, if it yields.
 
     Notes
     -----
@@ -35,7 +35,7 @@ class DissectedBody:
     """
 
     held: HeldBody
-    solid: ElastoplasticBody
+    solid: ElastoplasticBody | None = None
 
     def condensed(self, flow: Flow) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """The body linearised, as `HeldBody.contact_compliance` sees it from its contact line.
@@ -50,10 +50,29 @@ class DissectedBody:
         RuntimeError
             If its stiffness is not positive definite.
         """
-        inverse, solve_turned = self._dissection.condensed(
-            np.asarray(flow.yielding.any(axis=1)),
-            lambda elements: self._stiffness(elements, flow.tangent[elements]),
+        return self._seen(
+            *self._dissection.condensed(
+                np.asarray(flow.yielding.any(axis=1)),
+                lambda elements: self._stiffness(elements, flow.tangent[elements]),
+            )
         )
+
+    def elastic(self) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """The body before it yields, as `HeldBody.contact_compliance` sees it from its contact line.
+
+        Raises
+        ------
+        RuntimeError
+            If its stiffness is not positive definite.
+        """
+        dissection = self._dissection
+        nowhere = np.zeros(len(dissection.elastic), dtype=bool)
+        return self._seen(*dissection.condensed(nowhere, lambda elements: dissection.elastic[elements]))
+
+    def _seen(
+        self, inverse: FloatArray, solve_turned: Callable[[FloatArray], FloatArray]
+    ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """Compliance along the normals, and a solver without turned nodes, from those of the dissection."""
         (radial, axial), (n_r, n_z) = self._turned_rows, self.held.normal[:, self._turned][..., None]
 
         def solve(forces: FloatArray) -> FloatArray:
@@ -70,9 +89,12 @@ class DissectedBody:
 
     def _stiffness(self, elements: NDArray[np.int64], tangent: FloatArray) -> FloatArray:
         """Stiffness of elements with turned contact nodes; their tangent has the shape (k, points, 4, 4)."""
-        local = self.solid.element_stiffness(elements, tangent)
+        assert self.solid is not None  # only of a body that yields
+        return self._with_turned(elements, self.solid.element_stiffness(elements, tangent))
+
+    def _with_turned(self, elements: NDArray[np.int64], local: FloatArray) -> FloatArray:
         touched = self._touched[elements]
-        turn = self._turn[elements[touched]]
+        turn = self._turn[self._number[elements[touched]]]
         local[touched] = turn.transpose(0, 2, 1) @ local[touched] @ turn
         return local
 
@@ -93,10 +115,15 @@ class DissectedBody:
         return np.asarray(np.isin(self.held.basis.element_dofs, turned).any(axis=0))
 
     @cached_property
+    def _number(self) -> NDArray[np.int64]:
+        """Number of each element among those with a turned node."""
+        return np.cumsum(self._touched) - 1
+
+    @cached_property
     def _turn(self) -> FloatArray:
-        """From normal and tangent to r and z, of the shapes of every element; shape (elements, shapes, shapes)."""
+        """From normal and tangent to r and z, of the shapes of elements with a turned node; (k, shapes, shapes)."""
         basis, (radial, axial) = self.held.basis, self.held.contact_dofs[:, self._turned]
-        dofs = basis.element_dofs.T
+        dofs = basis.element_dofs.T[self._touched]
         node = np.full(basis.N, -1)
         node[radial] = np.arange(len(radial))
         element, first = np.nonzero(node[dofs] >= 0)
@@ -125,13 +152,13 @@ class DissectedBody:
     def _dissection(self) -> Dissection:
         held, basis = self.held, self.held.basis
         everywhere = np.arange(basis.mesh.nelements)
-        tangent = np.broadcast_to(elasticity_matrix(held.material), (*self.solid.weight.shape, 4, 4))
         return Dissection.of(
             held.free_rows[basis.element_dofs].T,
             self._coordinates,
             self._last[0],
             len(held.free),
-            self._stiffness(everywhere, tangent),
+            self._with_turned(everywhere, element_stiffness(basis, held.material)),
+            basis.mesh.t.T,  # halves that share few vertices share few nodes
         )
 
     @property

@@ -9,7 +9,7 @@ zone, found anew each time, and nothing is assumed of the elements around it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -49,15 +49,17 @@ class _Part:
         """Stiffness of inner and outer from that of its elements (elements, shapes, shapes), of a smallest part."""
         size, (place,) = len(self.inner) + len(self.outer) + 1, self.places
         index = place[:, :, None] * size + place[:, None, :]
-        summed: FloatArray = np.bincount(index.ravel(), local.ravel(), minlength=size * size).astype(float)
-        return summed.reshape(size, size)[:-1, :-1]
+        summed = np.asarray(np.bincount(index.ravel(), local.ravel(), minlength=size * size), dtype=float)
+        # symmetric, and turned round in the order that LAPACK takes without a copy of each row
+        return summed.reshape(size, size)[:-1, :-1].T
 
     def joined(self, halves: tuple[FloatArray, ...]) -> FloatArray:
         """The same from what the halves hand on."""
         size = len(self.inner) + len(self.outer)
         front = np.zeros((size, size), order="F")
-        for place, half in zip(self.places, halves, strict=True):
-            front[place[:, None], place] += half
+        (first, second), (one, other) = self.places, halves
+        front[first[:, None], first] = one
+        front[second[:, None], second] += other
         return front
 
 
@@ -120,6 +122,7 @@ class Dissection:
         places: ArrayLike,
         size: int,
         elastic: FloatArray,
+        nodes: NDArray[np.int64] | None = None,
     ) -> Dissection:
         """Parts of a mesh.
 
@@ -135,9 +138,13 @@ class Dissection:
             Number of unknowns.
         elastic : ndarray, shape (elements, shapes, shapes)
             Stiffness of each element before it yields.
+        nodes : ndarray of int, shape (elements, k), optional
+            Nodes of each element, or some of them: halves that share few of them share few unknowns.
         """
         places = np.asarray(places, dtype=np.int64)
-        return cls(tuple(_Dissecting(unknowns, coordinates, places, size).parts()), places, size, elastic)
+        shared = unknowns + 1 if nodes is None else nodes
+        dissecting = _Dissecting(unknowns, shared, coordinates, places, size)
+        return cls(tuple(dissecting.parts()), places, size, elastic)
 
     def condensed(
         self, changed: NDArray[np.bool_], stiffness: Callable[[NDArray[np.int64]], FloatArray]
@@ -170,21 +177,25 @@ class Dissection:
         inverse, _ = dpotri(last, lower=1)
         inverse = np.tril(inverse)
         parts, places = self.parts, self.places
+        # what a part hands on is not needed any more, and need not be kept
+        kept = [(one.lower, one.coupling) for one in found]
 
         def solve(right: FloatArray) -> FloatArray:
             from scipy.linalg.lapack import dpotrs, dtrtrs
 
             solution = right.reshape(len(right), -1).copy()
-            for part, one in zip(parts, found, strict=True):
-                if len(part.inner):
-                    forward, _ = dtrtrs(one.lower, solution[part.inner], lower=1)
+            for part, (lower, coupling) in zip(parts, kept, strict=True):
+                inner = solution[part.inner]
+                # forces stand on few parts
+                if inner.any():
+                    forward, _ = dtrtrs(lower, inner, lower=1)
                     solution[part.inner] = forward
-                    solution[part.outer] -= one.coupling.T @ forward
+                    solution[part.outer] -= coupling.T @ forward
             solution[places], _ = dpotrs(last, solution[places], lower=1)
-            for part, one in zip(reversed(parts), reversed(found), strict=True):
+            for part, (lower, coupling) in zip(reversed(parts), reversed(kept), strict=True):
                 if len(part.inner):
-                    back = solution[part.inner] - one.coupling @ solution[part.outer]
-                    solution[part.inner], _ = dtrtrs(one.lower, back, lower=1, trans=1)
+                    back = solution[part.inner] - coupling @ solution[part.outer]
+                    solution[part.inner], _ = dtrtrs(lower, back, lower=1, trans=1)
             return solution.reshape(right.shape)
 
         return inverse + np.tril(inverse, -1).T, solve
@@ -221,6 +232,7 @@ class _Dissecting:
     """How the elements of a mesh are halved."""
 
     unknowns: NDArray[np.int64]
+    nodes: NDArray[np.int64]
     coordinates: FloatArray
     places: NDArray[np.int64]
     size: int
@@ -259,22 +271,19 @@ class _Dissecting:
         return _Part(elements, halves, inner, outer, tuple(of))
 
     def _halves(self, elements: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Two halves along one of the coordinates, that along which they share fewer unknowns."""
+        """Two halves along one of the coordinates, that along which they share fewer nodes."""
+        order = elements[np.argsort(self.coordinates[elements], axis=0, kind="stable").T]
+        halves = order[:, : len(elements) // 2], order[:, len(elements) // 2 :]
+        # for each coordinate, which nodes each half has
+        have = np.zeros((2, len(order), self._count), dtype=bool)
+        for which, half in zip(have, halves, strict=True):
+            which[np.arange(len(order))[:, None], self.nodes[half].reshape(len(order), -1)] = True
+        best = int(np.argmin(np.count_nonzero(have[0] & have[1], axis=1)))
+        return np.sort(halves[0][best]), np.sort(halves[1][best])
 
-        def halved() -> Iterator[tuple[int, NDArray[np.int64], NDArray[np.int64]]]:
-            for along in self.coordinates.T:
-                order = elements[np.argsort(along[elements], kind="stable")]
-                first, second = order[: len(order) // 2], order[len(order) // 2 :]
-                yield int(np.sum(self._have(first) & self._have(second))), first, second
-
-        _, first, second = min(halved(), key=lambda one: one[0])
-        return np.sort(first), np.sort(second)
-
-    def _have(self, elements: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which unknowns some elements have."""
-        have = np.zeros(self.size + 1, dtype=bool)
-        have[self.unknowns[elements] + 1] = True
-        return have[1:]
+    @cached_property
+    def _count(self) -> int:
+        return int(self.nodes.max()) + 1
 
     @cached_property
     def _uses(self) -> NDArray[np.int64]:

@@ -98,17 +98,17 @@ class HeldBody:
         return np.flatnonzero(np.isin(node_dofs(self.basis)[0], self.wall))
 
     def nodal_forces(self, point_forces: FloatArray) -> FloatArray:
-        """Nodal forces (dofs,) [N] of normal forces at the points of the contact line [N], balanced."""
-        forces = np.zeros(self.basis.N)
-        forces[self.contact_dofs] = self.normal * (self.trace.T @ point_forces)
+        """Nodal forces (dofs,) [N] of normal forces at the points of the contact line [N], balanced; or (dofs, k)."""
+        forces = np.zeros((self.basis.N, *point_forces.shape[1:]))
+        forces[self.contact_dofs] = (self.normal.T * (self.trace.T @ point_forces).T[..., None]).T
         return self.balanced(forces)
 
     def balanced(self, forces: FloatArray) -> FloatArray:
-        """Nodal forces (dofs,) [N] together with what holds a floating body against them."""
-        return forces - self.balance * forces[node_dofs(self.basis)[1]].sum()
+        """Nodal forces (dofs,) or (dofs, k) [N] together with what holds a floating body against them."""
+        return forces - np.multiply.outer(self.balance, forces[node_dofs(self.basis)[1]].sum(axis=0))
 
     def counted(self, displacement: FloatArray) -> FloatArray:
-        """Displacement (dofs,) [m] without the axial rigid motion of a floating body."""
+        """Displacement (dofs,) or (dofs, k) [m] without the axial rigid motion of a floating body."""
         counted = displacement.copy()
         counted[node_dofs(self.basis)[1]] -= self.balance @ displacement
         return counted

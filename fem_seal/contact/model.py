@@ -20,6 +20,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
+from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
 from fem_seal.bodies.held_body import Heat, HeldBody, held_body
@@ -222,7 +223,6 @@ def condense(
         and not warm
         and _same_closure(known, seal_mesh, materials["closure"], x, area_weight)
     )
-    # One after the other: SuperLU frees a factor only in the thread that made it, and two threads would leak every one.
     closure, seat = (
         known.closure
         if known is not None and same and name == "closure"
@@ -292,12 +292,12 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
 
 
 def _condense_body(held: HeldBody) -> CondensedBody:
-    stiffness = stiffness_matrix(held.basis, held.material)
-    free = stiffness[held.free][:, held.free].tocsc()
     forces = {}
     if len(held.wall):
-        forces["wall"] = np.asarray(stiffness[:, held.wall].sum(axis=1), dtype=float).ravel()
-    body = condense_body(held, held.contact_compliance(free, held.free_rows), forces)
+        outwards = np.zeros(held.basis.N)
+        outwards[held.wall] = 1.0
+        forces["wall"] = np.asarray(stiffness_matrix(held.basis, held.material) @ outwards)
+    body = condense_body(held, DissectedBody(held).elastic(), forces)
     return replace(body, loads={**body.loads, **dict(_heated(body))})
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -111,6 +112,22 @@ class ContactSolution:
         """Normal forces at the points of the contact line [N]."""
         return self.model.line.area_weight * self.pressure
 
+    @property
+    def line_forces(self) -> FloatArray:
+        """Normal forces of solid contact and fluid at the points of the contact line [N]."""
+        between = self.loads.gap_pressure
+        return (
+            self.point_forces
+            if between is None
+            else self.point_forces + self.model.line.area_weight * between
+        )
+
+    @cached_property
+    def moved(self) -> dict[str, FloatArray]:
+        """Displacement of "closure" and "seat" by all that presses on the contact line [m], shape (dofs,)."""
+        model, forces = self.model, self.line_forces
+        return {body.held.name: body.displacement(forces) for body in (model.closure, model.seat)}
+
     @cached_property
     def fields(self) -> dict[str, BodyField]:
         """Displacement and stress of "closure" and "seat"."""
@@ -190,6 +207,24 @@ class ContactSolution:
         return self if self.largest is None else replace(self, largest=None, earlier=None)
 
 
+def move_together(solutions: Sequence[ContactSolution]) -> None:
+    """Work out `ContactSolution.moved` of several contacts at once, in a fraction of the time.
+
+    Parameters
+    ----------
+    solutions : sequence of ContactSolution
+        Each then knows what it would have found when asked; those on another model than the first are left alone.
+    """
+    solutions = [one for one in solutions if one.model is solutions[0].model]
+    if not solutions:
+        return
+    model = solutions[0].model
+    forces = np.stack([one.line_forces for one in solutions], axis=1)
+    bodies = {body.held.name: body.displacement(forces).T.copy() for body in (model.closure, model.seat)}
+    for number, one in enumerate(solutions):
+        vars(one)["moved"] = {name: moved[number] for name, moved in bodies.items()}
+
+
 def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     """Fields of both bodies under a solved contact, "closure" and "seat".
 
@@ -207,11 +242,12 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     (['closure', 'seat'], True)
     """
     model, loads = solution.model, solution.loads
+    beside = replace(loads, gap_pressure=None)
     return {
         name: body_field(
             name,
             body,
-            loads.displacement(body, model, solution.point_forces),
+            solution.moved[name] + beside.displacement(body, model),
             _at_contact(body, model, solution.pressure),
             loads.free_strain(body, model),
             loads.temperature.get(name),

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.results import LoadResult, SealSolution
 from fem_seal.output.columns import AROUND_COLUMNS
 from fem_seal.output.tables import write_rows_csv
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import LoadResult, SealSolution
 
 
 def write_around_csv(result: SealSolution, path: Path) -> Path | None:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.drawn import ProfileSource
-from fem_seal.case.fields import Table
 from fem_seal.units import given, trimmed, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
+    from fem_seal.case.fields import Table
     from fem_seal.case.tables import Load
 
 # Lengths that are no dimensions of the body.

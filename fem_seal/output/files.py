@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fem_seal.analysis.afterwards import Afterwards
-from fem_seal.analysis.results import SealSolution
 from fem_seal.folders import replaced_together
 from fem_seal.output.around import write_around_csv
 from fem_seal.output.particles import write_particles_csv
@@ -15,6 +15,9 @@ from fem_seal.output.report.page import write_report
 from fem_seal.output.summary import write_summary
 from fem_seal.output.tables import write_imprint_csv, write_leak_csv, write_profile_csv, write_variants_csv
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import SealSolution
 
 
 def write(result: SealSolution, folder: Path) -> tuple[str, ...]:

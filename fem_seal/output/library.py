@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fem_seal.material_library import ALIASES, LIBRARY
-from fem_seal.materials import Material
 from leak.fluids.find import gas, is_gas, is_liquid, liquid
 from leak.fluids.library import GAS_ENTRIES, LIQUID_ENTRIES
 from leak.fluids.names import ROOM_TEMPERATURE, known_name
+
+if TYPE_CHECKING:
+    from fem_seal.materials import Material
 
 ONE_CONDITION = (
     "Hardness and yield strength are those of one condition; another heat treatment or temper changes them."

@@ -6,11 +6,11 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.results import SealSolution
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from fem_seal.analysis.results import SealSolution
     from fem_seal.output.report.tables import ReadableTable
 
 # Loads that a text names one by one, and rows that a notebook shows.

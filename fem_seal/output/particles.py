@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from fem_seal.analysis.results import ParticleAnswers, SealSolution
 from fem_seal.output.columns import PARTICLE_COLUMNS
 from fem_seal.output.tables import write_rows_csv
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import ParticleAnswers, SealSolution
 
 
 def write_particles_csv(result: SealSolution, path: Path) -> Path | None:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from fem_seal.analysis.results import SealSolution
 from fem_seal.output.prose import prose
 from fem_seal.output.tables import standards_used
+
+if TYPE_CHECKING:
+    from fem_seal.analysis.results import SealSolution
 
 
 @dataclass(frozen=True)

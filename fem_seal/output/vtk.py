@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.arrays import FloatArray
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.output.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_line, write_series, write_surface
 
 if TYPE_CHECKING:
     from fem_seal.analysis.around import Around
     from fem_seal.analysis.results import LoadResult, SealSolution
+    from fem_seal.arrays import FloatArray
 
 BODIES = ("closure", "seat")
 # Most angles of a surface around the axis.

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, different
 from leak.errors import SpectrumError, positive
 from leak.surfaces.periodogram import Window
 from leak.surfaces.scan_files import Unit, read_topographies
@@ -343,7 +343,7 @@ class PowerSpectrum:
         strong = (bend > _STRONG_KINK) | (step > _STRONG_STEP)
         kinks = self._spread(right[any_kink], right[strong])
         nodes = self._slope_moment[np.concatenate([[0], kinks, [self._last_piece + 1]])]
-        breaks = np.unique(np.concatenate([nodes, self._saturation_moments()]))
+        breaks = different(np.concatenate([nodes, self._saturation_moments()]))
         return np.append(breaks[breaks < self.last_moment], self.last_moment)
 
     def _spread(self, kinks: NDArray[np.intp], strong: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -13,7 +13,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, different
 from leak.numerics.gauss import gauss
 from leak.numerics.special import erf
 from leak.surfaces.spectrum import PowerSpectrum
@@ -251,7 +251,7 @@ def _steps(
     end = seen.end
     breaks = spectrum.break_moments
     yielding = np.array(_YIELDING) / seen.kappa if seen.kappa else breaks[:0]
-    inner = np.unique(np.concatenate([breaks, yielding]))
+    inner = different(np.concatenate([breaks, yielding]))
     inner = inner[(inner > M.min()) & (inner < end)]
     point = spectrum.at_slope_moment(np.minimum(M, end))
     local = 0.5 * (point.log_density + 4.0 * point.log_wavenumber)

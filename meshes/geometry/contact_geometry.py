@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshes.arrays import different
 from meshes.errors import GeometryError
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
@@ -145,7 +146,7 @@ class ContactGeometry:
         first = _angles(seat, np.array([self._origin]))
         if seat.is_straight or closure.is_straight:
             return None
-        s = np.unique(np.append(seat.dense(_PER_FACE), self._origin))
+        s = different(np.append(seat.dense(_PER_FACE), self._origin))
         own, turned = _angles(seat, s), np.full(len(s), first[0])
         # A turn of the rays moves where they meet the closure by that turn of a small gap: it settles at once.
         for _ in range(_ROUNDS):
@@ -191,7 +192,7 @@ class ContactGeometry:
         """x at which one of the two faces has a corner or bends differently from there on [m], increasing."""
         own = self.seat_face.bends - self._origin
         other = self.coordinate(*self.closure_face.point(self.closure_face.bends))
-        return np.unique(np.concatenate([own, other]))
+        return different(np.concatenate([own, other]))
 
     def point(self, x: FloatArray) -> FloatArray:
         """Points (r, z) of the contact line [m], shape (2, ...) over x."""

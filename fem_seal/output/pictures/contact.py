@@ -133,7 +133,9 @@ def _against_closed_forms(
     axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: float, unit: str
 ) -> None:
     reach = _reach([load])
-    x = np.linspace(-reach, reach, 361)
+    # all of them are even, and the crossover is an integral for each point
+    half = np.linspace(0.0, reach, 181)
+    x = np.append(-half[:0:-1], half)
     profile = load.contact.profile
     # Hertz may be many times higher; drawn in full it would flatten everything else.
     top = 1.75 * profile.peak_pressure
@@ -141,7 +143,8 @@ def _against_closed_forms(
     for key, (form_name, colour, dashes) in _CLOSED_FORMS.items():
         form = getattr(closed, key)
         if form is not None:
-            y = np.asarray(form.pressure(x)) / pressure.size
+            right = np.asarray(form.pressure(half)) / pressure.size
+            y = np.append(right[:0:-1], right)
             cut = form.peak_pressure > top
             peak = f", peak {quantity('contact pressure', form.peak_pressure)}" if cut else ""
             axes.plot(

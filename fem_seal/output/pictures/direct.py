@@ -149,7 +149,6 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
 
     def show(axes: Axes, values: FloatArray, **how: Any) -> AxesImage:
         every = max(1, values.shape[0] // _MOST_CELLS)
-        axes.grid(False)
         return axes.imshow(
             values[::every, ::every].T, origin="lower", extent=extent, interpolation="nearest", **how
         )

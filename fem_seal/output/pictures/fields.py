@@ -9,26 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.analysis.load_names import load_name
-from fem_seal.arrays import FloatArray
 from fem_seal.bodies.fields import ElastoplasticField
-from fem_seal.contact.load_path import Unloaded
 from fem_seal.contact.yielding import plastic_zone
 from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, label, panels, svg
 from fem_seal.output.prose import said
 from fem_seal.units import percent, quantity, unit_for
-from meshes import SealMesh
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.contour import ContourSet
 
     from fem_seal.analysis.results import LoadResult, SealSolution
+    from fem_seal.arrays import FloatArray
+    from fem_seal.contact.load_path import Unloaded
+    from meshes import SealMesh
 
 IntArray = NDArray[np.int64]
 
 # A quadratic triangle as four linear ones.
 QUARTERS = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
 _BANDS = 12
+_MOST_LINES = 10_000
 # For the numbers and the name beside a scale of colours [inch].
 SCALE_ROOM = 0.8
 # Of a view of the contact zone, over its width.
@@ -49,14 +50,15 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
     figure, (whole, zone) = panels(2, height=4.4, ratios=(1.0, 1.35))
     for name, colour in (("closure", BLUE), ("seat", "#8a6d3b")):
         edges = np.unique(_edges(mesh.t[:, (mesh.subdomains or {})[name]]), axis=1)
-        whole.plot(*_polyline(1e3 * mesh.p, edges), color=colour, linewidth=0.25, rasterized=True)
+        # so many lines that a drawing of them is larger than an image
+        many = edges.shape[1] > _MOST_LINES
+        whole.plot(*_polyline(1e3 * mesh.p, edges), color=colour, linewidth=0.25, rasterized=many)
         place = turned(seal_mesh, mesh.p.T).T
         half = half_width(load)
         close = (np.abs(place[:, edges]).min(axis=1) < 1.8 * half).all(axis=0)
         unit = unit_for("length", 2 * half)
         zone.plot(*_polyline(place / unit.size, edges[:, close]), color=colour, linewidth=0.55)
     whole.set_aspect("equal")
-    whole.grid(False)
     label(whole, "Both bodies", "r  [mm]", "z  [mm]")
     whole.plot(1e3 * contact.touch_radius, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
     frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
@@ -161,7 +163,6 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
             bands = view.tricontourf(grid, degrees[name], levels=levels, cmap="inferno")
         axes[1].plot(*place[field.contact_nodes].T, color=INK, linewidth=0.8)
     axes[0].set_aspect("equal")
-    axes[0].grid(False)
     label(axes[0], "Both bodies", "r  [mm]", "z  [mm]")
     frame_zone(axes[1], reach / length.size, length.name, "Around the contact")
     if bands is not None:
@@ -226,7 +227,6 @@ def frame_zone(axes: Axes, reach: float, unit: str, title: str) -> None:
     axes.set_aspect("equal")
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-HEIGHT * reach, HEIGHT * reach)
-    axes.grid(False)
     label(axes, title, f"along the contact, outwards  [{unit}]", f"along the normal  [{unit}]")
 
 

@@ -49,6 +49,8 @@ def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
             axes = list(
                 figure.subplots(1, 1 + leaks, squeeze=False, gridspec_kw={"bottom": 0.15, "wspace": 0.3})[0]
             )
+        for one in axes:
+            one.grid(True)
         if leaks:
             leak_rates(axes[0], result)
         loads = result.loads

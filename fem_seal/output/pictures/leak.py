@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.analysis.load_names import load_axis, load_name
-from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.style import (
     BLUE,
     GREEN,
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fem_seal.analysis.results import SealSolution
+    from fem_seal.arrays import FloatArray
 
 
 def leak_picture(result: SealSolution) -> Picture | None:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.load_names import load_axis
-from fem_seal.arrays import FloatArray
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fem_seal.analysis.results import LoadResult, SealSolution
+    from fem_seal.arrays import FloatArray
 
 # How far below the smallest leak rate a band goes that reaches down to a sealed contact.
 _FOOT = 0.1

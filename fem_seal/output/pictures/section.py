@@ -265,7 +265,6 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     axes.set_aspect("equal")
     axes.set_xticks([])
     axes.set_yticks([])
-    axes.grid(False)
     axes.set_title(f"contact, enlarged; picture {trimmed(rounded(2.9 * half, 2))} mm wide", fontsize=9)
     axes.plot(r0, 0, "o", color=ORANGE, ms=5, zorder=6)
     normal = 0.75 * half

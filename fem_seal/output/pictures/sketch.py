@@ -10,12 +10,12 @@ from fem_seal.output.case_words import chosen_dimensions
 from fem_seal.output.pictures.style import BLUE, FILL, GREY, INK, ORANGE, Picture
 from fem_seal.output.prose import said
 from fem_seal.units import number, quantity
-from meshes import ContactGeometry, Outline
-from meshes.geometry.segment import Point
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import SealSolution
     from fem_seal.case.case import Case
+    from meshes import ContactGeometry, Outline
+    from meshes.geometry.segment import Point
 
 _SEAT_FILL = "#ece7dd"
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.load_names import load_name
-from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.style import (
     BLUE,
     FILL,
@@ -16,6 +15,7 @@ from fem_seal.output.pictures.style import (
     ORANGE,
     PURPLE,
     Picture,
+    draw_marks,
     inches,
     label,
     logarithmic,
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fem_seal.analysis.results import LoadResult, SealSolution
+    from fem_seal.arrays import FloatArray
     from leak import HeightMap, LineScan, MeasuredSurface, RoughContact
 
 # Fractions below this share of the nominal area are not worth a decade of paper.
@@ -207,11 +208,9 @@ def wavelength_axis(axes: Axes, q_low: float) -> None:
     """Wavelengths over the top, for those who do not think in wavenumbers."""
     low, high = (x * q_low for x in axes.get_xlim())
     decades = 10.0 ** np.arange(np.ceil(np.log10(2 * np.pi / high)), np.floor(np.log10(2 * np.pi / low)) + 1)
-    top = axes.secondary_xaxis("top")
-    top.set_xticks(
-        [2 * np.pi / (length * q_low) for length in decades], [_round_length(length) for length in decades]
-    )
-    top.minorticks_off()
+    places = [(2 * np.pi / (length * q_low), 1.0) for length in decades.tolist()]
+    draw_marks(axes, places, [_round_length(length) for length in decades], "top", axes.get_xaxis_transform())
+    axes.spines["top"].set_visible(True)
     _, height = inches(axes)
     axes.text(0.5, 1 + 0.29 / height, "wavelength", transform=axes.transAxes, ha="center", va="bottom")
 
@@ -338,7 +337,6 @@ def _map(axes: Axes, scan: HeightMap) -> None:
     image = axes.imshow(
         h.T / up.size, extent=(0, width, 0, height), origin="lower", cmap="viridis", vmin=-reach, vmax=reach
     )
-    axes.grid(False)
     figure = axes.get_figure(root=True)
     assert figure is not None
     figure.colorbar(image, ax=axes, shrink=0.75, label=f"height  [{up.name}]")

@@ -8,10 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.problem import exponential_law
-from fem_seal.analysis.results import SealSolution
-from fem_seal.case.fluid import Fluid
 from fem_seal.case.tables import curves
-from fem_seal.materials import Material
 from fem_seal.output.case_words import (
     earlier_load,
     listed_dimensions,
@@ -26,7 +23,10 @@ from fem_seal.output.temperature import celsius, temperature_rows
 from fem_seal.units import given, number, percent, quantity, trimmed
 
 if TYPE_CHECKING:
+    from fem_seal.analysis.results import SealSolution
     from fem_seal.case.case import Case
+    from fem_seal.case.fluid import Fluid
+    from fem_seal.materials import Material
 
 _FLUID_ACTS_ON = {
     "sealed-area": "the sealed area",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -11,11 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.analysis.closed_forms import Derived, Sizes, derive, profile_sizes
 from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.results import SealSolution
 from fem_seal.files import write_text
-from fem_seal.output.pictures.around import leak_around_picture, line_load_picture, unrolled_picture
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
-from fem_seal.output.pictures.direct import simulation_pictures
 from fem_seal.output.pictures.fields import (
     imprint_picture,
     mesh_picture,
@@ -28,7 +24,6 @@ from fem_seal.output.pictures.particles import particle_picture
 from fem_seal.output.pictures.sketch import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
-from fem_seal.output.pictures.three_d import drawn_in_space, seal_picture
 from fem_seal.output.prose import definitions
 from fem_seal.output.report import case, tables, words
 from fem_seal.output.report.around import around_in_words
@@ -42,6 +37,8 @@ from fem_seal.version import __version__
 
 if TYPE_CHECKING:
     from jinja2 import Template
+
+    from fem_seal.analysis.results import SealSolution
 
 
 def write_report(result: SealSolution, path: Path) -> Path:
@@ -99,10 +96,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
         From `fem_seal.analysis.closed_forms.profile_sizes`.
     """
     top = result.highest
-    # a round seal has nothing that its section does not show; VTK draws in a process of its own, beside matplotlib
-    uneven = any(load.formed is not None and load.formed.form.felt for load in result.loads)
-    with ThreadPoolExecutor(1) as beside, style():
-        image = beside.submit(drawn_in_space, result) if uneven else None
+    with style():
         drawn = (
             sketch(result),
             mesh_picture(result, top),
@@ -113,18 +107,45 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
             leak_picture(result),
             memory_picture(result),
             particle_picture(result),
-            unrolled_picture(result),
-            line_load_picture(result),
-            leak_around_picture(result),
+            *_around(result),
             separation_picture(result),
             surface_picture(result, top),
-            *simulation_pictures(result),
+            *_simulated(result),
             stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises)),
             temperature_picture(result, top),
             imprint_picture(result),
-            seal_picture(result, None if image is None else image.result()),
         )
     return [picture for picture in drawn if picture is not None]
+
+
+def _around(result: SealSolution) -> tuple[Picture | None, ...]:
+    """Pictures of a seal that is not round; of any other there is nothing that its section does not show."""
+    if not any(load.formed is not None and load.formed.form.felt for load in result.loads):
+        return ()
+    from concurrent.futures import ThreadPoolExecutor
+
+    from fem_seal.output.pictures.around import leak_around_picture, line_load_picture, unrolled_picture
+    from fem_seal.output.pictures.three_d import drawn_in_space, seal_picture
+
+    # VTK draws in a process of its own, beside matplotlib
+    with ThreadPoolExecutor(1) as beside:
+        image = beside.submit(drawn_in_space, result)
+        return (
+            unrolled_picture(result),
+            line_load_picture(result),
+            leak_around_picture(result),
+            seal_picture(result, image.result()),
+        )
+
+
+def _simulated(result: SealSolution) -> tuple[Picture, ...]:
+    """Pictures of a direct simulation; none without one."""
+    flow = result.problem.flow
+    if flow is None or flow.simulated is None:
+        return ()
+    from fem_seal.output.pictures.direct import simulation_pictures
+
+    return simulation_pictures(result)
 
 
 def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:

@@ -33,6 +33,7 @@ def _picture(designs: Designs) -> str:
     with style():
         figure = Figure(figsize=(5.5, 3.5), layout="constrained")
         axes = figure.add_subplot()
+        axes.grid(True)
         for which, colour in ((~counted, GREY), (counted, BLUE)):
             if which.any():
                 axes.scatter(display.values(rows[which], x), display.values(rows[which], y), s=14, c=colour)
