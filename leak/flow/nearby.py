@@ -28,11 +28,13 @@ _ABOVE = 1.02
 # The known table reaches from this share of the sealing pressure; nothing is calculated closer to sealing than this.
 _LOWEST, _CLOSEST = 1e-9, 0.98
 # Kinks of the spectrum at which quadratures stop.
-_MOST_BREAKS = 10
+_MOST_BREAKS = 40
 # ln of the inverse Knudsen numbers of a gas at which a surface is calculated.
 _LOG_D = np.array([-9.0, -5.5, -3.0, -1.0, 1.0, 3.0, 6.5])
 # Molecules fly this share of a gap that is so wide that a gas is a liquid in it.
 _CONTINUUM = 1e-20
+# A gap over the rms height that is none; a table calls it zero.
+_NOTHING = 1e-56
 # Pressures of the table of a capped surface.
 _OF_CAPPED = 72
 _LOG_SHARES = np.concatenate(
@@ -235,5 +237,6 @@ def _length(surface: RoughContact) -> float:
 
 
 def _logarithmic(ratio: FloatArray) -> FloatArray:
-    """Linear in a large ratio and logarithmic in a small one."""
+    """Linear in a large ratio and logarithmic in a small one; far below any gap next to sealing."""
+    ratio = np.maximum(ratio, _NOTHING)
     return ratio + np.log(-np.expm1(-ratio))
