@@ -58,9 +58,8 @@ class NearbyTables:
     """Tables of surfaces close to one whose table is known.
 
     Two surfaces that differ little have gaps that differ smoothly at equal p/p_seal. What is interpolated over about
-    nine pressures is that difference, of both calculated alike: quadratures stop at
-    the strongest kinks of the spectrum only. The known table holds the rest. So it is for what the averaging over
-    unequal gaps adds for a gas. A capped surface is the elastic one at another pressure.
+    nine pressures is that difference, of both calculated alike; quadratures stop at forty kinks of a spectrum at most.
+    The known table holds the rest. So it is for what the averaging over unequal gaps adds for a gas. A capped surface is the elastic one at another pressure.
 
     Parameters
     ----------
@@ -180,14 +179,17 @@ class NearbyTables:
         # lengths of flight from the known gaps: of a continuum, and about those wanted
         liquid = _liquid(self._known)
         about = liquid.at_log_pressure(log_share + np.log(liquid.sealing_pressure))[:, None]
-        about = about * (_length(surface) / _length(self.surface))
+        about = np.maximum(about, _NOTHING * _length(self.surface)) * (
+            _length(surface) / _length(self.surface)
+        )
         lengths = about * np.concatenate([[_CONTINUUM], np.exp(-_LOG_D)])
-        u, *wider = few.effective_gas_separation(p, lengths).T
+        u, *wider = np.maximum(few.effective_gas_separation(p, lengths), _NOTHING * _length(surface)).T
         log_D = np.log(u[:, None] / lengths[:, 1:])
         log_R = 3.0 * np.log(np.transpose(wider) / u[:, None]) - log_flow_factor(log_D)
         assert isinstance(self._known, GasConductivityTable)
         log_p = np.broadcast_to(log_share[:, None] + np.log(liquid.sealing_pressure), log_D.shape)
         rise = log_R - np.log(self._known.rarefaction(log_p, log_D))
+        rise[u <= _NOTHING * _length(surface)] = 0.0
         even = [np.interp(_LOG_D, *row) for row in zip(log_D, rise, strict=True)]
         return _Values(_logarithmic(u / _length(surface)), np.stack(even))
 
