@@ -58,8 +58,9 @@ class NearbyTables:
     """Tables of surfaces close to one whose table is known.
 
     Two surfaces that differ little have gaps that differ smoothly at equal p/p_seal. What is interpolated over about
-    nine pressures is that difference, of both calculated alike; quadratures stop at forty kinks of a spectrum at most.
-    The known table holds the rest. So it is for what the averaging over unequal gaps adds for a gas. A capped surface is the elastic one at another pressure.
+    nine pressures is that difference, of both calculated alike; the known table holds the rest. Quadratures stop at
+    forty kinks of a spectrum at most. So it is for what the averaging over unequal gaps adds for a gas. A capped
+    surface is the elastic one at another pressure.
 
     Parameters
     ----------
