@@ -262,7 +262,7 @@ def crossover_widths(lines: Sequence[CrossoverLine]) -> FloatArray:
     >>> import leak
     >>> lines = [leak.crossover_line(f, 0.02, 210e9 / 1.82, 0.76e-6) for f in (10e3, 20e3)]
     >>> [f"{1e3 * width:.4f} mm" for width in leak.crossover_widths(lines)]
-    ['0.2978 mm', '0.3070 mm']
+    ['0.2987 mm', '0.3070 mm']
     """
     half = _half_heights(tuple(line.hertzian_share for line in lines))
     return 2.0 * np.array([line._s for line in lines]) * half
