@@ -98,23 +98,30 @@ def geometry(settings: Settings) -> Iterator[Figure]:
     from fem_seal.case.case import load_case
     from fem_seal.result import run
 
-    case, whole, bare = load_case(CASE), [], []
-    angles = [47 + 0.7 * n for n in range(4 if settings.quick else 10)]
-    for angle in angles:
+    case = load_case(CASE)
+
+    def cost(angle: float) -> tuple[float, float]:
+        """Processor time of a run, and without what comes after the loads [s]."""
         marks: list[tuple[str, float]] = []
         run(
             case.replace_written({"seat.angle": f"{angle} deg"}),
-            lambda text, marks=marks: marks.append((text, time.process_time())),
+            lambda text: marks.append((text, time.process_time())),
         )
         marks.append(("end", time.process_time()))
         steps = [(name, end - start) for (name, start), (_, end) in pairwise(marks)]
-        whole.append(sum(seconds for _, seconds in steps))
-        bare.append(sum(seconds for name, seconds in steps if not name.startswith(_AFTERWARDS)))
-    note = f"median of {len(angles) - 1}, 20 loads"
-    yield Figure("new geometry in a warm process", statistics.median(whole[1:]), "s", 0.3, note)
+        return sum(s for _, s in steps), sum(s for name, s in steps if not name.startswith(_AFTERWARDS))
+
+    cost(45.0)
+    # three seats that hardly differ, of which the fastest counts
+    each = [
+        [cost(47 + 0.7 * n + 0.01 * again) for again in range(3)] for n in range(3 if settings.quick else 9)
+    ]
+    whole, bare = ([min(one[part] for one in three) for three in each] for part in (0, 1))
+    note = f"median of {len(each)}, each the fastest of three, 20 loads"
+    yield Figure("new geometry in a warm process", statistics.median(whole), "s", 0.3, note)
     yield Figure(
         "new geometry without stress, error estimate and far field",
-        statistics.median(bare[1:]),
+        statistics.median(bare),
         "s",
         0.15,
         note,
