@@ -37,6 +37,8 @@ _SPACING = 0.1
 # Tables reach from this fraction of the sealing pressure to it; below they go on by the law at low pressure.
 # Conductivities are good to 6e-4, to 1e-4 below a thirtieth of the sealing pressure.
 _RANGE, _NODES = 1e-9, 96
+# A capped surface has a table of its own, made of that of the elastic one: even steps cost less than finding better ones.
+_OF_CAPPED = 80
 _REMEMBERED = 4096
 
 
@@ -217,7 +219,9 @@ def _law(surface: RoughContact) -> InterfaceLaw:
 
 @lru_cache(maxsize=_REMEMBERED)
 def _whole_table(surface: RoughContact, low: int, high: int, kind: _Kind) -> Conductivity:
-    return kind.table(surface, 10.0**low, 10.0**high, None)
+    capped = surface.hardness is not None and surface.yielding == "capped"
+    num = _OF_CAPPED if capped and not kind.of_gas else None
+    return kind.table(surface, 10.0**low, 10.0**high, num)
 
 
 def _interpolated(found: Sequence[Conductivity], t: float) -> Conductivity:

@@ -219,17 +219,7 @@ class RoughContact:
     @cached_property
     def _elastic_pressures(self) -> tuple[float, float]:
         """What a capped surface asks of the elastic one: its bearing and its sealing pressure [Pa]."""
-        elastic, gap = self.elastic, BEARING_GAP * self.spectrum.rms_height
-        # ubar is convex in ln p: from a low pressure Newton's steps stay on one side
-        log_p = np.log(1e-3 * self.effective_modulus * self.spectrum.rms_slope)
-        for _ in range(_NEWTON_STEPS):
-            p = np.exp(np.array([log_p]))
-            found = elastic._mean(p, elastic._seen(p))
-            step = float((found.mean[0, 0] - gap) / found.decay[0, 0])
-            log_p += step
-            if abs(step) < 1e-9:
-                break
-        return float(np.exp(log_p)), elastic.sealing_pressure
+        return _bearing_and_sealing(self.elastic)
 
     @cached_property
     def _low_pressure_law(self) -> LowPressureLaw:
@@ -654,6 +644,22 @@ def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     return np.array_split(index, max(round(index.size / _CHUNK), 1)) if index.size else []
 
 
+# Surfaces that differ in hardness alone have one elastic surface in common.
+@lru_cache(maxsize=64)
+def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
+    gap = BEARING_GAP * elastic.spectrum.rms_height
+    # ubar is convex in ln p: from a low pressure Newton's steps stay on one side
+    log_p = np.log(1e-3 * elastic.effective_modulus * elastic.spectrum.rms_slope)
+    for _ in range(_NEWTON_STEPS):
+        p = np.exp(np.array([log_p]))
+        found = elastic._mean(p, elastic._seen(p))
+        step = float((found.mean[0, 0] - gap) / found.decay[0, 0])
+        log_p += step
+        if abs(step) < 1e-9:
+            break
+    return float(np.exp(log_p)), elastic.sealing_pressure
+
+
 _NEWTON_STEPS = 40
 _HALVINGS = 60
 # A surface seals at more than exp(-this) of the smaller of its elastic sealing pressure and its hardness.
@@ -773,7 +779,7 @@ def _conductivity_table(
         u = length * np.logaddexp(0.0, found[:, 0])
     else:
         pressure = np.exp(within.spread(num))
-        u = np.asarray(surface.effective_separation(pressure, method))
+        u = _separation_of(surface, within, method)(pressure)
     flows = u > 0.0
     return ConductivityTable(
         pressure[flows], u[flows], within.sealing_pressure, p_max, method, LoadMemory(surface)
