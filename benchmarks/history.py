@@ -111,7 +111,7 @@ def row(entry: Entry, last: Entry | None) -> tuple[str, ...]:
     goal = "" if entry.goal is None else f"{entry.goal:g} {entry.unit}"
     verdict = {None: "", True: "met", False: "missed"}[entry.met]
     scaled = f"{entry.scaled:.3g}" if entry.unit in _TIMES else ""
-    ratio = "" if last is None else f"{entry.scaled / last.scaled:.2f}"
+    ratio = f"{entry.scaled / last.scaled:.2f}" if last is not None and last.scaled else ""
     return entry.figure, f"{entry.value:.3g} {entry.unit}", scaled, goal, verdict, ratio
 
 
