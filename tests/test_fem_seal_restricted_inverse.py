@@ -51,7 +51,7 @@ def test_singular_matrix():
 @pytest.mark.skipif(
     not Path("/proc/self/statm").exists(), reason="the memory in use is read from Linux's /proc"
 )
-def test_condensed_bodies_leave_no_memory_behind():
+def test_condensed_bodies_leave_no_memory_behind(made_anew):
     """SuperLU keeps factors that another thread frees: every geometry of a study would cost 20 MB for good."""
     ball = meshes.Ball(0.02)
     built = meshes.build(
