@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.errors import LoadProblem
+    from meshes import SealMesh
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
 _LEAK = {

@@ -20,7 +20,6 @@ from fem_seal.units import superscript
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.transforms import Transform
 
 BLUE, ORANGE, GREEN, PURPLE, GREY, INK = "#1f5a99", "#c8501e", "#2f7d5b", "#7a4fa3", "#7b838f", "#1c2430"
 FILL = "#dfe8f2"
