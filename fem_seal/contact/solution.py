@@ -152,7 +152,7 @@ class ContactSolution:
             pressure if between is None else pressure + between, magnitudes
         )
 
-    @property
+    @cached_property
     def turning(self) -> float:
         """How far the deformed faces have turned against each other [rad]: a/R of Hertz's contact.
 
@@ -161,7 +161,7 @@ class ContactSolution:
         over a curved face turns nothing.
         """
         line = self.model.line
-        slope = np.gradient(self.gap - line.initial_gap, line.x)
+        slope = line.slope(self.gap - line.initial_gap)
         weight = line.arc_weight * self.pressure
         return float(2 * np.sqrt(weight @ slope**2 / weight.sum()))
 
