@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_matrix, csr_matrix
+from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import lame_parameters, node_dofs, quadratic_nodes
-from fem_seal.bodies.fields import BodyField, stress_operator
+from fem_seal.bodies.elasticity import lame_parameters, node_dofs
+from fem_seal.bodies.fields import BodyField
 from fem_seal.bodies.held_body import HeldBody
+from fem_seal.bodies.stress_recovery import StressRecovery
 from fem_seal.materials import Material
 
 if TYPE_CHECKING:
@@ -105,9 +106,9 @@ class CondensedBody:
         return self.held.contact_x
 
     @cached_property
-    def stress_operator(self) -> bsr_matrix:
-        """From displacement dofs [m] to nodal stress [Pa], see `fem_seal.bodies.fields.stress_operator`."""
-        return stress_operator(self.basis, self.material)
+    def recovery(self) -> StressRecovery:
+        """From displacements to the stress at the nodes."""
+        return StressRecovery(self.basis, self.material)
 
     def displacement(self, point_forces: FloatArray) -> FloatArray:
         """Displacement dofs [m] under normal forces [N] at the points of the contact line.
@@ -172,6 +173,7 @@ def body_field(
     pressure: FloatArray,
     free_strain: FloatArray | float = 0.0,
     temperature: FloatArray | float | None = None,
+    stress: FloatArray | None = None,
 ) -> BodyField:
     """Field of a body under a displacement [m] and a contact pressure at its nodes [Pa].
 
@@ -181,10 +183,12 @@ def body_field(
         Part of the strain that takes no stress [-].
     temperature : ndarray, shape (nodes,), or float, optional
         [K]
+    stress : ndarray, shape (nodes, 4), optional
+        Of the displacement [Pa], where it is known already.
     """
-    points, triangles = quadratic_nodes(body.basis.mesh)
+    points, triangles = body.held.nodes
     lam, mu = lame_parameters(body.material)
-    stress = (body.stress_operator @ displacement).reshape(len(points), 4)
+    stress = body.recovery.stress(displacement) if stress is None else stress.copy()
     stress[:, :3] -= (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(points))[:, None]
     return BodyField(
         name,

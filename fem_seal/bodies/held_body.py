@@ -93,6 +93,11 @@ class HeldBody:
         return node_dofs(self.basis)[:, self.contact_nodes]
 
     @cached_property
+    def nodes(self) -> tuple[FloatArray, NDArray[np.int64]]:
+        """Places [m] of the quadratic nodes, and the triangles over them, see `quadratic_nodes`."""
+        return quadratic_nodes(self.basis.mesh)
+
+    @cached_property
     def wall_nodes(self) -> NDArray[np.int64]:
         """Nodes of a held wall among the quadratic ones."""
         return np.flatnonzero(np.isin(node_dofs(self.basis)[0], self.wall))
