@@ -315,9 +315,7 @@ def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
     places[row[on_points]] = [drawn.points[point] for point in sorted(drawn.points)]
     t = np.ascontiguousarray(index[triangles].T)
     mesh = smoothed(Triangles(np.ascontiguousarray(places[row[used]].T), t))
-    return mesh.with_boundaries(
-        facets_between(mesh, {name: index[pairs] for name, pairs in lines.items()})
-    )
+    return mesh.with_boundaries(facets_between(mesh, {name: index[pairs] for name, pairs in lines.items()}))
 
 
 def _connectivity(gmsh: ModuleType, kind: int, entities: list[int]) -> NDArray[np.int64]:

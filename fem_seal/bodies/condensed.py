@@ -12,7 +12,7 @@ expansion are further columns of the same factorisation.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -164,6 +164,42 @@ def condense_body(
         axial = float(force[node_dofs(held.basis)[1]].sum())
         loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(counted), counted)
     return CondensedBody(held, held.floating(compliance, balance), loads, solve)
+
+
+def with_wall_held(body: CondensedBody) -> CondensedBody:
+    """A seat with its outer wall held, from the same with its wall free, without another factorisation.
+
+    Forces on the wall bring it back to where it was: few, and what they do is few columns of the factorisation.
+
+    Parameters
+    ----------
+    body : CondensedBody
+        With a way to displacements; neither heated nor held at its wall.
+    """
+    held, solve = body.held.holding_wall(), body.solve
+    assert solve is not None  # of a model that knows more than its contact line
+    unit = np.zeros((held.basis.N, len(held.wall)))
+    unit[held.wall, np.arange(len(held.wall))] = 1.0
+    by_wall = solve(unit)
+    stiffness = np.linalg.inv(by_wall[held.wall])
+    by_motion = by_wall @ stiffness
+    retreat = held.retreat(by_wall)
+
+    def brought_back(displacement: FloatArray) -> FloatArray:
+        """What is left of a displacement (dofs,) or (dofs, k) of the body with a free wall."""
+        left = displacement - by_motion @ displacement[held.wall]
+        left[held.wall] = 0.0
+        return left
+
+    def load(one: BoundaryLoad, response: FloatArray) -> BoundaryLoad:
+        return replace(one, opening=held.trace @ held.retreat(response), response=response)
+
+    loads = {name: load(one, brought_back(one.response)) for name, one in body.loads.items()}
+    inwards = -by_motion.sum(axis=1)
+    inwards[held.wall] = -1.0
+    loads["wall"] = BoundaryLoad(0.0, held.trace @ held.retreat(inwards), inwards)
+    compliance = body.compliance - retreat @ stiffness @ retreat.T
+    return CondensedBody(held, compliance, loads, lambda nodal: brought_back(solve(nodal)))
 
 
 def body_field(

@@ -28,6 +28,11 @@ if TYPE_CHECKING:
 _POINTS = np.array([[1, 4, 1], [1, 1, 4]]) / 6
 # Weight of the assumption that the strain is linear, which matters only where a patch does not tell.
 _LINEAR = 1e-6
+# Exponents of x and y in all products of up to the fourth degree, by degree: the first six are the terms of a quadratic
+# function. And which of them is the product of two terms.
+_POWERS = np.array([(n - j, j) for n in range(5) for j in range(n + 1)]).T
+_DEGREES = _POWERS[:, :6, None] + _POWERS[:, None, :6]
+_PRODUCTS = _DEGREES.sum(axis=0) * (_DEGREES.sum(axis=0) + 1) // 2 + _DEGREES[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,9 +77,7 @@ class StressRecovery:
         elements, _, _, count = moved.shape
         gradients = self._gradients @ moved.reshape(elements, 6, 2 * count)
         along_r, along_z = np.moveaxis(gradients.reshape(elements, 3, 2, 2, count), 2, 0)
-        return np.stack(
-            [along_r[:, :, 0], along_z[:, :, 1], along_z[:, :, 0] + along_r[:, :, 1]], axis=2
-        )
+        return np.stack([along_r[:, :, 0], along_z[:, :, 1], along_z[:, :, 0] + along_r[:, :, 1]], axis=2)
 
     @cached_property
     def _gradients(self) -> FloatArray:
@@ -99,46 +102,49 @@ class StressRecovery:
         """Value and slopes [1/m] at every vertex from what stands at the points; (3 vertices, 3 triangles)."""
         mesh = self.basis.mesh
         vertex, element = _patches(mesh)
-        corners = np.stack([1 - _POINTS[0] - _POINTS[1], *_POINTS])
-        places = np.moveaxis(mesh.p[:, mesh.t], 2, 0) @ corners  # (elements, 2, points)
-        apart = places[element] - mesh.p[:, vertex].T[..., None]
         first = np.searchsorted(vertex, np.arange(mesh.p.shape[1]))
-        size = np.sqrt(np.maximum.reduceat((apart**2).sum(axis=1).max(axis=1), first))
-        x, y = np.moveaxis(apart / size[vertex, None, None], 1, 0)
-        terms = np.stack([np.ones_like(x), x, y, x**2, x * y, y**2], axis=1)
-        normal = np.add.reduceat(terms @ terms.transpose(0, 2, 1), first)
+        corners = np.stack([1 - _POINTS[0] - _POINTS[1], *_POINTS], axis=1)
+        places = corners @ mesh.p[:, mesh.t]  # (2, points, elements)
+        # take, unlike an index, leaves the many pairs of vertex and triangle side by side in memory
+        apart = places.take(element, axis=2) - mesh.p.take(vertex, axis=1)[:, None]
+        size = np.sqrt(np.maximum.reduceat((apart**2).sum(axis=0).max(axis=0), first))
+        x, y = apart / size[vertex]
+        # all x^i y^j up to the fourth degree, summed over each patch, are the entries of its normal equations
+        of_x, of_y = (np.stack([np.ones_like(a), a, a * a, a * a * a, a * a * a * a]) for a in (x, y))
+        powers = of_x[_POWERS[0]] * of_y[_POWERS[1]]
+        normal = np.add.reduceat(powers.sum(axis=1), first, axis=1)[_PRODUCTS].transpose(2, 0, 1)
         normal[:, [3, 4, 5], [3, 4, 5]] += _LINEAR * normal[:, :1, 0]
-        asked = np.zeros((6, 3))
-        asked[[0, 1, 2], [0, 1, 2]] = 1.0
-        weights = np.linalg.solve(normal, np.broadcast_to(asked, (len(normal), 6, 3)))
-        weights[:, :, 1:] /= size[:, None, None]
-        shares = weights[vertex].transpose(0, 2, 1) @ terms  # (pairs, 3, points)
-        columns = (3 * element[:, None] + np.arange(3)).ravel()
-        starts = np.append(3 * first, len(columns))
-        shape = (3 * len(first), 3 * mesh.nelements)
+        weights = np.linalg.solve(normal, np.broadcast_to(np.eye(6)[:, :3], (len(normal), 6, 3))).T
+        weights[1:] /= size
+        shares = np.einsum("atp,tqp->apq", weights.take(vertex, axis=2), powers[:6])
+        columns = 3 * element[:, None] + np.arange(3)
+        starts = np.append(3 * first, columns.size)
         return csr_matrix(
             (
-                shares.swapaxes(0, 1).ravel(),
-                np.tile(columns, 3),
-                np.concatenate([[0], *(starts[1:] + n * len(columns) for n in range(3))]),
+                shares.ravel(),
+                np.tile(columns.ravel(), 3),
+                np.concatenate([[0], *(starts[1:] + n * columns.size for n in range(3))]),
             ),
-            shape=shape,
+            shape=(3 * len(first), 3 * mesh.nelements),
         )
 
 
 def _patches(mesh: MeshTri) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Vertices, increasing, and the triangles around each; on the boundary those around its neighbours as well."""
-    vertices, elements = mesh.p.shape[1], mesh.nelements
-    around = csr_matrix(
-        (np.ones(3 * elements), (mesh.t.ravel(), np.tile(np.arange(elements), 3))), shape=(vertices, elements)
-    )
-    edge = np.zeros(vertices, dtype=bool)
+    elements, corner = mesh.nelements, mesh.t.ravel().astype(np.int64)
+    order = np.argsort(corner, kind="stable")
+    vertex, around = corner[order], order % elements
+    count = np.bincount(corner)
+    edge = np.zeros(len(count), dtype=bool)
     edge[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
-    wider = (around[edge] @ around.T @ around).tocoo()
-    inner = np.repeat(~edge, np.diff(around.indptr))
-    vertex = np.concatenate(
-        [np.repeat(np.arange(vertices), np.diff(around.indptr))[inner], np.flatnonzero(edge)[wider.row]]
+    # from every vertex of the boundary to its neighbours, and from them to their triangles
+    pairs = np.hstack([mesh.facets, mesh.facets[::-1]])
+    middle, neighbour = pairs[:, edge[pairs[0]]].astype(np.int64)
+    each = count[neighbour]
+    place = np.arange(each.sum()) + np.repeat(
+        (np.cumsum(count) - count)[neighbour] - np.cumsum(each) + each, each
     )
-    element = np.concatenate([around.indices[inner], wider.col])
-    order = np.argsort(vertex, kind="stable")
-    return vertex[order], element[order].astype(np.int64)
+    wide = np.unique(np.repeat(middle, each) * elements + around[place])
+    inside = ~edge[vertex]
+    both = np.sort(np.concatenate([vertex[inside] * elements + around[inside], wide]))
+    return both // elements, both % elements

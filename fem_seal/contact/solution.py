@@ -150,7 +150,7 @@ class ContactSolution:
             pressure if between is None else pressure + between, magnitudes
         )
 
-    @property
+    @cached_property
     def turning(self) -> float:
         """How far the deformed faces have turned against each other [rad]: a/R of Hertz's contact.
 

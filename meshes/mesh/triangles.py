@@ -85,18 +85,23 @@ def smoothed(mesh: Triangles) -> Triangles:
     neighbours = np.bincount(mesh.facets.ravel())
     fixed = np.zeros(p.shape[1], dtype=bool)
     fixed[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
+    before = _measured(p, mesh.t)
     for _ in range(_ROUNDS):
         total = [np.bincount(start, c[end], len(c)) + np.bincount(end, c[start], len(c)) for c in p]
         moved = np.where(fixed, p, np.stack(total) / neighbours)
         # a vertex that stays may be the next one's trouble
-        while np.any(harmed := _harmed(p, moved, mesh.t)):
+        while np.any(harmed := _harmed(before, after := _measured(moved, mesh.t))):
             moved[:, mesh.t[:, harmed]] = p[:, mesh.t[:, harmed]]
-        p = moved
+        p, before = moved, after
     return mesh.moved(p)
 
 
-def _harmed(p: FloatArray, moved: FloatArray, t: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _measured(p: FloatArray, t: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    """Shape and doubled area of triangles."""
+    return triangle_shape(p, t), doubled_area(p, t)
+
+
+def _harmed(before: tuple[FloatArray, FloatArray], after: tuple[FloatArray, FloatArray]) -> NDArray[np.bool_]:
     """Triangles that are turned over, or worse than before and poor."""
-    before, after = triangle_shape(p, t), triangle_shape(moved, t)
-    area, new_area = doubled_area(p, t), doubled_area(moved, t)
-    return (np.sign(area) != np.sign(new_area)) | ((after < before) & (after < _GOOD))
+    (shape, area), (new_shape, new_area) = before, after
+    return (np.sign(area) != np.sign(new_area)) | ((new_shape < shape) & (new_shape < _GOOD))
