@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -94,7 +95,30 @@ class ContactLine:
         way = min(max(separation, 0.0) / n_z, 0.1 / self.in_hollow.closure_curvature)
         return self.in_hollow.gap(self.x, way) - self.in_hollow.gap(self.x) - way * self.normal[1]
 
-    @property
+    def slope(self, values: FloatArray) -> FloatArray:
+        """Derivative over x of values at the points, shape (m,): numpy.gradient, whose weights are known here.
+
+        Parameters
+        ----------
+        values : ndarray, shape (m,)
+        """
+        before, here, after = self._slope_weights
+        ends = self.x[[1, -1]] - self.x[[0, -2]]
+        inner = before * values[:-2] + here * values[1:-1] + after * values[2:]
+        first, last = (values[[1, -1]] - values[[0, -2]]) / ends
+        return np.concatenate([[first], inner, [last]])
+
+    @cached_property
+    def _slope_weights(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        step = np.diff(self.x)
+        left, right = step[:-1], step[1:]
+        return (
+            -right / (left * (left + right)),
+            (right - left) / (left * right),
+            left / (right * (left + right)),
+        )
+
+    @cached_property
     def area_weight(self) -> FloatArray:
         """Area across the contact normal that each point stands for, 2 pi r facing dx [m^2]."""
         return 2 * np.pi * self.radius * self.facing * self.arc_weight
