@@ -331,7 +331,7 @@ def test_chunks_that_were_taken_back_are_no_silence(monkeypatch):
         assert on_the_way.next() is None
     # two silences do
     assert on_the_way.next() is None
-    sent, rows = on_the_way.next()
+    _, rows = on_the_way.next()
     assert rows is None and not on_the_way
 
 
