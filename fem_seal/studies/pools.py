@@ -9,7 +9,7 @@ import sys
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 from queue import Empty, SimpleQueue
@@ -477,14 +477,14 @@ class _OnTheWay:
 
         After a silence there is none: who has come meanwhile may be given something.
         """
-        future = None
-        with suppress(Empty):
+        try:
             future = self._settled.get(timeout=_HEARTBEAT)
+        except Empty:
+            future = self._fallen()
         if isinstance(future, _Over):
             future = self._given_up(future)
-        else:
-            future = future if future in self._sent else self._fallen()
-        if future is None:
+        # what was taken back settles as well
+        if future not in self._sent:
             return None
         sent = self._sent.pop(future)
         try:
