@@ -461,10 +461,7 @@ class _Study:
 
     def _table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Conductivity from the table of the case."""
-        sealing = math.log10(flow.sealing_pressure(surface))
-        # what lies above is sealed
-        highest = max((one for one in log_peaks if one < sealing), default=sealing - 1.0)
-        return self._nearby[surface.yielding].table(surface, 10.0**highest)
+        return self._nearby[surface.yielding].table(surface, 10.0 ** np.array(log_peaks))
 
     @cached_property
     def _nearby(self) -> dict[str, NearbyTables]:

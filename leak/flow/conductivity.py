@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, positive
-from leak.numerics.curves import MonotoneCurve, spline_slopes
-
-if TYPE_CHECKING:
-    from scipy.interpolate import RectBivariateSpline
+from leak.numerics.curves import CubicSurface, MonotoneCurve, spline_slopes
 
 METHODS = ("bruggeman", "critical-junction", "threshold-law")
 # ... of them those that know no direction of the roughness.
@@ -282,11 +279,9 @@ class GasConductivityTable:
     log_inverse_knudsen: FloatArray
 
     @cached_property
-    def _spline(self) -> RectBivariateSpline:
-        from scipy.interpolate import RectBivariateSpline
-
+    def _spline(self) -> CubicSurface:
         x = self._abscissa(np.log(self.liquid.pressure))
-        return RectBivariateSpline(x, self.log_inverse_knudsen, self.log_rarefaction)
+        return CubicSurface(x, self.log_inverse_knudsen, self.log_rarefaction)
 
     def _abscissa(self, log_pressure: FloatArray) -> FloatArray:
         return table_abscissa(log_pressure, float(np.log(self.liquid.sealing_pressure)), self.liquid.method)
@@ -309,4 +304,5 @@ class GasConductivityTable:
             self.log_inverse_knudsen[0],
             self.log_inverse_knudsen[-1],
         )
-        return np.exp(self._spline.ev(self._abscissa(log_p), log_D) * np.exp(-beyond))
+        log_R = self._spline.value(*np.broadcast_arrays(self._abscissa(log_p), log_D))
+        return np.exp(log_R * np.exp(-beyond))
