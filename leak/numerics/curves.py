@@ -209,4 +209,6 @@ def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:
     slopes = cubic_spline_slopes(x, y)
     h = np.diff(x)[:, None]
     secant, left, right = np.diff(y, axis=0) / h, slopes[:-1], slopes[1:]
-    return np.stack([y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2])
+    return np.stack(
+        [y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
+    )

@@ -78,7 +78,7 @@ def stretched_spectrum(spectrum: PowerSpectrum, peklenik: float) -> PowerSpectru
     half = half[row, piece]
     phi = angle[row, piece][:, None] + half[:, None] * (1.0 + t)
     there = q[row, None] * np.sqrt(gamma * np.cos(phi) ** 2 + np.sin(phi) ** 2 / gamma)
-    C = (2.0 / np.pi) * np.bincount(row, half * (np.asarray(spectrum(there)) @ w), q.size)
+    C = (2.0 / np.pi) * np.bincount(row, half * (np.asarray(spectrum(there)) @ w), q.size).astype(np.float64)
     seen = np.flatnonzero(C / C.max() > 1e-300)
     average = PowerSpectrum(q[seen], C[seen])
     # Between nodes the average is not quite a power law; the height variance is known exactly.
