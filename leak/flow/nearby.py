@@ -76,7 +76,8 @@ class NearbyTables:
     Notes
     -----
     Leak rates are mostly off by less than 0.5 %, at most by 0.8 % up to two thirds of the sealing pressure, 2 % above,
-    where their contacts' highest pressures were given: whoever needs to know compares some with the surfaces' own tables, as `fem_seal`'s intervals do.
+    where their contacts' highest pressures were given: whoever needs to know compares some with the surfaces' own
+    tables, as `fem_seal`'s intervals do.
 
     Examples
     --------
