@@ -130,21 +130,20 @@ class StressRecovery:
 
 
 def _patches(mesh: MeshTri) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Vertices, increasing, and the triangles around each; on the boundary those around its neighbours as well."""
-    elements, corner = mesh.nelements, mesh.t.ravel().astype(np.int64)
+    """Vertices, increasing, and the triangles around each; on the boundary those next to them as well."""
+    elements, corner, side = mesh.nelements, mesh.t.ravel(), mesh.t2f.ravel()
     order = np.argsort(corner, kind="stable")
-    vertex, around = corner[order], order % elements
-    count = np.bincount(corner)
-    edge = np.zeros(len(count), dtype=bool)
-    edge[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
-    # from every vertex of the boundary to its neighbours, and from them to their triangles
-    pairs = np.hstack([mesh.facets, mesh.facets[::-1]])
-    middle, neighbour = pairs[:, edge[pairs[0]]].astype(np.int64)
-    each = count[neighbour]
-    place = np.arange(each.sum()) + np.repeat(
-        (np.cumsum(count) - count)[neighbour] - np.cumsum(each) + each, each
-    )
-    wide = np.unique(np.repeat(middle, each) * elements + around[place])
-    inside = ~edge[vertex]
-    both = np.sort(np.concatenate([vertex[inside] * elements + around[inside], wide]))
-    return both // elements, both % elements
+    vertex, around = corner[order].astype(np.int64), order % elements
+    # both triangles of every edge; on the boundary -1 instead of the second
+    by_side = np.argsort(side, kind="stable")
+    second = np.append(False, np.diff(side[by_side]) == 0)
+    pair = np.full((2, mesh.facets.shape[1]), -1)
+    pair[second.astype(int), side[by_side]] = by_side % elements
+    edge = np.zeros(mesh.p.shape[1], dtype=bool)
+    edge[mesh.facets[:, pair[1] < 0]] = True
+    outer = edge[vertex]
+    beside = pair[:, mesh.t2f[:, around[outer]]]
+    wider = (vertex[outer] * elements + beside)[beside >= 0]
+    found = np.concatenate([vertex[~outer] * elements + around[~outer], np.unique(wider)])
+    found.sort()
+    return found // elements, found % elements
