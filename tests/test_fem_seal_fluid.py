@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from sample_results import case, cone, rough_result
+from sample_results import case, cone, rough_result, run_loads
 
 import fem_seal
 import leak
@@ -219,9 +219,8 @@ def test_fluid_opens_less_where_it_is_thick_next_to_the_inlet():
     """The high pressure gets less far: of a penetrated contact the leak falls by more than the mean viscosity."""
     settings = {"load": {"fluid_pressure": ["300 bar"], "axial_force": "3 kN", "closing": "penetration"}}
     plain, thick = (
-        fem_seal.run(
-            case(fluid={"viscosity": "3 mPa s", "pressure_viscosity": f"{alpha} 1/GPa"}, **settings),
-            levers=False,
+        run_loads(
+            case(fluid={"viscosity": "3 mPa s", "pressure_viscosity": f"{alpha} 1/GPa"}, **settings)
         ).loads[0]
         for alpha in (0, 60)
     )
