@@ -59,9 +59,9 @@ class StressScreen:
         assert body.solve is not None  # of a model that knows more than its contact line
         # that a floating body also moves along its axis makes no stress
         moved = body.solve(np.column_stack([body.held.nodal_forces(area_weight * one) for one in patterns.T]))
-        stress = (body.stress_operator @ moved).reshape(-1, 4, moved.shape[1])
+        stress = body.recovery.stress(moved)
         further = {
-            name: (body.stress_operator @ load.response).reshape(-1, 4).T
+            name: body.recovery.stress(load.response).T
             for name, load in body.loads.items()
             if not np.any(load.free_strain)
         }

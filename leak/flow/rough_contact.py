@@ -53,6 +53,8 @@ _DISTRIBUTION_REFINEMENT = 8
 _MOST_STRETCHED = 1000.0
 # Below this p/E* slope moments leave the range of floating-point numbers; separations are long linear in ln p.
 _LEAST_RELATIVE_PRESSURE = 1e-100
+# Below this ln(p/Pa) what acts on a capped surface is in a fixed ratio to p.
+_LEAST_LOG_PRESSURE = -600.0
 
 
 @dataclass(frozen=True)
@@ -164,6 +166,17 @@ class RoughContact:
         """Nominal pressure at which the theory is asked for the gaps: the equivalent one of a capped surface [Pa]."""
         p = _checked(pressure)
         return p if self.hardness is None or self._smoothed else self._equivalent(p)
+
+    def log_acting_pressure(self, log_pressure: FloatArray) -> FloatArray:
+        """`acting_pressure` as logarithms, where p itself may be too small for a floating-point number.
+
+        Parameters
+        ----------
+        log_pressure : ndarray
+            ln(p/Pa).
+        """
+        known = np.maximum(log_pressure, _LEAST_LOG_PRESSURE)
+        return log_pressure + (np.log(self.acting_pressure(np.exp(known))) - known)
 
     def _equivalent(self, p: FloatArray, largest: FloatArray | None = None) -> FloatArray:
         """Pressure at which the elastic surface has the gaps of the capped one."""

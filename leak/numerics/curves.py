@@ -47,7 +47,7 @@ class MonotoneCurve:
         """y at x."""
         x = np.asarray(x, dtype=float)
         inside = np.minimum(np.maximum(x, self.x[0]), self.x[-1])
-        k = np.searchsorted(self.x[1:-1], inside, side="right")
+        k = self.x[1:-1].searchsorted(inside, side="right")
         c0, c1, c2, c3 = self._cubics.take(k, axis=1)
         s = inside - self.x[k]
         y = c0 + s * (c1 + s * (c2 + c3 * s))
@@ -64,16 +64,17 @@ class MonotoneCurve:
         """y and dy/dx at x."""
         x = np.asarray(x, dtype=float)
         below, above = np.minimum(x - self.x[0], 0.0), np.maximum(x - self.x[-1], 0.0)
-        k = np.searchsorted(self.x[1:-1], x, side="right")
+        k = self.x[1:-1].searchsorted(x, side="right")
         y, slope = self._cell(k, np.minimum(np.maximum(x, self.x[0]), self.x[-1]) - self.x[k])
         return y + (below * self.slope[0] + above * self.slope[-1]), slope
 
     @cached_property
     def _cubics(self) -> FloatArray:
         """Coefficients of the powers 0 to 3 of the distance from the left end of each cell, shape (4, n - 1)."""
-        h, secant = np.diff(self.x), np.diff(self.y) / np.diff(self.x)
+        h = self.x[1:] - self.x[:-1]
+        secant = (self.y[1:] - self.y[:-1]) / h
         left, right = self.slope[:-1], self.slope[1:]
-        return np.stack(
+        return np.array(
             [self.y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
         )
 
@@ -129,11 +130,11 @@ def _end_slope(h0: float, h1: float, secant0: float, secant1: float) -> float:
 
 def spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
     """Slopes of the not-a-knot cubic spline through monotone points, limited so that the curve stays monotone."""
-    secant = np.diff(y) / np.diff(x)
-    left, right = np.append(secant[0], secant), np.append(secant, secant[-1])
+    secant = (y[1:] - y[:-1]) / (x[1:] - x[:-1])
+    left, right = np.concatenate([secant[:1], secant]), np.concatenate([secant, secant[-1:]])
     gentlest = np.where(np.abs(left) < np.abs(right), left, right)
     slope = cubic_spline_slopes(x, y) / np.where(gentlest == 0.0, 1.0, gentlest)
-    return np.clip(slope, 0.0, 3.0) * gentlest
+    return np.minimum(np.maximum(slope, 0.0), 3.0) * gentlest
 
 
 def cubic_spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
@@ -152,7 +153,8 @@ def cubic_spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
     """
     from scipy.linalg.lapack import dgtsv
 
-    h, secant = np.diff(x), np.diff(y) / np.diff(x)
+    h = x[1:] - x[:-1]
+    secant = (y[1:] - y[:-1]) / h
     if x.size == 3:  # a parabola
         bend = (secant[1] - secant[0]) / (h[0] + h[1])
         return np.array([secant[0] - bend * h[0], secant[0] + bend * h[0], secant[1] + bend * h[1]])
