@@ -68,8 +68,8 @@ def smooth_case(**tables: Any) -> Case:
 def run_loads(of: Case) -> SealResult:
     """A run that ends with the numbers of its loads, for tests that look at no others.
 
-    Left out is what is solved besides: on other elements, with other bodies, another law, another form, samples. Without
-    an estimated error a load is no longer valid.
+    Left out is what is solved besides: on other elements, with other bodies, another law, another form, samples.
+    Without an estimated error no load is valid.
     """
     instead = {
         "chain.on_coarser_mesh": None,
