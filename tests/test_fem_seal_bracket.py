@@ -67,6 +67,7 @@ def test_asperities_too_hard_to_yield_are_elastic_in_both_readings(pressure):
     assert readings == pytest.approx([readings[2]] * 3, rel=1e-3)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_elastic_asperities_have_one_reading():
     (load,) = single_result().loads
     assert load.conserved is load.capped is load

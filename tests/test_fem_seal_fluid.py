@@ -133,6 +133,7 @@ def test_readable_leak_and_class():
     assert all(unit in line for unit in ("mbar l/s", "Pa m³/s", "standard ml/min", "kg/s"))
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_summary_and_report_hold_units_and_class():
     result = helium_result()
     entries = leakage_table(result)
@@ -179,6 +180,7 @@ def test_thickening_divides_the_leak_rate_by_its_mean():
     assert low < barus.leak.leak_rate / plain.leak.leak_rate < high
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_diesel_of_the_library():
     result = fem_seal.run(case(fluid={"name": "diesel"}, **THICK), levers=False)
     (load,), said = result.loads, " ".join(result.warnings)

@@ -465,6 +465,7 @@ def test_studies_vary_the_temperature() -> None:
         assert fast["leak_rate_m3_per_s"] == pytest.approx(row["leak_rate_m3_per_s"], rel=5e-4)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_results_show_the_temperature(tmp_path: Path) -> None:
     import meshio
 
@@ -711,6 +712,7 @@ def test_two_held_bodies_without_contact_heat_are_bodies_of_two_temperatures() -
     assert stress < 1e-5 * np.abs(second.fields["closure"].stress).max()
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_calculated_temperature_goes_through_case_results_and_study(tmp_path: Path) -> None:
     over = {"temperature": ["20 degC", "220 degC"], "value": ["210 GPa", "190 GPa"]}
     warm = case(
