@@ -316,12 +316,23 @@ class GasConductivityTable:
 
     def rarefaction(self, log_pressure: ArrayLike, log_inverse_knudsen: ArrayLike) -> FloatArray:
         """R at contact pressure p and inverse Knudsen number D_eff; beyond the table R - 1 falls like 1/D_eff."""
+        return self.rarefaction_at(log_pressure)(np.asarray(log_inverse_knudsen, dtype=float))
+
+    def rarefaction_at(self, log_pressure: ArrayLike) -> Callable[[FloatArray], FloatArray]:
+        """`rarefaction` at given contact pressures, a function of ln D_eff, for many pressures of the gas.
+
+        Parameters
+        ----------
+        log_pressure : array_like
+            ln(p/Pa).
+        """
         low, high = np.log(self.liquid.pressure[[0, -1]])
-        log_p = np.clip(self.liquid.asked(np.asarray(log_pressure, dtype=float)), low, high)
-        beyond = np.maximum(np.asarray(log_inverse_knudsen, dtype=float) - self.log_inverse_knudsen[-1], 0.0)
-        log_D = np.clip(
-            np.asarray(log_inverse_knudsen, dtype=float),
-            self.log_inverse_knudsen[0],
-            self.log_inverse_knudsen[-1],
-        )
-        return np.exp(self._spline.ev(self._abscissa(log_p), log_D) * np.exp(-beyond))
+        asked = self.liquid.asked(np.asarray(log_pressure, dtype=float))
+        at, spline = self._abscissa(np.minimum(np.maximum(asked, low), high)), self._spline
+        first, last = self.log_inverse_knudsen[0], self.log_inverse_knudsen[-1]
+
+        def rarefaction(log_D: FloatArray) -> FloatArray:
+            inside = np.minimum(np.maximum(log_D, first), last)
+            return np.exp(spline.ev(at, inside) * np.exp(-np.maximum(log_D - last, 0.0)))
+
+        return rarefaction

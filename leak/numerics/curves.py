@@ -68,6 +68,11 @@ class MonotoneCurve:
         y, slope = self._cell(k, np.minimum(np.maximum(x, self.x[0]), self.x[-1]) - self.x[k])
         return y + (below * self.slope[0] + above * self.slope[-1]), slope
 
+    def inside(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """y and dy/dx at x, none of which lies beyond the ends."""
+        k = self.x[1:-1].searchsorted(x, side="right")
+        return self._cell(k, x - self.x[k])
+
     @cached_property
     def _cubics(self) -> FloatArray:
         """Coefficients of the powers 0 to 3 of the distance from the left end of each cell, shape (4, n - 1)."""

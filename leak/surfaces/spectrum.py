@@ -315,6 +315,11 @@ class PowerSpectrum:
         piece = self._slope_scale[k] * _power_integral(self._slope_exponent[k], np.log(q) - self._log_q[k])
         return self._slope_moment[k] + piece
 
+    @property
+    def whole_moment(self) -> float:
+        """Slope moment M of the whole spectrum [-]."""
+        return float(self._slope_moment[-1])
+
     def at_slope_moment(self, moment: FloatArray) -> SpectrumPoint:
         """ln q and ln C where the cumulative slope moment M has the value `moment`, the inverse of `slope_moment`.
 
