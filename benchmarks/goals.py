@@ -206,7 +206,7 @@ def tests(settings: Settings) -> Iterator[Figure]:
     """The whole suite on two cores."""
     start = time.perf_counter()
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-n", "2", "--dist", "loadfile"],
+        [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "loadfile"],
         cwd=ROOT,
         env={**os.environ, **_here()},
     )

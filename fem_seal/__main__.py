@@ -29,13 +29,17 @@ def main() -> int:
     # No plugin has a say in what a case file may hold; pydantic reads the metadata of every installed package for them.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Nearly all that a command makes stays to its end: going through it a thousand times takes a fifteenth of a run.
-    gc.set_threshold(50_000, 20, 50)
+    gc.set_threshold(150_000, 20, 50)
     try:
         from fem_seal import cli
 
         return cli.main()
     except KeyboardInterrupt:
         return 130
+    finally:
+        # At its end Python looks for circles in all that there is, which takes a tenth of a run; the memory goes with
+        # the process anyway.
+        gc.freeze()
 
 
 def _write_every_sign() -> None:

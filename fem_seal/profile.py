@@ -123,7 +123,7 @@ class PressureProfile:
         height = (self.pressure / self.peak_pressure) ** 2 - 0.25
         if self.pressure[0] == 0 and self.pressure[-1] == 0:
             return self._width_of_ellipse(height)
-        above = np.flatnonzero(height >= 0)
+        above = (height >= 0).nonzero()[0]
         if len(above) == 0:
             return 0.0
         return self._crossing(height, above[-1], +1) - self._crossing(height, above[0], -1)
@@ -135,9 +135,10 @@ class PressureProfile:
         part of it; they are left out.
         """
         inner = self.pressure > 0.4 * self.peak_pressure
-        curve = np.polynomial.Polynomial.fit(self.x[inner], height[inner], min(4, int(inner.sum()) - 1))
-        edges = self.x[np.flatnonzero(self.pressure)[[0, -1]]]
-        if curve(self.centroid) > 0 > max(curve(edges)):
+        fitted = np.polynomial.Polynomial.fit(self.x[inner], height[inner], min(4, int(inner.sum()) - 1))
+        curve = _Curve(fitted.coef.tolist(), *(float(number) for number in fitted.mapparms()))
+        edges = self.x[np.flatnonzero(self.pressure)[[0, -1]]].tolist()
+        if curve(self.centroid) > 0 > max(map(curve, edges)):
             return _root(curve, self.centroid, edges[1]) - _root(curve, edges[0], self.centroid)
         above = np.flatnonzero(height >= 0)
         return self._crossing(height, above[-1], +1) - self._crossing(height, above[0], -1)
@@ -148,8 +149,8 @@ class PressureProfile:
             return float(self.x[inside])
         lower = max(min(inside, outside) - 2, 0)
         part = slice(lower, lower + 6)
-        curve = _through(self.x[part], height[part])
-        a, b = sorted((self.x[inside], self.x[outside]))
+        curve = _through(self.x[part].tolist(), height[part].tolist())
+        a, b = sorted((float(self.x[inside]), float(self.x[outside])))
         return _root(curve, a, b)
 
 
@@ -173,24 +174,44 @@ def remembered(pressure: FloatArray, largest: FloatArray) -> FloatArray:
     return np.minimum(largest, pressure * (largest.max() / pressure.max()))
 
 
-def _through(x: FloatArray, y: FloatArray) -> np.polynomial.Polynomial:
-    """The polynomial through a few points."""
-    t = (2 * x - x[0] - x[-1]) / (x[-1] - x[0])
-    coefficients = np.linalg.solve(np.vander(t, increasing=True), y)
-    return np.polynomial.Polynomial(coefficients, domain=[x[0], x[-1]])
+@dataclass(frozen=True)
+class _Curve:
+    """A polynomial in t = offset + scale x, its coefficients from the lowest power on."""
 
+    coefficients: list[float]
+    offset: float
+    scale: float
 
-def _root(curve: np.polynomial.Polynomial, a: float, b: float) -> float:
-    """Real root between a and b, where the curve changes sign."""
-    offset, scale = curve.mapparms()
-    coefficients = curve.coef[::-1].tolist()
+    def __call__(self, x: float) -> float:
+        return self.at(self.offset + self.scale * x)[0]
 
-    def at(t: float) -> tuple[float, float]:
+    def at(self, t: float) -> tuple[float, float]:
+        """Value and slope."""
         value = slope = 0.0
-        for c in coefficients:
+        for c in reversed(self.coefficients):
             value, slope = c + t * value, value + t * slope
         return value, slope
 
+
+def _through(x: list[float], y: list[float]) -> _Curve:
+    """The polynomial through a few points, by divided differences."""
+    scale = 2 / (x[-1] - x[0])
+    offset = -0.5 * (x[0] + x[-1]) * scale
+    t, d = [offset + scale * one for one in x], list(y)
+    for order in range(1, len(t)):
+        for n in range(len(t) - 1, order - 1, -1):
+            d[n] = (d[n] - d[n - 1]) / (t[n] - t[n - order])
+    powers = [d[-1]]
+    for n in range(len(t) - 2, -1, -1):
+        rest = [-t[n] * one for one in powers]
+        rest[0] += d[n]
+        powers = [one + other for one, other in zip([*rest, 0.0], [0.0, *powers], strict=True)]
+    return _Curve(powers, offset, scale)
+
+
+def _root(curve: _Curve, a: float, b: float) -> float:
+    """Real root between a and b, where the curve changes sign."""
+    offset, scale, at = curve.offset, curve.scale, curve.at
     low, high = offset + scale * a, offset + scale * b
     rises, falls = at(low)[0], at(high)[0]
     if rises * falls < 0.0:
@@ -206,6 +227,6 @@ def _root(curve: np.polynomial.Polynomial, a: float, b: float) -> float:
             if abs(t - last) <= 1e-15 * (high - low + abs(t)):
                 break
         return float((t - offset) / scale)
-    roots = curve.roots()
+    roots = (np.polynomial.polynomial.polyroots(curve.coefficients) - offset) / scale
     outside = np.maximum(0, np.maximum(a - roots.real, roots.real - b)) + np.abs(roots.imag)
     return float(roots.real[np.argmin(outside)])

@@ -17,7 +17,7 @@ from meshes.errors import GeometryError, MeshingError
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
 from meshes.gmsh_session import gmsh_session
-from meshes.mesh.seal_mesh import SealMesh, joined
+from meshes.mesh.seal_mesh import SealMesh
 from meshes.mesh.sizing import Sizing
 from meshes.shapes.shape import Shape
 
@@ -115,7 +115,7 @@ def build_contact(contact: ContactGeometry, sizing: Sizing, known: SealMesh | No
     )
     alike = known is not None and _graded_alike(contact, sizing, known)
     before = {o.name: o for o in known.outlines} if known is not None and alike else {}
-    bodies = []
+    bodies = {}
     for outline in outlines:
         if isinstance(outline, MeshedOutline):
             mesh = outline.with_contact(contact, sizing.zone)
@@ -123,8 +123,8 @@ def build_contact(contact: ContactGeometry, sizing: Sizing, known: SealMesh | No
             mesh = getattr(known, outline.name)
         else:
             mesh = triangulate(outline, contact, sizing)
-        bodies.append((outline.name, mesh))
-    return SealMesh(joined(bodies), contact, sizing, outlines)
+        bodies[outline.name] = mesh
+    return SealMesh(bodies["closure"], bodies["seat"], contact, sizing, outlines)
 
 
 def _graded_alike(contact: ContactGeometry, sizing: Sizing, known: SealMesh) -> bool:
@@ -297,7 +297,7 @@ def _square(point: FloatArray, scale: float) -> str:
 
 
 def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
-    from meshes.mesh.triangles import Triangles, bounded, smoothed
+    from meshes.mesh.triangles import Triangles, facets_between, smoothed
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     # One node on each point, in the order of the points' tags.
@@ -314,8 +314,8 @@ def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
     places = scale * coordinates.reshape(-1, 3)[:, :2]
     places[row[on_points]] = [drawn.points[point] for point in sorted(drawn.points)]
     t = np.ascontiguousarray(index[triangles].T)
-    p = smoothed(Triangles(np.ascontiguousarray(places[row[used]].T), t))
-    return bounded(p, t, {name: index[pairs] for name, pairs in lines.items()})
+    mesh = smoothed(Triangles(np.ascontiguousarray(places[row[used]].T), t))
+    return mesh.with_boundaries(facets_between(mesh, {name: index[pairs] for name, pairs in lines.items()}))
 
 
 def _connectivity(gmsh: ModuleType, kind: int, entities: list[int]) -> NDArray[np.int64]:

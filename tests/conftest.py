@@ -6,6 +6,7 @@ import gc
 import math
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
@@ -38,8 +39,35 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatabl
 # process is free. All other files stay whole, with what their fixtures have made.
 APART = ("tests/test_examples.py", "tests/test_fem_seal_uncertainty.py", "tests/test_verification_contact.py")
 
-# Files that share results too dear to be made in both processes.
+# Files that share results too dear to be made in several processes.
 TOGETHER = {"tests/test_fem_seal_around_report.py": "tests/test_fem_seal_around_files.py"}
+
+# Files whose tests mostly wait, for clusters that start and designs that never end. They come first and one after the
+# other, so that one process waits while the others compute.
+WAITING = tuple(
+    f"tests/test_{name}.py"
+    for name in (
+        "fem_seal_studies_faults",
+        "fem_seal_studies_processes",
+        "cluster_recipes",
+        "fem_seal_explore_browser",
+    )
+)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files that wait come first, then those of many tests; what fills the gaps at the end comes last."""
+    tests = Counter(_file(one.nodeid) for one in items)
+
+    def place(item: pytest.Item) -> tuple[int, int]:
+        file = _file(item.nodeid)
+        return (-1 if file in WAITING else int(file in APART)), -tests[file]
+
+    items.sort(key=place)
+
+
+def _file(test: str) -> str:
+    return test.split("::", 1)[0]
 
 
 def pytest_collection_finish() -> None:
@@ -79,15 +107,29 @@ def forgotten_afterwards(request: pytest.FixtureRequest, made_once: MadeOnce) ->
 
 
 @pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int | None:
+    """With ``-n auto`` a process for each core, and one that waits."""
+    if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ:
+        return None
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return (cores or 1) + 1
+
+
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
-    """Tests by file, those of some files one by one, after all others."""
+    """Tests by file, those that wait as one, those of some files one by one."""
     if config.getoption("dist") != "loadfile":
         return None
     from xdist.scheduler import LoadFileScheduling
 
+    # the order is that of `pytest_collection_modifyitems`
+    config.option.loadscopereorder = False
+
     class Scheduling(LoadFileScheduling):  # type: ignore[misc]
         def _split_scope(self, nodeid: str) -> str:
-            file = nodeid.split("::", 1)[0]
+            file = _file(nodeid)
+            if file in WAITING:
+                return "waiting"
             return nodeid if file in APART else TOGETHER.get(file, file)
 
     return Scheduling(config, log)

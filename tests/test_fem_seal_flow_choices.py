@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pandas as pd
 import pytest
-from sample_results import SPECTRUM, STEEL, ball, case, cone, rough_result
+from sample_results import SPECTRUM, STEEL, ball, case, cone, rough_result, run_loads
 
 import fem_seal
 import leak
@@ -55,7 +55,7 @@ def local_result() -> SealResult:
 
 def test_peklenik_reaches_the_surface_and_the_leak_rate():
     plain = rough_result()
-    turned = fem_seal.run(case(roughness={"spectrum": SPECTRUM, "peklenik": 0.2}, leak={"variants": True}))
+    turned = run_loads(case(roughness={"spectrum": SPECTRUM, "peklenik": 0.2}, leak={"variants": True}))
     assert turned.surface.peklenik == 0.2
     np.testing.assert_allclose(turned.table.peak_pressure_Pa, plain.table.peak_pressure_Pa, rtol=1e-9)
     ratio = turned.table.leak_rate_m3_per_s / plain.table.leak_rate_m3_per_s
@@ -118,7 +118,7 @@ def test_what_is_refused(tables, says):
 @pytest.mark.parametrize("fluid", ["water", "helium"])
 def test_the_law_of_the_threshold_is_the_effective_medium_where_little_touches(fluid):
     medium, near = (
-        fem_seal.run(
+        run_loads(
             case(
                 fluid={"name": fluid},
                 load={"fluid_pressure": "20 bar"},
@@ -137,7 +137,7 @@ def test_each_reading_seals_at_its_own_pressure():
     surface = rough_contact(case(roughness={"spectrum": fine}, leak={"plasticity": False}))
     assert surface.sealing_pressure_by("threshold-law") < surface.sealing_pressure
     results = [
-        fem_seal.run(
+        run_loads(
             case(
                 roughness={"spectrum": fine},
                 load={"fluid_pressure": "20 bar"},

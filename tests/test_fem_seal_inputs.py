@@ -457,11 +457,11 @@ def test_typing_error_in_a_drawing_does_not_hang_the_program(call, tmp_path) -> 
     assert call("check", step_case(tmp_path, whole))[0] == 0
     before, number, after = whole.rpartition(b"(40.,0.,0.)")
     assert number
-    case = step_case(tmp_path, before + b"(40.1e3080.,0.)" + after, 'time_limit = "4 s"')
+    case = step_case(tmp_path, before + b"(40.1e3080.,0.)" + after, 'time_limit = "1 s"')
     code, _, err = call("check", case)
     assert code == 2
     assert err == (
-        f'error: {case}: seat.file = "x.step": cannot be read as STEP (takes longer than 4 s); open it in a CAD '
+        f'error: {case}: seat.file = "x.step": cannot be read as STEP (takes longer than 1 s); open it in a CAD '
         "program and export it anew, or allow a longer time_limit\n"
     )
 
@@ -483,16 +483,17 @@ def test_drawing_that_cannot_be_read_is_waited_for_once(tmp_path, monkeypatch) -
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "said", "limit"),
     [
-        (b"CLOSED_SHELL", b"OPEN", "cannot be read as STEP"),
-        (b"(40.,0.,0.)", b"(nan,0.,0.)", "cannot be read as STEP"),
-        (b"(40.,0.,0.)", b"(1e30,0.,0.)", "x.step"),
-        (b"SURFACE_CURVE", b"SURFACE", "x.step"),
+        (b"CLOSED_SHELL", b"OPEN", "cannot be read as STEP", "10 s"),
+        # OpenCASCADE never comes back from this one, from the others in hundredths of a second
+        (b"(40.,0.,0.)", b"(nan,0.,0.)", "cannot be read as STEP", "1 s"),
+        (b"(40.,0.,0.)", b"(1e30,0.,0.)", "x.step", "10 s"),
+        (b"SURFACE_CURVE", b"SURFACE", "x.step", "10 s"),
     ],
 )
-def test_damaged_step_ends_in_a_sentence(old, new, said, call, tmp_path) -> None:
-    case = step_case(tmp_path, step_of_a_seat(tmp_path).replace(old, new), 'time_limit = "10 s"')
+def test_damaged_step_ends_in_a_sentence(old, new, said, limit, call, tmp_path) -> None:
+    case = step_case(tmp_path, step_of_a_seat(tmp_path).replace(old, new), f'time_limit = "{limit}"')
     code, _, err = call("check", case)
     assert code in (0, 2)
     assert code == 0 or said in err
@@ -524,5 +525,5 @@ def test_dxf_with_blocks_in_blocks_without_end(tmp_path) -> None:
                 block.add_line((1, 0), (2, 0))
     drawing.modelspace().add_blockref("B11", (0, 0))
     drawing.saveas(tmp_path / "x.dxf")
-    with pytest.raises(GeometryError, match=r"cannot be read as DXF \(takes longer than 8 s\)"):
-        read_section(tmp_path / "x.dxf", "seat", time_limit=8.0)
+    with pytest.raises(GeometryError, match=r"cannot be read as DXF \(takes longer than 1 s\)"):
+        read_section(tmp_path / "x.dxf", "seat", time_limit=1.0)

@@ -242,7 +242,7 @@ def top_of(result) -> tuple[float, float]:
 
 @pytest.mark.parametrize("source", ["outline", "mesh"])
 def test_flat_top_in_pieces_is_pushed_as_a_whole(source, tmp_path) -> None:
-    coarse = {"contact_size": "100 um"}
+    coarse = {"contact_size": "50 um"}
     known = Case(**tables("spherical-tip", "cone", mesh=coarse))
     expected = run(known)
     if source == "outline":
@@ -265,10 +265,9 @@ def test_flat_top_in_pieces_is_pushed_as_a_whole(source, tmp_path) -> None:
     found = run(Case(**{**tables("spherical-tip", "cone", mesh=coarse), "closure": closure}))
     peaks = [result.loads[0].contact.profile.peak_pressure for result in (found, expected)]
     assert top_of(found) == pytest.approx(top_of(expected), rel=1e-9)
-    # the same body, with other triangles around the new corner and, opposite the facets of a file, in the seat: a
-    # largest stress among nodes is known to half a per cent with so few of them
+    # the same body, with other triangles around the new corner and, opposite the facets of a file, in the seat
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-4)
-    assert highest_stress(found) == pytest.approx(highest_stress(expected), rel=5e-3)
+    assert highest_stress(found) == pytest.approx(highest_stress(expected), rel=1e-3)
 
 
 def test_bodies_from_files_are_named_with_what_was_read(tmp_path, capsys) -> None:

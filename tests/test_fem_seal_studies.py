@@ -411,7 +411,7 @@ def test_conductivities_of_a_family_are_those_of_the_surface_itself_up_to_half_i
     )
     surface = leak.RoughContact(spectrum, effective_modulus=115e9, hardness=3.5e9)
     sealing = surface.sealing_pressure
-    table = family_table(Flow("water", 1e-3), surface, [math.log10(sealing)])
+    table = family_table(Flow("water", 1e-3), surface)
     p = np.geomspace(1e-7, 0.5, 40) * sealing
     # cubes of u_eff, asked for without any table
     found, own = np.asarray(table.effective_separation(p)) ** 3, surface.effective_separation(p) ** 3

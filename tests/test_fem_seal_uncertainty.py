@@ -108,7 +108,7 @@ def test_a_shared_table_is_that_of_the_surface(fluid, reading):
     surface = getattr(surface, reading)
     gas = leak.gas("helium") if fluid == "helium" else None
     flow = Flow(fluid, 1e-3, gas=gas)
-    shared, own = family_table(flow, surface, [8.2]), flow.table_around(surface, [8.2])
+    shared, own = family_table(flow, surface), flow.table_around(surface, [8.2])
     p = np.geomspace(1e4, 1.5e8, 23)
     np.testing.assert_allclose(shared.at_log_pressure(np.log(p)), own.at_log_pressure(np.log(p)), rtol=3e-5)
     if gas is not None:

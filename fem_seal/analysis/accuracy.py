@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -119,28 +119,37 @@ def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
     ----------
     load : CoarserLoad
     """
-    base, changes = load.compared("as it is", load.contact), []
-    for name, model in _variations(load.solver, load.mesh):
-        # Close to blow-off the seal may open with another support: that is told by the blow-off pressure.
-        with suppress(InputError, ConvergenceError):
-            changed = load.solve(replace(load.solver, model=model))
-            changes.append(load.compared(name, changed).relative_to(base))
+    base = load.compared("as it is", load.contact)
+
+    def change(name: str, model: ContactModel) -> Comparison:
+        changed = load.solve(replace(load.solver, model=model))
+        return load.compared(name, changed).relative_to(base)
+
+    changes = []
+    for name, condense in _variations(load.solver, load.mesh):
+        # Close to blow-off the seal may open with another support: that is told by the blow-off pressure. The larger
+        # housing is no question of this seal if it cannot be built.
+        with suppress(InputError, ConvergenceError, GeometryError, MeshingError):
+            changes.append(change(name, condense()))
     return tuple(changes)
 
 
-def _variations(solver: LoadSolver, mesh: SealMesh) -> Iterator[tuple[str, ContactModel]]:
+def _variations(solver: LoadSolver, mesh: SealMesh) -> Iterator[tuple[str, Callable[[], ContactModel]]]:
+    """Other bodies, made one after the other: each takes as much memory as those of the result."""
     problem, known = solver.problem, solver.model
     if problem.interference:
         return  # another size or support is another fit: that is no question of the far field
-    # The larger housing is no question of this seal if it cannot be built.
     with suppress(GeometryError, MeshingError):
         larger = problem.larger_housing()
         if larger is not None:
             wider = replace(problem, contact=larger)
             yield (
                 "a housing twice as wide and high",
-                condensed(wider, build_contact(larger, mesh.sizing, mesh), known),
+                lambda: condensed(wider, build_contact(larger, mesh.sizing, mesh), known),
             )
     free = problem.supports.wall == "free"
     other = replace(problem, supports=Supports(wall="fixed" if free else "free"))
-    yield "holding its wall" if free else "leaving its wall free", condensed(other, mesh, known)
+    yield (
+        "holding its wall" if free else "leaving its wall free",
+        lambda: condensed(other, mesh, known),
+    )

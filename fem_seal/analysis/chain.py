@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.errors import LoadProblem
+    from meshes import SealMesh
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
 _LEAK = {
@@ -123,15 +124,8 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
         loads = tuple(
             _settled(after, _settled(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
-    solver, coarser, error = LoadSolver(problem, model), None, NOT_ESTIMATED
-    with clock.step("error", "estimating the discretisation error"), after.going_on("discretisation error"):
-        strongest = strongest_load(loads)
-        coarser = on_coarser_mesh(problem, seal_mesh.sizing, strongest)
-        error = discretisation_error(contacts[strongest], coarser, seal_mesh.sizing)
-    far: tuple[Comparison, ...] = ()
-    if coarser is not None:
-        with clock.step("far field", "comparing sizes and supports far from the contact"):
-            far = after.get("influence of the far field", partial(far_field, coarser), ())
+    error, far = _on_coarser_elements(problem, seal_mesh, loads, clock, after)
+    solver = LoadSolver(problem, model)
     with clock.step("questions", "blow-off and force for the target leak rate"):
         loads, of_answers = with_answers(solver, loads, after)
         loads = after.get("margin to opening", partial(with_margins, solver, loads), loads)
@@ -182,6 +176,24 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
     unasked = case.requirement is not None and not problem.curves
     result = _with_levers(result, clock, after, unasked if levers is None else levers)
     return replace(result, warnings=(*result.warnings, *after.failures))
+
+
+def _on_coarser_elements(
+    problem: SealProblem, seal_mesh: SealMesh, loads: Sequence[LoadResult], clock: Clock, after: Afterwards
+) -> tuple[DiscretisationError, tuple[Comparison, ...]]:
+    """Discretisation error and influence of the far field, of the strongest load.
+
+    The bodies on coarser elements are gone when this is done.
+    """
+    coarser, error = None, NOT_ESTIMATED
+    with clock.step("error", "estimating the discretisation error"), after.going_on("discretisation error"):
+        strongest = strongest_load(loads)
+        coarser = on_coarser_mesh(problem, seal_mesh.sizing, strongest)
+        error = discretisation_error(loads[strongest].contact, coarser, seal_mesh.sizing)
+    if coarser is None:
+        return error, ()
+    with clock.step("far field", "comparing sizes and supports far from the contact"):
+        return error, after.get("influence of the far field", partial(far_field, coarser), ())
 
 
 def _of_earlier(problem: SealProblem, earlier: ContactSolution | None) -> tuple[Caution, ...]:

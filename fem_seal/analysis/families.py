@@ -15,13 +15,13 @@ function of numbers alone, p/(E* h), sigma_P/(E* h) and the Knudsen number of u_
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
-from fem_seal.analysis.flow import MARGIN, Conductivity, Flow
+from fem_seal.analysis.flow import Conductivity, Flow
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw
 from leak import ConductivityTable, GasConductivityTable, PowerSpectrum, RoughContact, gas_conductivity_table
@@ -37,9 +37,6 @@ _SPACING = 0.1
 # Tables reach from this fraction of the sealing pressure to it; below they go on by the law at low pressure.
 # Conductivities are good to 6e-4, to 1e-4 below a thirtieth of the sealing pressure.
 _RANGE, _NODES = 1e-9, 96
-# A capped surface has a table of its own, made of that of the elastic one: even steps cost less than finding better
-# ones.
-_OF_CAPPED = 80
 _REMEMBERED = 4096
 
 
@@ -76,15 +73,12 @@ def family_law(surface: RoughContact) -> ScaledLaw:
     ----------
     surface : RoughContact
     """
-    member, height, pressure = _member(surface.elastic)
-    return ScaledLaw(_law(member), height, pressure)
+    member, height, pressure = _member(surface)
+    return ScaledLaw(_law(member.elastic), height, pressure)
 
 
 def family_table(
-    flow: Flow,
-    surface: RoughContact,
-    log_peaks: Sequence[float],
-    tables: Sequence[Conductivity] | None = None,
+    flow: Flow, surface: RoughContact, tables: Sequence[Conductivity] | None = None
 ) -> Conductivity | None:
     """Flow conductivity of a surface from the tables of its shape; None where it is simulated.
 
@@ -92,45 +86,57 @@ def family_table(
     ----------
     flow : Flow
     surface : RoughContact
-    log_peaks : sequence of float
-        Decimal logarithms of the peak pressures that occur [Pa].
     tables : sequence, optional
         Those of `family_tables`, if they have been made already.
     """
     if flow.simulated is not None:
         return None
     if tables is None:
-        return _table_from(surface, family_tables(flow, surface, log_peaks))
+        return _table_from(surface, _kind_of(flow))
     return _between(surface, tables)
 
 
 @lru_cache(maxsize=64)
-def _table_from(surface: RoughContact, names: tuple[FamilyTable, ...]) -> Conductivity:
+def _table_from(surface: RoughContact, kind: _Kind) -> Conductivity:
     """The table of one surface, which the loads of a grid share."""
-    return _between(surface, [name.made() for name in names])
+    return _between(surface, [name.made() for name in _names(surface, kind)])
 
 
 def _between(surface: RoughContact, tables: Sequence[Conductivity]) -> Conductivity:
     member, height, pressure = _member(surface)
     table = tables[0] if len(tables) == 1 else _interpolated(tables, _on_lattice(member)[1])
-    return _scaled_table(table, height, pressure, LoadMemory(surface))
+    acting = None
+    if member.hardness is not None and member.yielding == "capped":
+        acting = partial(_acting, member, math.log(pressure))
+    return _scaled_table(table, height, pressure, LoadMemory(surface), acting)
 
 
-def family_tables(flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> tuple[FamilyTable, ...]:
+def family_tables(flow: Flow, surface: RoughContact) -> tuple[FamilyTable, ...]:
     """Names of the tables from which the flow conductivity of a surface follows; most of the time goes into them.
 
     Parameters
     ----------
-    flow, surface, log_peaks
+    flow, surface
         See `family_table`.
     """
-    member, _, pressure = _member(surface)
-    low, high = (end(log_peaks) - math.log10(pressure) for end in (min, max))
-    kind = _Kind(flow.conductivity, flow.gas is not None)
+    return _names(surface, _kind_of(flow))
+
+
+def _acting(member: RoughContact, log_ratio: float, log_pressure: FloatArray) -> FloatArray:
+    """`RoughContact.log_acting_pressure` of a surface whose pressures are in a ratio to those of a member."""
+    return member.log_acting_pressure(log_pressure - log_ratio) + log_ratio
+
+
+def _kind_of(flow: Flow) -> _Kind:
+    return _Kind(flow.conductivity, flow.gas is not None)
+
+
+def _names(surface: RoughContact, kind: _Kind) -> tuple[FamilyTable, ...]:
+    member = _member(surface)[0]
     if member.hardness is None or member.yielding == "capped":
-        return (FamilyTable(member, kind, (math.floor(low - 9), math.ceil(high + MARGIN))),)
+        return (FamilyTable(member.elastic, kind, None),)
     first, elastic = _on_lattice(member)[0], replace(member, hardness=None)
-    return tuple(FamilyTable(elastic, kind, (first + n,)) for n in range(4))
+    return tuple(FamilyTable(elastic, kind, first + n) for n in range(4))
 
 
 def _on_lattice(member: RoughContact) -> tuple[int, float]:
@@ -162,26 +168,31 @@ class FamilyTable:
     ----------
     surface : RoughContact
     kind : _Kind
-    place : tuple of int
-        Of the lattice, or decimal logarithms of the lowest and the highest pressure [Pa].
+    place : int or None
+        Of the lattice; None for elastic asperities.
     """
 
     surface: RoughContact
     kind: _Kind
-    place: tuple[int, ...]
+    place: int | None
 
     def made(self) -> Conductivity:
         """The table."""
-        make = _lattice_table if len(self.place) == 1 else _whole_table
-        return make(self.surface, *self.place, self.kind)
+        if self.place is None:
+            return _elastic_table(self.surface, self.kind)
+        return _lattice_table(self.surface, self.place, self.kind)
 
 
-def _scaled_table(table: Conductivity, height: float, pressure: float, memory: LoadMemory) -> Conductivity:
+def _scaled_table(
+    table: Conductivity,
+    height: float,
+    pressure: float,
+    memory: LoadMemory,
+    acting: Callable[[FloatArray], FloatArray] | None,
+) -> Conductivity:
     if isinstance(table, GasConductivityTable):
-        liquid = _scaled_table(table.liquid, height, pressure, memory)
-        assert isinstance(liquid, ConductivityTable)  # of what a liquid's is made of
-        return replace(table, liquid=liquid)
-    return table.scaled(height, pressure, memory)
+        return replace(table, liquid=table.liquid.scaled(height, pressure, memory, acting))
+    return table.scaled(height, pressure, memory, acting)
 
 
 @lru_cache(maxsize=64)
@@ -219,10 +230,10 @@ def _law(surface: RoughContact) -> InterfaceLaw:
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def _whole_table(surface: RoughContact, low: int, high: int, kind: _Kind) -> Conductivity:
-    capped = surface.hardness is not None and surface.yielding == "capped"
-    num = _OF_CAPPED if capped and not kind.of_gas else None
-    return kind.table(surface, 10.0**low, 10.0**high, num)
+def _elastic_table(surface: RoughContact, kind: _Kind) -> Conductivity:
+    """Table of elastic asperities over all pressures up to sealing."""
+    sealing = surface.sealing_pressure_by(kind.method)
+    return kind.table(surface, _RANGE * sealing, sealing, None)
 
 
 def _interpolated(found: Sequence[Conductivity], t: float) -> Conductivity:

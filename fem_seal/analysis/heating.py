@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from fem_seal.contact.laws import HardContact
-from fem_seal.contact.sizing import Opening, contact_width, element_sizes
+from fem_seal.contact.sizing import Opening, contact_widths, element_sizes
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import expected_force, line_load
 from fem_seal.materials import Material, effective_modulus
@@ -160,9 +160,8 @@ def _touching(case: CaseTables) -> tuple[float, float]:
     its width like a logarithm.
     """
     contact = case.contact
-    std = contact_width(
-        HardContact(), max(_line_loads(case)), Opening.of(contact), case.effective_modulus
-    ).std
+    opening, largest = Opening.of(contact), max(_line_loads(case))
+    std = contact_widths(HardContact(), [largest], opening, case.effective_modulus)[0].std
     low, high = contact.reach
     return max(low, -2 * std), min(high, 2 * std)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from typing import Self
 
 
@@ -19,6 +18,6 @@ class Lazy:
         """
         if strange := [name for name in known if not hasattr(type(self), name)]:
             raise AttributeError(f"{type(self).__name__} has no optional {', '.join(strange)}")
-        other = copy(self)
-        vars(other).update(known)
+        other = object.__new__(type(self))
+        vars(other).update(vars(self), **known)
         return other

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ import numpy as np
 
 from fem_seal.analysis.flow import MARGIN, Conductivity, Flow, ProfileFlow, as_first_loaded
 from fem_seal.analysis.problem import expected_forces
-from fem_seal.contact.sizing import Opening, contact_width
+from fem_seal.contact.sizing import Opening, contact_widths
 from fem_seal.loads import line_load, plastic_half_width
 from fem_seal.profile import PressureProfile, remembered
 
@@ -99,25 +100,29 @@ class SealFlow:
         A body that yields is coined over the width of full plasticity at least.
         """
         contact = self.problem.contact
-        f = line_load(contact_force, contact.touch_radius, contact.angle)
-        std = contact_width(self.problem.law, f, self._opening, self.problem.effective_modulus).std
-        if self.problem.curves:
-            softest = min(curve.yield_stress for curve in self.problem.curves)
-            # an even pressure over 2 a has the standard deviation a/sqrt(3)
-            std = max(std, plastic_half_width(f, softest) / math.sqrt(3))
+        ((std, peak),) = self._expected([contact_force])
         x = std * np.linspace(-_REACH, _REACH, _POINTS)
-        pressure = f / (math.sqrt(2 * math.pi) * std) * np.exp(-0.5 * (x / std) ** 2)
+        pressure = peak * np.exp(-0.5 * (x / std) ** 2)
         radius = np.maximum(contact.touch_radius + x * math.cos(contact.angle), 0.1 * contact.touch_radius)
         return PressureProfile(x, radius, pressure, np.full_like(x, np.nan), np.gradient(x))
 
-    @cached_property
-    def _opening(self) -> Opening:
-        return Opening.of(self.problem.contact)
+    def _expected(self, contact_forces: Sequence[float]) -> list[tuple[float, float]]:
+        """Standard deviation [m] and peak [Pa] of the pressure of contacts that carry forces F_N [N]."""
+        problem, contact = self.problem, self.problem.contact
+        line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in contact_forces]
+        widths = contact_widths(problem.law, line_loads, Opening.of(contact), problem.effective_modulus)
+        stds = [width.std for width in widths]
+        if problem.curves:
+            softest = min(curve.yield_stress for curve in problem.curves)
+            # an even pressure over 2 a has the standard deviation a/sqrt(3)
+            stds = [
+                max(std, plastic_half_width(f, softest) / math.sqrt(3))
+                for std, f in zip(stds, line_loads, strict=True)
+            ]
+        return [(std, f / (math.sqrt(2 * math.pi) * std)) for std, f in zip(stds, line_loads, strict=True)]
 
     @cached_property
     def _expected_peaks(self) -> tuple[float, float]:
         """Decimal logarithms of the smallest and the largest peak pressure that is expected [Pa]."""
-        peaks = [
-            math.log10(self.expected_profile(force).pressure.max()) for force in expected_forces(self.problem)
-        ]
+        peaks = [math.log10(peak) for _, peak in self._expected(expected_forces(self.problem))]
         return min(peaks), max(peaks)

@@ -130,6 +130,8 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
         return ()
     strongest = strongest_load(loads)
     load, variants = loads[strongest], []
+    # pressures over which the loads have their tables: the same ones serve this contact
+    shown = [contact for one in loads for contact in one.contacts]
     for name, plastic in (("elastic p(u)", False), ("plastic p(u)", True)):
         contact, told = load.contact, load
         if plastic != problem.interface.plastic:
@@ -140,7 +142,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
                 (contact,) = solved_again([contact], solver.model, changed.law, solver.earlier)
             formed = changed.around(contact)
             bare = LoadResult(*load.point, contact, formed=formed)
-            told = replace(bare, rough=RoughFlow.of(surface, problem.flow, bare.contacts))
+            told = replace(bare, rough=RoughFlow.of(surface, problem.flow, (*shown, *bare.contacts)))
         capped = told.leak_capped if told.yields else None
         variants.append(
             replace(

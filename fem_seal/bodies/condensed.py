@@ -12,18 +12,19 @@ expansion are further columns of the same factorisation.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_matrix, csr_matrix
+from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import lame_parameters, node_dofs, quadratic_nodes
-from fem_seal.bodies.fields import BodyField, stress_operator
+from fem_seal.bodies.elasticity import lame_parameters, node_dofs
+from fem_seal.bodies.fields import BodyField
 from fem_seal.bodies.held_body import HeldBody
+from fem_seal.bodies.stress_recovery import StressRecovery
 from fem_seal.materials import Material
 
 if TYPE_CHECKING:
@@ -105,9 +106,9 @@ class CondensedBody:
         return self.held.contact_x
 
     @cached_property
-    def stress_operator(self) -> bsr_matrix:
-        """From displacement dofs [m] to nodal stress [Pa], see `fem_seal.bodies.fields.stress_operator`."""
-        return stress_operator(self.basis, self.material)
+    def recovery(self) -> StressRecovery:
+        """From displacements to the stress at the nodes."""
+        return StressRecovery(self.basis, self.material)
 
     def displacement(self, point_forces: FloatArray) -> FloatArray:
         """Displacement dofs [m] under normal forces [N] at the points of the contact line.
@@ -165,6 +166,42 @@ def condense_body(
     return CondensedBody(held, held.floating(compliance, balance), loads, solve)
 
 
+def with_wall_held(body: CondensedBody) -> CondensedBody:
+    """A seat with its outer wall held, from the same with its wall free, without another factorisation.
+
+    Forces on the wall bring it back to where it was: few, and what they do is few columns of the factorisation.
+
+    Parameters
+    ----------
+    body : CondensedBody
+        With a way to displacements; neither heated nor held at its wall.
+    """
+    held, solve = body.held.holding_wall(), body.solve
+    assert solve is not None  # of a model that knows more than its contact line
+    unit = np.zeros((held.basis.N, len(held.wall)))
+    unit[held.wall, np.arange(len(held.wall))] = 1.0
+    by_wall = solve(unit)
+    stiffness = np.linalg.inv(by_wall[held.wall])
+    by_motion = by_wall @ stiffness
+    retreat = held.retreat(by_wall)
+
+    def brought_back(displacement: FloatArray) -> FloatArray:
+        """What is left of a displacement (dofs,) or (dofs, k) of the body with a free wall."""
+        left = displacement - by_motion @ displacement[held.wall]
+        left[held.wall] = 0.0
+        return left
+
+    def load(one: BoundaryLoad, response: FloatArray) -> BoundaryLoad:
+        return replace(one, opening=held.trace @ held.retreat(response), response=response)
+
+    loads = {name: load(one, brought_back(one.response)) for name, one in body.loads.items()}
+    inwards = -by_motion.sum(axis=1)
+    inwards[held.wall] = -1.0
+    loads["wall"] = BoundaryLoad(0.0, held.trace @ held.retreat(inwards), inwards)
+    compliance = body.compliance - retreat @ stiffness @ retreat.T
+    return CondensedBody(held, compliance, loads, lambda nodal: brought_back(solve(nodal)))
+
+
 def body_field(
     name: str,
     body: CondensedBody,
@@ -172,6 +209,7 @@ def body_field(
     pressure: FloatArray,
     free_strain: FloatArray | float = 0.0,
     temperature: FloatArray | float | None = None,
+    stress: FloatArray | None = None,
 ) -> BodyField:
     """Field of a body under a displacement [m] and a contact pressure at its nodes [Pa].
 
@@ -181,11 +219,16 @@ def body_field(
         Part of the strain that takes no stress [-].
     temperature : ndarray, shape (nodes,), or float, optional
         [K]
+    stress : ndarray, shape (nodes, 4), optional
+        Of the displacement [Pa], where it is known already.
     """
-    points, triangles = quadratic_nodes(body.basis.mesh)
+    points, triangles = body.held.nodes
     lam, mu = lame_parameters(body.material)
-    stress = (body.stress_operator @ displacement).reshape(len(points), 4)
-    stress[:, :3] -= (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(points))[:, None]
+    if stress is None:
+        stress = body.recovery.stress(displacement)
+    if np.any(free_strain):
+        stress = stress.copy()
+        stress[:, :3] -= (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(points))[:, None]
     return BodyField(
         name,
         points,

@@ -4,29 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import (
-    AXIS,
-    NODES,
-    elasticity_matrix,
-    node_dofs,
-    node_shares,
-    quadratic_nodes,
-    shape_gradients,
-)
+from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
-from fem_seal.materials import Material
 from fem_seal.profile import PressureProfile
-
-if TYPE_CHECKING:
-    from skfem import Basis
 
 
 @dataclass(frozen=True)
@@ -44,7 +30,8 @@ class BodyField:
     displacement : ndarray, shape (n, 2)
         (u_r, u_z) [m]; the closure's rigid approach is not part of it.
     stress : ndarray, shape (n, 4)
-        sigma_rr, sigma_zz, sigma_tt (hoop), sigma_rz [Pa], averaged over the elements that share a node.
+        sigma_rr, sigma_zz, sigma_tt (hoop), sigma_rz [Pa], recovered from the triangles around each node: of an elastic
+        body see `fem_seal.bodies.stress_recovery`, of one that yields their mean.
     contact_nodes : ndarray of int
         Nodes on the contact line, along increasing x.
     contact_x : ndarray
@@ -75,33 +62,6 @@ def von_mises(stress: FloatArray) -> FloatArray:
     """von Mises stress [Pa] of (..., 4) arrays sigma_rr, sigma_zz, sigma_tt, sigma_rz [Pa]."""
     rr, zz, tt, rz = np.moveaxis(stress, -1, 0)
     return np.sqrt(0.5 * ((rr - zz) ** 2 + (zz - tt) ** 2 + (tt - rr) ** 2) + 3 * rz**2)
-
-
-def stress_operator(basis: Basis, material: Material) -> bsr_matrix:
-    """Matrix from displacement dofs [m] to nodal stress [Pa], rows 4 i + (rr, zz, tt, rz) of node i.
-
-    The strain is evaluated at the six nodes of each triangle and averaged over the triangles that share a node,
-    weighted by their area. Averaged are the gradients: u_r/r at a node is the same in all triangles.
-    """
-    mesh = basis.mesh
-    points, triangles = quadratic_nodes(mesh)
-    count = len(points)
-    gradients = node_shares(mesh)[..., None, None] * shape_gradients(mesh, NODES)
-    rows, columns = np.broadcast_arrays(triangles[:, :, None], triangles[:, None, :])
-    # both components at once
-    both = gradients[..., 0] + 1j * gradients[..., 1]
-    along: csr_matrix = csr_matrix((both.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
-    over_r, over_z = along.data.real, along.data.imag
-    row = np.repeat(np.arange(count), np.diff(along.indptr))
-    r = points[row, 0]
-    on_axis = r < AXIS * points[:, 0].max()
-    hoop = np.where(on_axis, over_r, (row == along.indices) / np.where(on_axis, 1.0, r))
-    strain = np.zeros((len(row), 4, 2))
-    strain[:, 0, 0] = strain[:, 3, 1] = over_r
-    strain[:, 1, 1] = strain[:, 3, 0] = over_z
-    strain[:, 2, 0] = hoop
-    shape = (4 * count, basis.N)  # node i has the dofs 2 i and 2 i + 1
-    return bsr_matrix((elasticity_matrix(material) @ strain, along.indices, along.indptr), shape=shape)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -92,6 +92,16 @@ class HeldBody:
         """Radial and axial dof of the contact nodes, shape (2, n)."""
         return node_dofs(self.basis)[:, self.contact_nodes]
 
+    def holding_wall(self) -> HeldBody:
+        """The same seat with its outer wall held radially."""
+        wall = _dofs(self.basis, "seat_wall", 1)
+        return replace(self, free=np.setdiff1d(self.free, wall), wall=wall)
+
+    @cached_property
+    def nodes(self) -> tuple[FloatArray, NDArray[np.int64]]:
+        """Places [m] of the quadratic nodes, and the triangles over them, see `quadratic_nodes`."""
+        return quadratic_nodes(self.basis.mesh)
+
     @cached_property
     def wall_nodes(self) -> NDArray[np.int64]:
         """Nodes of a held wall among the quadratic ones."""
@@ -114,8 +124,8 @@ class HeldBody:
         return counted
 
     def retreat(self, displacement: FloatArray) -> FloatArray:
-        """How far the contact nodes move along the normal into the body [m], shape (n,)."""
-        return np.sum(self.normal * self.counted(displacement)[self.contact_dofs], axis=0)
+        """How far the contact nodes move along the normal into the body [m], shape (n,) or (n, k)."""
+        return np.sum((self.normal.T * self.counted(displacement)[self.contact_dofs].T).T, axis=0)
 
     def floating(self, compliance: FloatArray, balanced: FloatArray) -> FloatArray:
         """Compliance of the contact nodes where what holds a floating body balances the forces on them.
@@ -237,7 +247,8 @@ def held_body(
         if supports is not None and supports.wall == "fixed":
             wall = _dofs(basis, "seat_wall", 1)
             held = np.concatenate([held, wall])
-    free = np.setdiff1d(np.arange(basis.N), held)
+    movable = np.ones(basis.N, dtype=bool)
+    movable[held] = False
     # All of a closure can grow beyond what the seat grows, with which the closure's place and size are compared.
     free_strain = {"expansion": np.ones(len(quadratic_nodes(basis.mesh)[0]))} if name == "closure" else {}
     if heat is not None:
@@ -250,7 +261,7 @@ def held_body(
         contact_x,
         normal,
         trace,
-        free,
+        np.flatnonzero(movable),
         balance,
         further,
         wall,
@@ -282,12 +293,17 @@ def trace_matrix(
     vertex, vertex_index = np.unique(mesh.facets[:, facets], return_inverse=True)
     vertex_index = vertex_index.reshape(2, -1)
     columns = np.stack([vertex_index[0, facet], vertex_index[1, facet], len(vertex) + facet])
-    rows = np.tile(np.arange(len(x)), 3)
-    trace = csr_matrix((shape.ravel(), (rows, columns.ravel())), shape=(len(x), len(vertex) + len(facets)))
-    nodes = np.concatenate([vertex, mesh.nvertices + facets])
+    nodes = np.concatenate([vertex, mesh.p.shape[1] + facets])
     along = np.argsort(coordinate(*quadratic_nodes(mesh)[0][nodes].T))
-    return nodes[along], trace[:, along]
+    place = np.argsort(along)
+    rows = np.tile(np.arange(len(x)), 3)
+    return nodes[along], csr_matrix(
+        (shape.ravel(), (rows, place[columns].ravel())), shape=(len(x), len(nodes))
+    )
 
 
 def _dofs(basis: Basis, boundary: str, component: int) -> NDArray[np.int64]:
-    return np.asarray(basis.get_dofs(boundary).all([f"u^{component}"]))
+    mesh = basis.mesh
+    facets = np.asarray((mesh.boundaries or {})[boundary])
+    nodes = [*mesh.facets[:, facets], mesh.p.shape[1] + facets]
+    return np.unique(node_dofs(basis)[component - 1, nodes])

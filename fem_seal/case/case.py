@@ -56,10 +56,9 @@ class Case(CaseTables):
 
     def _read(self, tables: dict[str, Any], like: Case | None) -> None:
         """Read and check tables; those that are the very ones of another case are taken from it as they were read."""
-        known = {
-            name for name, table in tables.items() if like is not None and like._input.get(name) is table
-        }
-        if like is not None and like._input.get("temperature") is not tables.get("temperature"):
+        before = {} if like is None else like._input
+        known = {name for name, table in tables.items() if name in before and before[name] is table}
+        if before.get("temperature") is not tables.get("temperature"):
             # the fluid is as warm as the bodies unless it has its own temperature
             known.discard("fluid")
         written, wrong = _in_keys({name: table for name, table in tables.items() if name not in known})

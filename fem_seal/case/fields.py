@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, get_args
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -83,7 +84,7 @@ class Quantity(Entry):
     def read(self, text: object) -> float:
         """Value in SI; ValueError if it is no such quantity or outside the range."""
         value = parse_quantity(text, self.dimension)
-        low, high = parse_quantity(self.low, self.dimension), parse_quantity(self.high, self.dimension)
+        low, high = _limits(self)
         inside = low < value < high if self.exclusive else low <= value <= high
         if not inside:
             raise ValueError(f"out of range; allowed is {self.range}")
@@ -93,6 +94,12 @@ class Quantity(Entry):
     def _schema(self) -> dict[str, Any]:
         dimension = DIMENSIONS[self.dimension]
         return {"type": "string", "pattern": NUMBER_WITH_UNIT, "examples": [*dimension.examples]}
+
+
+@cache
+def _limits(quantity: Quantity) -> tuple[float, float]:
+    """Both ends of its range, in SI."""
+    return parse_quantity(quantity.low, quantity.dimension), parse_quantity(quantity.high, quantity.dimension)
 
 
 class Throughput(float):

@@ -253,9 +253,10 @@ class CaseTables(Table):
     @property
     def contact(self) -> ContactGeometry:
         """Closure and seat in first touch."""
-        if self._contact is None:
-            self._contact = ContactGeometry.of(*(body.outline for body in self.bodies))
-        return self._contact
+        found = self._contact
+        if found is None:
+            found = self._contact = ContactGeometry.of(*(body.outline for body in self.bodies))
+        return found
 
     @property
     def bodies(self) -> tuple[Shape, Shape]:

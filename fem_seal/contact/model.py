@@ -14,12 +14,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
+from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body, with_wall_held
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
@@ -94,7 +95,30 @@ class ContactLine:
         way = min(max(separation, 0.0) / n_z, 0.1 / self.in_hollow.closure_curvature)
         return self.in_hollow.gap(self.x, way) - self.in_hollow.gap(self.x) - way * self.normal[1]
 
-    @property
+    def slope(self, values: FloatArray) -> FloatArray:
+        """Derivative over x of values at the points, shape (m,): numpy.gradient, whose weights are known here.
+
+        Parameters
+        ----------
+        values : ndarray, shape (m,)
+        """
+        before, here, after = self._slope_weights
+        ends = self.x[[1, -1]] - self.x[[0, -2]]
+        inner = before * values[:-2] + here * values[1:-1] + after * values[2:]
+        first, last = (values[[1, -1]] - values[[0, -2]]) / ends
+        return np.concatenate([[first], inner, [last]])
+
+    @cached_property
+    def _slope_weights(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        step = np.diff(self.x)
+        left, right = step[:-1], step[1:]
+        return (
+            -right / (left * (left + right)),
+            (right - left) / (left * right),
+            left / (right * (left + right)),
+        )
+
+    @cached_property
     def area_weight(self) -> FloatArray:
         """Area across the contact normal that each point stands for, 2 pi r facing dx [m^2]."""
         return 2 * np.pi * self.radius * self.facing * self.arc_weight
@@ -191,7 +215,7 @@ def condense(
     heat : mapping, optional
         Of the bodies whose temperature differs from place to place, by the same names.
     known : ContactModel, optional
-        Of the same seal with another seat or support: a closure that is the same, mesh and all, is not factorised anew.
+        Of the same seal with another seat or support: a body that is the same, mesh and all, is not factorised anew.
 
     Raises
     ------
@@ -217,20 +241,18 @@ def condense(
     facing = contact.facing(x)
     area_weight = 2 * np.pi * radius * facing * weight
     warm = heat or {}
-    # what the seat changes warms the closure otherwise, too
-    same = (
-        known is not None
-        and not warm
-        and _same_closure(known, seal_mesh, materials["closure"], x, area_weight)
-    )
-    closure, seat = (
-        known.closure
-        if known is not None and same and name == "closure"
-        else _condense_body(
+
+    def body(name: str) -> CondensedBody:
+        # what the seat changes warms the closure otherwise, too
+        if known is not None and not warm and _same_line(known, seal_mesh, x, area_weight):
+            found = _as_known(getattr(known, name), getattr(seal_mesh, name), materials[name], supports)
+            if found is not None:
+                return found
+        return _condense_body(
             held_body(seal_mesh, name, materials[name], x, area_weight, supports, warm.get(name))
         )
-        for name in ("closure", "seat")
-    )
+
+    closure, seat = body("closure"), body("seat")
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
     normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
     gap, bend = contact.gap(x), contact.bend(x)
@@ -244,26 +266,36 @@ def condense(
         contact.touch_radius,
         math.cos(contact.angle),
         contact.relative_radius,
-        (known.harmonics[0] if known is not None and same else harmonic_body(closure), harmonic_body(seat)),
+        (
+            known.harmonics[0] if known is not None and closure is known.closure else harmonic_body(closure),
+            harmonic_body(seat),
+        ),
     )
 
 
-def _same_closure(
-    known: ContactModel, seal_mesh: SealMesh, material: Material, x: FloatArray, area_weight: FloatArray
-) -> bool:
-    """Whether the closure of a model is that of a mesh, to the last digit; supports hold the seat alone."""
-    mine, theirs = seal_mesh.closure, known.closure.basis.mesh
-    pairs = (
-        (mine.p, theirs.p),
-        (mine.t, theirs.t),
-        (x, known.line.x),
-        (area_weight, known.line.area_weight),
-    )
+def _same_line(known: ContactModel, seal_mesh: SealMesh, x: FloatArray, area_weight: FloatArray) -> bool:
+    """Whether the contact line of a model is that of a mesh, to the last digit."""
     return (
-        material == known.closure.material
-        and seal_mesh.contact.touch_radius == known.touch_radius
-        and all(np.array_equal(one, other) for one, other in pairs)
+        seal_mesh.contact.touch_radius == known.touch_radius
+        and np.array_equal(x, known.line.x)
+        and np.array_equal(area_weight, known.line.area_weight)
     )
+
+
+def _as_known(
+    body: CondensedBody, mesh: MeshTri, material: Material, supports: Supports | None
+) -> CondensedBody | None:
+    """A body of a model that was condensed before, if it is that of a mesh to the last digit; None if it is not."""
+    before = body.basis.mesh
+    if material != body.material or not (
+        np.array_equal(mesh.p, before.p) and np.array_equal(mesh.t, before.t)
+    ):
+        return None
+    # supports hold the seat alone
+    to_hold = body.held.name == "seat" and supports is not None and supports.wall == "fixed"
+    if to_hold == bool(len(body.held.wall)):
+        return body
+    return with_wall_held(body) if to_hold and body.solve is not None else None
 
 
 def line_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray]:

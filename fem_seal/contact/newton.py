@@ -19,6 +19,8 @@ from fem_seal.errors import ConvergenceError
 # Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
 _FLOOR = 1e-6
 _ROUND_OFF = 64 * np.finfo(float).eps
+# What a point adds to I + D C D below which it carries next to nothing: it slows the iteration down by less than that.
+_CARRIES = 1e-8
 
 
 @single_threaded
@@ -209,23 +211,25 @@ def _newton_step(
 ) -> State:
     """The state after one Newton step; that the lift follows the highest pressure is left out of the derivative."""
     (v, d), C, n_z = state, model.compliance, model.line.normal[1]
-    # Points that carry nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.
+    # Points that carry next to nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.
     scale = np.sqrt(model.line.area_weight * np.exp(v) / decay)
-    active = np.flatnonzero(scale**2 * np.diagonal(C) > 1e-18)
-    # mostly all of them, and then nothing is copied
-    columns = C if len(active) == len(v) else C[:, active]
-    coupling = C if len(active) == len(v) else columns[active]
-    D = scale[active]
-    matrix = coupling * D
+    active = (scale**2 * C.diagonal() > _CARRIES).nonzero()[0]
+    # mostly one stretch of them, of which nothing is copied
+    stretch = len(active) > 0 and active[-1] - active[0] == len(active) - 1
+    part = slice(active[0], active[-1] + 1) if stretch else active
+    columns, D = C[:, part], scale[part]
+    matrix = columns[part] * D
     matrix *= D[:, None]
     matrix.flat[:: len(active) + 1] += 1.0
-    right = np.column_stack([-gap_residual[active], n_z[active]]) * D[:, None]
+    right = np.empty((len(active), 2))
+    right[:, 0], right[:, 1] = -gap_residual[part], n_z[part]
+    right *= D[:, None]
     # symmetric: the transpose is the same matrix in LAPACK's order
     factor, failed = dpotrf(matrix.T, lower=True, overwrite_a=True, clean=False)
     if failed:
         raise np.linalg.LinAlgError("the contact is not stable")
     eta = D[:, None] * dpotrs(factor, right, lower=True)[0]
-    step_d = (missing_force - n_z[active] @ eta[:, 0]) / (n_z[active] @ eta[:, 1])
+    step_d = (missing_force - n_z[part] @ eta[:, 0]) / (n_z[part] @ eta[:, 1])
     step_f = eta[:, 0] + step_d * eta[:, 1]
     step_v = (-gap_residual + step_d * n_z - columns @ step_f) / decay
     return v + np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v), d + step_d

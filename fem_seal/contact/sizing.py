@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.contact.laws import HardContact, InterfaceLaw, Law
+from fem_seal.contact.laws import HardContact, Law
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import plastic_half_width
 from meshes import ContactGeometry, Sizing
@@ -74,13 +74,20 @@ class Opening:
         places = np.round(np.linspace(0, len(distance) - 1, count)).astype(int)
         return distance[places], np.sqrt(gap[places])
 
-    def reach(self, gap: float) -> tuple[float, float]:
-        """Distances from first touch [m], inwards and outwards, within which the faces are at most `gap` [m] apart."""
-        inner, outer = (
-            float(np.interp(math.sqrt(gap), root_gap, distance))
-            for root_gap, distance in zip(self.root_gap, self.distance, strict=True)
-        )
-        return inner, outer
+    def reach(self, gap: FloatArray) -> FloatArray:
+        """Distances from first touch [m], inwards and outwards, within which the faces are at most `gap` [m] apart.
+
+        Parameters
+        ----------
+        gap : ndarray, shape (n,)
+            [m]
+
+        Returns
+        -------
+        ndarray, shape (2, n)
+        """
+        sides = zip(self.root_gap, self.distance, strict=True)
+        return np.stack([np.interp(np.sqrt(gap), root_gap, distance) for root_gap, distance in sides])
 
 
 # Meshes that are ready know no equality.
@@ -115,8 +122,10 @@ class ContactWidth:
     closed_gap: float
 
 
-def contact_width(law: Law, line_load: float, opening: Opening, effective_modulus: float) -> ContactWidth:
-    """Width of a line contact before it is solved.
+def contact_widths(
+    law: Law, line_loads: Sequence[float], opening: Opening, effective_modulus: float
+) -> list[ContactWidth]:
+    """Widths of line contacts before they are solved.
 
     Two elastic cylinders touch up to where their undeformed surfaces are 2 f_N/(pi E*) apart; for faces of any shape
     the places with that gap give the width a to each side. The variance of the profile is the sum of the variances of
@@ -127,33 +136,36 @@ def contact_width(law: Law, line_load: float, opening: Opening, effective_modulu
     Parameters
     ----------
     law : InterfaceLaw or HardContact
-    line_load : float
-        f_N [N/m].
+    line_loads : sequence of float
+        f_N of each [N/m].
     effective_modulus : float
         E* [Pa].
     """
-    flattened = 2 * line_load / (math.pi * effective_modulus)
+    f = np.array(line_loads, dtype=float)
+    closed = flattened = 2 * f / (math.pi * effective_modulus)
     sides = opening.reach(flattened)
-    a = 0.5 * sum(sides)
+    a = 0.5 * sides.sum(axis=0)
     if isinstance(law, HardContact):
-        return ContactWidth(a / 2, _PER_STD_HARD, (1.3 * sides[0], 1.3 * sides[1]), 0.0, flattened)
-    R = a**2 / (2 * flattened)
-    log_peak = math.log(line_load / (math.sqrt(math.pi / 2) * a))
-    for _ in range(4):
-        decay_length = _decay_length(law, log_peak)
-        law_variance = R * decay_length
-        std = math.sqrt(law_variance + a**2 / 4)
-        log_peak = math.log(line_load / (math.sqrt(2 * math.pi) * std))
-    at_tail, at_closed, at_peak = law.gap(log_peak + np.log([_TAIL, _NO_PRESSURE, 1.0])).tolist()
-    tails = opening.reach(at_tail - at_peak)
-    reach = (sides[0] + tails[0], sides[1] + tails[1])
-    closed = flattened + at_closed - at_peak
-    per_std = min(max(a / math.sqrt(law_variance), _PER_STD_SOFT), _PER_STD_HARD)
-    return ContactWidth(min(std, sum(reach) / math.sqrt(12)), per_std, reach, decay_length, closed)
-
-
-def _decay_length(law: InterfaceLaw, log_pressure: float) -> float:
-    return float(law.decay_length(np.array([log_pressure]))[0])
+        std, per_std, reach, decay = a / 2, np.full_like(a, _PER_STD_HARD), 1.3 * sides, np.zeros_like(a)
+    else:
+        R = a**2 / (2 * flattened)
+        log_peak = np.log(f / (math.sqrt(math.pi / 2) * a))
+        for _ in range(4):
+            decay = law.decay_length(log_peak)
+            std = np.sqrt(R * decay + a**2 / 4)
+            log_peak = np.log(f / (math.sqrt(2 * math.pi) * std))
+        at_tail, at_closed, at_peak = (
+            law.gap(log_peak + math.log(share)) for share in (_TAIL, _NO_PRESSURE, 1.0)
+        )
+        reach = sides + opening.reach(at_tail - at_peak)
+        closed = flattened + at_closed - at_peak
+        per_std = np.clip(a / np.sqrt(R * decay), _PER_STD_SOFT, _PER_STD_HARD)
+        std = np.minimum(std, reach.sum(axis=0) / math.sqrt(12))
+    columns = (std, per_std, *reach, decay, closed)
+    return [
+        ContactWidth(one, fine, (inner, outer), length, gap)
+        for one, fine, inner, outer, length, gap in zip(*(c.tolist() for c in columns), strict=True)
+    ]
 
 
 def element_sizes(
@@ -181,7 +193,7 @@ def element_sizes(
         If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements.
     """
     opening = Opening.of(contact)
-    widths = [contact_width(law, f, opening, effective_modulus) for f in line_loads]
+    widths = contact_widths(law, line_loads, opening, effective_modulus)
     std = min(w.std for w in widths)
     far_size = contact.closure.largest_radius / _PER_LARGEST_RADIUS
     size = min(min(w.std / w.per_std for w in widths), far_size)

@@ -11,7 +11,6 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import CondensedBody, body_field
-from fem_seal.bodies.elasticity import quadratic_nodes
 from fem_seal.bodies.fields import BodyField
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
@@ -123,10 +122,9 @@ class ContactSolution:
         )
 
     @cached_property
-    def moved(self) -> dict[str, FloatArray]:
-        """Displacement of "closure" and "seat" by all that presses on the contact line [m], shape (dofs,)."""
-        model, forces = self.model, self.line_forces
-        return {body.held.name: body.displacement(forces) for body in (model.closure, model.seat)}
+    def moved(self) -> dict[str, tuple[FloatArray, FloatArray]]:
+        """Displacement (dofs,) [m] of "closure" and "seat" by all that acts on them, and its stress (nodes, 4) [Pa]."""
+        return _moved([self])[0]
 
     @cached_property
     def fields(self) -> dict[str, BodyField]:
@@ -148,11 +146,10 @@ class ContactSolution:
             return False
         pressure, between = self.pressure, self.loads.gap_pressure
         magnitudes = self.loads.closure if name == "closure" else self.loads.seat
-        return stress > screen.highest_von_mises(
-            pressure if between is None else pressure + between, magnitudes
-        )
+        pressed = pressure if between is None else pressure + between
+        return screen.stays_below(stress, pressed, magnitudes)
 
-    @property
+    @cached_property
     def turning(self) -> float:
         """How far the deformed faces have turned against each other [rad]: a/R of Hertz's contact.
 
@@ -161,7 +158,7 @@ class ContactSolution:
         over a curved face turns nothing.
         """
         line = self.model.line
-        slope = np.gradient(self.gap - line.initial_gap, line.x)
+        slope = line.slope(self.gap - line.initial_gap)
         weight = line.arc_weight * self.pressure
         return float(2 * np.sqrt(weight @ slope**2 / weight.sum()))
 
@@ -216,13 +213,24 @@ def move_together(solutions: Sequence[ContactSolution]) -> None:
         Each then knows what it would have found when asked; those on another model than the first are left alone.
     """
     solutions = [one for one in solutions if one.model is solutions[0].model]
-    if not solutions:
-        return
+    if solutions:
+        for one, moved in zip(solutions, _moved(solutions), strict=True):
+            vars(one)["moved"] = moved
+
+
+def _moved(solutions: Sequence[ContactSolution]) -> list[dict[str, tuple[FloatArray, FloatArray]]]:
+    """`ContactSolution.moved` of contacts on the same model."""
     model = solutions[0].model
     forces = np.stack([one.line_forces for one in solutions], axis=1)
-    bodies = {body.held.name: body.displacement(forces).T.copy() for body in (model.closure, model.seat)}
-    for number, one in enumerate(solutions):
-        vars(one)["moved"] = {name: moved[number] for name, moved in bodies.items()}
+    found: list[dict[str, tuple[FloatArray, FloatArray]]] = [{} for _ in solutions]
+    for body in (model.closure, model.seat):
+        moved = body.displacement(forces)
+        for number, one in enumerate(solutions):
+            moved[:, number] += replace(one.loads, gap_pressure=None).displacement(body, model)
+        stress = np.moveaxis(body.recovery.stress(moved), 2, 0)
+        for number, own in enumerate(found):
+            own[body.held.name] = moved[:, number].copy(), stress[number].copy()
+    return found
 
 
 def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
@@ -242,18 +250,19 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     (['closure', 'seat'], True)
     """
     model, loads = solution.model, solution.loads
-    beside = replace(loads, gap_pressure=None)
-    return {
-        name: body_field(
+    found = {}
+    for name, body in (("closure", model.closure), ("seat", model.seat)):
+        displacement, stress = solution.moved[name]
+        found[name] = body_field(
             name,
             body,
-            solution.moved[name] + beside.displacement(body, model),
+            displacement,
             _at_contact(body, model, solution.pressure),
             loads.free_strain(body, model),
             loads.temperature.get(name),
+            stress,
         )
-        for name, body in (("closure", model.closure), ("seat", model.seat))
-    }
+    return found
 
 
 def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyField]:
@@ -269,7 +278,7 @@ def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyFi
             name,
             body,
             loads.displacement(body, model),
-            np.zeros(len(quadratic_nodes(body.basis.mesh)[0])),
+            np.zeros(len(body.held.nodes[0])),
             loads.free_strain(body, model),
             loads.temperature.get(name),
         )
@@ -279,7 +288,7 @@ def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyFi
 
 def _at_contact(body: CondensedBody, model: ContactModel, line_pressure: FloatArray) -> FloatArray:
     """Contact pressure at the nodes of a body."""
-    pressure = np.zeros(len(quadratic_nodes(body.basis.mesh)[0]))
+    pressure = np.zeros(len(body.held.nodes[0]))
     with np.errstate(under="ignore"):
         pressure[body.contact_nodes] = np.interp(body.contact_x, model.line.x, line_pressure)
     return pressure

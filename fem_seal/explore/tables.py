@@ -87,7 +87,7 @@ def conductivity(
     """
     names: Sequence[TableName]
     if family:
-        names = family_tables(flow, surface, (log_peak,))
+        names = family_tables(flow, surface)
     else:
         low, high = math.floor(log_peak - _DECADES), math.ceil(log_peak + MARGIN)
         names = (OwnTable(surface, low, high, flow.conductivity, flow.gas is not None),)
@@ -95,6 +95,6 @@ def conductivity(
     tables = [table for table in found if table is not None]
     if len(tables) < len(names):
         raise Missing([name for name, table in zip(names, found, strict=True) if table is None])
-    made = family_table(flow, surface, (log_peak,), tables) if family else tables[0]
+    made = family_table(flow, surface, tables) if family else tables[0]
     assert made is not None  # a simulation is not followed live
     return made

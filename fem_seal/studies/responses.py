@@ -13,7 +13,7 @@ from functools import partial
 from fem_seal import result as seal_result
 from fem_seal.analysis.caution import Validity
 from fem_seal.analysis.families import family_law, family_table
-from fem_seal.analysis.flow import Conductivity, Flow, RoughFlow, log_peaks
+from fem_seal.analysis.flow import Conductivity, Flow, RoughFlow
 from fem_seal.analysis.judgement import Verdict
 from fem_seal.analysis.load_solver import LoadSolver
 from fem_seal.analysis.opening import with_margins
@@ -89,7 +89,10 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     load = _load(problem, stress=can_yield or "max_von_mises_Pa" in columns, interpolate=interpolate)
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
-    of_usual = replace(problem, usual_only=problem.of_finish) if leaks else problem
+    of_usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
+    if leaks and load.formed is None:
+        # which its copies then know as well
+        load = load.knowing(leak_round=load.leak_round)
     validity = _validity(of_usual, load, tabulated=leaks and interpolate)
     if "margin" in columns:
         load = load.knowing(validity=validity)
@@ -195,7 +198,7 @@ def _law(problem: SealProblem) -> Law:
 
 
 def _shared_table(contact: ContactSolution, flow: Flow, surface: RoughContact) -> Conductivity:
-    return family_table(flow, surface, log_peaks([contact])) or flow.table_of(surface, [contact])
+    return family_table(flow, surface) or flow.table_of(surface, [contact])
 
 
 def _validity(problem: SealProblem, load: LoadResult, *, tabulated: bool) -> Validity:
@@ -203,7 +206,7 @@ def _validity(problem: SealProblem, load: LoadResult, *, tabulated: bool) -> Val
     table = load.rough.table if tabulated and load.rough is not None else None
     # a gas percolates where a liquid does
     table = table.liquid if isinstance(table, GasConductivityTable) else table
-    if problem.surface is None or not isinstance(table, ConductivityTable):
+    if problem.surface is None or not isinstance(table, ConductivityTable) or table.acting is not None:
         return load_validity(problem, load, problem.surface)
     peak = load.contact.profile.peak_pressure
     if float(table.effective_separation(min(peak, table.p_max))) >= _NARROW:

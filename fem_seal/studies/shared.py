@@ -180,3 +180,7 @@ class TabulatedSurface:
     def contact_area(self, pressure: float) -> FloatArray | float:
         """Relative contact area A/A0 at a nominal pressure [Pa]."""
         return self.surface.contact_area(pressure)
+
+    def most_contact_area(self, pressure: float) -> float:
+        """What it does not exceed."""
+        return self.surface.most_contact_area(pressure)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol, runtime_checkable
@@ -104,6 +105,9 @@ class ConductivityTable:
         "bruggeman", "critical-junction" or "threshold-law".
     memory : LoadMemory or None
         What the surface remembers of larger pressures, see `leak.flow.memory`; None where nothing is known of it.
+    acting : callable or None
+        ln of the pressure that acts at ln p, of a surface whose gaps are those of another one at another pressure:
+        all pressures of the table are that one's. None where they are the surface's own.
 
     Notes
     -----
@@ -127,6 +131,7 @@ class ConductivityTable:
     p_max: float
     method: str = "bruggeman"
     memory: RemembersLoad | None = field(default=None, repr=False)
+    acting: Callable[[FloatArray], FloatArray] | None = field(default=None, repr=False)
 
     @cached_property
     def _curve(self) -> MonotoneCurve:
@@ -143,10 +148,14 @@ class ConductivityTable:
 
     @property
     def _log_sealing(self) -> float:
-        return float(np.log(self.sealing_pressure))
+        return math.log(self.sealing_pressure)
 
     def scaled(
-        self, height: float, pressure: float, memory: RemembersLoad | None = None
+        self,
+        height: float,
+        pressure: float,
+        memory: RemembersLoad | None = None,
+        acting: Callable[[FloatArray], FloatArray] | None = None,
     ) -> ConductivityTable:
         """The table of a surface with all heights times `height` that is asked for pressures times `pressure`.
 
@@ -154,7 +163,7 @@ class ConductivityTable:
         ----------
         height, pressure : float
             Ratios [-].
-        memory : RemembersLoad, optional
+        memory, acting : optional
             Of that surface.
         """
         table = ConductivityTable(
@@ -164,6 +173,7 @@ class ConductivityTable:
             self.p_max * pressure,
             self.method,
             memory,
+            acting,
         )
         vars(table)["_curve"] = self._curve.shifted(math.log(pressure))
         return table
@@ -185,18 +195,23 @@ class ConductivityTable:
 
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """u_eff at ln(p/Pa) [m]; zero below 1e-60 m, just before the sealing pressure."""
-        x = np.asarray(log_pressure, dtype=float)
-        too_high = (x > np.log(self.p_max) + 1e-9) & (x < self._log_sealing)
-        if np.any(too_high):
+        x = self.asked(np.asarray(log_pressure, dtype=float))
+        sealing = self._log_sealing
+        too_high = (x > math.log(self.p_max) + 1e-9) & (x < sealing)
+        if too_high.any():
             worst = float(np.exp(x[too_high].max()))
             raise ConductivityError(
                 f"pressure = {worst:.6g} Pa is above the table's p_max = {self.p_max:.6g} Pa: make the table wider"
             )
-        sealed = x >= self._log_sealing
-        inside = np.where(sealed, -1.0 + self._log_sealing, x)
-        abscissa = table_abscissa(inside, self._log_sealing, self.method)
+        sealed = x >= sealing
+        inside = np.where(sealed, sealing - 1.0, x)
+        abscissa = table_abscissa(inside, sealing, self.method)
         u = self._decay_length * np.logaddexp(0.0, self._curve.value(abscissa))
         return np.where(sealed | (u < _SMALLEST_SEPARATION), 0.0, u)
+
+    def asked(self, log_pressure: FloatArray) -> FloatArray:
+        """ln of the pressure at which the table is asked, of the nominal one at ln(p/Pa)."""
+        return log_pressure if self.acting is None else self.acting(log_pressure)
 
     def conductivity(self, pressure: ArrayLike, viscosity: float) -> FloatArray | float:
         """sigma_eff = u_eff^3/(12 eta) [m^3/(Pa s)]."""
@@ -296,13 +311,23 @@ class GasConductivityTable:
 
     def rarefaction(self, log_pressure: ArrayLike, log_inverse_knudsen: ArrayLike) -> FloatArray:
         """R at contact pressure p and inverse Knudsen number D_eff; beyond the table R - 1 falls like 1/D_eff."""
+        return self.rarefaction_at(log_pressure)(np.asarray(log_inverse_knudsen, dtype=float))
+
+    def rarefaction_at(self, log_pressure: ArrayLike) -> Callable[[FloatArray], FloatArray]:
+        """`rarefaction` at given contact pressures, a function of ln D_eff, for many pressures of the gas.
+
+        Parameters
+        ----------
+        log_pressure : array_like
+            ln(p/Pa).
+        """
         low, high = np.log(self.liquid.pressure[[0, -1]])
-        log_p = np.clip(np.asarray(log_pressure, dtype=float), low, high)
-        beyond = np.maximum(np.asarray(log_inverse_knudsen, dtype=float) - self.log_inverse_knudsen[-1], 0.0)
-        log_D = np.clip(
-            np.asarray(log_inverse_knudsen, dtype=float),
-            self.log_inverse_knudsen[0],
-            self.log_inverse_knudsen[-1],
-        )
-        log_R = self._spline.value(*np.broadcast_arrays(self._abscissa(log_p), log_D))
-        return np.exp(log_R * np.exp(-beyond))
+        asked = self.liquid.asked(np.asarray(log_pressure, dtype=float))
+        along = self._spline.along(self._abscissa(np.minimum(np.maximum(asked, low), high)))
+        first, last = self.log_inverse_knudsen[0], self.log_inverse_knudsen[-1]
+
+        def rarefaction(log_D: FloatArray) -> FloatArray:
+            inside = np.minimum(np.maximum(log_D, first), last)
+            return np.exp(along(inside) * np.exp(-np.maximum(log_D - last, 0.0)))
+
+        return rarefaction

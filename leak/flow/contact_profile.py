@@ -8,9 +8,9 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, different
 from leak.errors import ProfileError
 from leak.flow.conductivity import RemembersLoad
 from leak.numerics.curves import cubic_spline_slopes
@@ -20,13 +20,19 @@ from leak.numerics.gauss import gauss
 NO_ENDS = (-np.inf, np.inf)
 # Below this ln(p/Pa) p is as good as zero: what lies beyond adds less than 1e-6 of the flow resistance.
 SMALLEST_LOG_PRESSURE = -700.0
+_SMALLEST_PRESSURE = float(np.exp(SMALLEST_LOG_PRESSURE))
 # ln p by which the spline may leave the range of two neighbouring points: near a peak that falls between them.
 _OVERSHOOT = 0.1
 # The last points stand for what is left of a face that ends within this share of the distance over three of them.
 _NEAR_END = 0.5
 # ln p by which p may rise there: more is no profile but scatter.
 _STEEPEST_RISE = 1.0
-_CELL_NODES = 8
+# Nodes of a cell's quadrature; fewer where points lie close. Half as many are good to 1e-10 where ln p rises by less
+# than this from one point to the next, at the highest pressure: far below it, where little resists, by more.
+_CELL_NODES, _CLOSE_NODES = 8, 4
+_CLOSE, _FURTHER = 0.5, 4.0
+# Shares of a cell at which a cubic is looked at.
+_LOOKED_AT = np.linspace(0.125, 0.875, 7)
 _TAIL_NODES = 96
 
 
@@ -97,9 +103,9 @@ class Patch:
         if self.x.size == 1:
             spline = np.full(x.shape, self.log_p[0])
         else:
-            k = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.x.size - 2)
+            k = self.x[1:-1].searchsorted(x, side="right")
             h = self.x[k + 1] - self.x[k]
-            t = np.clip((x - self.x[k]) / h, 0.0, 1.0)
+            t = np.minimum(np.maximum((x - self.x[k]) / h, 0.0), 1.0)
             rise = self.log_p[k + 1] - self.log_p[k]
             spline = self.log_p[k] + _hermite(t, h * self.slopes[0, k], h * self.slopes[1, k], rise)
         for end, edge in zip((0, -1), self.ends, strict=True):
@@ -150,8 +156,7 @@ class ContactProfile:
         resistances of the patches add. A face that ends next to the last point carries the contact up to its end.
         """
         x, p, r = _up_to_ends(x, p, r, ends)
-        positive_points = np.flatnonzero(p > np.exp(SMALLEST_LOG_PRESSURE))
-        runs = np.split(positive_points, np.flatnonzero(np.diff(positive_points) > 1) + 1)
+        runs = _runs(p > _SMALLEST_PRESSURE)
         patches = tuple(
             Patch.through(
                 x[run],
@@ -168,7 +173,7 @@ class ContactProfile:
             _tail(first.x, first.log_p, 0, x[0] - ends[0]) if runs[0][0] == 0 else None,
             _tail(last.x, last.log_p, -1, ends[1] - x[-1]) if runs[-1][-1] == x.size - 1 else None,
         )
-        edges = np.unique(np.concatenate([[patch.ends[0], *patch.x, patch.ends[1]] for patch in patches]))
+        edges = different(np.concatenate([part for patch in patches for part in (patch.ends, patch.x)]))
         return cls(patches, edges, _Radius(x, r), tails)
 
     @property
@@ -221,13 +226,22 @@ class ContactProfile:
     @cached_property
     def panels(self) -> tuple[Panels | None, Panels, Panels | None]:
         """Quadrature over the inner tail, the cells between the edges, and the outer tail; None for no tail."""
-        t = 0.5 * (1.0 + gauss(_CELL_NODES)[0])
-        length = np.diff(self.x)[:, None]
+        t = 0.5 * (1.0 + gauss(_CLOSE_NODES if self._lies_close else _CELL_NODES)[0])
+        length = (self.x[1:] - self.x[:-1])[:, None]
         x = self.x[:-1, None] + length * t
         log_p = self.log_pressure(x)
         stretch = np.broadcast_to(length, x.shape)
         cells = Panels(log_p, self.radius(x), stretch, self.first_loading(x, log_p))
         return self._tail_panel(0, -1.0), cells, self._tail_panel(-1, 1.0)
+
+    @property
+    def _lies_close(self) -> bool:
+        """Whether the points follow the pressure closely, and it does not end at zero, as a root."""
+        first, *others = self.patches
+        if others or first.x.size != self.x.size:
+            return False
+        rise, below = np.abs(first.log_p[1:] - first.log_p[:-1]), first.log_p.max() - first.log_p
+        return bool((rise <= _CLOSE * np.exp(np.minimum(below[1:], below[:-1]) / _FURTHER)).all())
 
     def _tail_panel(self, end: int, outward: float) -> Panels | None:
         """From an end to infinity, or to where the face ends, over d = scale s/(1-s).
@@ -246,6 +260,14 @@ class ContactProfile:
         return Panels(log_p, self.radius(x), last * scale / (1.0 - s) ** 2, self.first_loading(x, log_p))
 
 
+def _runs(there: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+    """Numbers of the points that are there, those that follow each other together."""
+    if there.all():
+        return [np.arange(there.size)]
+    points = there.nonzero()[0]
+    return np.split(points, np.flatnonzero(np.diff(points) > 1) + 1)
+
+
 def _up_to_ends(
     x: FloatArray, p: FloatArray, r: FloatArray, ends: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -256,7 +278,7 @@ def _up_to_ends(
     for end, place in zip((0, -1), ends, strict=True):
         order = slice(0, 3) if end == 0 else slice(-1, -4, -1)
         d, left = np.abs(x[order] - x[order][0]), place - x[end] if end else x[end] - place
-        if not 0.0 < left <= _NEAR_END * d[2] or np.any(p[order] <= np.exp(SMALLEST_LOG_PRESSURE)):
+        if not 0.0 < left <= _NEAR_END * d[2] or (p[order] <= _SMALLEST_PRESSURE).any():
             continue
         log_p = np.log(p[order])
         first, second = (log_p[1] - log_p[0]) / d[1], (log_p[2] - log_p[0]) / d[2]
@@ -306,12 +328,12 @@ def _cell_slopes(x: FloatArray, log_p: FloatArray) -> FloatArray:
     A spline, but where it would leave the range of the cell's two points by more than a smooth profile does, the
     chord: a single bad point must not invent a pressure that none of its neighbours has.
     """
-    h, rise = np.diff(x), np.diff(log_p)
+    h, rise = x[1:] - x[:-1], log_p[1:] - log_p[:-1]
     if x.size < 3:
         return np.tile(rise / h, (2, 1))
     slope = cubic_spline_slopes(x, log_p)
-    slopes = np.stack([slope[:-1], slope[1:]])
-    t = np.linspace(0.125, 0.875, 7)[:, None]
+    slopes = np.array([slope[:-1], slope[1:]])
+    t = _LOOKED_AT[:, None]
     value = _hermite(t, h * slopes[0], h * slopes[1], rise)
     wild = (value.max(axis=0) > np.maximum(rise, 0) + _OVERSHOOT) | (
         value.min(axis=0) < np.minimum(rise, 0) - _OVERSHOOT
@@ -354,20 +376,21 @@ def checked_profile(
     if rs.shape not in ((), xs.shape):
         raise ProfileError(f"radius has shape {rs.shape}: must be one number or {xs.shape} like x")
     for name, unit, values in (("x", "m", xs), ("p", "Pa", ps)):
-        bad = np.flatnonzero(~np.isfinite(values))
+        bad = (~np.isfinite(values)).nonzero()[0]
         if bad.size:
             raise ProfileError(f"{name}[{bad[0]}] = {values[bad[0]]}: must be finite [{unit}]")
-    steps = np.flatnonzero(np.diff(xs) <= 0.0)
+    steps = (xs[1:] <= xs[:-1]).nonzero()[0]
     if steps.size:
         i = int(steps[0])
         raise ProfileError(f"x[{i + 1}] = {xs[i + 1]} follows {xs[i]}: must strictly increase [m]")
-    if np.any(ps < 0.0):
+    if (ps < 0.0).any():
         i = int(np.flatnonzero(ps < 0.0)[0])
         raise ProfileError(f"p[{i}] = {ps[i]}: must not be negative [Pa]")
-    if not np.any(ps > np.exp(SMALLEST_LOG_PRESSURE)):
+    if not (ps > _SMALLEST_PRESSURE).any():
         raise ProfileError("p is zero everywhere: there is no contact")
-    rs = np.broadcast_to(rs, xs.shape)
-    if not np.all((rs > 0.0) & np.isfinite(rs)):
+    if rs.ndim == 0:
+        rs = np.broadcast_to(rs, xs.shape)
+    if not ((rs > 0.0) & np.isfinite(rs)).all():
         raise ProfileError(
             f"radius = {rs[~((rs > 0.0) & np.isfinite(rs))][0]}: must be positive and finite [m]"
         )

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
-from leak.flow.conductivity import GasConductivity
+from leak.flow.conductivity import GasConductivity, GasConductivityTable
 from leak.flow.contact_profile import (
     ContactProfile,
     Panels,
@@ -306,10 +307,10 @@ class _Path:
 
     def _gains(self, pressures: list[FloatArray]) -> list[FloatArray]:
         """q F/(q + c) in each part, F = 12 eta sigma_eff/u_eff^3; all points at once."""
-        log_contact, log_width = self._at_all_points
+        _, log_width = self._at_all_points
         pressure = self.gas.flow_pressure(np.concatenate([p.ravel() for p in pressures]))
         log_p = np.log(np.maximum(pressure, 1e-300))
-        R = self.table.rarefaction(log_contact, log_p + log_width)
+        R = self._rarefaction(log_p + log_width)
         # q and the factor of free molecules, 1/q, are no numbers on their own in a perfect vacuum
         p_F = np.exp(log_p + log_flow_factor(log_p + log_width)) * R
         gain, found, start = p_F / (pressure + self.slip_pressure), [], 0
@@ -317,6 +318,14 @@ class _Path:
             found.append(gain[start : start + part.size].reshape(part.shape))
             start += part.size
         return found
+
+    @cached_property
+    def _rarefaction(self) -> Callable[[FloatArray], FloatArray]:
+        """R over ln D_eff at all points."""
+        log_contact, _ = self._at_all_points
+        if isinstance(self.table, GasConductivityTable):
+            return self.table.rarefaction_at(log_contact)
+        return partial(self.table.rarefaction, log_contact)
 
     @cached_property
     def _at_all_points(self) -> tuple[FloatArray, FloatArray]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Protocol, Self, runtime_checkable
+from typing import Protocol, Self, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -294,22 +294,19 @@ def _resistances(
     parts = [one for one in panels if one is not None]
     # one question for all of the contact
     at_once = sigma(np.concatenate([one.first_loading.ravel() for one in parts]))
+    # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
+    with np.errstate(divide="ignore", over="ignore"):
+        at_once = 1.0 / (2.0 * np.pi * np.concatenate([one.radius.ravel() for one in parts]) * at_once)
     found, start = [], 0
     for one in panels:
         if one is None:
             found.append(np.zeros(1))
             continue
         shape, stop = one.first_loading.shape, start + one.first_loading.size
-        found.append(one.integral(_inverse(at_once[start:stop].reshape(shape), one.radius)))
+        found.append(one.integral(at_once[start:stop].reshape(shape)))
         start = stop
     inner, cells, outer = found
     return float(inner[0]), cells, float(outer[0])
-
-
-def _inverse(sigma: FloatArray, radius: FloatArray) -> FloatArray:
-    # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
-    with np.errstate(divide="ignore", over="ignore"):
-        return 1.0 / (2.0 * np.pi * radius * sigma)
 
 
 def _sealed_fraction(inner_tail: float, cells: FloatArray, outer_tail: float) -> FloatArray:
@@ -346,15 +343,17 @@ def _through_values(p: FloatArray, conductivity: ArrayLike) -> SigmaOfPressure:
 
 def by_log_pressure(conductivity: SigmaOfPressure | LogConductivity) -> Callable[[FloatArray], FloatArray]:
     """sigma_eff as a function of ln p; infinite where p underflows and the callable only knows p."""
-    if isinstance(conductivity, LogConductivity):
-        return conductivity.at_log_pressure
+    # to look at all of the protocol takes longer than a profile
+    if hasattr(conductivity, "at_log_pressure"):
+        return cast(LogConductivity, conductivity).at_log_pressure
+    of_pressure = conductivity
 
     def sigma(log_p: FloatArray) -> FloatArray:
         usual = log_p > SMALLEST_LOG_PRESSURE
         p = np.exp(np.where(usual, log_p, 0.0))
         # In the tails p is tiny: a power law in it may overflow to infinity, which is what it should be.
         with np.errstate(over="ignore", divide="ignore"):
-            values = np.broadcast_to(np.asarray(conductivity(p), dtype=float), p.shape)
+            values = np.broadcast_to(np.asarray(of_pressure(p), dtype=float), p.shape)
         wrong = usual & ~(values >= 0.0)
         if np.any(wrong):
             raise ProfileError(

@@ -131,10 +131,8 @@ class NearbyTables:
             return found
         gas = _with_gas(found, self._known, x + log_sealing)
         rise = CubicSurface(places, _LOG_D, ours.rise - theirs.rise).value(
-            *np.broadcast_arrays(
-                np.clip(abscissa, places[0], places[-1])[:, None],
-                np.clip(gas.log_inverse_knudsen, _LOG_D[0], _LOG_D[-1]),
-            )
+            np.clip(abscissa, places[0], places[-1])[:, None],
+            np.clip(gas.log_inverse_knudsen, _LOG_D[0], _LOG_D[-1]),
         )
         return replace(gas, log_rarefaction=gas.log_rarefaction + rise)
 

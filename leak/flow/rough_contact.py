@@ -53,6 +53,8 @@ _DISTRIBUTION_REFINEMENT = 8
 _MOST_STRETCHED = 1000.0
 # Below this p/E* slope moments leave the range of floating-point numbers; separations are long linear in ln p.
 _LEAST_RELATIVE_PRESSURE = 1e-100
+# Below this ln(p/Pa) what acts on a capped surface is in a fixed ratio to p.
+_LEAST_LOG_PRESSURE = -600.0
 
 
 @dataclass(frozen=True)
@@ -165,6 +167,17 @@ class RoughContact:
         p = _checked(pressure)
         return p if self.hardness is None or self._smoothed else self._equivalent(p)
 
+    def log_acting_pressure(self, log_pressure: FloatArray) -> FloatArray:
+        """`acting_pressure` as logarithms, where p itself may be too small for a floating-point number.
+
+        Parameters
+        ----------
+        log_pressure : ndarray
+            ln(p/Pa).
+        """
+        known = np.maximum(log_pressure, _LEAST_LOG_PRESSURE)
+        return log_pressure + (np.log(self.acting_pressure(np.exp(known))) - known)
+
     def _equivalent(self, p: FloatArray, largest: FloatArray | None = None) -> FloatArray:
         """Pressure at which the elastic surface has the gaps of the capped one."""
         assert self.hardness is not None  # of all who ask
@@ -246,6 +259,20 @@ class RoughContact:
             return _scalar(touching_area(*self._yield_variables(pressure, wavenumber)))
         p = _checked(pressure)
         return _scalar(relative_contact_area(p, self._slope_moment(wavenumber), self.effective_modulus))
+
+    def most_contact_area(self, pressure: float) -> float:
+        """What `contact_area` of all the roughness does not exceed, in a few numbers.
+
+        The area that touches elastic asperities, erf(p/(2 sqrt(G))), is at most its tangent at p = 0; one boundary
+        more, at the hardness, adds no more than p/hardness, by the maximum principle of the diffusion in the stress.
+
+        Parameters
+        ----------
+        pressure : float
+            Nominal pressure, not negative [Pa].
+        """
+        most = 2.0 * pressure / (np.pi * self.effective_modulus * np.sqrt(self.spectrum.whole_moment))
+        return float(most if self.hardness is None else most + pressure / self.hardness)
 
     def corrected_contact_area(self, pressure: ArrayLike) -> FloatArray | float:
         """A/A0 of all the roughness, corrected as in `leak.flow.percolation.corrected_area`.

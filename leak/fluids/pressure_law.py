@@ -275,13 +275,13 @@ class FlowPotential:
         if self.law is None:
             return p
         at, psi, _, _ = self._panels
-        inside = np.clip(p, 0.0, self.highest)
-        k = np.minimum(np.searchsorted(at, inside, side="right") - 1, _PANELS - 1)
+        inside = np.minimum(np.maximum(p, 0.0), self.highest)
+        k = np.minimum(at.searchsorted(inside, side="right") - 1, _PANELS - 1)
         nodes, weights = gauss(_POINTS)
         half = 0.5 * (inside - at[k])
         here = self.mobility(at[k][..., None] + half[..., None] * (1.0 + nodes))
         within = psi[k] + half * (here @ weights)
-        if np.array_equal(inside, p):
+        if (inside == p).all():
             return np.asarray(within)
         first, last = self._ends
         out = np.where(p > self.highest, (p - self.highest) * last, np.minimum(p, 0.0) * first)
@@ -294,15 +294,15 @@ class FlowPotential:
             return target
         at, psi, inverse, exact = self._panels
         whole = self.whole
-        inside = np.clip(target, 0.0, whole)
-        k = np.minimum(np.searchsorted(psi, inside, side="right") - 1, _PANELS - 1)
+        inside = np.minimum(np.maximum(target, 0.0), whole)
+        k = np.minimum(psi.searchsorted(inside, side="right") - 1, _PANELS - 1)
         low, high = np.minimum(at[k], self.highest), np.minimum(at[k + 1], self.highest)
-        p = np.clip(inverse.value(inside), low, high)
+        p = np.minimum(np.maximum(inverse.value(inside), low), high)
         for _ in range(0 if exact else _NEWTON_STEPS):
             before, p = p, np.clip(p + (inside - self(p)) / self.mobility(p), low, high)
             if not np.any(np.abs(p - before) > _NEWTON_CLOSE * self.highest):
                 break
-        if np.array_equal(inside, target):
+        if (inside == target).all():
             return np.asarray(p)
         first, last = self._ends
         out = np.where(target > whole, (target - whole) / last, np.minimum(target, 0.0) / first)
@@ -313,7 +313,7 @@ class FlowPotential:
         p = np.asarray(pressure, dtype=float)
         if self.law is None:
             return np.ones(p.shape)
-        return _mobility(self.law, np.clip(p, 0.0, self.highest))
+        return _mobility(self.law, np.minimum(np.maximum(p, 0.0), self.highest))
 
     @property
     def _panels(self) -> _Panels:

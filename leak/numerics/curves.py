@@ -7,6 +7,7 @@ faster than FITPACK's at many single points.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -48,7 +49,7 @@ class MonotoneCurve:
         """y at x."""
         x = np.asarray(x, dtype=float)
         inside = np.minimum(np.maximum(x, self.x[0]), self.x[-1])
-        k = np.searchsorted(self.x[1:-1], inside, side="right")
+        k = self.x[1:-1].searchsorted(inside, side="right")
         c0, c1, c2, c3 = self._cubics.take(k, axis=1)
         s = inside - self.x[k]
         y = c0 + s * (c1 + s * (c2 + c3 * s))
@@ -65,16 +66,22 @@ class MonotoneCurve:
         """y and dy/dx at x."""
         x = np.asarray(x, dtype=float)
         below, above = np.minimum(x - self.x[0], 0.0), np.maximum(x - self.x[-1], 0.0)
-        k = np.searchsorted(self.x[1:-1], x, side="right")
+        k = self.x[1:-1].searchsorted(x, side="right")
         y, slope = self._cell(k, np.minimum(np.maximum(x, self.x[0]), self.x[-1]) - self.x[k])
         return y + (below * self.slope[0] + above * self.slope[-1]), slope
+
+    def inside(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """y and dy/dx at x, none of which lies beyond the ends."""
+        k = self.x[1:-1].searchsorted(x, side="right")
+        return self._cell(k, x - self.x[k])
 
     @cached_property
     def _cubics(self) -> FloatArray:
         """Coefficients of the powers 0 to 3 of the distance from the left end of each cell, shape (4, n - 1)."""
-        h, secant = np.diff(self.x), np.diff(self.y) / np.diff(self.x)
+        h = self.x[1:] - self.x[:-1]
+        secant = (self.y[1:] - self.y[:-1]) / h
         left, right = self.slope[:-1], self.slope[1:]
-        return np.stack(
+        return np.array(
             [self.y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
         )
 
@@ -130,11 +137,11 @@ def _end_slope(h0: float, h1: float, secant0: float, secant1: float) -> float:
 
 def spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
     """Slopes of the not-a-knot cubic spline through monotone points, limited so that the curve stays monotone."""
-    secant = np.diff(y) / np.diff(x)
-    left, right = np.append(secant[0], secant), np.append(secant, secant[-1])
+    secant = (y[1:] - y[:-1]) / (x[1:] - x[:-1])
+    left, right = np.concatenate([secant[:1], secant]), np.concatenate([secant, secant[-1:]])
     gentlest = np.where(np.abs(left) < np.abs(right), left, right)
     slope = cubic_spline_slopes(x, y) / np.where(gentlest == 0.0, 1.0, gentlest)
-    return np.clip(slope, 0.0, 3.0) * gentlest
+    return np.minimum(np.maximum(slope, 0.0), 3.0) * gentlest
 
 
 def cubic_spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
@@ -154,8 +161,8 @@ def cubic_spline_slopes(x: FloatArray, y: FloatArray) -> FloatArray:
     from scipy.linalg.lapack import dgtsv
 
     values = y.reshape(x.size, -1)
-    h = np.diff(x)
-    secant = np.diff(values, axis=0) / h[:, None]
+    h = x[1:] - x[:-1]
+    secant = (values[1:] - values[:-1]) / h[:, None]
     if x.size == 3:  # a parabola
         bend = (secant[1] - secant[0]) / (h[0] + h[1])
         slopes = np.array([secant[0] - bend * h[0], secant[0] + bend * h[0], secant[1] + bend * h[1]])
@@ -188,13 +195,21 @@ class CubicSurface:
     z: FloatArray
 
     def value(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """z at points inside the grid, of one shape."""
+        """z at points inside the grid, of shapes that broadcast."""
+        return self.along(x)(y)
+
+    def along(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """z at given x as a function of y."""
         k = np.searchsorted(self.x[1:-1], x, side="right")
-        j = np.searchsorted(self.y[1:-1], y, side="right")
-        c = self._bicubics.take(k * (self.y.size - 1) + j, axis=0)
-        s, t = (x - self.x[k])[..., None], y - self.y[j]
-        in_y = c[..., 0, :] + s * (c[..., 1, :] + s * (c[..., 2, :] + s * c[..., 3, :]))
-        return np.asarray(in_y[..., 0] + t * (in_y[..., 1] + t * (in_y[..., 2] + t * in_y[..., 3])))
+        row, s = k * (self.y.size - 1), (x - self.x[k])[..., None]
+
+        def value(y: FloatArray) -> FloatArray:
+            j = np.searchsorted(self.y[1:-1], y, side="right")
+            c, t = self._bicubics.take(row + j, axis=0), y - self.y[j]
+            in_y = c[..., 0, :] + s * (c[..., 1, :] + s * (c[..., 2, :] + s * c[..., 3, :]))
+            return np.asarray(in_y[..., 0] + t * (in_y[..., 1] + t * (in_y[..., 2] + t * in_y[..., 3])))
+
+        return value
 
     @cached_property
     def _bicubics(self) -> FloatArray:

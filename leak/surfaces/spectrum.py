@@ -89,12 +89,12 @@ class PowerSpectrum:
                 f"wavenumber has shape {q.shape}, density {C.shape}: both need the same length, at least 2"
             )
         for name, unit, values in (("wavenumber", "1/m", q), ("density", "m^4", C)):
-            bad = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)))
+            bad = (~(np.isfinite(values) & (values > 0.0))).nonzero()[0]
             if bad.size:
                 raise SpectrumError(
                     f"{name}[{bad[0]}] = {values[bad[0]]}: must be positive and finite [{unit}]"
                 )
-        falling = np.flatnonzero(np.diff(q) < 0.0)
+        falling = (q[1:] < q[:-1]).nonzero()[0]
         if falling.size:
             i = int(falling[0])
             raise SpectrumError(f"wavenumber[{i + 1}] = {q[i + 1]} follows {q[i]}: must increase [1/m]")
@@ -274,6 +274,10 @@ class PowerSpectrum:
         )
 
     def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
         return hash((self.wavenumber.tobytes(), self.density.tobytes()))
 
     # ---------------------------------------------------------------- moments
@@ -290,8 +294,9 @@ class PowerSpectrum:
 
     def moment(self, order: float, q_from: float = 0.0, q_to: float = np.inf) -> float:
         """Exact int q^order C dq between two wavenumbers [m^(3-order)]."""
-        left = np.clip(self._log_q[:-1], *_log_range(q_from, q_to, self))
-        right = np.clip(self._log_q[1:], *_log_range(q_from, q_to, self))
+        low, high = _log_range(q_from, q_to, self)
+        inside = np.minimum(np.maximum(self._log_q, low), high)
+        left, right = inside[:-1], inside[1:]
         exponent = order + 1.0 + self._slope
         start = self._log_C[:-1] + self._slope * (left - self._log_q[:-1]) + (order + 1.0) * left
         return float(np.sum(np.exp(start) * _power_integral(exponent, right - left)))
@@ -312,6 +317,11 @@ class PowerSpectrum:
         k = self._piece_of(q)
         piece = self._slope_scale[k] * _power_integral(self._slope_exponent[k], np.log(q) - self._log_q[k])
         return self._slope_moment[k] + piece
+
+    @property
+    def whole_moment(self) -> float:
+        """Slope moment M of the whole spectrum [-]."""
+        return float(self._slope_moment[-1])
 
     def at_slope_moment(self, moment: FloatArray) -> SpectrumPoint:
         """ln q and ln C where the cumulative slope moment M has the value `moment`, the inverse of `slope_moment`.
@@ -430,7 +440,7 @@ class PowerSpectrum:
     # ---------------------------------------------------------------- pieces
 
     def _piece_of(self, q: FloatArray) -> NDArray[np.intp]:
-        return np.clip(np.searchsorted(self.wavenumber, q, side="right") - 1, 0, self._last_piece)
+        return np.minimum(np.maximum(self.wavenumber.searchsorted(q, side="right") - 1, 0), self._last_piece)
 
     @cached_property
     def _last_piece(self) -> int:
@@ -455,7 +465,7 @@ class PowerSpectrum:
 
     @cached_property
     def _length(self) -> FloatArray:
-        return np.diff(self._log_q)
+        return self._log_q[1:] - self._log_q[:-1]
 
     @cached_property
     def _slope(self) -> FloatArray:

@@ -94,7 +94,8 @@ class MeshedOutline(Outline):
         for part, chosen in (("inner", inner), ("contact", ~inner & ~outer), ("outer", outer)):
             before = boundaries.get(f"{self.name}_{part}", np.zeros(0, dtype=int))
             boundaries[f"{self.name}_{part}"] = np.concatenate([before, face[chosen]])
-        return type(self.mesh)(self.mesh.p, self.mesh.t).with_boundaries(boundaries)
+        named = {part: facets for part, facets in boundaries.items() if len(facets)}
+        return type(self.mesh)(self.mesh.p, self.mesh.t).with_boundaries(named)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def triangle_shape(p: FloatArray, t: NDArray[np.int64]) -> FloatArray:
     """Return 2 r_in/r_circ of every triangle: 1 equilateral, 0 degenerate."""
-    a, b, c = (np.linalg.norm(p[:, t[i]] - p[:, t[j]], axis=0) for i, j in ((0, 1), (1, 2), (2, 0)))
+    a, b, c = (np.hypot(*(p[:, t[i]] - p[:, t[j]])) for i, j in ((0, 1), (1, 2), (2, 0)))
     return (b + c - a) * (c + a - b) * (a + b - c) / (a * b * c)
 
 

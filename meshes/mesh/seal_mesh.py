@@ -58,10 +58,9 @@ class SealMesh:
 
     Parameters
     ----------
-    mesh : skfem.MeshTri
-        Both bodies, not connected, coordinates (r, z) [m]; subdomains "closure" and "seat"; boundaries
-        "closure_contact", "closure_inner", "closure_outer", "closure_axis", "seat_contact", "seat_inner",
-        "seat_outer", "seat_wall", "seat_bottom".
+    closure, seat : skfem.MeshTri
+        Each body alone, coordinates (r, z) [m], with the boundaries "closure_contact", "closure_inner",
+        "closure_outer", "closure_axis" or "seat_contact", "seat_inner", "seat_outer", "seat_wall", "seat_bottom".
     contact : ContactGeometry
         Exact geometry of the contact line.
     sizing : Sizing
@@ -79,7 +78,8 @@ class SealMesh:
     ['closure', 'seat']
     """
 
-    mesh: MeshTri
+    closure: MeshTri
+    seat: MeshTri
     contact: ContactGeometry
     sizing: Sizing
     outlines: tuple[Outline, ...]
@@ -88,14 +88,9 @@ class SealMesh:
         return f"<{type(self).__name__}: {self.mesh.nelements} triangles, {self.mesh.nvertices} vertices>"
 
     @cached_property
-    def closure(self) -> MeshTri:
-        """The closure alone, with its boundaries."""
-        return _body(self.mesh, "closure")
-
-    @cached_property
-    def seat(self) -> MeshTri:
-        """The seat alone, with its boundaries."""
-        return _body(self.mesh, "seat")
+    def mesh(self) -> MeshTri:
+        """Both bodies, not connected, with all boundaries and the subdomains "closure" and "seat"."""
+        return joined([("closure", self.closure), ("seat", self.seat)])
 
     @cached_property
     def quality(self) -> Quality:
@@ -115,21 +110,6 @@ class SealMesh:
             The file written.
         """
         return write_msh(self.mesh, Path(path))
-
-
-def _body(mesh: MeshTri, name: str) -> MeshTri:
-    from meshes.mesh.triangles import bounded
-
-    triangles = mesh.t[:, (mesh.subdomains or {})[name]]
-    vertices = np.unique(triangles)
-    number = np.full(mesh.p.shape[1], -1)
-    number[vertices] = np.arange(len(vertices))
-    lines = {
-        key: number[mesh.facets[:, facets].T]
-        for key, facets in (mesh.boundaries or {}).items()
-        if key.startswith(name)
-    }
-    return bounded(mesh.p[:, vertices], number[triangles], lines)
 
 
 def write_msh(mesh: MeshTri, path: Path) -> Path:
@@ -186,7 +166,7 @@ def joined(bodies: list[tuple[str, MeshTri]]) -> MeshTri:
     bodies : list of (name, skfem.MeshTri)
         With their boundaries.
     """
-    from meshes.mesh.triangles import bounded
+    from meshes.mesh.triangles import Triangles, facets_between
 
     offsets = np.cumsum([0, *(mesh.p.shape[1] for _, mesh in bodies)])
     counts = np.cumsum([0, *(mesh.nelements for _, mesh in bodies)])
@@ -194,13 +174,9 @@ def joined(bodies: list[tuple[str, MeshTri]]) -> MeshTri:
         name: mesh.facets[:, facets].T + offset
         for (_, mesh), offset in zip(bodies, offsets, strict=False)
         for name, facets in (mesh.boundaries or {}).items()
-        if len(facets)
     }
-    mesh = bounded(
-        np.hstack([body.p for _, body in bodies]),
-        np.hstack([body.t + offset for (_, body), offset in zip(bodies, offsets, strict=False)]),
-        lines,
-    )
-    return mesh.with_subdomains(
-        {name: np.arange(counts[n], counts[n + 1]) for n, (name, _) in enumerate(bodies)}
-    )
+    p = np.hstack([body.p for _, body in bodies])
+    t = np.hstack([body.t + offset for (_, body), offset in zip(bodies, offsets, strict=False)])
+    mesh = Triangles(np.ascontiguousarray(p), np.ascontiguousarray(t))
+    subdomains = {name: np.arange(counts[n], counts[n + 1]) for n, (name, _) in enumerate(bodies)}
+    return mesh.with_boundaries(facets_between(mesh, lines)).with_subdomains(subdomains)

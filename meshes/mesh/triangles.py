@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,18 @@ class Triangles(MeshTri):
         numbers, edge = np.unique(ends[0] * stride + ends[1], return_inverse=True)
         pairs = np.stack([numbers // stride, numbers % stride]).astype(t.dtype)
         return pairs, edge.reshape(len(indices), t.shape[1])
+
+    def with_boundaries(self, boundaries, boundaries_only=True):  # type: ignore[no-untyped-def]
+        """As scikit-fem does, without looking for the edges again."""
+        return super().with_boundaries(boundaries, boundaries_only)._with_edges_of(self)
+
+    def moved(self, p: FloatArray) -> Triangles:
+        """The same triangles over other places of the vertices [m], shape (2, n)."""
+        return replace(self, doflocs=p)._with_edges_of(self)
+
+    def _with_edges_of(self, other: Triangles) -> Triangles:
+        self._facets, self._t2f = other.facets, other.t2f
+        return self
 
 
 def facets_between(mesh: MeshTri, lines: Mapping[str, NDArray[np.int64]]) -> dict[str, NDArray[np.int64]]:
@@ -61,50 +74,34 @@ def facets_between(mesh: MeshTri, lines: Mapping[str, NDArray[np.int64]]) -> dic
     return facets
 
 
-def bounded(p: FloatArray, t: NDArray[np.int64], lines: Mapping[str, NDArray[np.int64]]) -> MeshTri:
-    """Triangles with named boundaries.
+def smoothed(mesh: Triangles) -> Triangles:
+    """Vertices moved to the mean of their neighbours, where that harms no triangle; those of the boundary stay.
 
     Parameters
     ----------
-    p : ndarray, shape (2, n)
-        Vertices [m].
-    t : ndarray of int, shape (3, m)
-        Their numbers in each triangle.
-    lines : mapping of ndarray of int, shape (k, 2)
-        Pairs of vertices of each boundary.
-
-    Raises
-    ------
-    MeshingError
-        If there is no edge between a pair.
-    """
-    mesh = Triangles(np.ascontiguousarray(p), np.ascontiguousarray(t))
-    return mesh.with_boundaries(facets_between(mesh, lines))
-
-
-def smoothed(mesh: MeshTri) -> FloatArray:
-    """Vertices moved to the mean of their neighbours [m], where that harms no triangle; those of the boundary stay.
-
-    Parameters
-    ----------
-    mesh : skfem.MeshTri
+    mesh : Triangles
     """
     p, (start, end) = mesh.p, mesh.facets
     neighbours = np.bincount(mesh.facets.ravel())
     fixed = np.zeros(p.shape[1], dtype=bool)
     fixed[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
+    before = _measured(p, mesh.t)
     for _ in range(_ROUNDS):
         total = [np.bincount(start, c[end], len(c)) + np.bincount(end, c[start], len(c)) for c in p]
         moved = np.where(fixed, p, np.stack(total) / neighbours)
         # a vertex that stays may be the next one's trouble
-        while np.any(harmed := _harmed(p, moved, mesh.t)):
+        while np.any(harmed := _harmed(before, after := _measured(moved, mesh.t))):
             moved[:, mesh.t[:, harmed]] = p[:, mesh.t[:, harmed]]
-        p = moved
-    return p
+        p, before = moved, after
+    return mesh.moved(p)
 
 
-def _harmed(p: FloatArray, moved: FloatArray, t: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _measured(p: FloatArray, t: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    """Shape and doubled area of triangles."""
+    return triangle_shape(p, t), doubled_area(p, t)
+
+
+def _harmed(before: tuple[FloatArray, FloatArray], after: tuple[FloatArray, FloatArray]) -> NDArray[np.bool_]:
     """Triangles that are turned over, or worse than before and poor."""
-    before, after = triangle_shape(p, t), triangle_shape(moved, t)
-    area, new_area = doubled_area(p, t), doubled_area(moved, t)
-    return (np.sign(area) != np.sign(new_area)) | ((after < before) & (after < _GOOD))
+    (shape, area), (new_shape, new_area) = before, after
+    return (np.sign(area) != np.sign(new_area)) | ((new_shape < shape) & (new_shape < _GOOD))

@@ -20,7 +20,6 @@ from fem_seal.units import superscript
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.transforms import Transform
 
 BLUE, ORANGE, GREEN, PURPLE, GREY, INK = "#1f5a99", "#c8501e", "#2f7d5b", "#7a4fa3", "#7b838f", "#1c2430"
 FILL = "#dfe8f2"
@@ -159,7 +158,7 @@ _SIDES: dict[str, tuple[int, int, Any, Any, Any]] = {
 
 
 def _draw_ticks(axes: Axes) -> None:
-    """Grid, marks and numbers of finished axes: two artists for each direction, and a text for each number.
+    """Grid, marks and numbers of finished axes: one artist for the grid, one for each row of marks, a text each number.
 
     Matplotlib itself makes five artists for each tick and asks all of them several times where they are, which takes a
     third of the time of drawing. Axes of a true scale, maps and sections, have no grid.
@@ -167,6 +166,8 @@ def _draw_ticks(axes: Axes) -> None:
     from matplotlib.collections import LineCollection
     from matplotlib.ticker import NullLocator
 
+    shown = axes.transScale + axes.transLimits
+    grid: list[list[tuple[float, float]]] = []
     for axis, along in ((axes.xaxis, 0), (axes.yaxis, 1)):
         low, high = sorted(axis.get_view_interval())
         slack = 1e-9 * (high - low)
@@ -175,57 +176,50 @@ def _draw_ticks(axes: Axes) -> None:
         axis.set_major_locator(NullLocator())
         if not marks:
             continue
-        shares = axes.get_yaxis_transform() if along else axes.get_xaxis_transform()
-        if axes.get_aspect() == "auto":
-            lines = [[(mark, 0.0), (mark, 1.0)] for mark in marks]
-            ends = [[point[::-1] for point in line] for line in lines] if along else lines
-            how = {"colors": _STYLE["grid.color"], "linewidths": _STYLE["grid.linewidth"], "zorder": 0.5}
-            axes.add_collection(LineCollection(ends, transform=shares, **how), autolim=False)
-        draw_marks(
-            axes,
-            [(0.0, mark) if along else (mark, 0.0) for mark in marks],
-            names,
-            "left" if along else "bottom",
-            shares,
-        )
+        # something on the other axis that is there on any scale
+        places = np.empty((len(marks), 2))
+        places[:, along], places[:, 1 - along] = marks, axes.viewLim.max[1 - along]
+        shares = shown.transform(places)[:, along].tolist()
+        draw_marks(axes, shares, names, "left" if along else "bottom")
+        ends = [[(share, 0.0), (share, 1.0)] for share in shares]
+        grid += [[point[::-1] for point in line] for line in ends] if along else ends
+    if axes.get_aspect() == "auto":
+        how = {"colors": _STYLE["grid.color"], "linewidths": _STYLE["grid.linewidth"], "zorder": 0.5}
+        axes.add_collection(LineCollection(grid, transform=axes.transAxes, **how), autolim=False)
 
 
 def draw_marks(
-    axes: Axes,
-    places: Sequence[tuple[float, float]],
-    names: Sequence[str],
-    side: Literal["left", "bottom", "top"],
-    shares: Transform,
+    axes: Axes, shares: Sequence[float], names: Sequence[str], side: Literal["left", "bottom", "top"]
 ) -> None:
     """Marks at the frame of axes with their names beside them.
+
+    They are the figure's: what axes draw they cut off at their frame, and each text asks again where that is.
 
     Parameters
     ----------
     axes : Axes
-    places : sequence of tuple
-        In the coordinates of `shares`.
+    shares : sequence of float
+        Where along the frame, of its length.
     names : sequence of str
     side : {"left", "bottom", "top"}
-    shares : Transform
-        Of data along the frame, and shares across it.
     """
     from matplotlib.lines import Line2D
     from matplotlib.transforms import ScaledTranslation
 
-    across, up, marker, ha, va = _SIDES[side]
-    marks = Line2D(
-        *zip(*places, strict=True), linestyle="none", marker=marker, transform=shares, clip_on=False
-    )
-    colour = _STYLE["xtick.color"]
-    marks.set(markersize=_MARK, markeredgewidth=0.8, color=colour, zorder=2.01)
-    axes.add_artist(marks)
     figure = axes.get_figure(root=True)
     assert figure is not None
+    across, up, marker, ha, va = _SIDES[side]
+    end = 1.0 if side == "top" else 0.0
+    places = [(end, share) if across else (share, end) for share in shares]
+    marks = Line2D(*zip(*places, strict=True), linestyle="none", marker=marker, transform=axes.transAxes)
+    colour = _STYLE["xtick.color"]
+    marks.set(markersize=_MARK, markeredgewidth=0.8, color=colour)
+    figure.add_artist(marks)
     away = (_MARK + _PAD) / INCH
-    beside = shares + ScaledTranslation(across * away, up * away, figure.dpi_scale_trans)
+    beside = axes.transAxes + ScaledTranslation(across * away, up * away, figure.dpi_scale_trans)
     for place, name in zip(places, names, strict=True):
         if name:
-            axes.text(*place, name, transform=beside, ha=ha, va=va, color=colour)
+            figure.text(*place, name, transform=beside, ha=ha, va=va, color=colour)
 
 
 def _in_the_dark(drawing: bytes) -> bytes:

@@ -208,8 +208,9 @@ def wavelength_axis(axes: Axes, q_low: float) -> None:
     """Wavelengths over the top, for those who do not think in wavenumbers."""
     low, high = (x * q_low for x in axes.get_xlim())
     decades = 10.0 ** np.arange(np.ceil(np.log10(2 * np.pi / high)), np.floor(np.log10(2 * np.pi / low)) + 1)
-    places = [(2 * np.pi / (length * q_low), 1.0) for length in decades.tolist()]
-    draw_marks(axes, places, [_round_length(length) for length in decades], "top", axes.get_xaxis_transform())
+    places = np.column_stack([2 * np.pi / (decades * q_low), np.full(len(decades), axes.get_ylim()[1])])
+    shares = (axes.transScale + axes.transLimits).transform(places)[:, 0].tolist()
+    draw_marks(axes, shares, [_round_length(length) for length in decades], "top")
     axes.spines["top"].set_visible(True)
     _, height = inches(axes)
     axes.text(0.5, 1 + 0.29 / height, "wavelength", transform=axes.transAxes, ha="center", va="bottom")
