@@ -227,3 +227,13 @@ def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.stack(
         [y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
     )
+
+
+def lagrange(t: float) -> tuple[float, float, float, float]:
+    """Weights of the cubic through the values at 0, 1, 2, 3."""
+    return (
+        -(t - 1) * (t - 2) * (t - 3) / 6,
+        t * (t - 2) * (t - 3) / 2,
+        -t * (t - 1) * (t - 3) / 2,
+        t * (t - 1) * (t - 2) / 6,
+    )
