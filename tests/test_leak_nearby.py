@@ -122,3 +122,34 @@ def test_a_coarse_spectrum_between_which_there_is_nothing():
     few = both.coarse(14)
     assert few.rms_height == pytest.approx(both.rms_height, rel=1e-9)
     assert few.rms_slope == pytest.approx(both.rms_slope, rel=1e-9)
+
+
+@pytest.mark.parametrize("of_gas", [False, True], ids=["liquid", "gas"])
+@pytest.mark.parametrize("reading", ["conserved", "capped", "elastic"])
+def test_surfaces_of_one_shape_share_what_is_calculated(reading, of_gas):
+    """Over height, modulus and hardness: elastic ones are the known one in other units, yielding ones interpolated."""
+    known = replace(surface(), spectrum=kinked(1))
+    near, spectrum = NearbyTables(getattr(known, reading), of_gas), known.spectrum
+    log_D = np.array([-9.0, -3.0, 0.0, 3.0, 7.0])
+    changes = ((1.3, 1.0, 1.0), (0.75, 1.2, 1.0), (1.0, 0.8, 1.37), (1.1, 1.1, 0.66))
+    for height, modulus, hardness in changes[2 * of_gas :]:
+        other = RoughContact(
+            PowerSpectrum(spectrum.wavenumber, spectrum.density * height**2),
+            effective_modulus=modulus * known.effective_modulus,
+            hardness=None if reading == "elastic" else hardness * known.hardness,
+            yielding="capped" if reading == "capped" else "conserved",
+        )
+        peaks = other.sealing_pressure * np.array([0.01, 0.1, 0.3, 0.6])
+        calculated = NearbyTables(getattr(known, reading), of_gas)
+        vars(calculated)["_of"] = calculated._at
+        if reading == "capped":
+            vars(calculated)["_elastic"] = NearbyTables(known.elastic, of_gas)
+            vars(calculated._elastic)["_of"] = calculated._elastic._at
+        table, own = near.table(other, peaks), calculated.table(other, peaks)
+        log_p = np.log(np.outer([0.02, 0.3, 1.0], peaks).ravel())
+        assert table.at_log_pressure(log_p) == pytest.approx(own.at_log_pressure(log_p), rel=3e-4)
+        if of_gas:
+            at = np.broadcast_arrays(log_p[:, None], log_D)
+            assert table.rarefaction(*at) == pytest.approx(own.rarefaction(*at), rel=3e-4)
+    elastic = near._elastic if reading == "capped" else near
+    assert (len(elastic._known_values) == 1) == (reading != "conserved")

@@ -323,12 +323,11 @@ class GasConductivityTable:
         """
         low, high = np.log(self.liquid.pressure[[0, -1]])
         asked = self.liquid.asked(np.asarray(log_pressure, dtype=float))
-        at, spline = self._abscissa(np.minimum(np.maximum(asked, low), high)), self._spline
+        along = self._spline.along(self._abscissa(np.minimum(np.maximum(asked, low), high)))
         first, last = self.log_inverse_knudsen[0], self.log_inverse_knudsen[-1]
 
         def rarefaction(log_D: FloatArray) -> FloatArray:
             inside = np.minimum(np.maximum(log_D, first), last)
-            log_R = spline.value(*np.broadcast_arrays(at, inside))
-            return np.exp(log_R * np.exp(-np.maximum(log_D - last, 0.0)))
+            return np.exp(along(inside) * np.exp(-np.maximum(log_D - last, 0.0)))
 
         return rarefaction

@@ -14,7 +14,7 @@ from leak.flow.conductivity import ConductivityTable, GasConductivityTable, tabl
 from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
-from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slopes
+from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slopes, lagrange
 
 # Surfaces are calculated at the highest pressures of their contacts and at places below, in steps of the abscissa of
 # the tables that widen with the distance from the next higher of them: a step is this long, and this share of the
@@ -24,6 +24,8 @@ _STEP, _WIDENING, _DEEPEST = 0.4, 0.55, 10.0
 _LOW, _LONGEST = -2.5, 1.5
 # All places are on a lattice, so that many surfaces share what is needed of the known one.
 _LATTICE = 0.25
+# By so much of themselves densities of one shape may differ from each other.
+_SAME = 1e-10
 # Profiles may rise a little above the highest pressure between their points.
 _ABOVE = 1.02
 # The known table reaches from this share of the sealing pressure; no highest pressure counts as lower than the next,
@@ -37,8 +39,8 @@ _LOG_D = np.array([-9.0, -5.5, -3.0, -1.0, 1.0, 3.0, 6.5])
 _CONTINUUM = 1e-20
 # A gap over the rms height that is none; a table calls it zero.
 _NOTHING = 1e-56
-# Pressures of the table of a capped surface.
-_OF_CAPPED = 72
+# Steps in ln(hardness/(E* h)) between which what is known of one shape of the spectrum is interpolated.
+_SPACING = 0.1
 _LOG_SHARES = np.concatenate(
     [np.linspace(-60.0, -4.0, 1001), np.log1p(-np.geomspace(1.0 - np.exp(-4.0), 1e-4, 4001))[1:]]
 )
@@ -61,7 +63,9 @@ class NearbyTables:
 
     Two surfaces that differ little have gaps that differ smoothly at equal p/p_seal. What is interpolated over about
     seven pressures is that difference, of both calculated alike: with many kinks in the spectrum as some fourteen power
-    laws (`PowerSpectrum.coarse`); the known table holds the rest. So it is for what the averaging over unequal gaps
+    laws (`PowerSpectrum.coarse`); the known table holds the rest. Surfaces that differ in height, modulus and hardness
+    alone share what is calculated: at equal p/p_seal elastic ones are the same, others depend on hardness/(E* h) alone,
+    over which there are values in steps of a tenth. So it is for what the averaging over unequal gaps
     adds for a gas. A capped surface is the elastic one at another pressure.
 
     Parameters
@@ -95,7 +99,7 @@ class NearbyTables:
     surface: RoughContact
     of_gas: bool = False
     method: str = "bruggeman"
-    _known_values: dict[float, tuple[float, FloatArray]] = field(default_factory=dict, repr=False)
+    _known_values: dict[int, dict[float, tuple[float, FloatArray]]] = field(default_factory=dict, repr=False)
 
     def table(self, surface: RoughContact, highest: ArrayLike) -> AnyTable:
         """Conductivity of a surface close to the known one, and of the same reading of yielding.
@@ -108,20 +112,20 @@ class NearbyTables:
             table goes on to the sealing pressure, for the flanks of contacts that are sealed anyway; of contacts whose
             highest pressure is above that there is nothing to know.
         """
+        p = np.atleast_1d(np.asarray(highest, dtype=float))
+        if surface.hardness is not None and surface.yielding == "capped":
+            return self._capped(surface, p)
         sealing = surface.sealing_pressure_by(self.method)
-        p = _ABOVE * np.atleast_1d(np.asarray(highest, dtype=float))
-        p = p[p < _ABOVE * sealing]
+        p = _ABOVE * p[p < sealing]
         if not p.size:
             return self._scaled(surface, sealing)
-        if surface.hardness is not None and surface.yielding == "capped":
-            return self._capped(surface, sealing, p)
         places = self._places(p / sealing)
         liquid = _liquid(self._known)
         log_sealing = np.log(liquid.sealing_pressure)
         x = np.log(liquid.pressure) - log_sealing
         x = np.append(x[self._abscissa(x) < places[-1] - 1e-3], self._log_share(places[-1:]))
         abscissa = self._abscissa(x)
-        ours, theirs = self._at(surface, sealing, places), self._of_known(places)
+        ours, theirs = self._of(surface, sealing, places), self._of_hardness(0, places)
         known = _logarithmic(liquid.at_log_pressure(x + log_sealing) / _length(self.surface))
         change = ours.gap - theirs.gap
         y = known + MonotoneCurve(places, change, cubic_spline_slopes(places, change)).value(abscissa)
@@ -131,10 +135,8 @@ class NearbyTables:
             return found
         gas = _with_gas(found, self._known, x + log_sealing)
         rise = CubicSurface(places, _LOG_D, ours.rise - theirs.rise).value(
-            *np.broadcast_arrays(
-                np.clip(abscissa, places[0], places[-1])[:, None],
-                np.clip(gas.log_inverse_knudsen, _LOG_D[0], _LOG_D[-1]),
-            )
+            np.clip(abscissa, places[0], places[-1])[:, None],
+            np.clip(gas.log_inverse_knudsen, _LOG_D[0], _LOG_D[-1]),
         )
         return replace(gas, log_rarefaction=gas.log_rarefaction + rise)
 
@@ -146,21 +148,11 @@ class NearbyTables:
         )
         return replace(self._known, liquid=found) if isinstance(self._known, GasConductivityTable) else found
 
-    def _capped(self, surface: RoughContact, sealing: float, highest: FloatArray) -> AnyTable:
-        """From the elastic surface, at the pressures at which that one has the gaps of the capped."""
-        highest = np.minimum(highest, _CLOSEST * sealing)
-        top = float(highest.max())
-        ends = self._abscissa(np.log(np.array([_LOWEST, top / sealing])))
-        p = sealing * np.exp(self._log_share(np.linspace(ends[0], ends[1], _OF_CAPPED)))
-        p[-1] = top
-        acting = surface.acting_pressure(np.concatenate([p, highest]))
-        elastic = self._elastic.table(surface.elastic, acting[p.size - 1 :])
-        acting = acting[: p.size]
-        u = np.asarray(_liquid(elastic).effective_separation(acting))
-        found = ConductivityTable(p, u, sealing, np.inf, self.method, LoadMemory(surface))
-        if not isinstance(elastic, GasConductivityTable):
-            return found
-        return _with_gas(found, elastic, np.log(acting))
+    def _capped(self, surface: RoughContact, highest: FloatArray) -> AnyTable:
+        """That of the elastic surface, asked at the pressures at which it has the gaps of the capped."""
+        found = self._elastic.table(surface.elastic, surface.acting_pressure(highest))
+        liquid = replace(_liquid(found), memory=LoadMemory(surface), acting=surface.log_acting_pressure)
+        return replace(found, liquid=liquid) if isinstance(found, GasConductivityTable) else liquid
 
     @cached_property
     def _elastic(self) -> NearbyTables:
@@ -174,14 +166,32 @@ class NearbyTables:
             return gas_conductivity_table(self.surface, *ends, method=self.method)
         return self.surface.conductivity_table(*ends, method=self.method)
 
-    def _of_known(self, places: FloatArray) -> _Values:
-        new = np.array([one for one in places.tolist() if one not in self._known_values])
+    def _of(self, surface: RoughContact, sealing: float, places: FloatArray) -> _Values:
+        """What is interpolated; at equal p/p_seal it depends on shape and hardness/(E* h) alone."""
+        height = height_ratio(surface, self.surface)
+        if height is None:
+            return self._at(surface, sealing, places)
+        if surface.hardness is None or self.surface.hardness is None:
+            return self._of_hardness(0, places)
+        stiffer = height * surface.effective_modulus / self.surface.effective_modulus
+        steps = float(np.log(surface.hardness / self.surface.hardness / stiffer)) / _SPACING
+        first = int(np.floor(steps)) - 1
+        weights = lagrange(steps - first)
+        found = [self._of_hardness(first + n, places) for n in range(4)]
+        gap, rise = (sum(w * one[n] for w, one in zip(weights, found, strict=True)) for n in range(2))
+        return _Values(np.asarray(gap), np.asarray(rise))
+
+    def _of_hardness(self, step: int, places: FloatArray) -> _Values:
+        """Of the known surface with its hardness times exp(0.1 step), kept at all places."""
+        known = self._known_values.setdefault(step, {})
+        new = np.array([one for one in places.tolist() if one not in known])
         if new.size:
-            found = self._at(self.surface, self.surface.sealing_pressure_by(self.method), new)
-            self._known_values.update(
-                zip(new.tolist(), zip(found.gap.tolist(), found.rise, strict=True), strict=True)
-            )
-        gaps, rises = zip(*(self._known_values[one] for one in places.tolist()), strict=True)
+            surface = self.surface
+            if step and surface.hardness is not None:
+                surface = replace(surface, hardness=surface.hardness * float(np.exp(_SPACING * step)))
+            found = self._at(surface, surface.sealing_pressure_by(self.method), new)
+            known.update(zip(new.tolist(), zip(found.gap.tolist(), found.rise, strict=True), strict=True))
+        gaps, rises = zip(*(known[one] for one in places.tolist()), strict=True)
         return _Values(np.array(gaps), np.array(rises))
 
     @cached_property
@@ -248,6 +258,30 @@ class NearbyTables:
     @cached_property
     def _even(self) -> FloatArray:
         return self._abscissa(_LOG_SHARES)
+
+
+def height_ratio(surface: RoughContact, other: RoughContact) -> float | None:
+    """Heights of a surface over those of another one, if nothing but height, modulus and hardness differs; else None.
+
+    Parameters
+    ----------
+    surface, other : RoughContact
+    """
+    q, C = other.spectrum.wavenumber, other.spectrum.density
+    if not np.array_equal(surface.spectrum.wavenumber, q) or (surface.hardness is None) != (
+        other.hardness is None
+    ):
+        return None
+    ratio = surface.spectrum.density / C
+    like = replace(
+        surface,
+        spectrum=other.spectrum,
+        effective_modulus=other.effective_modulus,
+        hardness=other.hardness,
+    )
+    if like != other or np.abs(ratio / ratio[0] - 1.0).max() > _SAME:
+        return None
+    return float(np.sqrt(ratio[0]))
 
 
 def _with_gas(

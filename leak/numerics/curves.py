@@ -7,6 +7,7 @@ faster than FITPACK's at many single points.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -194,13 +195,21 @@ class CubicSurface:
     z: FloatArray
 
     def value(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """z at points inside the grid, of one shape."""
+        """z at points inside the grid, of shapes that broadcast."""
+        return self.along(x)(y)
+
+    def along(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """z at given x as a function of y."""
         k = np.searchsorted(self.x[1:-1], x, side="right")
-        j = np.searchsorted(self.y[1:-1], y, side="right")
-        c = self._bicubics.take(k * (self.y.size - 1) + j, axis=0)
-        s, t = (x - self.x[k])[..., None], y - self.y[j]
-        in_y = c[..., 0, :] + s * (c[..., 1, :] + s * (c[..., 2, :] + s * c[..., 3, :]))
-        return np.asarray(in_y[..., 0] + t * (in_y[..., 1] + t * (in_y[..., 2] + t * in_y[..., 3])))
+        row, s = k * (self.y.size - 1), (x - self.x[k])[..., None]
+
+        def value(y: FloatArray) -> FloatArray:
+            j = np.searchsorted(self.y[1:-1], y, side="right")
+            c, t = self._bicubics.take(row + j, axis=0), y - self.y[j]
+            in_y = c[..., 0, :] + s * (c[..., 1, :] + s * (c[..., 2, :] + s * c[..., 3, :]))
+            return np.asarray(in_y[..., 0] + t * (in_y[..., 1] + t * (in_y[..., 2] + t * in_y[..., 3])))
+
+        return value
 
     @cached_property
     def _bicubics(self) -> FloatArray:
@@ -217,4 +226,14 @@ def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:
     secant, left, right = np.diff(y, axis=0) / h, slopes[:-1], slopes[1:]
     return np.stack(
         [y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
+    )
+
+
+def lagrange(t: float) -> tuple[float, float, float, float]:
+    """Weights of the cubic through the values at 0, 1, 2, 3."""
+    return (
+        -(t - 1) * (t - 2) * (t - 3) / 6,
+        t * (t - 2) * (t - 3) / 2,
+        -t * (t - 1) * (t - 3) / 2,
+        t * (t - 1) * (t - 2) / 6,
     )
