@@ -8,10 +8,8 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from importlib import import_module
+from contextlib import contextmanager
 from pathlib import Path
-from threading import Thread
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -104,7 +102,6 @@ def run(
     from fem_seal.output import files
     from fem_seal.output.tables import leak_rows
 
-    _load_meanwhile("matplotlib.backends.backend_svg", "matplotlib.figure", "jinja2")
     with alone(folder), _progress(quiet) as progress:
         result = seal_result.run(case, progress=progress, levers=levers)
         progress("writing results")
@@ -122,18 +119,6 @@ def run(
         show_particles(result)
         show_verdict(result)
         _list_files(folder)
-
-
-def _load_meanwhile(*modules: str) -> None:
-    """Load what the report will need while gmsh and SuperLU, which do not hold Python's lock, do their work."""
-
-    def load() -> None:
-        for module in modules:
-            # a module that is missing is missed where it is used, with its own message
-            with suppress(ImportError):
-                import_module(module)
-
-    Thread(target=load, daemon=True).start()
 
 
 class _PictureNamedOrNot(TyperCommand):

@@ -44,7 +44,11 @@ def test_it_is_never_below_the_field_and_close_to_it_for_smooth_pressures(model,
     smooth, others = pressures(model.line)
     for p in (*smooth, *others):
         bound = model.screens[name].highest_von_mises(1e8 * p, {})
-        assert bound >= field_maximum(model, name, 1e8 * p, FurtherLoads())
+        highest = field_maximum(model, name, 1e8 * p, FurtherLoads())
+        assert bound >= highest
+        assert not model.screens[name].stays_below(highest, 1e8 * p, {})
+        # the sum of the stresses of all splines alone
+        assert model.screens[name].stays_below(30 * bound, 1e8 * p, {})
     # the allowance, five times what the splines leave of a Gaussian: 2 % of its peak where five elements go to a
     # standard deviation
     for p, most in zip(smooth, (1.25, 1.15), strict=True):

@@ -297,6 +297,44 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
     assert {row.reason for row in found} == {None}
 
 
+def test_chunks_that_were_taken_back_are_no_silence(monkeypatch):
+    """The scheduler may not have heard yet of what was sent in their place: only silences tell that it never will."""
+    from concurrent.futures import Future
+    from types import SimpleNamespace
+
+    import numpy as np
+
+    from fem_seal.studies import pools
+
+    def submit(*what, **how):
+        future = Future()
+        future.key, future.status, future.release = "new", "pending", lambda: None
+        return future
+
+    def answered(what, **about):
+        return dict.fromkeys(about["keys"]) if "keys" in about else {"tcp://there": 1}
+
+    scheduler = SimpleNamespace(ncores=None, get_task_status=None)
+    client = SimpleNamespace(
+        submit=submit,
+        sync=answered,
+        scheduler=scheduler,
+        status="running",
+        subscribe_topic=lambda *about: None,
+    )
+    monkeypatch.setattr(pools, "_HEARTBEAT", 0.01)
+    workers = pools._Workers(client, PATIENCE, print)
+    on_the_way = pools._OnTheWay(client, None, workers, print)
+    on_the_way.send(pools.Chunk(np.zeros((1, 1))), "tcp://there")
+    for _ in range(5):
+        on_the_way._settled.put(Future())
+        assert on_the_way.next() is None
+    # two silences do
+    assert on_the_way.next() is None
+    _, rows = on_the_way.next()
+    assert rows is None and not on_the_way
+
+
 def _small(folder):
     path = folder / "small.toml"
     path.write_text(

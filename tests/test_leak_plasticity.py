@@ -168,3 +168,17 @@ def test_the_touching_area_is_elastic_and_plastic_area_together():
     parts = leak.area_fractions(s, t)
     np.testing.assert_allclose(touching_area(s, t), parts.elastic + parts.plastic, rtol=1e-14, atol=0)
     assert touching_area(0.2, 0.5).shape == ()
+
+
+@settings(deadline=None, max_examples=200)
+@given(share=st.floats(-8.0, -0.001), hard=st.floats(-3.0, 3.0))
+def test_the_quick_bound_is_never_below_the_touching_area(share, hard):
+    """Pressures up to the hardness, hardness in units of E* h'."""
+    one = leak.RoughContact(spectrum(), effective_modulus=E, hardness=10.0**hard * E * spectrum().rms_slope)
+    p = 10.0**share * min(one.hardness, 3.0 * E * spectrum().rms_slope)
+    for seen in (one, one.elastic):
+        most, area = seen.most_contact_area(p), float(seen.contact_area(p))
+        assert area <= most * (1.0 + 1e-12)
+        # and where next to nothing touches it is the area itself
+        if seen.hardness is None and area < 1e-3:
+            assert most == pytest.approx(area, rel=1e-5)

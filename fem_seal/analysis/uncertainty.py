@@ -53,6 +53,9 @@ _OF_LINEAR = 0.03, 0.06
 # So it is with tables from that of the case: one of their own for every sample unless they are as good as this.
 _OF_TABLES = 0.01, 0.02
 
+# Share of the sealing pressure that counts for a sealed contact between whose asperities fluid carries.
+_NEARLY_SEALED = 0.95
+
 
 def leak_interval(
     result: SealSolution,
@@ -461,10 +464,10 @@ class _Study:
 
     def _table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Conductivity from the table of the case."""
-        sealing = math.log10(flow.sealing_pressure(surface))
-        # what lies above is sealed
-        highest = max((one for one in log_peaks if one < sealing), default=sealing - 1.0)
-        return self._nearby[surface.yielding].table(surface, 10.0**highest)
+        highest = 10.0 ** np.array(log_peaks)
+        if flow.fluid_in_gap == "local":  # which opens what would be sealed without it
+            highest = np.minimum(highest, _NEARLY_SEALED * flow.sealing_pressure(surface))
+        return self._nearby[surface.yielding].table(surface, highest)
 
     @cached_property
     def _nearby(self) -> dict[str, NearbyTables]:

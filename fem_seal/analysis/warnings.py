@@ -98,6 +98,9 @@ class Surface(Protocol):
     def contact_area(self, pressure: float, /) -> FloatArray | float:
         """A/A0 under a nominal pressure [Pa]."""
 
+    def most_contact_area(self, pressure: float, /) -> float:
+        """What it does not exceed, at once."""
+
 
 def contact_cautions(
     problem: SealProblem,
@@ -547,6 +550,9 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
     load = max(leaky, key=lambda load: load.contact.profile.peak_pressure)
     if problem.flow is not None and problem.flow.simulated is not None and problem.surface is not None:
         yield from _simulated(problem.flow.simulated.table(problem.surface), load, loads)
+        return
+    most = surface.most_contact_area(load.contact.profile.peak_pressure)
+    if surface.peklenik == 1.0 and most <= _FEW_CHANNELS:
         return
     area = float(surface.contact_area(load.contact.profile.peak_pressure))
     factor = next(factor for limit, factor in _FACTORS if area <= limit) if area > _FEW_CHANNELS else 1.0

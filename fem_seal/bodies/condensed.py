@@ -267,8 +267,11 @@ def body_field(
     """
     points, triangles = body.held.nodes
     lam, mu = lame_parameters(body.material)
-    stress = body.recovery.stress(displacement) if stress is None else stress.copy()
-    stress[:, :3] -= (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(points))[:, None]
+    if stress is None:
+        stress = body.recovery.stress(displacement)
+    if np.any(free_strain):
+        stress = stress.copy()
+        stress[:, :3] -= (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(points))[:, None]
     return BodyField(
         name,
         points,

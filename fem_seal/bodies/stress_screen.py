@@ -34,12 +34,15 @@ class StressScreen:
         Stress under a spline of 1 Pa [-].
     further : mapping of ndarray, shape (4, nodes)
         Stress under each of the body's `CondensedBody.loads` that leaves the body cold [Pa per unit].
+    alone : ndarray, shape (k,)
+        Largest von Mises stress under each spline of 1 Pa [-].
     """
 
     patterns: FloatArray
     fit: FloatArray
     stress: NDArray[np.float32]
     further: Mapping[str, FloatArray]
+    alone: FloatArray
 
     @classmethod
     def of(cls, body: CondensedBody, area_weight: FloatArray) -> StressScreen:
@@ -70,7 +73,30 @@ class StressScreen:
             np.asarray(np.linalg.pinv(patterns), dtype=float),
             np.ascontiguousarray(stress.transpose(1, 0, 2), dtype=np.float32),
             further,
+            von_mises(np.moveaxis(stress, 1, -1)).max(axis=0),
         )
+
+    def stays_below(self, stress: float, pressure: FloatArray, magnitudes: Mapping[str, float]) -> bool:
+        """Whether it is certain that no von Mises stress is above a value [Pa].
+
+        Parameters
+        ----------
+        stress : float
+            [Pa]
+        pressure, magnitudes
+            See `highest_von_mises`.
+        """
+        if not magnitudes:
+            # the stress of a sum is at most the sum of the stresses: mostly that is enough
+            shares, rest = self._shares(pressure)
+            if float(np.abs(shares) @ self.alone) + _OF_THE_REST * rest < stress:
+                return True
+        return stress > self.highest_von_mises(pressure, magnitudes)
+
+    def _shares(self, pressure: FloatArray) -> tuple[FloatArray, float]:
+        """Pressure of each spline, and the largest that they leave [Pa]."""
+        shares = self.fit @ pressure
+        return shares, float(np.abs(pressure - self.patterns @ shares).max())
 
     def highest_von_mises(self, pressure: FloatArray, magnitudes: Mapping[str, float]) -> float:
         """The von Mises stress is nowhere higher than this [Pa]; infinite where that takes a field.
@@ -84,8 +110,7 @@ class StressScreen:
         """
         if not magnitudes.keys() <= self.further.keys():
             return np.inf
-        shares = self.fit @ pressure
-        rest = float(np.abs(pressure - self.patterns @ shares).max())
+        shares, rest = self._shares(pressure)
         stress = np.asarray(self.stress @ shares.astype(np.float32), dtype=float)
         for name, size in magnitudes.items():
             stress += size * self.further[name]

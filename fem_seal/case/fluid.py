@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -161,8 +162,6 @@ class Fluid(Table):
     @property
     def gas(self) -> Gas | None:
         """The gas with the case's viscosity; None for a liquid."""
-        from dataclasses import replace
-
         from leak import Gas
 
         entry = self.library_entry
@@ -171,8 +170,6 @@ class Fluid(Table):
     @property
     def pressure_law(self) -> PressureLaw | None:
         """Viscosity and density over pressure, the case's own before the library's; None where nothing is known."""
-        from dataclasses import replace
-
         from leak import Barus, Liquid, Roelands
 
         entry = self.library_entry

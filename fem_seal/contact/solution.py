@@ -146,9 +146,8 @@ class ContactSolution:
             return False
         pressure, between = self.pressure, self.loads.gap_pressure
         magnitudes = self.loads.closure if name == "closure" else self.loads.seat
-        return stress > screen.highest_von_mises(
-            pressure if between is None else pressure + between, magnitudes
-        )
+        pressed = pressure if between is None else pressure + between
+        return screen.stays_below(stress, pressed, magnitudes)
 
     @cached_property
     def turning(self) -> float:

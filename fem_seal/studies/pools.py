@@ -9,7 +9,7 @@ import sys
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 from queue import Empty, SimpleQueue
@@ -23,7 +23,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.errors import ClusterError, InputError, Problem
 from fem_seal.studies.progress import duration
 from fem_seal.studies.store import Row
-from fem_seal.studies.time_limit import OvertimeError, ended_after, slow_line, watched
+from fem_seal.studies.time_limit import OvertimeError, Watch, ended_after, slow_line
 from fem_seal.studies.work import Chunk, Recipe, calculate, failed_row, overtime_row
 
 if TYPE_CHECKING:
@@ -364,10 +364,11 @@ def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> list[Row]:
     import fem_seal.studies.responses  # noqa: F401
 
     worker = get_worker()
-    return [row for point in chunk.points for row in _calculate_one(recipe, point, worker, topic)]
+    with Watch(recipe.time_limit) as watch:
+        return [row for point in chunk.points for row in _calculate_one(recipe, point, watch, worker, topic)]
 
 
-def _calculate_one(recipe: Recipe, point: FloatArray, worker: Worker, topic: str) -> list[Row]:
+def _calculate_one(recipe: Recipe, point: FloatArray, watch: Watch, worker: Worker, topic: str) -> list[Row]:
     # a worker without a nanny has no successor, and may be a thread of the user's own process
     replaceable = worker.nanny is not None
 
@@ -382,7 +383,7 @@ def _calculate_one(recipe: Recipe, point: FloatArray, worker: Worker, topic: str
         if not ended.wait(_FAREWELL) and replaceable:
             os._exit(1)
 
-    with watched(recipe.time_limit, slow, over):
+    with watch.block(slow, over):
         return calculate(recipe, Chunk(point[None]))
 
 
@@ -476,14 +477,14 @@ class _OnTheWay:
 
         After a silence there is none: who has come meanwhile may be given something.
         """
-        future = None
-        with suppress(Empty):
+        try:
             future = self._settled.get(timeout=_HEARTBEAT)
+        except Empty:
+            future = self._fallen()
         if isinstance(future, _Over):
             future = self._given_up(future)
-        else:
-            future = future if future in self._sent else self._fallen()
-        if future is None:
+        # what was taken back settles as well
+        if future not in self._sent:
             return None
         sent = self._sent.pop(future)
         try:

@@ -89,7 +89,10 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     load = _load(problem, stress=can_yield or "max_von_mises_Pa" in columns, interpolate=interpolate)
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
-    of_usual = replace(problem, usual_only=problem.of_finish) if leaks else problem
+    of_usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
+    if leaks and load.formed is None:
+        # which its copies then know as well
+        load = load.knowing(leak_round=load.leak_round)
     validity = _validity(of_usual, load, tabulated=leaks and interpolate)
     if "margin" in columns:
         load = load.knowing(validity=validity)

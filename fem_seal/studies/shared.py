@@ -29,7 +29,7 @@ _STEP, _REACH_STEP = 0.25, 1.0
 _FULL_MODELS, _LIGHT_MODELS = 12, 64
 # Loads of one model from which on a quick look at the stress saves more than it takes. What it lets pass has no
 # field that could say otherwise: the numbers of a design stay those of that design alone.
-_WORTH_A_SCREEN = 6
+_WORTH_A_SCREEN = 15
 
 
 @dataclass(frozen=True)
@@ -175,3 +175,7 @@ class TabulatedSurface:
     def contact_area(self, pressure: float) -> FloatArray | float:
         """Relative contact area A/A0 at a nominal pressure [Pa]."""
         return self.surface.contact_area(pressure)
+
+    def most_contact_area(self, pressure: float) -> float:
+        """What it does not exceed."""
+        return self.surface.most_contact_area(pressure)

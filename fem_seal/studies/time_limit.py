@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import _thread
+import math
 import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Self
 
 from fem_seal.studies.progress import duration
 
@@ -20,6 +22,78 @@ _TIMES, _APART = 10, 1.0
 
 class OvertimeError(BaseException):
     """A design has reached its time limit; no `Exception`, so that nothing in it mistakes this for its own."""
+
+
+@dataclass(eq=False)
+class _Block:
+    """What is looked at."""
+
+    slow: Callable[[float], None]
+    over: Callable[[threading.Event], None]
+    tell: float
+    start: float = field(default_factory=time.monotonic)
+    ended: threading.Event = field(default_factory=threading.Event)
+
+
+class Watch:
+    """Looks at the clock, from a thread of its own, while one block after the other runs.
+
+    Parameters
+    ----------
+    limit : float
+        Of each block [s].
+    """
+
+    def __init__(self, limit: float) -> None:
+        self._limit = limit
+        self._first = min(_SLOW, 0.25 * limit)
+        self._block: _Block | None = None
+        # held while somebody is told something
+        self._telling = threading.Lock()
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._look, daemon=True, name="time limit of a design")
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._closed.set()
+        self._thread.join()
+
+    @contextmanager
+    def block(self, slow: Callable[[float], None], over: Callable[[threading.Event], None]) -> Iterator[None]:
+        """Look at the clock while a block runs, see `watched`."""
+        block = self._block = _Block(slow, over, self._first)
+        try:
+            yield
+        finally:
+            block.ended.set()
+            with self._telling:
+                self._block = None
+
+    def _look(self) -> None:
+        pause = self._first
+        while not self._closed.wait(pause):
+            # whoever begins meanwhile is told nothing before this
+            pause = self._first
+            with self._telling:
+                block = self._block
+                if block is not None and not block.ended.is_set():
+                    pause = self._told(block)
+
+    def _told(self, block: _Block) -> float:
+        """Tell a block what is to be told; time until the next look [s]."""
+        passed = time.monotonic() - block.start
+        if passed >= self._limit:
+            block.over(block.ended)
+            block.tell = math.inf
+        elif passed >= block.tell:
+            block.slow(passed)
+            block.tell = max(2 * block.tell, passed)
+        if math.isinf(block.tell):
+            return self._first
+        return max(block.start + min(block.tell, self._limit) - time.monotonic(), 0.0)
 
 
 @contextmanager
@@ -37,25 +111,8 @@ def watched(
     over : callable
         Called at the limit, with the event that says that the block has ended.
     """
-    ended = threading.Event()
-    start = time.monotonic()
-
-    def look() -> None:
-        tell = min(_SLOW, 0.25 * limit)
-        while not ended.wait(max(start + min(tell, limit) - time.monotonic(), 0.0)):
-            if tell >= limit:
-                over(ended)
-                return
-            slow(time.monotonic() - start)
-            tell = max(2 * tell, time.monotonic() - start)
-
-    watcher = threading.Thread(target=look, daemon=True, name="time limit of a design")
-    watcher.start()
-    try:
+    with Watch(limit) as watch, watch.block(slow, over):
         yield
-    finally:
-        ended.set()
-        watcher.join()
 
 
 @contextmanager

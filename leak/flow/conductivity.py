@@ -6,17 +6,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, positive
-from leak.numerics.curves import MonotoneCurve, spline_slopes
-
-if TYPE_CHECKING:
-    from scipy.interpolate import RectBivariateSpline
+from leak.numerics.curves import CubicSurface, MonotoneCurve, spline_slopes
 
 METHODS = ("bruggeman", "critical-junction", "threshold-law")
 # ... of them those that know no direction of the roughness.
@@ -297,11 +294,9 @@ class GasConductivityTable:
     log_inverse_knudsen: FloatArray
 
     @cached_property
-    def _spline(self) -> RectBivariateSpline:
-        from scipy.interpolate import RectBivariateSpline
-
+    def _spline(self) -> CubicSurface:
         x = self._abscissa(np.log(self.liquid.pressure))
-        return RectBivariateSpline(x, self.log_inverse_knudsen, self.log_rarefaction)
+        return CubicSurface(x, self.log_inverse_knudsen, self.log_rarefaction)
 
     def _abscissa(self, log_pressure: FloatArray) -> FloatArray:
         return table_abscissa(log_pressure, float(np.log(self.liquid.sealing_pressure)), self.liquid.method)
@@ -316,12 +311,24 @@ class GasConductivityTable:
 
     def rarefaction(self, log_pressure: ArrayLike, log_inverse_knudsen: ArrayLike) -> FloatArray:
         """R at contact pressure p and inverse Knudsen number D_eff; beyond the table R - 1 falls like 1/D_eff."""
+        return self.rarefaction_at(log_pressure)(np.asarray(log_inverse_knudsen, dtype=float))
+
+    def rarefaction_at(self, log_pressure: ArrayLike) -> Callable[[FloatArray], FloatArray]:
+        """`rarefaction` at given contact pressures, a function of ln D_eff, for many pressures of the gas.
+
+        Parameters
+        ----------
+        log_pressure : array_like
+            ln(p/Pa).
+        """
         low, high = np.log(self.liquid.pressure[[0, -1]])
-        log_p = np.clip(self.liquid.asked(np.asarray(log_pressure, dtype=float)), low, high)
-        beyond = np.maximum(np.asarray(log_inverse_knudsen, dtype=float) - self.log_inverse_knudsen[-1], 0.0)
-        log_D = np.clip(
-            np.asarray(log_inverse_knudsen, dtype=float),
-            self.log_inverse_knudsen[0],
-            self.log_inverse_knudsen[-1],
-        )
-        return np.exp(self._spline.ev(self._abscissa(log_p), log_D) * np.exp(-beyond))
+        asked = self.liquid.asked(np.asarray(log_pressure, dtype=float))
+        at, spline = self._abscissa(np.minimum(np.maximum(asked, low), high)), self._spline
+        first, last = self.log_inverse_knudsen[0], self.log_inverse_knudsen[-1]
+
+        def rarefaction(log_D: FloatArray) -> FloatArray:
+            inside = np.minimum(np.maximum(log_D, first), last)
+            log_R = spline.value(*np.broadcast_arrays(at, inside))
+            return np.exp(log_R * np.exp(-np.maximum(log_D - last, 0.0)))
+
+        return rarefaction

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
-from leak.flow.conductivity import GasConductivity
+from leak.flow.conductivity import GasConductivity, GasConductivityTable
 from leak.flow.contact_profile import (
     ContactProfile,
     Panels,
@@ -20,7 +21,7 @@ from leak.flow.contact_profile import (
     checked_side,
 )
 from leak.flow.leak_rate import LeakResult
-from leak.flow.rarefied import poiseuille_flow_rate
+from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
@@ -306,16 +307,25 @@ class _Path:
 
     def _gains(self, pressures: list[FloatArray]) -> list[FloatArray]:
         """q F/(q + c) in each part, F = 12 eta sigma_eff/u_eff^3; all points at once."""
-        log_contact, log_width = self._at_all_points
+        _, log_width = self._at_all_points
         pressure = self.gas.flow_pressure(np.concatenate([p.ravel() for p in pressures]))
-        log_D = np.log(np.maximum(pressure, 1e-300)) + log_width
-        R = self.table.rarefaction(log_contact, log_D)
-        p_F = 6.0 * poiseuille_flow_rate(np.exp(log_D)) * R * np.exp(-log_width)
+        log_p = np.log(np.maximum(pressure, 1e-300))
+        log_D = log_p + log_width
+        # q and the factor of free molecules, 1/q, are no numbers on their own in a perfect vacuum
+        p_F = np.exp(log_p + log_flow_factor(log_D)) * self._rarefaction(log_D)
         gain, found, start = p_F / (pressure + self.slip_pressure), [], 0
         for part in pressures:
             found.append(gain[start : start + part.size].reshape(part.shape))
             start += part.size
         return found
+
+    @cached_property
+    def _rarefaction(self) -> Callable[[FloatArray], FloatArray]:
+        """R over ln D_eff at all points."""
+        log_contact, _ = self._at_all_points
+        if isinstance(self.table, GasConductivityTable):
+            return self.table.rarefaction_at(log_contact)
+        return partial(self.table.rarefaction, log_contact)
 
     @cached_property
     def _at_all_points(self) -> tuple[FloatArray, FloatArray]:

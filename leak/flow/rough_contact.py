@@ -260,6 +260,20 @@ class RoughContact:
         p = _checked(pressure)
         return _scalar(relative_contact_area(p, self._slope_moment(wavenumber), self.effective_modulus))
 
+    def most_contact_area(self, pressure: float) -> float:
+        """What `contact_area` of all the roughness does not exceed, in a few numbers.
+
+        The area that touches elastic asperities, erf(p/(2 sqrt(G))), is at most its tangent at p = 0; one boundary
+        more, at the hardness, adds no more than p/hardness, by the maximum principle of the diffusion in the stress.
+
+        Parameters
+        ----------
+        pressure : float
+            Nominal pressure, not negative [Pa].
+        """
+        most = 2.0 * pressure / (np.pi * self.effective_modulus * np.sqrt(self.spectrum.whole_moment))
+        return float(most if self.hardness is None else most + pressure / self.hardness)
+
     def corrected_contact_area(self, pressure: ArrayLike) -> FloatArray | float:
         """A/A0 of all the roughness, corrected as in `leak.flow.percolation.corrected_area`.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -51,12 +52,19 @@ def random_line_scan(
     L = positive(ScanError, "length", length, "m")
     n = _count("points", points)
     total = _LONGER * n
-    q = 2.0 * np.pi * np.arange(1, total // 2) / (_LONGER * L)
-    variance = 2.0 * np.asarray(profile_density(spectrum, q)) * q[0]
+    deviation = _deviations(spectrum, _LONGER * L, total // 2)
     random = np.random.default_rng(seed)
     amplitude = np.zeros(total // 2 + 1, dtype=complex)
-    amplitude[1:-1] = np.sqrt(variance) * (random.standard_normal((q.size, 2)) @ [0.5, 0.5j]) * total
+    amplitude[1:-1] = deviation * (random.standard_normal((deviation.size, 2)) @ [0.5, 0.5j]) * total
     return L / n * np.arange(n, dtype=np.float64), np.fft.irfft(amplitude, total)[:n]
+
+
+# several scans of one surface differ in their random numbers
+@lru_cache(maxsize=4)
+def _deviations(spectrum: PowerSpectrum, length: float, count: int) -> FloatArray:
+    """Standard deviation [m] of the waves of which 1, 2, ... `count` - 1 fit in a length [m]."""
+    q = 2.0 * np.pi * np.arange(1, count) / length
+    return np.sqrt(2.0 * np.asarray(profile_density(spectrum, q)) * q[0])
 
 
 def random_map(

@@ -186,6 +186,8 @@ class RoughSurfaceLaw:
     def gap(self, log_pressure: ArrayLike) -> FloatArray:
         """u at ln(p/Pa) [m]."""
         x = np.asarray(log_pressure, dtype=float)
+        if self._all_inside(x):
+            return np.exp(self._curve.inside(x)[0])
         below, above = self._outside(x)
         inside = np.exp(self._curve.value(x - below - above))
         return inside / (1.0 + self._last_rate * above) - self.decay_nodes[0] * below
@@ -193,6 +195,9 @@ class RoughSurfaceLaw:
     def decay_length(self, log_pressure: ArrayLike) -> FloatArray:
         """-du/dlnp at ln(p/Pa) [m]."""
         x = np.asarray(log_pressure, dtype=float)
+        if self._all_inside(x):
+            log_gap, slope = self._curve.inside(x)
+            return -slope * np.exp(log_gap)
         below, above = self._outside(x)
         log_gap, slope = self._curve.value_and_derivative(x - below - above)
         return -slope * np.exp(log_gap) / (1.0 + self._last_rate * above) ** 2
@@ -209,6 +214,11 @@ class RoughSurfaceLaw:
     @property
     def _last_rate(self) -> float:
         return float(self.decay_nodes[-1] / self.gap_nodes[-1])
+
+    def _all_inside(self, x: FloatArray) -> bool:
+        """Whether all ln p lie between the first and the last point, as they mostly do."""
+        nodes = self.log_pressure_nodes
+        return bool(x.size and x.min() >= nodes[0] and x.max() <= nodes[-1])
 
     def _outside(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """How far ln p lies below the first point (negative) and above the last one (positive)."""
