@@ -104,6 +104,8 @@ def forgotten_afterwards(request: pytest.FixtureRequest, made_once: MadeOnce) ->
         if hasattr(thing, "cache_clear") and thing.__module__ == request.module.__name__:
             thing.cache_clear()
     gc.collect()
+    # what is left stays: the next file need not look through it again
+    gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)

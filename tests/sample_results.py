@@ -69,6 +69,7 @@ def run_loads(of: Case) -> SealResult:
     """A run that ends with the numbers of its loads, for tests that look at no others.
 
     Left out is what is solved besides: on other elements, with other bodies, another law, another form, samples.
+    Without an estimated error no load is valid.
     """
     instead = {
         "chain.on_coarser_mesh": None,

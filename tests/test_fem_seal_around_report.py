@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from around_results import oval_result, smooth_oval_result
-from sample_results import case, single_result
+from sample_results import case, run_loads, single_result
 
 import fem_seal
 from fem_seal.analysis.results import Allowed
@@ -205,7 +205,7 @@ def test_a_scratch_leaks_where_the_roughness_is_sealed(fluid):
     form = {"scratches": [{"depth": "5 um", "width": "30 um"}]}
     tables = {"roughness": {"spectrum": spectrum}, "fluid": {"name": fluid}}
     load = {"fluid_pressure": "20 bar", "axial_force": "10 kN"}
-    (found,) = fem_seal.run(case(form=form, load=load, **tables)).loads
+    (found,) = run_loads(case(form=form, load=load, **tables)).loads
     assert found.leak_round.leak_rate == 0.0
     low, high = found.around.scratches
     # nothing to exchange fluid with at the sealed middle of the contact
@@ -233,7 +233,7 @@ def test_the_deepest_scratch_leaks_the_target_beside_the_others_and_the_lay():
     deepest = {**scratches[0], "depth": f"{depth!r} m", "width": f"{width!r} m"}
     changed = result.case.replace({"form.scratches": [deepest, scratches[1]], "load.target_leak_rate": None})
     # the one that both readings of yielding asperities allow
-    assert fem_seal.run(changed).loads[0].leak_range[1] == pytest.approx(1e-6 / 60, rel=1e-5)
+    assert run_loads(changed).loads[0].leak_range[1] == pytest.approx(1e-6 / 60, rel=1e-5)
     rates = []
     for load in (result.loads[0].conserved, result.loads[0].capped):
         low, high = load.around.scratches

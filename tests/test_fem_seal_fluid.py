@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from sample_results import case, cone, rough_result
+from sample_results import case, cone, rough_result, run_loads
 
 import fem_seal
 import leak
@@ -133,6 +133,7 @@ def test_readable_leak_and_class():
     assert all(unit in line for unit in ("mbar l/s", "Pa m³/s", "standard ml/min", "kg/s"))
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_summary_and_report_hold_units_and_class():
     result = helium_result()
     entries = leakage_table(result)
@@ -179,6 +180,7 @@ def test_thickening_divides_the_leak_rate_by_its_mean():
     assert low < barus.leak.leak_rate / plain.leak.leak_rate < high
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_diesel_of_the_library():
     result = fem_seal.run(case(fluid={"name": "diesel"}, **THICK), levers=False)
     (load,), said = result.loads, " ".join(result.warnings)
@@ -219,9 +221,8 @@ def test_fluid_opens_less_where_it_is_thick_next_to_the_inlet():
     """The high pressure gets less far: of a penetrated contact the leak falls by more than the mean viscosity."""
     settings = {"load": {"fluid_pressure": ["300 bar"], "axial_force": "3 kN", "closing": "penetration"}}
     plain, thick = (
-        fem_seal.run(
-            case(fluid={"viscosity": "3 mPa s", "pressure_viscosity": f"{alpha} 1/GPa"}, **settings),
-            levers=False,
+        run_loads(
+            case(fluid={"viscosity": "3 mPa s", "pressure_viscosity": f"{alpha} 1/GPa"}, **settings)
         ).loads[0]
         for alpha in (0, 60)
     )

@@ -350,6 +350,7 @@ def test_a_calculated_temperature_beyond_the_curves_is_an_error() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("unrendered")
 def test_a_design_of_another_temperature_takes_its_curve(tmp_path: Path) -> None:
     base, columns = pressed(LIST), ("max_accumulated_plastic_strain", "peak_pressure_Pa")
     hot = base.replace({"temperature": {"uniform": WARM}})

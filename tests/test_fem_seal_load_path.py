@@ -277,6 +277,7 @@ def test_pressure_that_opens_the_seal():
     assert fem_seal.blow_off_pressures(case()).tolist() == [math.inf] * 3
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_summary_and_report_have_the_answers():
     told = summary(valve())
     assert told["loads"][0]["force_for_target_leak_N"] == valve().loads[0].force_for_target

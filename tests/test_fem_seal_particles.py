@@ -196,6 +196,7 @@ def test_a_sealed_load_has_no_answers():
 # ---------------------------------------------------------------- where they are told
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_it_is_said_as_an_estimate():
     told = particles_in_words(result())
     assert told[0].startswith("Estimate: at 20 bar")
@@ -226,6 +227,7 @@ def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
     assert "lets no particle through that would be stopped" in told and "half of the leak" not in told
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_seal_far_narrower_than_what_was_counted_gets_no_number():
     counts = leak.ParticleCounts.counted([50e-6, 200e-6], [1e9, 1e8])
     table = {"sizes": ["50 um", "200 um"], "per_ml": [1000, 100]}
@@ -244,6 +246,7 @@ def test_a_seal_far_narrower_than_what_was_counted_gets_no_number():
     assert report(changed)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_files_have_what_the_answers_say(tmp_path):
     result().write(tmp_path)
     with (tmp_path / "particles.csv").open() as file:

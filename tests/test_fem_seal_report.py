@@ -141,6 +141,7 @@ def test_pictures_carry_their_axes_as_text(page):
             assert word in texts[name], f"{word} in {name}"
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_user_text_is_escaped():
     warning = 'seat <img src="http://example.org/x.png" onerror="boom"> & more'
     text = report(replace(rough_result(), warnings=(warning,)))

@@ -127,6 +127,7 @@ def _die_at(moment, folder):
     sys.addaudithook(hook)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_file_that_cannot_be_moved_leaves_the_old_results(two_runs, tmp_path, monkeypatch):
     """As on Windows, where no file can be replaced that a spreadsheet has open."""
     folder = tmp_path / "out"
@@ -172,6 +173,7 @@ def contents_of_files(folder):
     return {path.name for path in folder.iterdir() if path.is_file()}
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_ctrl_c_while_files_change_places_brings_the_old_ones_back(two_runs, tmp_path, monkeypatch):
     folder = tmp_path / "out"
     shutil.copytree(two_runs[0], folder)

@@ -7,6 +7,7 @@ import json
 import math
 
 import pytest
+from sample_results import run_loads
 
 from fem_seal import Case, InputError, load_case, run
 from fem_seal.analysis.closed_forms import derive
@@ -206,7 +207,7 @@ def test_ready_mesh_is_used_as_it_is_and_its_error_is_estimated(tmp_path) -> Non
     # the very same elements, but for the outermost ones of the contact line, where a millionth of the peak is left
     assert ours.peak_pressure == pytest.approx(theirs.peak_pressure, rel=1e-5)
     assert ours.std == pytest.approx(theirs.std, rel=1e-5)
-    exact = run(Case(**tables("ball", "cone"))).loads[0].contact.profile
+    exact = run_loads(Case(**tables("ball", "cone"))).loads[0].contact.profile
     assert result.discretisation_error.std > 0
     assert abs(ours.std / exact.std - 1) < 3 * result.discretisation_error.std
 
@@ -226,7 +227,9 @@ def test_ball_of_splines_is_pushed_like_a_ball(tmp_path) -> None:
     drawing.saveas(tmp_path / "ball.dxf")
     solid = {"shape": "ball", "radius": "20 mm", "material": STEEL}
     source = {"shape": "profile", "file": str(tmp_path / "ball.dxf"), "material": STEEL}
-    expected, found = (run(Case(**{**tables("ball", "cone"), "closure": body})) for body in (solid, source))
+    expected, found = (
+        run_loads(Case(**{**tables("ball", "cone"), "closure": body})) for body in (solid, source)
+    )
     peaks = [result.loads[0].contact.profile.peak_pressure for result in (found, expected)]
     # fit points leave the circle by micrometres; the force acts above the widest place and not above 120 degrees
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)
@@ -244,7 +247,7 @@ def top_of(result) -> tuple[float, float]:
 def test_flat_top_in_pieces_is_pushed_as_a_whole(source, tmp_path) -> None:
     coarse = {"contact_size": "50 um"}
     known = Case(**tables("spherical-tip", "cone", mesh=coarse))
-    expected = run(known)
+    expected = run_loads(known)
     if source == "outline":
         pieces = known.bodies[0].outline.segments
         entries = [{"to": [f"{1e3 * c!r} mm" for c in pieces[0].start]}]
@@ -262,7 +265,7 @@ def test_flat_top_in_pieces_is_pushed_as_a_whole(source, tmp_path) -> None:
         path.write_text(text)
         profile = {"file": str(path)}
     closure = {"shape": "profile", "material": STEEL, **profile}
-    found = run(Case(**{**tables("spherical-tip", "cone", mesh=coarse), "closure": closure}))
+    found = run_loads(Case(**{**tables("spherical-tip", "cone", mesh=coarse), "closure": closure}))
     peaks = [result.loads[0].contact.profile.peak_pressure for result in (found, expected)]
     assert top_of(found) == pytest.approx(top_of(expected), rel=1e-9)
     # the same body, with other triangles around the new corner and, opposite the facets of a file, in the seat

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sample_results import case, cone, smooth_case
+from sample_results import case, cone, run_loads, smooth_case
 from skfem import Basis, ElementTriP2, MeshTri, condense, solve
 
 import fem_seal
@@ -220,7 +220,7 @@ def test_equal_expansion_and_uniform_temperature_load_nothing(warm: float, refer
 def test_only_the_fluid_notices_a_uniform_temperature() -> None:
     rough = {"load": {"fluid_pressure": "20 bar"}}
     cold, hot = (
-        fem_seal.run(
+        run_loads(
             case(
                 closure={"shape": "ball", "radius": "20 mm", "material": {**STEADY, "hardness": "3.5 GPa"}},
                 seat=cone({**STEADY, "hardness": "3.5 GPa"}),
@@ -458,13 +458,14 @@ def test_studies_vary_the_temperature() -> None:
     columns = ("leak_rate_m3_per_s", "peak_pressure_Pa", "contact_temperature_K")
     for closure in (310.0, 420.0):
         design = base.replace({"temperature.closure": closure})
-        fast, row = responses(design, columns), fem_seal.run(design).table.iloc[0]
+        fast, row = responses(design, columns), run_loads(design).table.iloc[0]
         assert fast["contact_temperature_K"] == pytest.approx(0.5 * (closure + 333.15))
         # another mesh, both within 2e-4 of the limit of small elements
         assert fast["peak_pressure_Pa"] == pytest.approx(row["peak_pressure_Pa"], rel=3e-4)
         assert fast["leak_rate_m3_per_s"] == pytest.approx(row["leak_rate_m3_per_s"], rel=5e-4)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_results_show_the_temperature(tmp_path: Path) -> None:
     import meshio
 
@@ -711,6 +712,7 @@ def test_two_held_bodies_without_contact_heat_are_bodies_of_two_temperatures() -
     assert stress < 1e-5 * np.abs(second.fields["closure"].stress).max()
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_calculated_temperature_goes_through_case_results_and_study(tmp_path: Path) -> None:
     over = {"temperature": ["20 degC", "220 degC"], "value": ["210 GPa", "190 GPa"]}
     warm = case(

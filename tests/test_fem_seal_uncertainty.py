@@ -442,6 +442,7 @@ def test_interval_needs_a_leak_rate():
         leak_interval(rough_result(), Uncertainty())
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_result_files_hold_the_interval_and_the_variants(tmp_path):
     result = fem_seal.run(
         case(

@@ -214,6 +214,7 @@ def test_standards_are_found_by_the_names_that_people_give_them():
         leakage_limits(-1.0, gas=True)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_report_terminal_and_summary_say_the_same_verdict(capsys):
     result = required(leak_rate="1 ml/min")
     first = verdict_sentences(result)[0]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import gc
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -95,27 +96,34 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
     sizes : mapping
         From `fem_seal.analysis.closed_forms.profile_sizes`.
     """
-    top = result.highest
+    found = []
     with style():
-        drawn = (
-            sketch(result),
-            mesh_picture(result, top),
-            profile_picture(result, derived),
-            size_picture(result, sizes),
-            gap_picture(result),
-            law_picture(result),
-            leak_picture(result),
-            memory_picture(result),
-            particle_picture(result),
-            *_around(result),
-            separation_picture(result),
-            surface_picture(result, top),
-            *_simulated(result),
-            stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises)),
-            temperature_picture(result, top),
-            imprint_picture(result),
-        )
-    return [picture for picture in drawn if picture is not None]
+        for picture in _drawn(result, derived, sizes):
+            if picture is not None:
+                found.append(picture)
+                # The objects of a figure know each other: a megabyte each that would wait for the end of all.
+                gc.collect(0)
+    return found
+
+
+def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> Iterator[Picture | None]:
+    top = result.highest
+    yield sketch(result)
+    yield mesh_picture(result, top)
+    yield profile_picture(result, derived)
+    yield size_picture(result, sizes)
+    yield gap_picture(result)
+    yield law_picture(result)
+    yield leak_picture(result)
+    yield memory_picture(result)
+    yield particle_picture(result)
+    yield from _around(result)
+    yield separation_picture(result)
+    yield surface_picture(result, top)
+    yield from _simulated(result)
+    yield stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises))
+    yield temperature_picture(result, top)
+    yield imprint_picture(result)
 
 
 def _around(result: SealSolution) -> tuple[Picture | None, ...]:
