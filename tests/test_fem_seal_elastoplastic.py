@@ -210,9 +210,13 @@ def test_below_the_yield_stress_the_result_is_the_elastic_one(law: Law) -> None:
     for name, field in elastic.fields.items():
         moved = contact.fields[name].displacement
         assert moved == pytest.approx(field.displacement, abs=1e-9 * np.abs(field.displacement).max())
-        # one is read off at the nodes, the other continued to them: on large elements the hoop stress differs
-        assert contact.fields[name].stress == pytest.approx(
-            field.stress, abs=0.05 * np.abs(field.stress).max()
+        # one is fitted to patches, the other continued to the nodes: on large elements the hoop stress differs, and
+        # where hard contact ends, the pressure that falls by half its peak within an element
+        p = field.contact_pressure[field.contact_nodes]
+        away = np.ones(len(field.stress), dtype=bool)
+        away[field.contact_nodes] = np.abs(np.gradient(p)) < 0.1 * p.max()
+        assert contact.fields[name].stress[away] == pytest.approx(
+            field.stress[away], abs=0.05 * np.abs(field.stress).max()
         )
     assert path.unloaded.imprints == {}
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 import scipy.special
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, RectBivariateSpline
 
-from leak.numerics.curves import cubic_spline_slopes
+from leak.numerics.curves import CubicSurface, cubic_spline_slopes
 from leak.numerics.special import erf
 
 
@@ -28,3 +28,15 @@ def test_error_function_of_few_and_of_many_is_that_of_scipy(count: int) -> None:
     assert found.shape == x.shape
     np.testing.assert_allclose(found, scipy.special.erf(x), rtol=1e-14, atol=1e-300)
     assert float(erf(0.5)) == pytest.approx(math.erf(0.5), rel=1e-15)
+
+
+def test_of_two_variables():
+    """scipy's spline without smoothing, which is not-a-knot too; and that of several columns at once."""
+    rng = np.random.default_rng(2)
+    x, y = np.cumsum(rng.uniform(0.1, 1.0, 12)), np.cumsum(rng.uniform(0.1, 1.0, 7))
+    z = rng.normal(size=(12, 7))
+    ours, theirs = CubicSurface(x, y, z), RectBivariateSpline(x, y, z)
+    at = rng.uniform(x[0], x[-1], 200), rng.uniform(y[0], y[-1], 200)
+    assert ours.value(*at) == pytest.approx(theirs.ev(*at), rel=1e-9, abs=1e-9)
+    assert ours.value(*np.meshgrid(x, y, indexing="ij")) == pytest.approx(z, abs=1e-10)
+    assert cubic_spline_slopes(x, z)[:, 3] == pytest.approx(cubic_spline_slopes(x, z[:, 3]), rel=1e-12)

@@ -65,13 +65,91 @@ def test_a_surface_is_close_to_itself():
     assert table.effective_separation(p) == pytest.approx(one.effective_separation(p), rel=3e-4)
 
 
-def test_few_stops_keep_the_moments_and_the_steps():
+SHARES = np.array([0.003, 0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9])
+
+
+def resistance(u_at, peak):
+    """Of a contact whose pressure falls like a Gaussian from its peak."""
+    p = peak * np.exp(-0.5 * np.linspace(0.0, 5.0, 60) ** 2)
+    return np.sum(np.asarray(u_at(p), dtype=float) ** -3)
+
+
+@pytest.mark.parametrize("reading", ["conserved", "capped"])
+@pytest.mark.parametrize("pair", PAIRS)
+def test_leak_rates_of_nearby_surfaces(pair, reading):
+    """Over all peak pressures, of one contact and of several that share a table: what the manual says of leak rates."""
+    known, other = (getattr(one, reading) for one in PAIRS[pair])
+    own = other.conductivity_table(1e-9 * other.sealing_pressure, other.sealing_pressure)
+    near, peaks = NearbyTables(known), SHARES * other.sealing_pressure
+    for highest in ([0.5], [0.7], [0.9], SHARES[[0, 3, 6]], SHARES[[1, 5, 9]], SHARES):
+        table = near.table(other, np.multiply(highest, other.sealing_pressure))
+        off = [
+            abs(resistance(table.effective_separation, peak) / resistance(own.effective_separation, peak) - 1)
+            for peak, share in zip(peaks, SHARES, strict=True)
+            if share in highest
+        ]
+        allowed = np.where(SHARES[np.isin(SHARES, highest)] < 0.65, 8e-3, 2e-2)
+        assert np.all(np.array(off) < allowed)
+
+
+def test_of_contacts_that_are_all_sealed_nothing_is_calculated():
+    known, other = PAIRS["harder"]
+    near = NearbyTables(known)
+    table = near.table(other, [1.01 * other.sealing_pressure, 2.0 * other.sealing_pressure])
+    assert table.effective_separation(1.001 * other.sealing_pressure) == 0.0
+    assert not near._known_values
+
+
+@pytest.mark.parametrize("pieces", [4, 14])
+def test_a_coarse_spectrum_keeps_heights_slopes_and_steps(pieces):
     many = kinked(3)
-    few = replace(many, most_breaks=6)
-    assert few != many
-    assert few.rms_height == many.rms_height and few.last_moment == many.last_moment
+    few = many.coarse(pieces)
     assert few.break_moments.size < 0.7 * many.break_moments.size
-    assert set(few.break_moments) <= set(many.break_moments)
-    assert float(many.slope_moment(2e6)) == pytest.approx(
-        few.break_moments[np.argmin(np.abs(few.break_moments - many.slope_moment(2e6)))], rel=1e-12
-    )
+    assert few.q_low == many.q_low and few.q_high == many.q_high
+    assert few.rms_height == pytest.approx(many.rms_height, rel=1e-9)
+    assert few.rms_slope == pytest.approx(many.rms_slope, rel=1e-9)
+    ends = few.wavenumber[::2]
+    assert few.slope_moment(ends) == pytest.approx(many.slope_moment(ends), rel=1e-7)
+    assert few.height_variance_above(ends) == pytest.approx(many.height_variance_above(ends), rel=1e-7)
+    # where the scan ends
+    assert np.abs(np.log(ends / 2e6)).min() < 1e-12
+
+
+def test_a_coarse_spectrum_between_which_there_is_nothing():
+    """Two spectra that do not meet: nothing is left of differences of their moments."""
+    low = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e3, q_rolloff=1e3, q_high=1e4)
+    both = low + PowerSpectrum.self_affine(rms_height=1e-9, hurst=0.8, q_low=1e6, q_rolloff=1e6, q_high=1e7)
+    few = both.coarse(14)
+    assert few.rms_height == pytest.approx(both.rms_height, rel=1e-9)
+    assert few.rms_slope == pytest.approx(both.rms_slope, rel=1e-9)
+
+
+@pytest.mark.parametrize("of_gas", [False, True], ids=["liquid", "gas"])
+@pytest.mark.parametrize("reading", ["conserved", "capped", "elastic"])
+def test_surfaces_of_one_shape_share_what_is_calculated(reading, of_gas):
+    """Over height, modulus and hardness: elastic ones are the known one in other units, yielding ones interpolated."""
+    known = replace(surface(), spectrum=kinked(1))
+    near, spectrum = NearbyTables(getattr(known, reading), of_gas), known.spectrum
+    log_D = np.array([-9.0, -3.0, 0.0, 3.0, 7.0])
+    changes = ((1.3, 1.0, 1.0), (0.75, 1.2, 1.0), (1.0, 0.8, 1.37), (1.1, 1.1, 0.66))
+    for height, modulus, hardness in changes[2 * of_gas :]:
+        other = RoughContact(
+            PowerSpectrum(spectrum.wavenumber, spectrum.density * height**2),
+            effective_modulus=modulus * known.effective_modulus,
+            hardness=None if reading == "elastic" else hardness * known.hardness,
+            yielding="capped" if reading == "capped" else "conserved",
+        )
+        peaks = other.sealing_pressure * np.array([0.01, 0.1, 0.3, 0.6])
+        calculated = NearbyTables(getattr(known, reading), of_gas)
+        vars(calculated)["_of"] = calculated._at
+        if reading == "capped":
+            vars(calculated)["_elastic"] = NearbyTables(known.elastic, of_gas)
+            vars(calculated._elastic)["_of"] = calculated._elastic._at
+        table, own = near.table(other, peaks), calculated.table(other, peaks)
+        log_p = np.log(np.outer([0.02, 0.3, 1.0], peaks).ravel())
+        assert table.at_log_pressure(log_p) == pytest.approx(own.at_log_pressure(log_p), rel=3e-4)
+        if of_gas:
+            at = np.broadcast_arrays(log_p[:, None], log_D)
+            assert table.rarefaction(*at) == pytest.approx(own.rarefaction(*at), rel=3e-4)
+    elastic = near._elastic if reading == "capped" else near
+    assert (len(elastic._known_values) == 1) == (reading != "conserved")

@@ -26,6 +26,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw
 from leak import ConductivityTable, GasConductivityTable, PowerSpectrum, RoughContact, gas_conductivity_table
 from leak.flow.memory import LoadMemory
+from leak.numerics.curves import lagrange
 
 # The surface that stands for all of its shape.
 _HEIGHT, _MODULUS = 1e-6, 1e11
@@ -241,7 +242,7 @@ def _interpolated(found: Sequence[Conductivity], t: float) -> Conductivity:
     tables = [one.liquid if isinstance(one, GasConductivityTable) else one for one in found]
     # the last points before sealing, far below any molecule's size, round to zero in some of them
     count = min(len(table.pressure) for table in tables)
-    weights = _lagrange(t)
+    weights = lagrange(t)
     over_sealing = tables[0].pressure[:count] / tables[0].sealing_pressure
     sealing = math.exp(
         sum(w * math.log(one.sealing_pressure) for w, one in zip(weights, tables, strict=True))
@@ -265,13 +266,3 @@ def _lattice_table(surface: RoughContact, place: int, kind: _Kind) -> Conductivi
     plastic = replace(surface, hardness=_MODULUS * math.exp(_SPACING * place))
     sealing = plastic.sealing_pressure_by(kind.method)
     return kind.table(plastic, _RANGE * sealing, sealing, _NODES)
-
-
-def _lagrange(t: float) -> tuple[float, float, float, float]:
-    """Weights of the cubic through the values at 0, 1, 2, 3."""
-    return (
-        -(t - 1) * (t - 2) * (t - 3) / 6,
-        t * (t - 2) * (t - 3) / 2,
-        -t * (t - 1) * (t - 3) / 2,
-        t * (t - 1) * (t - 2) / 6,
-    )

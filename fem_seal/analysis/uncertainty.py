@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.analysis.families import ScaledLaw
 from fem_seal.analysis.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.analysis.problem import condensed
 from fem_seal.analysis.response_surface import ResponseSurface, fit
@@ -29,6 +30,7 @@ from fem_seal.case.roughness import (
     uncertain_heights,
 )
 from fem_seal.case.uncertainty import Uncertainty
+from fem_seal.contact.laws import HardContact
 from fem_seal.errors import ConvergenceError, InputError, Problem
 
 if TYPE_CHECKING:
@@ -52,6 +54,9 @@ _CHECKS = 4
 _OF_LINEAR = 0.03, 0.06
 # So it is with tables from that of the case: one of their own for every sample unless they are as good as this.
 _OF_TABLES = 0.01, 0.02
+
+# Share of the sealing pressure that counts for a sealed contact between whose asperities fluid carries.
+_NEARLY_SEALED = 0.95
 
 
 def leak_interval(
@@ -461,10 +466,10 @@ class _Study:
 
     def _table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Conductivity from the table of the case."""
-        sealing = math.log10(flow.sealing_pressure(surface))
-        # what lies above is sealed
-        highest = max((one for one in log_peaks if one < sealing), default=sealing - 1.0)
-        return self._nearby[surface.yielding].table(surface, 10.0**highest)
+        highest = 10.0 ** np.array(log_peaks)
+        if flow.fluid_in_gap == "local":  # which opens what would be sealed without it
+            highest = np.minimum(highest, _NEARLY_SEALED * flow.sealing_pressure(surface))
+        return self._nearby[surface.yielding].table(surface, highest)
 
     @cached_property
     def _nearby(self) -> dict[str, NearbyTables]:
@@ -501,7 +506,7 @@ class _Study:
     def _loads(self, surface: RoughContact, factors: dict[str, float]) -> Sequence[LoadResult]:
         """Every load; those of the case itself where its law and its bodies have not changed."""
         result = self.result
-        law = result.problem.interface.of_surface(surface)
+        law = self._law(surface)
         stiffness, problem = factors.get("youngs_modulus", 1.0), result.problem
         if problem.form is not None and "form" in factors:
             problem = replace(problem, form=problem.form.scaled(factors["form"]))
@@ -518,6 +523,23 @@ class _Study:
         except ConvergenceError as error:
             changes = ", ".join(f"{name} times {factor:.4g}" for name, factor in factors.items())
             raise ConvergenceError(f"uncertainty, sample with {changes}: {error}") from error
+
+    def _law(self, surface: RoughContact) -> Law:
+        """The law of a sample; where the elastic p(u) keeps its shape that of the case in other units."""
+        from leak.flow.nearby import height_ratio
+
+        known, problem = self.result.surface, self.result.problem
+        assert known is not None  # of the checks
+        if problem.interface.law != "persson" or problem.interface.plastic:
+            return problem.interface.of_surface(surface)
+        height = height_ratio(surface.elastic, known.elastic)
+        if height is None:
+            return problem.interface.of_surface(surface)
+        pressure = height * surface.effective_modulus / known.effective_modulus
+        if height == 1.0 and pressure == 1.0:
+            return problem.law
+        assert not isinstance(problem.law, HardContact)  # of law persson
+        return ScaledLaw(problem.law, height, pressure)
 
     def _contacts(
         self, problem: SealProblem, surface: RoughContact, law: Law, stiffness: float

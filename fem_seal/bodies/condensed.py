@@ -11,7 +11,7 @@ expansion are further columns of the same factorisation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -53,6 +53,38 @@ class BoundaryLoad:
     free_strain: FloatArray | float = 0.0
 
 
+@dataclass(frozen=True, eq=False)
+class BoundaryLoads(Mapping[str, BoundaryLoad]):
+    """Answers of a body to its loads, found when the first of them is asked for: many contacts ask for none.
+
+    Parameters
+    ----------
+    names : tuple of str
+    find : callable
+        Gives all of them.
+    """
+
+    names: tuple[str, ...]
+    find: Callable[[], Mapping[str, BoundaryLoad]]
+
+    def __getitem__(self, name: str) -> BoundaryLoad:
+        return self._found[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @cached_property
+    def _found(self) -> dict[str, BoundaryLoad]:
+        return dict(self.find())
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """For pickle, which knows no factorisation."""
+        return dict, (self._found,)
+
+
 @dataclass(frozen=True)
 class CondensedBody:
     """One elastic body seen from its contact line.
@@ -79,6 +111,11 @@ class CondensedBody:
     def __getstate__(self) -> dict[str, object]:
         """For pickle, which knows no factorisation: what is known goes with it, the way to more does not."""
         return {**vars(self), "solve": None}
+
+    @property
+    def line_alone(self) -> CondensedBody:
+        """The same body without a way to displacements inside it, which takes most of the memory."""
+        return replace(self, loads=dict(self.loads), solve=None)
 
     @property
     def basis(self) -> Basis:
@@ -152,18 +189,20 @@ def condense_body(
         return displacement
 
     named = {**held.further, **(forces or {})}
-    # all at once, which takes hardly longer than one of them
-    balance, *responses = solve(
-        np.stack([held.balance, *(held.balanced(force) for force in named.values())], axis=1)
-    ).T
-    loads = {}
-    for (name, force), response in zip(named.items(), responses, strict=True):
-        counted = held.counted(response)
-        if name == "wall":
-            counted[held.wall] = -1.0
-        axial = float(force[node_dofs(held.basis)[1]].sum())
-        loads[name] = BoundaryLoad(axial, held.trace @ held.retreat(counted), counted)
-    return CondensedBody(held, held.floating(compliance, balance), loads, solve)
+
+    def answers() -> Iterator[tuple[str, BoundaryLoad]]:
+        # all at once, which takes hardly longer than one of them
+        responses = solve(np.stack([held.balanced(force) for force in named.values()], axis=1))
+        for (name, force), response in zip(named.items(), responses.T, strict=True):
+            counted = held.counted(response)
+            if name == "wall":
+                counted[held.wall] = -1.0
+            axial = float(force[node_dofs(held.basis)[1]].sum())
+            yield name, BoundaryLoad(axial, held.trace @ held.retreat(counted), counted)
+
+    if held.balance.any():
+        compliance = held.floating(compliance, solve(held.balance))
+    return CondensedBody(held, compliance, BoundaryLoads(tuple(named), lambda: dict(answers())), solve)
 
 
 def with_wall_held(body: CondensedBody) -> CondensedBody:
@@ -194,10 +233,14 @@ def with_wall_held(body: CondensedBody) -> CondensedBody:
     def load(one: BoundaryLoad, response: FloatArray) -> BoundaryLoad:
         return replace(one, opening=held.trace @ held.retreat(response), response=response)
 
-    loads = {name: load(one, brought_back(one.response)) for name, one in body.loads.items()}
-    inwards = -by_motion.sum(axis=1)
-    inwards[held.wall] = -1.0
-    loads["wall"] = BoundaryLoad(0.0, held.trace @ held.retreat(inwards), inwards)
+    def answers() -> Iterator[tuple[str, BoundaryLoad]]:
+        for name, one in body.loads.items():
+            yield name, load(one, brought_back(one.response))
+        inwards = -by_motion.sum(axis=1)
+        inwards[held.wall] = -1.0
+        yield "wall", BoundaryLoad(0.0, held.trace @ held.retreat(inwards), inwards)
+
+    loads = BoundaryLoads((*body.loads, "wall"), lambda: dict(answers()))
     compliance = body.compliance - retreat @ stiffness @ retreat.T
     return CondensedBody(held, compliance, loads, lambda nodal: brought_back(solve(nodal)))
 

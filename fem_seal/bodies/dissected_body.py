@@ -163,10 +163,8 @@ class DissectedBody:
 
     @property
     def _coordinates(self) -> FloatArray:
-        """Of the elements: along four directions, and around the middle of the contact, where they are smallest."""
+        """Of the elements: along r and z, and around the middle of the contact, where they are smallest."""
         mesh, nodes = self.held.basis.mesh, self.held.contact_nodes
         middle = quadratic_nodes(mesh)[0][nodes[len(nodes) // 2]]
         from_there = mesh.p[:, mesh.t].mean(axis=1).T - middle
-        angles = np.arange(4) * np.pi / 4
-        along = from_there @ np.stack([np.cos(angles), np.sin(angles)])
-        return np.column_stack([along, np.hypot(*from_there.T), np.arctan2(*from_there.T)])
+        return np.column_stack([from_there, np.hypot(*from_there.T), np.arctan2(*from_there.T)])

@@ -141,8 +141,6 @@ class HeldBody:
         -----
         (F - c s)^T K^-1 (F - c s) with the unit normal forces F and the shares s of each that the load c balances.
         """
-        if not self.balance.any():
-            return compliance
         share = self.normal[1]
         cross = np.outer(np.sum(self.normal * balanced[self.contact_dofs], axis=0), share)
         return compliance + self.balance @ balanced * np.outer(share, share) - cross - cross.T

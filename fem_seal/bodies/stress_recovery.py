@@ -60,7 +60,8 @@ class StressRecovery:
         points, triangles = self._nodes
         # the dofs of node i are 2 i and 2 i + 1
         moved = displacement.reshape(len(points), 2, -1)
-        recovered = self._at_nodes(self._inside(moved[triangles]))
+        inside = self._inside @ moved[triangles].reshape(len(triangles), 12, -1)
+        recovered = self._at_nodes(inside.reshape(3 * len(triangles), -1))
         on_axis = points[:, 0] < AXIS * points[:, 0].max()
         radius = np.where(on_axis, 1.0, points[:, 0])[:, None]
         hoop = np.where(on_axis[:, None], recovered[:, 0], moved[:, 0] / radius)
@@ -72,24 +73,19 @@ class StressRecovery:
     def _nodes(self) -> tuple[FloatArray, NDArray[np.int64]]:
         return quadratic_nodes(self.basis.mesh)
 
-    def _inside(self, moved: FloatArray) -> FloatArray:
-        """Strains (rr, zz, g_rz) at the points of every triangle under displacements (elements, 6, 2, k)."""
-        elements, _, _, count = moved.shape
-        gradients = self._gradients @ moved.reshape(elements, 6, 2 * count)
-        along_r, along_z = np.moveaxis(gradients.reshape(elements, 3, 2, 2, count), 2, 0)
-        return np.stack([along_r[:, :, 0], along_z[:, :, 1], along_z[:, :, 0] + along_r[:, :, 1]], axis=2)
-
     @cached_property
-    def _gradients(self) -> FloatArray:
-        """d/dr and d/dz of the six shape functions at the points of every triangle [1/m]; (elements, 6, 6)."""
-        gradients = shape_gradients(self.basis.mesh, _POINTS)
-        return np.ascontiguousarray(gradients.swapaxes(2, 3)).reshape(len(gradients), 6, 6)
+    def _inside(self) -> FloatArray:
+        """Strains (rr, zz, g_rz) at the points of every triangle from what moves its nodes [1/m]; (elements, 9, 12)."""
+        along_r, along_z = np.moveaxis(shape_gradients(self.basis.mesh, _POINTS), 3, 0)
+        strains = np.zeros((*along_r.shape[:2], 3, 6, 2))
+        strains[:, :, 0, :, 0] = strains[:, :, 2, :, 1] = along_r
+        strains[:, :, 1, :, 1] = strains[:, :, 2, :, 0] = along_z
+        return strains.reshape(len(strains), 9, 12)
 
     def _at_nodes(self, inside: FloatArray) -> FloatArray:
-        """Values at the nodes, shape (nodes, 3, k), from those at the points of the triangles."""
+        """Values at the nodes, shape (nodes, 3, k), from those at the points, shape (points, 3 k)."""
         mesh = self.basis.mesh
-        fitted = self._fit @ inside.reshape(inside.shape[0] * inside.shape[1], -1)
-        value, along_r, along_z = fitted.reshape(3, mesh.p.shape[1], -1)
+        value, along_r, along_z = (self._fit @ inside).reshape(3, mesh.p.shape[1], -1)
         start, end = mesh.facets
         length_r, length_z = (mesh.p[:, end] - mesh.p[:, start])[..., None]
         # a cubic function with these values and slopes at both ends, in the middle
@@ -130,21 +126,20 @@ class StressRecovery:
 
 
 def _patches(mesh: MeshTri) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Vertices, increasing, and the triangles around each; on the boundary those around its neighbours as well."""
-    elements, corner = mesh.nelements, mesh.t.ravel().astype(np.int64)
+    """Vertices, increasing, and the triangles around each; on the boundary those next to them as well."""
+    elements, corner, side = mesh.nelements, mesh.t.ravel(), mesh.t2f.ravel()
     order = np.argsort(corner, kind="stable")
-    vertex, around = corner[order], order % elements
-    count = np.bincount(corner)
-    edge = np.zeros(len(count), dtype=bool)
-    edge[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
-    # from every vertex of the boundary to its neighbours, and from them to their triangles
-    pairs = np.hstack([mesh.facets, mesh.facets[::-1]])
-    middle, neighbour = pairs[:, edge[pairs[0]]].astype(np.int64)
-    each = count[neighbour]
-    place = np.arange(each.sum()) + np.repeat(
-        (np.cumsum(count) - count)[neighbour] - np.cumsum(each) + each, each
-    )
-    wide = np.unique(np.repeat(middle, each) * elements + around[place])
-    inside = ~edge[vertex]
-    both = np.sort(np.concatenate([vertex[inside] * elements + around[inside], wide]))
-    return both // elements, both % elements
+    vertex, around = corner[order].astype(np.int64), order % elements
+    # both triangles of every edge; on the boundary -1 instead of the second
+    by_side = np.argsort(side, kind="stable")
+    second = np.append(False, np.diff(side[by_side]) == 0)
+    pair = np.full((2, mesh.facets.shape[1]), -1)
+    pair[second.astype(int), side[by_side]] = by_side % elements
+    edge = np.zeros(mesh.p.shape[1], dtype=bool)
+    edge[mesh.facets[:, pair[1] < 0]] = True
+    outer = edge[vertex]
+    beside = pair[:, mesh.t2f[:, around[outer]]]
+    wider = (vertex[outer] * elements + beside)[beside >= 0]
+    found = np.concatenate([vertex[~outer] * elements + around[~outer], np.unique(wider)])
+    found.sort()
+    return found // elements, found % elements

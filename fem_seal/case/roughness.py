@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, reduce
+from functools import cache, lru_cache, reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -545,7 +545,7 @@ def _as_tables(entries: object) -> dict[str, Any]:
     return dict(found) if isinstance(found, Mapping) else {}
 
 
-@cache
+@lru_cache(maxsize=64)
 def _stretched(along: PowerSpectrum, across: PowerSpectrum) -> StretchedRoughness:
     from leak import stretched_roughness
 

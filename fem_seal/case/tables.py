@@ -241,6 +241,7 @@ class CaseTables(Table):
     mesh: Mesh = Mesh()
     output: Output = Output()
 
+    _bodies: tuple[Shape, Shape] | None = PrivateAttr(default=None)
     _contact: ContactGeometry | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
     _warm: dict[str, float] = PrivateAttr(default_factory=dict)
@@ -261,8 +262,11 @@ class CaseTables(Table):
     @property
     def bodies(self) -> tuple[Shape, Shape]:
         """Closure and seat with all their dimensions, those that are left open in proportion to the closure."""
-        closure = self.closure.body()
-        return closure, self.seat.body(closure)
+        found = self._bodies
+        if found is None:
+            closure = self.closure.body()
+            found = self._bodies = closure, self.seat.body(closure)
+        return found
 
     def bodies_at(self, closure: float, seat: float) -> dict[str, Any]:
         """The tables of closure and seat with the materials' numbers at their temperatures.

@@ -20,7 +20,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body, with_wall_held
+from fem_seal.bodies.condensed import (
+    BoundaryLoad,
+    BoundaryLoads,
+    CondensedBody,
+    condense_body,
+    with_wall_held,
+)
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
@@ -330,7 +336,8 @@ def _condense_body(held: HeldBody) -> CondensedBody:
         outwards[held.wall] = 1.0
         forces["wall"] = np.asarray(stiffness_matrix(held.basis, held.material) @ outwards)
     body = condense_body(held, DissectedBody(held).elastic(), forces)
-    return replace(body, loads={**body.loads, **dict(_heated(body))})
+    loads = BoundaryLoads((*body.loads, *held.free_strain), lambda: {**body.loads, **dict(_heated(body))})
+    return replace(body, loads=loads)
 
 
 def _heated(body: CondensedBody) -> Iterator[tuple[str, BoundaryLoad]]:

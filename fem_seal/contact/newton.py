@@ -21,6 +21,8 @@ _FLOOR = 1e-6
 _ROUND_OFF = 64 * np.finfo(float).eps
 # What a point adds to I + D C D below which it carries next to nothing: it slows the iteration down by less than that.
 _CARRIES = 1e-8
+# ... of the largest, where all of them are smaller than this.
+_SOFT = 1e-3
 
 
 @single_threaded
@@ -213,7 +215,11 @@ def _newton_step(
     (v, d), C, n_z = state, model.compliance, model.line.normal[1]
     # Points that carry next to nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.
     scale = np.sqrt(model.line.area_weight * np.exp(v) / decay)
-    active = (scale**2 * C.diagonal() > _CARRIES).nonzero()[0]
+    carries = scale**2 * C.diagonal()
+    most = float(carries.max())
+    if not most > 0.0:
+        raise np.linalg.LinAlgError("no point carries anything")
+    active = (carries > _CARRIES * min(1.0, most / _SOFT)).nonzero()[0]
     # mostly one stretch of them, of which nothing is copied
     stretch = len(active) > 0 and active[-1] - active[0] == len(active) - 1
     part = slice(active[0], active[-1] + 1) if stretch else active

@@ -112,7 +112,7 @@ def press(
 
 def _of_the_line(linear: ContactModel) -> ContactModel:
     """A model without the factors of its bodies, which would fill the memory."""
-    return replace(linear, closure=replace(linear.closure, solve=None), seat=replace(linear.seat, solve=None))
+    return replace(linear, closure=linear.closure.line_alone, seat=linear.seat.line_alone)
 
 
 def unloading_model(

@@ -25,7 +25,6 @@ from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.analysis.results import LoadResult, highest_load
 from fem_seal.analysis.verdict import seal_judgement, with_judgements
 from fem_seal.analysis.warnings import load_validity
-from fem_seal.bodies.condensed import CondensedBody
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.refit import solve_fitted
@@ -434,11 +433,7 @@ def made_model(problem: SealProblem, wanted: Sizing) -> ContactModel:
     zone = (max(wanted.zone[0], lower), min(wanted.zone[1], upper))
     mesh = build_contact(problem.contact, replace(wanted, zone=zone))
     full = condensed(_elastic_bodies(problem), mesh)
-    return replace(full, closure=_light(full.closure), seat=_light(full.seat))
-
-
-def _light(body: CondensedBody) -> CondensedBody:
-    return replace(body, solve=None)
+    return replace(full, closure=full.closure.line_alone, seat=full.seat.line_alone)
 
 
 def _down(size: float) -> float:

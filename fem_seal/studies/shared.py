@@ -15,7 +15,6 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import CondensedBody
 from fem_seal.contact.model import ContactModel, condense, screened
 from fem_seal.materials import Material
 from leak import PowerSpectrum, RoughContact
@@ -129,11 +128,7 @@ def _uses(bodies: Bodies) -> Iterator[int]:
 @lru_cache(maxsize=_LIGHT_MODELS)
 def _light_model(bodies: Bodies) -> ContactModel:
     full = _full_model.__wrapped__(bodies)
-    return replace(full, closure=_without_displacement(full.closure), seat=_without_displacement(full.seat))
-
-
-def _without_displacement(body: CondensedBody) -> CondensedBody:
-    return replace(body, solve=None)
+    return replace(full, closure=full.closure.line_alone, seat=full.seat.line_alone)
 
 
 def _down(size: float, step: float) -> float:

@@ -6,17 +6,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, positive
-from leak.numerics.curves import MonotoneCurve, spline_slopes
-
-if TYPE_CHECKING:
-    from scipy.interpolate import RectBivariateSpline
+from leak.numerics.curves import CubicSurface, MonotoneCurve, spline_slopes
 
 METHODS = ("bruggeman", "critical-junction", "threshold-law")
 # ... of them those that know no direction of the roughness.
@@ -297,11 +294,9 @@ class GasConductivityTable:
     log_inverse_knudsen: FloatArray
 
     @cached_property
-    def _spline(self) -> RectBivariateSpline:
-        from scipy.interpolate import RectBivariateSpline
-
+    def _spline(self) -> CubicSurface:
         x = self._abscissa(np.log(self.liquid.pressure))
-        return RectBivariateSpline(x, self.log_inverse_knudsen, self.log_rarefaction)
+        return CubicSurface(x, self.log_inverse_knudsen, self.log_rarefaction)
 
     def _abscissa(self, log_pressure: FloatArray) -> FloatArray:
         return table_abscissa(log_pressure, float(np.log(self.liquid.sealing_pressure)), self.liquid.method)
@@ -328,11 +323,11 @@ class GasConductivityTable:
         """
         low, high = np.log(self.liquid.pressure[[0, -1]])
         asked = self.liquid.asked(np.asarray(log_pressure, dtype=float))
-        at, spline = self._abscissa(np.minimum(np.maximum(asked, low), high)), self._spline
+        along = self._spline.along(self._abscissa(np.minimum(np.maximum(asked, low), high)))
         first, last = self.log_inverse_knudsen[0], self.log_inverse_knudsen[-1]
 
         def rarefaction(log_D: FloatArray) -> FloatArray:
             inside = np.minimum(np.maximum(log_D, first), last)
-            return np.exp(spline.ev(at, inside) * np.exp(-np.maximum(log_D - last, 0.0)))
+            return np.exp(along(inside) * np.exp(-np.maximum(log_D - last, 0.0)))
 
         return rarefaction

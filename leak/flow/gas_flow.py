@@ -21,7 +21,7 @@ from leak.flow.contact_profile import (
     checked_side,
 )
 from leak.flow.leak_rate import LeakResult
-from leak.flow.rarefied import poiseuille_flow_rate
+from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
@@ -309,9 +309,10 @@ class _Path:
         """q F/(q + c) in each part, F = 12 eta sigma_eff/u_eff^3; all points at once."""
         _, log_width = self._at_all_points
         pressure = self.gas.flow_pressure(np.concatenate([p.ravel() for p in pressures]))
-        log_D = np.log(np.maximum(pressure, 1e-300)) + log_width
-        R = self._rarefaction(log_D)
-        p_F = 6.0 * poiseuille_flow_rate(np.exp(log_D)) * R * np.exp(-log_width)
+        log_p = np.log(np.maximum(pressure, 1e-300))
+        log_D = log_p + log_width
+        # q and the factor of free molecules, 1/q, are no numbers on their own in a perfect vacuum
+        p_F = np.exp(log_p + log_flow_factor(log_D)) * self._rarefaction(log_D)
         gain, found, start = p_F / (pressure + self.slip_pressure), [], 0
         for part in pressures:
             found.append(gain[start : start + part.size].reshape(part.shape))

@@ -7,36 +7,40 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable, table_abscissa
 from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
-from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
+from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slopes, lagrange
 
-# A surface is calculated at the highest pressure that occurs and at these places of the abscissa of the tables below:
-# close together between low pressures and sealing. Where all are low, at these distances below the highest instead.
-_PLACES = np.array(
-    [-14.0, -9.0, -6.0, -4.0, -2.8, -1.9, -1.2, -0.6, -0.1, 0.3, 0.7, 1.1, 1.6, 2.2, 3.0, 4.2, 6.0, 9.0, 14.0]
-)
-_BELOW, _LOW = np.array([14.0, 8.5, 5.5, 3.0, 1.4, 0.0]), -2.5
-# The highest pressure is rounded up to a lattice, so that many surfaces share what is needed of the known one.
+# Surfaces are calculated at the highest pressures of their contacts and at places below, in steps of the abscissa of
+# the tables that widen with the distance from the next higher of them: a step is this long, and this share of the
+# distance longer, down to this distance from the last. Between low pressures and sealing, above the next number, none
+# is longer than the last.
+_STEP, _WIDENING, _DEEPEST = 0.4, 0.55, 10.0
+_LOW, _LONGEST = -2.5, 1.5
+# All places are on a lattice, so that many surfaces share what is needed of the known one.
 _LATTICE = 0.25
+# By so much of themselves densities of one shape may differ from each other.
+_SAME = 1e-10
 # Profiles may rise a little above the highest pressure between their points.
 _ABOVE = 1.02
-# The known table reaches from this share of the sealing pressure; nothing is calculated closer to sealing than this.
-_LOWEST, _CLOSEST = 1e-9, 0.98
-# Kinks of the spectrum at which quadratures stop.
-_MOST_BREAKS = 40
+# The known table reaches from this share of the sealing pressure; no highest pressure counts as lower than the next,
+# and nothing is calculated closer to sealing than the last.
+_LOWEST, _LEAST, _CLOSEST = 1e-9, 1e-7, 0.98
+# A spectrum with more kinks is calculated as so many power laws.
+_PIECES = 14
 # ln of the inverse Knudsen numbers of a gas at which a surface is calculated.
 _LOG_D = np.array([-9.0, -5.5, -3.0, -1.0, 1.0, 3.0, 6.5])
 # Molecules fly this share of a gap that is so wide that a gas is a liquid in it.
 _CONTINUUM = 1e-20
 # A gap over the rms height that is none; a table calls it zero.
 _NOTHING = 1e-56
-# Pressures of the table of a capped surface.
-_OF_CAPPED = 72
+# Steps in ln(hardness/(E* h)) between which what is known of one shape of the spectrum is interpolated.
+_SPACING = 0.1
 _LOG_SHARES = np.concatenate(
     [np.linspace(-60.0, -4.0, 1001), np.log1p(-np.geomspace(1.0 - np.exp(-4.0), 1e-4, 4001))[1:]]
 )
@@ -58,9 +62,11 @@ class NearbyTables:
     """Tables of surfaces close to one whose table is known.
 
     Two surfaces that differ little have gaps that differ smoothly at equal p/p_seal. What is interpolated over about
-    nine pressures is that difference, of both calculated alike; the known table holds the rest. Quadratures stop at
-    forty kinks of a spectrum at most. So it is for what the averaging over unequal gaps adds for a gas. A capped
-    surface is the elastic one at another pressure.
+    seven pressures is that difference, of both calculated alike: with many kinks in the spectrum as some fourteen power
+    laws (`PowerSpectrum.coarse`); the known table holds the rest. Surfaces that differ in height, modulus and hardness
+    alone share what is calculated: at equal p/p_seal elastic ones are the same, others depend on hardness/(E* h) alone,
+    over which there are values in steps of a tenth. So it is for what the averaging over unequal gaps
+    adds for a gas. A capped surface is the elastic one at another pressure.
 
     Parameters
     ----------
@@ -73,8 +79,9 @@ class NearbyTables:
 
     Notes
     -----
-    Leak rates are mostly off by less than 0.5 %, by 1 to 2 % where the peak pressure is above some 0.7 of the sealing
-    pressure: whoever needs to know compares some with the surfaces' own tables, as `fem_seal`'s intervals do.
+    Leak rates are mostly off by less than 0.5 %, at most by 0.8 % up to two thirds of the sealing pressure, 2 % above,
+    where their contacts' highest pressures were given: whoever needs to know compares some with the surfaces' own
+    tables, as `fem_seal`'s intervals do.
 
     Examples
     --------
@@ -92,64 +99,60 @@ class NearbyTables:
     surface: RoughContact
     of_gas: bool = False
     method: str = "bruggeman"
-    _known_values: dict[float, _Values] = field(default_factory=dict, repr=False)
+    _known_values: dict[int, dict[float, tuple[float, FloatArray]]] = field(default_factory=dict, repr=False)
 
-    def table(self, surface: RoughContact, p_max: float) -> AnyTable:
+    def table(self, surface: RoughContact, highest: ArrayLike) -> AnyTable:
         """Conductivity of a surface close to the known one, and of the same reading of yielding.
 
         Parameters
         ----------
         surface : RoughContact
-        p_max : float
-            Highest pressure that counts [Pa]. Above it the table goes on to the sealing pressure, for the flanks of
-            contacts that are sealed anyway.
+        highest : array_like
+            Highest pressures of the contacts, of each or of those with the highest and the lowest [Pa]. Above them the
+            table goes on to the sealing pressure, for the flanks of contacts that are sealed anyway; of contacts whose
+            highest pressure is above that there is nothing to know.
         """
+        p = np.atleast_1d(np.asarray(highest, dtype=float))
         if surface.hardness is not None and surface.yielding == "capped":
-            return self._capped(surface, p_max)
+            return self._capped(surface, p)
         sealing = surface.sealing_pressure_by(self.method)
-        top = self._top(_ABOVE * p_max / sealing)
+        p = _ABOVE * p[p < sealing]
+        if not p.size:
+            return self._scaled(surface, sealing)
+        places = self._places(p / sealing)
         liquid = _liquid(self._known)
         log_sealing = np.log(liquid.sealing_pressure)
         x = np.log(liquid.pressure) - log_sealing
-        x = np.append(x[self._abscissa(x) < top - 1e-3], self._log_share(np.array([top])))
-        at, abscissa = _places(top), self._abscissa(x)
-        ours, theirs = self._at_few(surface, sealing, top), self._of_known(top)
+        x = np.append(x[self._abscissa(x) < places[-1] - 1e-3], self._log_share(places[-1:]))
+        abscissa = self._abscissa(x)
+        ours, theirs = self._of(surface, sealing, places), self._of_hardness(0, places)
         known = _logarithmic(liquid.at_log_pressure(x + log_sealing) / _length(self.surface))
         change = ours.gap - theirs.gap
-        y = known + MonotoneCurve(at, change, cubic_spline_slopes(at, change)).value(abscissa)
+        y = known + MonotoneCurve(places, change, cubic_spline_slopes(places, change)).value(abscissa)
         u = _length(surface) * np.logaddexp(0.0, y)
         found = ConductivityTable(np.exp(x) * sealing, u, sealing, np.inf, self.method, LoadMemory(surface))
         if not isinstance(self._known, GasConductivityTable):
             return found
         gas = _with_gas(found, self._known, x + log_sealing)
-        rise = self._interpolated(at, ours.rise - theirs.rise, abscissa, gas.log_inverse_knudsen)
+        rise = CubicSurface(places, _LOG_D, ours.rise - theirs.rise).value(
+            np.clip(abscissa, places[0], places[-1])[:, None],
+            np.clip(gas.log_inverse_knudsen, _LOG_D[0], _LOG_D[-1]),
+        )
         return replace(gas, log_rarefaction=gas.log_rarefaction + rise)
 
-    def _interpolated(
-        self, at: FloatArray, change: FloatArray, abscissa: FloatArray, log_D: FloatArray
-    ) -> FloatArray:
-        """ln R over pressure and inverse Knudsen number from few of both; beyond both as at the ends."""
-        from scipy.interpolate import RectBivariateSpline
-
-        spline = RectBivariateSpline(at, _LOG_D, change)
-        return np.asarray(
-            spline(np.clip(abscissa, at[0], at[-1]), np.clip(log_D, _LOG_D[0], _LOG_D[-1])), dtype=float
+    def _scaled(self, surface: RoughContact, sealing: float) -> AnyTable:
+        """The known table at equal p/p_seal: of contacts that are all sealed nothing else is wanted."""
+        known = _liquid(self._known)
+        found = known.scaled(
+            _length(surface) / _length(self.surface), sealing / known.sealing_pressure, LoadMemory(surface)
         )
+        return replace(self._known, liquid=found) if isinstance(self._known, GasConductivityTable) else found
 
-    def _capped(self, surface: RoughContact, p_max: float) -> AnyTable:
-        """From the elastic surface, at the pressures at which that one has the gaps of the capped."""
-        sealing = surface.sealing_pressure_by(self.method)
-        highest = min(_ABOVE * p_max, _CLOSEST * sealing)
-        ends = self._abscissa(np.log(np.array([_LOWEST, highest / sealing])))
-        p = sealing * np.exp(self._log_share(np.linspace(ends[0], ends[1], _OF_CAPPED)))
-        p[-1] = highest
-        acting = surface.acting_pressure(p)
-        elastic = self._elastic.table(surface.elastic, float(acting[-1]))
-        u = np.asarray(_liquid(elastic).effective_separation(acting))
-        found = ConductivityTable(p, u, sealing, np.inf, self.method, LoadMemory(surface))
-        if not isinstance(elastic, GasConductivityTable):
-            return found
-        return _with_gas(found, elastic, np.log(acting))
+    def _capped(self, surface: RoughContact, highest: FloatArray) -> AnyTable:
+        """That of the elastic surface, asked at the pressures at which it has the gaps of the capped."""
+        found = self._elastic.table(surface.elastic, surface.acting_pressure(highest))
+        liquid = replace(_liquid(found), memory=LoadMemory(surface), acting=surface.log_acting_pressure)
+        return replace(found, liquid=liquid) if isinstance(found, GasConductivityTable) else liquid
 
     @cached_property
     def _elastic(self) -> NearbyTables:
@@ -163,16 +166,43 @@ class NearbyTables:
             return gas_conductivity_table(self.surface, *ends, method=self.method)
         return self.surface.conductivity_table(*ends, method=self.method)
 
-    def _of_known(self, top: float) -> _Values:
-        if top not in self._known_values:
-            sealing = self.surface.sealing_pressure_by(self.method)
-            self._known_values[top] = self._at_few(self.surface, sealing, top)
-        return self._known_values[top]
+    def _of(self, surface: RoughContact, sealing: float, places: FloatArray) -> _Values:
+        """What is interpolated; at equal p/p_seal it depends on shape and hardness/(E* h) alone."""
+        height = height_ratio(surface, self.surface)
+        if height is None:
+            return self._at(surface, sealing, places)
+        if surface.hardness is None or self.surface.hardness is None:
+            return self._of_hardness(0, places)
+        stiffer = height * surface.effective_modulus / self.surface.effective_modulus
+        steps = float(np.log(surface.hardness / self.surface.hardness / stiffer)) / _SPACING
+        first = int(np.floor(steps)) - 1
+        weights = lagrange(steps - first)
+        found = [self._of_hardness(first + n, places) for n in range(4)]
+        gap, rise = (sum(w * one[n] for w, one in zip(weights, found, strict=True)) for n in range(2))
+        return _Values(np.asarray(gap), np.asarray(rise))
 
-    def _at_few(self, surface: RoughContact, sealing: float, top: float) -> _Values:
-        """What is interpolated, with the same few stops in all surfaces."""
-        few = replace(surface, spectrum=replace(surface.spectrum, most_breaks=_MOST_BREAKS))
-        log_share = self._log_share(_places(top))
+    def _of_hardness(self, step: int, places: FloatArray) -> _Values:
+        """Of the known surface with its hardness times exp(0.1 step), kept at all places."""
+        known = self._known_values.setdefault(step, {})
+        new = np.array([one for one in places.tolist() if one not in known])
+        if new.size:
+            surface = self.surface
+            if step and surface.hardness is not None:
+                surface = replace(surface, hardness=surface.hardness * float(np.exp(_SPACING * step)))
+            found = self._at(surface, surface.sealing_pressure_by(self.method), new)
+            known.update(zip(new.tolist(), zip(found.gap.tolist(), found.rise, strict=True), strict=True))
+        gaps, rises = zip(*(known[one] for one in places.tolist()), strict=True)
+        return _Values(np.array(gaps), np.array(rises))
+
+    @cached_property
+    def _kinked(self) -> bool:
+        """Whether spectra have so many kinks that few power laws stand for them."""
+        return self.surface.spectrum.break_moments.size > _PIECES
+
+    def _at(self, surface: RoughContact, sealing: float, places: FloatArray) -> _Values:
+        """What is interpolated, of all surfaces in the same way."""
+        few = replace(surface, spectrum=surface.spectrum.coarse(_PIECES)) if self._kinked else surface
+        log_share = self._log_share(places)
         p = sealing * np.exp(log_share)
         if not self.of_gas or self.method != "bruggeman":
             u = np.asarray(few.effective_separation(p, self.method))
@@ -194,14 +224,29 @@ class NearbyTables:
         even = [np.interp(_LOG_D, *row) for row in zip(log_D, rise, strict=True)]
         return _Values(_logarithmic(u / _length(surface)), np.stack(even))
 
-    def _top(self, share: float) -> float:
-        """Highest abscissa for a highest pressure over that of sealing."""
-        wanted = float(self._abscissa(np.log(np.array([min(share, _CLOSEST)])))[0])
-        return float(min(_LATTICE * np.ceil(wanted / _LATTICE + 1e-6), self._highest))
+    def _places(self, shares: FloatArray) -> FloatArray:
+        """Where in the abscissa surfaces are calculated, for highest pressures over that of sealing."""
+        wanted = np.ceil(self._abscissa(np.log(np.clip(shares, _LEAST, _CLOSEST))) / _LATTICE + 1e-6)
+        tops = sorted(set(np.minimum(wanted, self._highest).tolist()))
+        below, near = [tops.pop()], 0.0
+        last = tops[0] if tops else below[0]
+        while below[-1] > last - _DEEPEST / _LATTICE:
+            longest = _LONGEST if below[-1] * _LATTICE > _LOW else _DEEPEST
+            step = min(round(_STEP / _LATTICE + _WIDENING * near), round(longest / _LATTICE))
+            following = below[-1] - step
+            near += step
+            while tops and tops[-1] >= following - 1:
+                highest = tops.pop()
+                if highest < below[-1] - 1:
+                    following, near = highest, 0.0
+                    break
+            below.append(following)
+        return _LATTICE * np.array(below[::-1])
 
     @cached_property
     def _highest(self) -> float:
-        return float(self._abscissa(np.log(np.array([_CLOSEST])))[0])
+        """The last place, in steps of the lattice."""
+        return float(np.floor(self._abscissa(np.log(np.array([_CLOSEST])))[0] / _LATTICE))
 
     def _abscissa(self, log_share: FloatArray) -> FloatArray:
         return table_abscissa(log_share, 0.0, self.method)
@@ -215,11 +260,28 @@ class NearbyTables:
         return self._abscissa(_LOG_SHARES)
 
 
-def _places(top: float) -> FloatArray:
-    """Where in the abscissa a surface is calculated."""
-    if top < _LOW:
-        return np.asarray(top - _BELOW)
-    return np.append(_PLACES[top > _PLACES + 0.3], top)
+def height_ratio(surface: RoughContact, other: RoughContact) -> float | None:
+    """Heights of a surface over those of another one, if nothing but height, modulus and hardness differs; else None.
+
+    Parameters
+    ----------
+    surface, other : RoughContact
+    """
+    q, C = other.spectrum.wavenumber, other.spectrum.density
+    if not np.array_equal(surface.spectrum.wavenumber, q) or (surface.hardness is None) != (
+        other.hardness is None
+    ):
+        return None
+    ratio = surface.spectrum.density / C
+    like = replace(
+        surface,
+        spectrum=other.spectrum,
+        effective_modulus=other.effective_modulus,
+        hardness=other.hardness,
+    )
+    if like != other or np.abs(ratio / ratio[0] - 1.0).max() > _SAME:
+        return None
+    return float(np.sqrt(ratio[0]))
 
 
 def _with_gas(

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.fluids.properties import Gas
+from leak.numerics.curves import cubic_spline_slopes
 
 SMALLEST_INVERSE_KNUDSEN = 0.01
 """End of the published range of D. Below it the flow rate is held: see `poiseuille_flow_rate`."""
@@ -66,9 +67,11 @@ def poiseuille_flow_rate(inverse_knudsen: ArrayLike) -> FloatArray:
 
 
 def flow_factor(inverse_knudsen: ArrayLike) -> FloatArray:
-    """Flow of a rarefied gas over that of a continuum of the same viscosity, 6 Q_P(D)/D; one for D -> infinity."""
-    D = np.asarray(inverse_knudsen, dtype=float)
-    return 6.0 * poiseuille_flow_rate(D) / D
+    """Flow of a rarefied gas over that of a continuum of the same viscosity, 6 Q_P(D)/D; one for D -> infinity.
+
+    From a table that is good to 1e-7.
+    """
+    return np.exp(log_flow_factor(np.log(np.asarray(inverse_knudsen, dtype=float))))
 
 
 def log_flow_factor(log_inverse_knudsen: FloatArray) -> FloatArray:
@@ -79,20 +82,16 @@ def log_flow_factor(log_inverse_knudsen: FloatArray) -> FloatArray:
     log_inverse_knudsen : ndarray
         ln D, any shape.
     """
-    first, values, rises = _log_factors()
+    first, cubics = _log_factors()
     # below the table the flow rate is held and the factor goes like 1/D, above it ln f goes to zero like 1/D
+    cells = cubics.shape[0]
     t = (log_inverse_knudsen - first) * (1.0 / _TABLE_STEP)
-    beyond = np.maximum(t - (values.size - 1.0), 0.0)
-    below = np.minimum(t, 0.0)
-    np.clip(t, 0.0, values.size - 1.0, out=t)
-    cell = np.minimum(t, values.size - 2.0).astype(np.int32)
-    t -= cell
-    t *= rises[cell]
-    t += values[cell]
-    t -= below * _TABLE_STEP
-    if beyond.any():
-        t *= np.exp(-_TABLE_STEP * beyond)
-    return t
+    inside = np.minimum(np.maximum(t, 0.0), cells)
+    cell = np.minimum(inside, cells - 1.0).astype(np.intp)
+    c, s = cubics.take(cell, axis=0), inside - cell
+    log_f = c[..., 0] + s * (c[..., 1] + s * (c[..., 2] + s * c[..., 3])) - np.minimum(t, 0.0) * _TABLE_STEP
+    beyond = np.maximum(t - cells, 0.0)
+    return np.asarray(log_f * np.exp(-_TABLE_STEP * beyond) if beyond.any() else log_f)
 
 
 def flow_ratio_range(gas: Gas, other: Gas) -> tuple[float, float]:
@@ -122,16 +121,21 @@ def flow_ratio_range(gas: Gas, other: Gas) -> tuple[float, float]:
 
 
 # Step and last value of ln D of the table of ln f: there f is 1 + 6e-10.
-_TABLE_STEP, _TABLE_END = 5e-4, np.log(1e10)
+_TABLE_STEP, _TABLE_END = 2e-3, np.log(1e10)
 
 
 @lru_cache(maxsize=1)
-def _log_factors() -> tuple[float, FloatArray, FloatArray]:
-    """First ln D, ln f at even steps from there, and its rises."""
+def _log_factors() -> tuple[float, FloatArray]:
+    """First ln D, and of ln f in even steps from there the coefficients of cubics in shares of a step, shape (n, 4)."""
     first = float(np.log(0.4 * SMALLEST_INVERSE_KNUDSEN))
-    log_D = first + _TABLE_STEP * np.arange(int(np.ceil((_TABLE_END - first) / _TABLE_STEP)) + 1)
-    log_f = np.log(flow_factor(np.exp(log_D)))
-    return first, log_f, np.diff(log_f)
+    steps = int(np.ceil((_TABLE_END - first) / _TABLE_STEP))
+    log_D: FloatArray = first + _TABLE_STEP * np.arange(steps + 1, dtype=float)
+    log_f = np.log(6.0 * poiseuille_flow_rate(np.exp(log_D))) - log_D
+    slope, rise = _TABLE_STEP * cubic_spline_slopes(log_D, log_f), np.diff(log_f)
+    left, right = slope[:-1], slope[1:]
+    return first, np.column_stack(
+        [log_f[:-1], left, 3.0 * rise - 2.0 * left - right, left + right - 2.0 * rise]
+    )
 
 
 def _fit(D: FloatArray | np.float64, coefficients: tuple[float, ...]) -> FloatArray:

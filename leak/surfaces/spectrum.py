@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from os import PathLike
 from typing import Literal, NamedTuple
@@ -28,6 +28,10 @@ _KINK, _STEP = 0.05, 1e-4
 _STRONG_KINK, _STRONG_STEP = 1.5, 0.7
 # With more kinks than this (a raw Fourier spectrum) they average out, and stopping at some of them is enough.
 _MOST_BREAKS = 400
+# A coarse spectrum: what is left of a difference of moments to be a number, steepest power law over a piece, halvings.
+_CANCELLED, _STEEPEST, _HALVINGS = 1e-9, 300.0, 60
+# Its smallest step in ln C.
+_COARSE_STEP = 0.1
 # The end of a spectrum that adds less than this fraction per e-fold of q to M; M itself resolves 1e-16.
 _FAINT = 1e-10
 
@@ -52,8 +56,6 @@ class PowerSpectrum:
         q of the nodes, shape (n,), not decreasing [1/m].
     density : array_like
         C at the nodes, shape (n,), positive [m^4].
-    most_breaks : int
-        At so many of the kinks between the nodes, at most, quadratures over magnification stop.
 
     Raises
     ------
@@ -75,7 +77,6 @@ class PowerSpectrum:
 
     wavenumber: FloatArray
     density: FloatArray
-    most_breaks: int = field(default=_MOST_BREAKS, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         try:
@@ -241,6 +242,10 @@ class PowerSpectrum:
         values = np.where(inside, np.exp(log_C), 0.0)
         return float(values) if values.ndim == 0 else values
 
+    def log_density(self, log_wavenumber: FloatArray) -> FloatArray:
+        """ln C at ln q, both in SI units, between the smallest and the largest wavenumber."""
+        return np.interp(log_wavenumber, self._log_q, self._log_C)
+
     def __add__(self, other: PowerSpectrum) -> PowerSpectrum:
         """Spectrum of the sum of two statistically independent roughnesses."""
         if not isinstance(other, PowerSpectrum):
@@ -264,10 +269,8 @@ class PowerSpectrum:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, PowerSpectrum):
             return NotImplemented
-        return (
-            self.most_breaks == other.most_breaks
-            and np.array_equal(self.wavenumber, other.wavenumber)
-            and np.array_equal(self.density, other.density)
+        return np.array_equal(self.wavenumber, other.wavenumber) and np.array_equal(
+            self.density, other.density
         )
 
     def __hash__(self) -> int:
@@ -358,16 +361,16 @@ class PowerSpectrum:
 
     def _spread(self, kinks: NDArray[np.intp], strong: NDArray[np.intp]) -> NDArray[np.intp]:
         """So many kinks as are allowed, in even steps of what changes with magnification: q, M and its rest."""
-        if kinks.size <= self.most_breaks:
+        if kinks.size <= _MOST_BREAKS:
             return kinks
         M = self._slope_moment[kinks] / self.last_moment
         place = self._log_q[kinks] + 0.5 * np.log(M) - np.log(np.maximum(1.0 - M, 0.0) + 1e-3)
         end = max(self._log_q[-1] - np.log(1e-3), place[-1])
-        wanted = np.linspace(place[0], end, self.most_breaks + 2)[1:-1]
+        wanted = np.linspace(place[0], end, _MOST_BREAKS + 2)[1:-1]
         near = np.clip(np.searchsorted(place, wanted), 1, place.size - 1)
         near = kinks[np.unique(near - (wanted - place[near - 1] < place[near] - wanted))]
         # where most are strong, in a raw Fourier spectrum, they average out as well
-        return near if strong.size > 4 * self.most_breaks else np.union1d(near, strong)
+        return near if strong.size > 4 * _MOST_BREAKS else np.union1d(near, strong)
 
     def _saturation_moments(self) -> FloatArray:
         """Moments that part a steep spectrum, whose M hardly rises with q any more, at each half e-fold of dM/dlnq."""
@@ -384,6 +387,55 @@ class PowerSpectrum:
         if not np.all(np.isin(self._slope_moment[self._slope_moment < self.last_moment], breaks)):
             return None
         return np.searchsorted(self._slope_moment[1:-1], 0.5 * (breaks[1:] + breaks[:-1]), side="right")
+
+    def coarse(self, pieces: int) -> PowerSpectrum:
+        """About so many power laws, each with the mean square height and slope of what it stands for.
+
+        They are equally long in ln q, but for the steps of the spectrum, which stay where they are.
+
+        Parameters
+        ----------
+        pieces : int
+
+        Examples
+        --------
+        >>> q = np.geomspace(1e4, 1e6, 200)
+        >>> rough = PowerSpectrum(q, 1e-10 * q**-3 * np.exp(0.3 * np.sin(9 * np.log(q))))
+        >>> coarse = rough.coarse(10)
+        >>> coarse.wavenumber.size, f"{coarse.rms_slope / rough.rms_slope:.9f}"
+        (20, '1.000000000')
+        """
+        ends = self._coarse_ends(pieces)
+        length = np.diff(np.log(ends))
+        above, below = self.height_variance_above(ends), 2.0 * np.pi * self.slope_moment(ends)
+        height, slope = -np.diff(above), np.diff(below)
+        # next to nothing is lost by cancellation: there the law goes through both ends
+        known = (height > _CANCELLED * above[:-1]) & (slope > _CANCELLED * below[1:])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wanted = np.log(slope / height) - 2.0 * np.log(ends[:-1])
+        low, high = -_STEEPEST / length, _STEEPEST / length
+        for _ in range(_HALVINGS):
+            exponent = 0.5 * (low + high)  # of q^2 C
+            ratio = np.log(_power_integral(exponent + 2.0, length) / _power_integral(exponent, length))
+            low, high = np.where(ratio < wanted, exponent, low), np.where(ratio < wanted, high, exponent)
+        first = height / (2.0 * np.pi * _power_integral(exponent, length) * ends[:-1] ** 2)
+        C = np.column_stack([first, first * np.exp((exponent - 2.0) * length)])
+        C = np.where(known[:, None], C, np.exp(self._at_ends_of(ends[:-1], ends[1:])))
+        return PowerSpectrum(np.column_stack([ends[:-1], ends[1:]]).ravel(), C.ravel())
+
+    def _coarse_ends(self, pieces: int) -> FloatArray:
+        """Wavenumbers between which the power laws of `coarse` run [1/m]."""
+        log_q = np.linspace(self._log_q[0], self._log_q[-1], pieces + 1)
+        jump = np.abs(np.diff(self._log_C)) > _COARSE_STEP
+        steps = self._log_q[:-1][(self._length == 0.0) & jump]
+        steps = steps[(steps > log_q[0]) & (steps < log_q[-1])]
+        if not 0 < steps.size <= pieces // 2:
+            steps = steps[:0]
+        for step in steps:
+            log_q[1 + int(np.argmin(np.abs(log_q[1:-1] - step)))] = step
+        ends = np.exp(different(log_q))
+        ends[[0, -1]] = self.q_low, self.q_high
+        return ends
 
     # ---------------------------------------------------------------- pieces
 

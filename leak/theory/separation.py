@@ -24,6 +24,8 @@ _FIRST_PANELS = np.array([3.0, 4.0, 6.0, 9.0, 16.0]) / 38.0
 _FIRST_NODES = 8
 # Panels elsewhere are at most this long in `_detail`, with about this many Gauss points per unit length.
 _PANEL, _PANEL_POINTS = 1.3, 4.6
+# Magnifications between neighbouring kinks are treated at once up to about so many nodes: a call costs more than a few.
+_GROUP = 30
 _SMALLEST_WIDTH = 1e-12
 # Area so small that no value of P(u) that matters notices it.
 _LEAST_WEIGHT = 1e-13
@@ -39,7 +41,7 @@ class MagnificationNodes(NamedTuple):
     moment_weight: FloatArray
     """Weight of int dM [-]."""
     groups: tuple[slice, ...]
-    """Magnifications between the same kinks of the spectrum."""
+    """Magnifications between the same kinks of the spectrum, or few nodes between several."""
     to_end: FloatArray
     """Matrix that takes weighted values at the nodes to their integral from each node to the end."""
 
@@ -112,8 +114,11 @@ def _panels(spectrum: PowerSpectrum, end: float, kappa: float, refinement: int) 
         for a, b, length in zip(edges[:-1], edges[1:], lengths, strict=True):
             t, w = gauss(refinement * int(np.ceil(1.6 + _PANEL_POINTS * length)))
             nodes.append(_panel(spectrum, a, b, t, w))
+        stop = sum(M.size for M, _, _ in nodes)
         start = groups[-1].stop if groups else 0
-        groups.append(slice(start, sum(M.size for M, _, _ in nodes)))
+        if groups and groups[-1].stop - groups[-1].start < _GROUP:
+            start = groups.pop().start
+        groups.append(slice(start, stop))
     sizes = [_FIRST_NODES * refinement] * _FIRST_PANELS.size + [M.size for M, _, _ in nodes]
     M, q, weight = (np.concatenate(column) for column in zip(*nodes, strict=True))
     return _Panels(first, M, q, weight, tuple(groups), _integral_to_end(sizes))

@@ -1,0 +1,103 @@
+"""What makes a run short and small, counted and never timed."""
+
+from __future__ import annotations
+
+import gc
+import subprocess
+import sys
+import weakref
+from functools import wraps
+
+from matplotlib.figure import Figure
+from sample_results import case, rough_result
+
+import fem_seal
+from fem_seal.analysis import accuracy, chain
+from fem_seal.analysis.closed_forms import derive, profile_sizes
+from fem_seal.analysis.variants import interface_variants
+from fem_seal.output.report.page import pictures
+from leak.flow.rough_contact import _conductivity_table
+
+
+def test_the_end_of_a_command_looks_through_nothing():
+    """Going through all objects for circles took a tenth of a run and a quarter of a check."""
+    code = (
+        "import gc, sys; sys.argv = ['fem-seal', 'schema']; from fem_seal.__main__ import main; "
+        "code = main(); print(); print(gc.get_freeze_count() > 10_000, len(gc.get_objects()) < 1000); sys.exit(code)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "True True"
+
+
+def test_figures_are_gone_once_they_are_drawn():
+    """Their objects know each other, so that nothing but the collector frees them: a megabyte for each picture."""
+    result = rough_result()
+    derived = derive(result.case)
+    gc.collect()
+
+    def figures() -> int:
+        return sum(type(one) is Figure for one in gc.get_objects())
+
+    before = figures()
+    assert len(pictures(result, derived, profile_sizes(result, derived))) == 10
+    assert figures() == before
+
+
+def test_other_bodies_stand_one_at_a_time_and_are_gone_when_the_run_goes_on(monkeypatch):
+    """Beside those of the result: on coarser elements, in a larger housing, with another support."""
+    made: list[weakref.ref[object]] = []
+    alive: list[int] = []
+
+    def count() -> int:
+        return sum(model() is not None for model in made)
+
+    condensed, answers = accuracy.condensed, chain.with_answers
+
+    @wraps(condensed)
+    def counted(*asked):
+        alive.append(count())
+        model = condensed(*asked)
+        made.append(weakref.ref(model))
+        return model
+
+    def go_on(*asked):
+        assert count() == 0
+        return answers(*asked)
+
+    monkeypatch.setattr(accuracy, "condensed", counted)
+    monkeypatch.setattr(chain, "with_answers", go_on)
+    result = fem_seal.run(case(load={"fluid_pressure": "5 bar"}))
+    assert len(result.far_field) == 2
+    # on coarser elements stands while the other two are compared with it
+    assert alive == [0, 1, 1]
+    assert not result.warnings or "could not be calculated" not in " ".join(result.warnings)
+
+
+def test_the_comparison_of_laws_needs_no_table_of_its_own(monkeypatch):
+    """The contact with the other law lies within the pressures for which the loads have their tables."""
+    made: list[int] = []
+
+    def compared(*asked):
+        before = _conductivity_table.cache_info().misses
+        found = interface_variants(*asked)
+        made.extend([before, _conductivity_table.cache_info().misses - before])
+        return found
+
+    monkeypatch.setattr(chain, "interface_variants", compared)
+    _conductivity_table.cache_clear()
+    first, second = fem_seal.run(case(load={"fluid_pressure": ["2 bar", "20 bar"]})).interface_variants
+    of_the_loads, of_the_comparison = made
+    assert of_the_loads >= 3
+    assert of_the_comparison == 0
+    assert first.leak_rate != second.leak_rate
+
+
+def test_the_shapes_of_a_case_are_made_once():
+    one = case()
+    assert one.bodies is one.bodies
+    # of a case that changes something else, too, but not of one with another seat
+    assert one.replace({"load.fluid_pressure": "7 bar"}).bodies is one.bodies
+    assert one.replace({"seat.angle": "40 deg"}).bodies[1] != one.bodies[1]
