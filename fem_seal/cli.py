@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import math
 import os
 import shutil
@@ -105,7 +106,8 @@ def run(
     with alone(folder), _progress(quiet) as progress:
         result = seal_result.run(case, progress=progress, levers=levers)
         progress("writing results")
-        failures = files.write(result, folder)
+        with _left_alone():
+            failures = files.write(result, folder)
     warnings = (*result.warnings, *failures)
     _warn(warnings)
     rows = leak_rows(result)
@@ -119,6 +121,16 @@ def run(
         show_particles(result)
         show_verdict(result)
         _list_files(folder)
+
+
+@contextmanager
+def _left_alone() -> Iterator[None]:
+    """Spare the garbage collector what is there by now: it stays, and figures are collected one by one."""
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 class _PictureNamedOrNot(TyperCommand):

@@ -365,8 +365,7 @@ class Roughness(FinishKeys):
             entries = {key: getattr(self, key) for key in FinishKeys.model_fields}
             both = FinishTable.model_construct(kind="finish", **entries)
             return {"seat": both, "closure": both}
-        given = {key: getattr(self, key) for key in PARTS}
-        return {key: one for key, one in given.items() if one is not None}
+        return {key: one for key in PARTS if (one := getattr(self, key)) is not None}
 
     @property
     def finishes(self) -> dict[str, FinishTable]:

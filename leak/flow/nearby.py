@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, different
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable, table_abscissa
 from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
@@ -23,7 +23,7 @@ from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slope
 _STEP, _WIDENING, _DEEPEST = 0.4, 0.55, 10.0
 _LOW, _LONGEST = -2.5, 1.5
 # All places are on a lattice, so that many surfaces share what is needed of the known one.
-_LATTICE = 0.25
+_LATTICE, _NEIGHBOURS = 0.25, np.arange(-2.0, 3.0)
 # By so much of themselves densities of one shape may differ from each other.
 _SAME = 1e-10
 # Profiles may rise a little above the highest pressure between their points.
@@ -184,8 +184,11 @@ class NearbyTables:
     def _of_hardness(self, step: int, places: FloatArray) -> _Values:
         """Of the known surface with its hardness times exp(0.1 step), kept at all places."""
         known = self._known_values.setdefault(step, {})
-        new = np.array([one for one in places.tolist() if one not in known])
-        if new.size:
+        if not known.keys() >= set(places.tolist()):
+            # also for contacts that carry a little more or less: many pressures at once cost little more than few
+            wanted = places[:, None] + _LATTICE * _NEIGHBOURS
+            new = different(wanted[wanted <= _LATTICE * self._highest])
+            new = np.array([one for one in new.tolist() if one not in known])
             surface = self.surface
             if step and surface.hardness is not None:
                 surface = replace(surface, hardness=surface.hardness * float(np.exp(_SPACING * step)))

@@ -143,7 +143,11 @@ class RoughContact:
     @property
     def elastic(self) -> RoughContact:
         """The same surface without asperity plasticity."""
-        return self if self.hardness is None else replace(self, hardness=None, yielding="conserved")
+        return self if self.hardness is None else self._never_yielding
+
+    @cached_property
+    def _never_yielding(self) -> RoughContact:
+        return replace(self, hardness=None, yielding="conserved")
 
     @property
     def conserved(self) -> RoughContact:

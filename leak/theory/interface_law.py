@@ -218,7 +218,8 @@ class RoughSurfaceLaw:
     def _all_inside(self, x: FloatArray) -> bool:
         """Whether all ln p lie between the first and the last point, as they mostly do."""
         nodes = self.log_pressure_nodes
-        return bool(x.size and x.min() >= nodes[0] and x.max() <= nodes[-1])
+        least, most = np.minimum.reduce, np.maximum.reduce
+        return bool(x.size and least(x, axis=None) >= nodes[0] and most(x, axis=None) <= nodes[-1])
 
     def _outside(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """How far ln p lies below the first point (negative) and above the last one (positive)."""
