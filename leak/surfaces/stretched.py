@@ -153,12 +153,14 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
     found = minimize_scalar(
         lambda at: _mismatch(along, across, at), bounds=bounds, method="bounded", options={"xatol": 1e-10}
     )
-    gamma = float(np.exp(found.x))
+    # equal spectra are exactly isotropic
+    log_gamma, error = min((float(tried[best]), errors[best]), (found.x, found.fun), key=lambda one: one[1])
+    gamma = float(np.exp(log_gamma))
     root = np.sqrt(gamma)
     first = PowerSpectrum(along.wavenumber * root, along.density / gamma)
     second = PowerSpectrum(across.wavenumber / root, across.density * gamma)
     average = stretched_spectrum(_joined(first, second), gamma)
-    return StretchedRoughness(average, gamma, float(np.sqrt(found.fun)))
+    return StretchedRoughness(average, gamma, float(np.sqrt(error)))
 
 
 def _overlap(along: PowerSpectrum, across: PowerSpectrum, log_gamma: float) -> float:
