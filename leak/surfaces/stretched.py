@@ -146,7 +146,7 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
             f"along from {along.q_low:.4g} to {along.q_high:.4g} 1/m and across from {across.q_low:.4g} to "
             f"{across.q_high:.4g} 1/m: need a factor e of common wavenumbers"
         )
-    tried = np.linspace(-min(limit, room), min(limit, room), 201)
+    tried = min(limit, room) * np.linspace(-1.0, 1.0, 201)
     errors = np.array([_mismatch(along, across, log_gamma) for log_gamma in tried])
     best = int(np.argmin(errors))
     bounds = tried[max(best - 1, 0)], tried[min(best + 1, tried.size - 1)]
