@@ -306,8 +306,8 @@ COLUMNS = {
         Column(
             "max_von_mises_Pa",
             "contact pressure",
-            "largest von Mises stress in both bodies, good to 0.3 %; it has no value where it stands in a re-entrant "
-            "corner, and grows there with smaller elements",
+            "largest von Mises stress in both bodies, good to 0.3 % where they are elastic and their surfaces rough; "
+            "it has no value where it stands in a re-entrant corner, and grows there with smaller elements",
             lambda row: row.load.max_von_mises,
             heading="von Mises",
             title="max. von Mises stress",
