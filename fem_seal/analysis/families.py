@@ -37,7 +37,7 @@ _DIGITS = 10
 _SPACING = 0.1
 # Tables reach from this fraction of the sealing pressure to it; below they go on by the law at low pressure.
 # Conductivities are good to 6e-4, to 1e-4 below a thirtieth of the sealing pressure.
-_RANGE, _NODES = 1e-9, 96
+_RANGE, _NODES = 1e-9, 66
 _REMEMBERED = 4096
 
 
