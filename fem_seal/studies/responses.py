@@ -101,9 +101,9 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         With one fluid pressure.
     columns : sequence of str
         Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` of `fem_seal.studies.complete_runs` cost
-        milliseconds once geometry and surface are known; any other (knudsen_number, max_accumulated_plastic_strain, load_steps and,
-        with [uncertainty] or a finish, leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a complete run of the
-        case. So does any column of a case with load.closing = "penetration", load.target_leak_rate,
+        milliseconds once geometry and surface are known; any other (knudsen_number, max_accumulated_plastic_strain,
+        load_steps and, with [uncertainty] or a finish, leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a
+        complete run of the case. So does any column of a case with load.closing = "penetration", load.target_leak_rate,
         load.largest_earlier_force or _pressure, leak.fluid_in_gap = "local", seat.wall = "fixed", a calculated
         temperature or a stress-strain curve.
     interpolate : bool
