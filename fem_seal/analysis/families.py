@@ -204,7 +204,7 @@ def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
     return (
         replace(
             surface,
-            spectrum=_shape(surface.spectrum, height),
+            spectrum=_shape(surface.spectrum.shape),
             effective_modulus=_MODULUS,
             hardness=None if surface.hardness is None else surface.hardness / pressure,
         ),
@@ -214,7 +214,8 @@ def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def _shape(spectrum: PowerSpectrum, height: float) -> PowerSpectrum:
+def _shape(spectrum: PowerSpectrum) -> PowerSpectrum:
+    height = spectrum.rms_height / _HEIGHT
     density: FloatArray = np.power(10.0, np.round(np.log10(spectrum.density / height**2), _DIGITS))
     return _known(PowerSpectrum(spectrum.wavenumber, density))
 

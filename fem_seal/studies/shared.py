@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 # Steps of the sizes and of the reach in the logarithm to base 2. A longer reach costs few elements: they grow along it.
 _STEP, _REACH_STEP = 0.25, 1.0
-# Elements in the core of a soft contact, and what three digits of their size may add: most contacts of a study are soft.
+# Elements in the core of a soft contact, as most are in a study, and what three digits of their size may add.
 _SOFT_CORE = 18.2
 # A model with the displacements of its bodies holds some 20 MB, the condensed one a few hundred kB.
 _FULL_MODELS, _LIGHT_MODELS = 12, 64
