@@ -63,11 +63,11 @@ class _Collecting:
     """What is the same for the files of tests and those of the program, which no `conftest.py` stands above."""
 
     @pytest.hookimpl(tryfirst=True)
-    def pytest_collection(self) -> None:
-        """Each of several processes first loads a share of the tests of its own, so that each is compiled once."""
+    def pytest_collection(self, session: pytest.Session) -> None:
+        """Before all tests are collected each process loads a share of its own, so that each is compiled once."""
         process = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
         processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
-        if processes > 1:
+        if processes > 1 and session.config.args == session.config.getini("testpaths"):
             for file in sorted(Path(__file__).parent.glob("test_*.py"))[int(process) :: processes]:
                 # why it cannot be loaded is said when its tests are collected
                 with suppress(Exception, pytest.skip.Exception):
