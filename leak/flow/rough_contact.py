@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
@@ -39,6 +40,7 @@ from leak.theory.plasticity import (
     PlasticRoughness,
     area_fractions,
     remaining_fraction,
+    remaining_moment,
     touching_area,
 )
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
@@ -543,10 +545,13 @@ class RoughContact:
         if not self._smoothed:
             return self._reaches(elastic, low, high)
 
+        hardness = self.hardness
+        kappa = 0.25 * math.pi * (self.effective_modulus / hardness) ** 2
+
         def excess(log_p: float) -> float:
-            p = np.minimum(np.exp(np.array([log_p])), (1.0 - 1e-12) * high)
-            rest = float(_remaining_moment(p, self._seen(p))[0])
-            return log_p - np.log(z * self.effective_modulus) - 0.5 * np.log(max(np.pi * rest, 1e-300))
+            s = min(math.exp(log_p), (1.0 - 1e-12) * high) / hardness
+            rest = remaining_moment(s, kappa, self.spectrum.last_moment)
+            return log_p - math.log(z * self.effective_modulus) - 0.5 * math.log(max(math.pi * rest, 1e-300))
 
         return float(np.exp(root_of_rising(excess, np.log(high) - _SEALING_RANGE, np.log(high))))
 
