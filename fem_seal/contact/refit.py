@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from meshes import ContactGeometry, MeshingError, Sizing
 if TYPE_CHECKING:
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.profile import PressureProfile
+
+Asked = TypeVar("Asked")
+Answer = TypeVar("Answer")
 
 # Pressure over peak pressure that the ends of the zone may carry.
 _TAIL = 1e-6
@@ -69,10 +72,10 @@ def solve_fitted(
 def fitted(
     sizing: Sizing,
     contact: ContactGeometry,
-    solve_on: Callable[[Sizing], Generator[None, None, Sequence[ContactSolution]]],
+    solve_on: Callable[[Sizing], Generator[Asked, Answer, Sequence[ContactSolution]]],
     *,
     size_given: bool = False,
-) -> Generator[None, None, Sequence[ContactSolution]]:
+) -> Generator[Asked, Answer, Sequence[ContactSolution]]:
     """The steps of `solve_fitted`, those of `solve_on` among them."""
     # A mesh that is given cannot be made finer.
     size_given = size_given or contact.has_ready_mesh

@@ -365,8 +365,15 @@ def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> list[Row]:
 
     worker = get_worker()
     designs = [_watched_design(recipe, point, worker, topic) for point in chunk.points]
+
+    def several() -> Block:
+        # a worker that dies without a word has its designs tried one by one
+        return Block(lambda seconds: None, lambda ended: os._exit(1) if worker.nanny is not None else None)
+
     with Watch(recipe.time_limit) as watch:
-        return calculate(recipe, chunk, lambda number: watch.turn(designs[number]))
+        return calculate(
+            recipe, chunk, lambda number: watch.turn(several() if number is None else designs[number])
+        )
 
 
 def _watched_design(recipe: Recipe, point: FloatArray, worker: Worker, topic: str) -> Block:

@@ -23,9 +23,9 @@ from fem_seal.analysis.verdict import judged
 from fem_seal.analysis.warnings import load_validity
 from fem_seal.case.case import Case
 from fem_seal.contact.laws import Law
-from fem_seal.contact.newton import solve
+from fem_seal.contact.newton import Pressing
 from fem_seal.contact.refit import fitted
-from fem_seal.contact.solution import ContactSettings, ContactSolution
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, Row
 from fem_seal.output.tables import rows_of
 from fem_seal.studies.shared import TabulatedSurface, shared_model
@@ -46,9 +46,6 @@ LARGEST_MARGIN = 1e6
 FAST = tuple(name for name in LEAK_COLUMNS if name not in _COMPLETE)
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
-# The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
-# leaves. Mostly Newton's last step falls far below it.
-_SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
 
 
 @dataclass(frozen=True)
@@ -92,10 +89,10 @@ def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) 
         return _complete_run(case, columns)
     can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
     problem = SealProblem.of(case)
-    yield
+    yield None
     stress = can_yield or "max_von_mises_Pa" in columns
     load = yield from _load(problem, stress=stress, interpolate=interpolate)
-    yield
+    yield None
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     of_usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
@@ -103,11 +100,11 @@ def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) 
         # which its copies then know as well
         load = yield from _with_leak(load)
     validity = _validity(of_usual, load, tabulated=leaks and interpolate)
-    yield
+    yield None
     if "margin" in columns:
         load = load.knowing(validity=validity)
         load = load.knowing(judgement=judged(case, load, load.leak_range))
-        yield
+        yield None
     values = yield from _read(Row(load), columns)
     return Evaluation(values, validity, load.verdict)
 
@@ -147,7 +144,7 @@ def _read(row: Row, columns: Sequence[str]) -> Steps[dict[str, float]]:
     found: dict[str, float] = {}
     for column in columns:
         found[column] = COLUMNS[column].number(row)
-        yield
+        yield None
     return found | {"margin": min(found["margin"], LARGEST_MARGIN)} if "margin" in found else found
 
 
@@ -193,11 +190,11 @@ def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> Steps[Loa
 def _with_leak(load: LoadResult) -> Steps[LoadResult]:
     """A load of a round seal that knows its leak."""
     if load.rough is not None and load.rough.table is not None:
-        yield
+        yield None
         load.contact.profile.contact  # noqa: B018
-        yield
+        yield None
         load.contact.profile.contact.panels  # noqa: B018
-        yield
+        yield None
     return load.knowing(leak_round=load.leak_round)
 
 
@@ -208,15 +205,14 @@ def _bare_load(problem: SealProblem, stress: bool) -> Steps[LoadResult]:
 
     def solve_on(sizing: Sizing) -> Steps[Sequence[ContactSolution]]:
         model = shared_model(problem, sizing, stress=stress)
-        yield
-        contact = solve(model, law, axial_force=force, loads=problem.at_rest(model), settings=_SETTINGS)
-        yield
+        contact = yield Pressing(model, law, force, problem.at_rest(model))
+        assert contact is not None  # which is what was asked for
         found.append(LoadResult(*point, contact, formed=problem.around(contact, law)))
         return found[-1].contacts
 
     size_given = problem.contact_size is not None
     expected = sizing(problem, law)
-    yield
+    yield None
     yield from fitted(expected, problem.contact, solve_on, size_given=size_given)
     return found[-1]
 

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -20,7 +20,7 @@ from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.store import Row
 from fem_seal.studies.time_limit import overtime_reason
-from fem_seal.studies.together import Steps, Turn, together
+from fem_seal.studies.together import Steps, Turn, together, unwatched
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -136,13 +136,13 @@ class Chunk:
     points: FloatArray
 
 
-def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = nullcontext) -> list[Row]:
+def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = unwatched) -> list[Row]:
     """Rows of all designs of a chunk; a design that fails is a row with its reason.
 
     Parameters
     ----------
     turn : callable
-        Entered with the number of a design while it is calculated.
+        Entered with the number of a design while it is calculated, with None while several are.
 
     Raises
     ------
@@ -153,8 +153,8 @@ def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = nullcontext) -> list[Ro
     for start in range(0, len(chunk.points), _TOGETHER):
         points = chunk.points[start : start + _TOGETHER].tolist()
 
-        def own(number: int, start: int = start) -> AbstractContextManager[None]:
-            return turn(start + number)
+        def own(number: int | None, start: int = start) -> AbstractContextManager[None]:
+            return turn(None if number is None else start + number)
 
         found = together([_row(recipe, point) for point in points], own)
         rows += (replace(row, seconds=seconds) for row, seconds in found)
@@ -188,9 +188,9 @@ def _outputs(
         for one, number in zip(recipe.parameters, point, strict=True)
     }
     case = recipe.case.replace_written(changes)
-    yield
+    yield None
     found = yield from evaluation(case, recipe.columns, interpolate=recipe.interpolate)
-    yield
+    yield None
     numbers = {
         one.name: float(number) for one, number in zip(recipe.parameters, point, strict=True) if one.numeric
     }
