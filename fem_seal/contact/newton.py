@@ -22,7 +22,8 @@ from fem_seal.errors import ConvergenceError
 # Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
 _FLOOR = 1e-6
 _ROUND_OFF = 64 * np.finfo(float).eps
-# What a point adds to I + D C D below which it carries next to nothing: it slows the iteration down by less than that.
+# Compliance of the bodies at a point over that of the law below which it carries next to nothing: it slows the iteration
+# down by less than that.
 _CARRIES = 1e-8
 # ... of the largest, where all of them are smaller than this.
 _SOFT = 1e-3
@@ -369,16 +370,16 @@ def _newton_step(
     That the lift follows the highest pressure is left out of the derivative.
     """
     n_z, failed = model.line.normal[1], np.zeros(len(v), dtype=bool)
-    # Points that carry next to nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.
-    scale = np.sqrt(model.line.area_weight * np.exp(v) / decay)
-    carries = scale**2 * model.compliance.diagonal()
+    # Points that carry next to nothing follow the others explicitly.
+    softness = model.line.area_weight * np.exp(v) / decay
+    carries = softness * model.compliance.diagonal()
     most = carries.max(axis=1, keepdims=True)
     active = carries > _CARRIES * np.minimum(1.0, most / _SOFT)
     step_d, opened = np.zeros_like(d), np.zeros_like(v)
     for row in range(len(v)):
         try:
             step_d[row], opened[row] = _step_of_row(
-                model, active[row].nonzero()[0], scale[row], gap_residual[row], float(missing_force[row])
+                model, active[row].nonzero()[0], softness[row], gap_residual[row], float(missing_force[row])
             )
         except np.linalg.LinAlgError:
             failed[row] = True
@@ -387,7 +388,11 @@ def _newton_step(
 
 
 def _step_of_row(
-    model: ContactModel, active: NDArray[np.intp], scale: FloatArray, gap_residual: FloatArray, missing: float
+    model: ContactModel,
+    active: NDArray[np.intp],
+    softness: FloatArray,
+    gap_residual: FloatArray,
+    missing: float,
 ) -> tuple[float, FloatArray]:
     """Step of the approach [m], and opening of the gap by that of the pressures [m]."""
     if not len(active):
@@ -395,17 +400,16 @@ def _step_of_row(
     # mostly one stretch of them, of which nothing is copied
     stretch = active[-1] - active[0] == len(active) - 1
     part = slice(active[0], active[-1] + 1) if stretch else active
-    columns, D, n_z = model.compliance[:, part], scale[part], model.line.normal[1, part]
-    matrix = columns[part] * D
-    matrix *= D[:, None]
-    matrix.flat[:: len(active) + 1] += 1.0
-    right = np.empty((len(active), 2))
-    right[:, 0], right[:, 1] = -gap_residual[part], n_z
-    right *= D[:, None]
+    columns, n_z = model.compliance[:, part], model.line.normal[1, part]
+    # Badly scaled, but by its diagonal alone, which does not matter to Cholesky's factors.
+    matrix = columns[part].copy()
+    matrix.reshape(-1)[:: len(active) + 1] += 1.0 / softness[part]
+    right = np.array([-gap_residual[part], n_z]).T
     # symmetric: the transpose is the same matrix in LAPACK's order
     factor, failed = dpotrf(matrix.T, lower=True, overwrite_a=True, clean=False)
     if failed:
         raise np.linalg.LinAlgError("the contact is not stable")
-    eta = D[:, None] * dpotrs(factor, right, lower=True)[0]
-    step_d = float((missing - n_z @ eta[:, 0]) / (n_z @ eta[:, 1]))
-    return step_d, columns @ (eta[:, 0] + step_d * eta[:, 1])
+    forces = dpotrs(factor, right, lower=True, overwrite_b=True)[0]
+    by_residual, by_approach = forces[:, 0], forces[:, 1]
+    step_d = float((missing - n_z @ by_residual) / (n_z @ by_approach))
+    return step_d, columns @ (by_residual + step_d * by_approach)

@@ -10,22 +10,23 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Generator, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from typing import TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
-from fem_seal.contact.newton import Pressing, solve_together
-from fem_seal.contact.solution import ContactSettings, ContactSolution
+if TYPE_CHECKING:
+    from fem_seal.contact.newton import Pressing
+    from fem_seal.contact.solution import ContactSolution
 
 T = TypeVar("T")
 
 # A calculation that stops after each of its steps, for the solution of a contact or for nothing, and returns what it
 # has found at the end.
-Steps: TypeAlias = Generator[Pressing | None, ContactSolution | None, T]
+Steps: TypeAlias = "Generator[Pressing | None, ContactSolution | None, T]"
 # Entered while the calculation of that number takes a step, None for what is done for several at once.
 Turn: TypeAlias = Callable[[int | None], AbstractContextManager[None]]
 
 # The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
 # leaves. Mostly Newton's last step falls far below it.
-_SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
+_TOLERANCE = 1e-6
 
 
 def unwatched(number: int | None) -> AbstractContextManager[None]:
@@ -63,10 +64,17 @@ def together(calculations: Sequence[Steps[T]], turn: Turn = unwatched) -> list[t
         if pressings:
             start, numbers = time.perf_counter(), list(pressings)
             with turn(numbers[0] if len(numbers) == 1 else None):
-                solved.update(zip(numbers, solve_together(list(pressings.values()), _SETTINGS), strict=True))
+                solved.update(zip(numbers, _solved(list(pressings.values())), strict=True))
             for number in numbers:
                 seconds[number] += (time.perf_counter() - start) / len(numbers)
     return [(found[number], seconds[number]) for number in range(len(calculations))]
+
+
+def _solved(pressings: Sequence[Pressing]) -> Sequence[ContactSolution | Exception]:
+    from fem_seal.contact.newton import solve_together
+    from fem_seal.contact.solution import ContactSettings
+
+    return solve_together(pressings, ContactSettings(_TOLERANCE, _TOLERANCE))
 
 
 def alone(calculation: Steps[T]) -> T:
