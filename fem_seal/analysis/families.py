@@ -23,7 +23,7 @@ import numpy as np
 
 from fem_seal.analysis.flow import Conductivity, Flow
 from fem_seal.arrays import FloatArray
-from fem_seal.contact.laws import InterfaceLaw
+from fem_seal.contact.laws import InterfaceLaw, ScaledLaw
 from leak import ConductivityTable, GasConductivityTable, PowerSpectrum, RoughContact, gas_conductivity_table
 from leak.flow.memory import LoadMemory
 from leak.numerics.curves import lagrange
@@ -39,32 +39,6 @@ _SPACING = 0.1
 # Conductivities are good to 6e-4, to 1e-4 below a thirtieth of the sealing pressure.
 _RANGE, _NODES = 1e-9, 66
 _REMEMBERED = 4096
-
-
-@dataclass(frozen=True)
-class ScaledLaw:
-    """The law of one surface from that of another one of the same shape.
-
-    Parameters
-    ----------
-    law : InterfaceLaw
-    height : float
-        Ratio of the heights.
-    pressure : float
-        Ratio of the products of modulus and height.
-    """
-
-    law: InterfaceLaw
-    height: float
-    pressure: float
-
-    def gap(self, log_pressure: FloatArray) -> FloatArray:
-        """Mean separation u [m] at ln(p/Pa)."""
-        return self.height * self.law.gap(log_pressure - math.log(self.pressure))
-
-    def decay_length(self, log_pressure: FloatArray) -> FloatArray:
-        """-du/d ln p [m], positive."""
-        return self.height * self.law.decay_length(log_pressure - math.log(self.pressure))
 
 
 def family_law(surface: RoughContact) -> ScaledLaw:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.families import ScaledLaw
 from fem_seal.analysis.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.analysis.problem import condensed
 from fem_seal.analysis.response_surface import ResponseSurface, fit
@@ -30,7 +29,7 @@ from fem_seal.case.roughness import (
     uncertain_heights,
 )
 from fem_seal.case.uncertainty import Uncertainty
-from fem_seal.contact.laws import HardContact
+from fem_seal.contact.laws import HardContact, ScaledLaw
 from fem_seal.errors import ConvergenceError, InputError, Problem
 
 if TYPE_CHECKING:

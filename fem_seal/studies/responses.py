@@ -23,13 +23,14 @@ from fem_seal.analysis.verdict import judged
 from fem_seal.analysis.warnings import load_validity
 from fem_seal.case.case import Case
 from fem_seal.contact.laws import Law
-from fem_seal.contact.newton import solve
-from fem_seal.contact.refit import solve_fitted
-from fem_seal.contact.solution import ContactSettings, ContactSolution
+from fem_seal.contact.newton import Pressing
+from fem_seal.contact.refit import fitted
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.tables import rows_of
 from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.studies.shared import TabulatedSurface, shared_model
+from fem_seal.studies.together import Steps, alone
 from leak import ConductivityTable, GasConductivityTable, RoughContact
 from meshes import Sizing
 
@@ -37,9 +38,6 @@ from meshes import Sizing
 LARGEST_MARGIN = 1e6
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
-# The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
-# leaves. Mostly Newton's last step falls far below it.
-_SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
 
 
 @dataclass(frozen=True)
@@ -74,22 +72,33 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     ------
     ConvergenceError, GeometryError, MeshingError
     """
+    return alone(evaluation(case, columns, interpolate=interpolate))
+
+
+def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> Steps[Evaluation]:
+    """The steps of `evaluate`."""
     if takes_complete_run(case, columns):
         return _complete_run(case, columns)
     can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
     problem = SealProblem.of(case)
-    load = _load(problem, stress=can_yield or "max_von_mises_Pa" in columns, interpolate=interpolate)
+    yield None
+    stress = can_yield or "max_von_mises_Pa" in columns
+    load = yield from _load(problem, stress=stress, interpolate=interpolate)
+    yield None
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     of_usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
     if leaks and load.formed is None:
         # which its copies then know as well
-        load = load.knowing(leak_round=load.leak_round)
+        load = yield from _with_leak(load)
     validity = _validity(of_usual, load, tabulated=leaks and interpolate)
+    yield None
     if "margin" in columns:
         load = load.knowing(validity=validity)
         load = load.knowing(judgement=judged(case, load, load.leak_range))
-    return Evaluation(_read(Row(load), columns), validity, load.verdict)
+        yield None
+    values = yield from _read(Row(load), columns)
+    return Evaluation(values, validity, load.verdict)
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -120,11 +129,15 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         # which asks for the validity
         return evaluate(case, columns, interpolate=interpolate).values
     stress = "max_von_mises_Pa" in columns
-    return _read(Row(_load(SealProblem.of(case), stress=stress, interpolate=interpolate)), columns)
+    load = alone(_load(SealProblem.of(case), stress=stress, interpolate=interpolate))
+    return alone(_read(Row(load), columns))
 
 
-def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
-    found = {column: COLUMNS[column].number(row) for column in columns}
+def _read(row: Row, columns: Sequence[str]) -> Steps[dict[str, float]]:
+    found: dict[str, float] = {}
+    for column in columns:
+        found[column] = COLUMNS[column].number(row)
+        yield None
     return found | {"margin": min(found["margin"], LARGEST_MARGIN)} if "margin" in found else found
 
 
@@ -136,12 +149,12 @@ def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
     if any(name.startswith("force_for_target") for name in columns) and load.target_validity is not None:
         # here the force is what the design is judged by
         cautions += load.target_validity.cautions
-    return Evaluation(_read(row, columns), Validity.of(cautions), load.verdict)
+    return Evaluation(alone(_read(row, columns)), Validity.of(cautions), load.verdict)
 
 
-def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> LoadResult:
+def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> Steps[LoadResult]:
     """The only load of a problem, with what designs share: bodies, law and flow conductivity."""
-    load = _bare_load(problem, stress)
+    load = yield from _bare_load(problem, stress)
     rough = RoughFlow.of(problem.surface, problem.flow, load.contacts)
     if rough is not None and interpolate:
         rough = replace(rough, make=partial(_shared_table, load.contacts[-1]))
@@ -151,19 +164,33 @@ def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> LoadResul
     return load
 
 
-def _bare_load(problem: SealProblem, stress: bool) -> LoadResult:
+def _with_leak(load: LoadResult) -> Steps[LoadResult]:
+    """A load of a round seal that knows its leak."""
+    if load.rough is not None and load.rough.table is not None:
+        yield None
+        load.contact.profile.contact  # noqa: B018
+        yield None
+        load.contact.profile.contact.panels  # noqa: B018
+        yield None
+    return load.knowing(leak_round=load.leak_round)
+
+
+def _bare_load(problem: SealProblem, stress: bool) -> Steps[LoadResult]:
     """The contact of the only load, around the axis if the seal is not round."""
     point, force, law = problem.loads.points[0], expected_forces(problem)[0], _law(problem)
     found: list[LoadResult] = []
 
-    def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
+    def solve_on(sizing: Sizing) -> Steps[Sequence[ContactSolution]]:
         model = shared_model(problem, sizing, stress=stress)
-        contact = solve(model, law, axial_force=force, loads=problem.at_rest(model), settings=_SETTINGS)
+        contact = yield Pressing(model, law, force, problem.at_rest(model))
+        assert contact is not None  # which is what was asked for
         found.append(LoadResult(*point, contact, formed=problem.around(contact, law)))
         return found[-1].contacts
 
     size_given = problem.contact_size is not None
-    solve_fitted(sizing(problem, law), problem.contact, solve_on, size_given=size_given)
+    expected = sizing(problem, law)
+    yield None
+    yield from fitted(expected, problem.contact, solve_on, size_given=size_given)
     return found[-1]
 
 
