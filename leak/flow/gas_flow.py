@@ -299,11 +299,11 @@ class _Path:
 
     @property
     def total(self) -> float:
-        return float(self._integrals(self.resistance)[1].sum())
+        return float(self._whole(self.resistance).sum())
 
     def sealed_fraction(self) -> FloatArray:
         """0 before and 1 behind the middle of what is sealed, at the edges of the cells."""
-        sealed = np.isinf(self._integrals(self.resistance)[1])
+        sealed = np.isinf(self._whole(self.resistance))
         return self._at_edges(sealed / sealed.sum())
 
     def flow(self, first: float, last: float) -> tuple[float, FloatArray]:
@@ -335,16 +335,25 @@ class _Path:
         at_edges = self._at_edges(whole / total)
         return flow, of.pressure(ends[0] * (1.0 - at_edges) + ends[1] * at_edges)
 
+    def _whole(self, values: FloatArray) -> FloatArray:
+        """Integrals over the share of each stretch; infinite with a value in it."""
+        parts = zip(self.used, self._by_stretch(values), strict=True)
+        return np.concatenate([one @ part.quadrature[:, -1] for part, one in parts])
+
     def _integrals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Integrals over the share of each stretch: up to each of its points, and over all of it."""
-        within, whole, start = [], [], 0
-        for part in self.used:
-            end = start + part.stretch.size
-            found = values[start:end].reshape(part.stretch.shape) @ part.quadrature
-            within.append(found[:, :-1].ravel())
-            whole.append(found[:, -1])
-            start = end
-        return np.concatenate(within), np.concatenate(whole)
+        """Integrals of finite values over the share of each stretch: up to each of its points, and over all of it."""
+        parts = zip(self.used, self._by_stretch(values), strict=True)
+        found = [one @ part.quadrature for part, one in parts]
+        return np.concatenate([one[:, :-1].ravel() for one in found]), np.concatenate(
+            [one[:, -1] for one in found]
+        )
+
+    def _by_stretch(self, values: FloatArray) -> list[FloatArray]:
+        ends = np.cumsum([part.stretch.size for part in self.used]).tolist()
+        return [
+            values[end - part.stretch.size : end].reshape(part.stretch.shape)
+            for part, end in zip(self.used, ends, strict=True)
+        ]
 
     @cached_property
     def _points(self) -> NDArray[np.intp]:
