@@ -21,7 +21,6 @@ from fem_seal import StudyResult, load_study
 from fem_seal.errors import ClusterError
 from fem_seal.studies.session import run_study
 
-pytest.importorskip("distributed")
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="finds the workers in /proc"),
@@ -54,6 +53,11 @@ if responses.evaluate.__name__ != "slow":
 """
 # Longest wait for anything; on an idle machine it is seconds.
 PATIENCE = 120.0
+
+
+@pytest.fixture(autouse=True, scope="module")
+def clusters():
+    pytest.importorskip("distributed")
 
 
 @pytest.fixture(autouse=True)
@@ -209,7 +213,7 @@ def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
     recipe = Recipe.of(study)
     deadly = float(study.points[2, 0])
     with local_client(2) as client:
-        client.register_plugin(_Arming(deadly))
+        client.register_plugin(_arming(deadly))
         cluster = Cluster(client, 1, PATIENCE)
         found = [row for rows in cluster.results(recipe, [Chunk(study.points)]) for row in rows]
     reasons = {row.inputs[0]: row.reason for row in found}
@@ -359,19 +363,13 @@ def _arm(deadly):
     responses.evaluate = armed
 
 
-def _plugin():
+def _arming(deadly):
     from distributed import WorkerPlugin
 
     class Arming(WorkerPlugin):
         """Arms workers that come later as well."""
 
-        def __init__(self, deadly):
-            self.deadly = deadly
-
         def setup(self, worker):
-            _arm(self.deadly)
+            _arm(deadly)
 
-    return Arming
-
-
-_Arming = _plugin()
+    return Arming()

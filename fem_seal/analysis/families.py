@@ -37,7 +37,7 @@ _DIGITS = 10
 _SPACING = 0.1
 # Tables reach from this fraction of the sealing pressure to it; below they go on by the law at low pressure.
 # Conductivities are good to 6e-4, to 1e-4 below a thirtieth of the sealing pressure.
-_RANGE, _NODES = 1e-9, 96
+_RANGE, _NODES = 1e-9, 66
 _REMEMBERED = 4096
 
 
@@ -204,7 +204,7 @@ def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
     return (
         replace(
             surface,
-            spectrum=_shape(surface.spectrum, height),
+            spectrum=_shape(surface.spectrum.shape),
             effective_modulus=_MODULUS,
             hardness=None if surface.hardness is None else surface.hardness / pressure,
         ),
@@ -214,7 +214,8 @@ def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def _shape(spectrum: PowerSpectrum, height: float) -> PowerSpectrum:
+def _shape(spectrum: PowerSpectrum) -> PowerSpectrum:
+    height = spectrum.rms_height / _HEIGHT
     density: FloatArray = np.power(10.0, np.round(np.log10(spectrum.density / height**2), _DIGITS))
     return _known(PowerSpectrum(spectrum.wavenumber, density))
 

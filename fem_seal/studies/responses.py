@@ -26,23 +26,15 @@ from fem_seal.contact.laws import Law
 from fem_seal.contact.newton import solve
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.contact.solution import ContactSettings, ContactSolution
-from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, Row
+from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.tables import rows_of
+from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.studies.shared import TabulatedSurface, shared_model
 from leak import ConductivityTable, GasConductivityTable, RoughContact
 from meshes import Sizing
 
-# Columns of leak.csv that take a complete run of the case, the second ones where inputs are uncertain; all others cost
-# milliseconds.
-_COMPLETE = (
-    "knudsen_number",
-    "max_accumulated_plastic_strain",
-    "load_steps",
-)
-_SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin")
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
-FAST = tuple(name for name in LEAK_COLUMNS if name not in _COMPLETE)
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
 # The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
@@ -108,11 +100,12 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     case : Case
         With one fluid pressure.
     columns : sequence of str
-        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` cost milliseconds once geometry and surface
-        are known; any other (knudsen_number, max_accumulated_plastic_strain, load_steps and, with [uncertainty] or a
-        finish, leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a complete run of the case. So does any column
-        of a case with load.closing = "penetration", load.target_leak_rate, load.largest_earlier_force or _pressure,
-        leak.fluid_in_gap = "local", seat.wall = "fixed", a calculated temperature or a stress-strain curve.
+        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` of `fem_seal.studies.complete_runs` cost
+        milliseconds once geometry and surface are known; any other (knudsen_number, max_accumulated_plastic_strain,
+        load_steps and, with [uncertainty] or a finish, leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a
+        complete run of the case. So does any column of a case with load.closing = "penetration", load.target_leak_rate,
+        load.largest_earlier_force or _pressure, leak.fluid_in_gap = "local", seat.wall = "fixed", a calculated
+        temperature or a stress-strain curve.
     interpolate : bool
         Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
         see `fem_seal.studies.shared` and `fem_seal.analysis.families`.
@@ -133,22 +126,6 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
 def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
     found = {column: COLUMNS[column].number(row) for column in columns}
     return found | {"margin": min(found["margin"], LARGEST_MARGIN)} if "margin" in found else found
-
-
-def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
-    """Whether columns of a case take seconds or minutes, see `responses`."""
-    return (
-        not set(columns) <= set(FAST)
-        or (case.sampled is not None and not set(columns).isdisjoint(_SAMPLED))
-        or case.load.closing != "sealed-area"
-        or case.load.target_leak_rate is not None
-        or case.load.earlier is not None
-        or case.leak.fluid_in_gap != "uncoupled"
-        or getattr(case.seat, "wall", "free") != "free"
-        or (case.temperature is not None and bool(case.temperature.faces))
-        or case.closure.material.hardening is not None
-        or case.seat.material.hardening is not None
-    )
 
 
 def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:

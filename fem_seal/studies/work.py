@@ -16,6 +16,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
+from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.store import Row
@@ -203,8 +204,6 @@ def _reason(error: BaseException) -> str:
 
 def chunks(recipe: Recipe, points: FloatArray) -> Iterator[Chunk]:
     """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other."""
-    from fem_seal.studies.responses import takes_complete_run
-
     if len(points) == 0:
         return
     design = _CHUNK if takes_complete_run(recipe.case, recipe.columns) else _DESIGN

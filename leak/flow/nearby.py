@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, elastic_range, gas_conductivity_table
 from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slopes, lagrange
+from leak.surfaces.spectrum import PowerSpectrum
 
 # Surfaces are calculated at the highest pressures of their contacts and at places below, in steps of the abscissa of
 # the tables that widen with the distance from the next higher of them: a step is this long, and this share of the
@@ -216,7 +217,7 @@ class NearbyTables:
 
     def _at(self, surface: RoughContact, sealing: float, places: FloatArray) -> _Values:
         """What is interpolated, of all surfaces in the same way."""
-        few = replace(surface, spectrum=surface.spectrum.coarse(_PIECES)) if self._kinked else surface
+        few = replace(surface, spectrum=_few_power_laws(surface.spectrum)) if self._kinked else surface
         log_share = self._log_share(places)
         p = sealing * np.exp(log_share)
         if not self.of_gas or self.method != "bruggeman":
@@ -286,6 +287,11 @@ class NearbyTables:
     @cached_property
     def _even(self) -> FloatArray:
         return self._abscissa(_LOG_SHARES)
+
+
+@lru_cache(maxsize=4)  # both readings of a surface that yields ask for the same
+def _few_power_laws(spectrum: PowerSpectrum) -> PowerSpectrum:
+    return spectrum.coarse(_PIECES)
 
 
 def height_ratio(surface: RoughContact, other: RoughContact) -> float | None:
