@@ -839,14 +839,31 @@ def _separation_of(surface: RoughContact, within: _Range, method: str) -> Callab
     """u_eff over pressure, as the table is to be made of it."""
     if surface.hardness is None or surface.yielding != "capped":
         return lambda p: np.asarray(surface.effective_separation(p, method))
-    elastic = surface.elastic.conductivity_table(*_elastic_range(surface, within.ends), method=method)
+    elastic = surface.elastic.conductivity_table(*_elastic_ends(surface, within), method=method)
     return lambda p: np.asarray(elastic.effective_separation(surface.acting_pressure(p)))
 
 
-def _elastic_range(surface: RoughContact, ends: FloatArray) -> tuple[float, float]:
-    """Whole decades of pressure around what stands for the ends of a capped surface's table [Pa]."""
-    low, high = np.log10(surface.acting_pressure(ends))
-    return 10.0 ** np.floor(low), 10.0 ** np.ceil(high)
+def elastic_range(
+    surface: RoughContact, within: tuple[float, float], method: str = "bruggeman"
+) -> tuple[float, float]:
+    """Range of pressures of the table of the elastic surface from which that of a capped one is made [Pa].
+
+    Parameters
+    ----------
+    surface : RoughContact
+        The capped one.
+    within : tuple of float
+        Range of its own table [Pa].
+    method : {"bruggeman", "critical-junction", "threshold-law"}
+        See `RoughContact.effective_separation`.
+    """
+    return _elastic_ends(surface, _Range.of(surface, *within, method))
+
+
+def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
+    """Whole decades around what stands for the ends of a capped surface's table [Pa]."""
+    low, high = np.log10(surface.acting_pressure(within.ends))
+    return float(10.0 ** np.floor(low)), float(10.0 ** np.ceil(high))
 
 
 # The low-pressure law holds to 1e-9 50 below p_c (in ln p); above it ubar is tabulated at this spacing, and where it is
@@ -960,8 +977,8 @@ def _table(
         log_R = np.zeros((liquid.pressure.size, _LOG_D.size))
         return GasConductivityTable(liquid, log_R, _LOG_D)
     if num is None and surface.hardness is not None and surface.yielding == "capped":
-        ends = _Range.of(surface, p_min, p_max, method).ends
-        elastic = gas_conductivity_table(surface.elastic, *_elastic_range(surface, ends), method=method)
+        ends = elastic_range(surface, (p_min, p_max), method)
+        elastic = gas_conductivity_table(surface.elastic, *ends, method=method)
         log_p, log_D = np.log(surface.acting_pressure(liquid.pressure))[:, None], _LOG_D[None, :]
         log_R = np.log(elastic.rarefaction(*np.broadcast_arrays(log_p, log_D)))
     else:
