@@ -36,8 +36,8 @@ _DIGITS = 10
 # pressure, up to 0.7 % close to it.
 _SPACING = 0.1
 # Tables reach from this fraction of the sealing pressure to it; below they go on by the law at low pressure.
-# Conductivities are good to 6e-4, to 1e-4 below a thirtieth of the sealing pressure.
-_RANGE, _NODES = 1e-9, 66
+# Conductivities are good to 7e-4 below nine tenths of the sealing pressure, to 1e-4 below a thirtieth.
+_RANGE, _NODES = 1e-9, 50
 _REMEMBERED = 4096
 
 

@@ -145,21 +145,21 @@ def contact_widths(
     f = np.array(line_loads, dtype=float)
     closed = flattened = 2 * f / (math.pi * effective_modulus)
     sides = opening.reach(flattened)
-    a = 0.5 * sides.sum(axis=0)
+    a = 0.5 * (sides[0] + sides[1])
     if isinstance(law, HardContact):
         std, per_std, reach, decay = a / 2, np.full_like(a, _PER_STD_HARD), 1.3 * sides, np.zeros_like(a)
     else:
-        R = a**2 / (2 * flattened)
+        R, of_hertz = a**2 / (2 * flattened), a**2 / 4
         log_peak = np.log(f / (math.sqrt(math.pi / 2) * a))
         for _ in range(4):
             decay = law.decay_length(log_peak)
-            std = np.sqrt(R * decay + a**2 / 4)
+            std = np.sqrt(R * decay + of_hertz)
             log_peak = np.log(f / (math.sqrt(2 * math.pi) * std))
         at_tail, at_closed, at_peak = law.gap(log_peak + _LOG_SHARES)
         reach = sides + opening.reach(at_tail - at_peak)
         closed = flattened + at_closed - at_peak
-        per_std = np.clip(a / np.sqrt(R * decay), _PER_STD_SOFT, _PER_STD_HARD)
-        std = np.minimum(std, reach.sum(axis=0) / math.sqrt(12))
+        per_std = np.minimum(np.maximum(a / np.sqrt(R * decay), _PER_STD_SOFT), _PER_STD_HARD)
+        std = np.minimum(std, (reach[0] + reach[1]) / math.sqrt(12))
     columns = (std, per_std, *reach, decay, closed)
     return [
         ContactWidth(one, fine, (inner, outer), length, gap)

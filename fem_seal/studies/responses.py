@@ -212,7 +212,8 @@ def _validity(problem: SealProblem, load: LoadResult, *, tabulated: bool) -> Val
     table = table.liquid if isinstance(table, GasConductivityTable) else table
     if problem.surface is None or not isinstance(table, ConductivityTable) or table.acting is not None:
         return load_validity(problem, load, problem.surface)
-    peak = load.contact.profile.peak_pressure
-    if float(table.effective_separation(min(peak, table.p_max))) >= _NARROW:
+    # u_eff falls over the pressure: that of the next one in the table is a bound
+    beyond = table.separation[table.pressure.searchsorted(load.contact.profile.peak_pressure) :]
+    if len(beyond) and beyond[0] >= _NARROW:
         load = load.knowing(critical_separation=None)
     return load_validity(problem, load, TabulatedSurface(problem.surface, table.sealing_pressure))

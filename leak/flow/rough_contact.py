@@ -711,10 +711,12 @@ _BELOW = 0.5 * 1.5 ** np.arange(13.0, -1.0, -1.0)
 def _density(relative: FloatArray) -> FloatArray:
     """Pressures per step of the abscissa that make the error of a table even, at fractions of the sealing pressure.
 
-    Few where the law at low pressure holds, most around half the sealing pressure, where channels close.
+    Few where the law at low pressure holds, most around half the sealing pressure, where channels close, and half as
+    many beyond 0.95, where the abscissa is long and next to nothing flows.
     """
     channels_close = 0.6 + 0.8 * np.exp(-(((relative - 0.45) / 0.3) ** 2))
-    return 0.25 + 0.75 * channels_close / (1.0 + 0.007 / relative)
+    nearly_sealed = 1.0 / (1.0 + (0.05 / (1.0 - relative)) ** 3)
+    return (0.25 + 0.75 * channels_close / (1.0 + 0.007 / relative)) * (0.5 + 0.5 * nearly_sealed)
 
 
 # Where the pressures follow from the error: the first ones, in `_BELOW` and in the range, and how well the cubic

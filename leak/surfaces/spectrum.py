@@ -343,7 +343,7 @@ class PowerSpectrum:
 
     def height_variance_above(self, wavenumber: ArrayLike) -> FloatArray:
         """2 pi int q C dq over wavenumbers above `wavenumber`: roughness not yet seen [m^2]."""
-        q = np.clip(np.asarray(wavenumber, dtype=float), self.q_low, self.q_high)
+        q = np.minimum(np.maximum(np.asarray(wavenumber, dtype=float), self.q_low), self.q_high)
         k = self._piece_of(q)
         log_q = np.log(q)
         exponent = 2.0 + self._slope[k]
