@@ -59,31 +59,23 @@ WAITING = tuple(
 )
 
 
-class _Collecting:
-    """What is the same for the files of tests and those of the program, which no `conftest.py` stands above."""
-
-    @pytest.hookimpl(tryfirst=True)
-    def pytest_collection(self, session: pytest.Session) -> None:
-        """Before all tests are collected each process loads a share of its own, so that each is compiled once."""
-        process = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
-        processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
-        if processes > 1 and session.config.args == session.config.getini("testpaths"):
-            for file in sorted(Path(__file__).parent.glob("test_*.py"))[int(process) :: processes]:
-                # why it cannot be loaded is said when its tests are collected
-                with suppress(Exception, pytest.skip.Exception):
-                    importlib.import_module(file.stem)
-
-    @pytest.hookimpl(wrapper=True)
-    def pytest_collect_file(
-        self, file_path: Path
-    ) -> Generator[None, list[pytest.Collector], list[pytest.Collector]]:
-        """Files without an example are not searched for examples, nor loaded for that."""
-        found = yield
-        return [one for one in found if type(one) is pytest.Module or b">>>" in file_path.read_bytes()]
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection(session: pytest.Session) -> None:
+    """Before all tests are collected each process loads a share of its own, so that each is compiled once."""
+    process = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
+    processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
+    if processes > 1 and session.config.args == session.config.getini("testpaths"):
+        for file in sorted(Path(__file__).parent.glob("test_*.py"))[int(process) :: processes]:
+            # why it cannot be loaded is said when its tests are collected
+            with suppress(Exception, pytest.skip.Exception):
+                importlib.import_module(file.stem)
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    config.pluginmanager.register(_Collecting())
+@pytest.hookimpl(wrapper=True)
+def pytest_collect_file() -> Generator[None, list[pytest.Collector], list[pytest.Collector]]:
+    """Files of tests hold no examples of their own: nobody looks for any in them."""
+    found = yield
+    return [one for one in found if type(one) is pytest.Module]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
