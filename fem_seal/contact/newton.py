@@ -22,8 +22,8 @@ from fem_seal.errors import ConvergenceError
 # Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
 _FLOOR = 1e-6
 _ROUND_OFF = 64 * np.finfo(float).eps
-# Compliance of the bodies at a point over that of the law below which it carries next to nothing: it slows the iteration
-# down by less than that.
+# Compliance of the bodies at a point over that of the law below which it carries next to nothing: it slows the
+# iteration down by less than that.
 _CARRIES = 1e-8
 # ... of the largest, where all of them are smaller than this.
 _SOFT = 1e-3
