@@ -114,7 +114,8 @@ def better_sizing(
     size_given : bool
         Whether the element size must stay.
     """
-    changed = replace(sizing, zone=_zone(sizing, contact, profiles))
+    zone = _zone(sizing, contact, profiles)
+    changed = sizing if zone == sizing.zone else replace(sizing, zone=zone)
     if not size_given:
         changed = _resolving(changed, profiles)
         spots = [spot for profile in profiles for spot in _steep_places(sizing, profile)]

@@ -36,6 +36,7 @@ _AT_CORNER = 10.0
 _TAIL = 1e-7
 # Pressure over peak pressure that needs no element size of its own.
 _NO_PRESSURE = 1e-3
+_LOG_SHARES: FloatArray = np.log([[_TAIL], [_NO_PRESSURE], [1.0]])
 
 
 @dataclass(frozen=True)
@@ -86,8 +87,8 @@ class Opening:
         -------
         ndarray, shape (2, n)
         """
-        sides = zip(self.root_gap, self.distance, strict=True)
-        return np.stack([np.interp(np.sqrt(gap), root_gap, distance) for root_gap, distance in sides])
+        sides, root = zip(self.root_gap, self.distance, strict=True), np.sqrt(gap)
+        return np.array([np.interp(root, root_gap, distance) for root_gap, distance in sides])
 
 
 # Meshes that are ready know no equality.
@@ -154,9 +155,7 @@ def contact_widths(
             decay = law.decay_length(log_peak)
             std = np.sqrt(R * decay + a**2 / 4)
             log_peak = np.log(f / (math.sqrt(2 * math.pi) * std))
-        at_tail, at_closed, at_peak = (
-            law.gap(log_peak + math.log(share)) for share in (_TAIL, _NO_PRESSURE, 1.0)
-        )
+        at_tail, at_closed, at_peak = law.gap(log_peak + _LOG_SHARES)
         reach = sides + opening.reach(at_tail - at_peak)
         closed = flattened + at_closed - at_peak
         per_std = np.clip(a / np.sqrt(R * decay), _PER_STD_SOFT, _PER_STD_HARD)
@@ -214,7 +213,8 @@ def element_sizes(
         far_size=far_size,
         spots=spots,
     )
-    sizing = replace(sizing, zone=_without_stubs(sizing, contact))
+    if (without_stubs := _without_stubs(sizing, contact)) != zone:
+        sizing = replace(sizing, zone=without_stubs)
     if contact_size is None:
         return sizing
     smallest = (sizing.zone[1] - sizing.zone[0]) / _MOST_ELEMENTS

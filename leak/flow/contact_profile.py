@@ -72,9 +72,13 @@ class Panels:
         weights = 0.5 * gauss(values.shape[1])[1]
         return (values * self.stretch * weights).sum(axis=1)
 
-    def running(self, values: FloatArray) -> FloatArray:
-        """int values dx from the beginning of each stretch to each of its points, shape like `values`."""
-        return (values * self.stretch) @ _running_integral(values.shape[1]).T
+    @property
+    def quadrature(self) -> FloatArray:
+        """Matrix from values at the points of a stretch to their integrals over s: up to each point, and over all.
+
+        Shape (points, points + 1).
+        """
+        return _quadrature(self.stretch.shape[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,6 +235,8 @@ class ContactProfile:
     def refined(self, cells: int) -> ContactProfile:
         """The same profile with each cell cut into equal parts, so that there are at least so many."""
         parts = -(-cells // (self.x.size - 1))
+        if parts == 1:
+            return self
         at = np.arange(parts * (self.x.size - 1) + 1) / parts
         return replace(self, x=np.interp(at, np.arange(self.x.size), self.x))
 
@@ -379,8 +385,8 @@ def _hermite(t: FloatArray, d0: FloatArray, d1: FloatArray, rise: FloatArray) ->
 
 
 @lru_cache(maxsize=8)
-def _running_integral(count: int) -> FloatArray:
-    """Matrix from values at Gauss points on (0, 1) to the integral of their interpolant from 0 to each point."""
+def _quadrature(count: int) -> FloatArray:
+    """From values at Gauss points on (0, 1): the integral of their interpolant from 0 to each point and to 1."""
     legendre = np.polynomial.legendre
     t, w = gauss(count)
     degree = np.arange(count)
@@ -390,7 +396,7 @@ def _running_integral(count: int) -> FloatArray:
     antiderivative[:, 0] = t + 1.0
     for k in range(1, count):
         antiderivative[:, k] = (P[:, k + 1] - P[:, k - 1]) / (2 * k + 1)
-    return 0.5 * antiderivative @ to_coefficients
+    return 0.5 * np.column_stack([(antiderivative @ to_coefficients).T, w])
 
 
 def checked_profile(

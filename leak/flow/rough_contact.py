@@ -684,19 +684,20 @@ def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
 @lru_cache(maxsize=64)
 def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
     gap = BEARING_GAP * elastic.spectrum.rms_height
-    # ubar is convex in ln p: from a low pressure Newton's steps stay on one side
-    log_p = np.log(1e-3 * elastic.effective_modulus * elastic.spectrum.rms_slope)
+    # ubar is convex in ln p: from the second on Newton's steps stay on one side
+    log_p = np.log(_USUAL_BEARING * elastic.effective_modulus * elastic.spectrum.rms_slope)
     for _ in range(_NEWTON_STEPS):
         p = np.exp(np.array([log_p]))
         found = elastic._mean(p, elastic._seen(p))
         step = float((found.mean[0, 0] - gap) / found.decay[0, 0])
         log_p += step
-        if abs(step) < 1e-9:
+        if abs(step) < _CLOSE:
             break
     return float(np.exp(log_p)), elastic.sealing_pressure
 
 
-_NEWTON_STEPS = 40
+# Bearing pressures are 0.4 to 7 % of E* h'; after a step in ln p this small Newton's method is at rounding.
+_USUAL_BEARING, _CLOSE, _NEWTON_STEPS = 0.02, 1e-6, 40
 _HALVINGS = 60
 # A surface seals at more than exp(-this) of the smaller of its elastic sealing pressure and its hardness.
 _SEALING_RANGE = 40.0
@@ -838,21 +839,48 @@ def _separation_of(surface: RoughContact, within: _Range, method: str) -> Callab
     """u_eff over pressure, as the table is to be made of it."""
     if surface.hardness is None or surface.yielding != "capped":
         return lambda p: np.asarray(surface.effective_separation(p, method))
-    elastic = surface.elastic.conductivity_table(*_elastic_range(surface, within.ends), method=method)
+    elastic = surface.elastic.conductivity_table(*_elastic_ends(surface, within), method=method)
     return lambda p: np.asarray(elastic.effective_separation(surface.acting_pressure(p)))
 
 
-def _elastic_range(surface: RoughContact, ends: FloatArray) -> tuple[float, float]:
-    """Whole decades of pressure around what stands for the ends of a capped surface's table [Pa]."""
-    low, high = np.log10(surface.acting_pressure(ends))
-    return 10.0 ** np.floor(low), 10.0 ** np.ceil(high)
+def elastic_range(
+    surface: RoughContact, within: tuple[float, float], method: str = "bruggeman"
+) -> tuple[float, float]:
+    """Range of pressures of the table of the elastic surface from which that of a capped one is made [Pa].
+
+    Parameters
+    ----------
+    surface : RoughContact
+        The capped one.
+    within : tuple of float
+        Range of its own table [Pa].
+    method : {"bruggeman", "critical-junction", "threshold-law"}
+        See `RoughContact.effective_separation`.
+    """
+    return _elastic_ends(surface, _Range.of(surface, *within, method))
+
+
+def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
+    """Whole decades around what stands for the ends of a capped surface's table [Pa]."""
+    low, high = np.log10(surface.acting_pressure(within.ends))
+    return float(10.0 ** np.floor(low)), float(10.0 ** np.ceil(high))
 
 
 # The low-pressure law holds to 1e-9 50 below p_c (in ln p); above it ubar is tabulated at this spacing, and where it is
-# all but straight at wider ones: the curve between is off by less than 1e-6 of ubar.
+# all but straight at wider ones: the curve between is off by less than 1e-6 of ubar, 2e-6 for plastic asperities.
 _LAW_SPACING = 0.05
 _LAW_PLACES = np.concatenate(
     [np.arange(-50.0, -20.0, 1.0), np.arange(-20.0, -8.0, 0.25), np.arange(-8.0, 8.0, _LAW_SPACING)]
+)
+# Exact slopes carry the curve further.
+_ELASTIC_LAW_PLACES = np.concatenate(
+    [
+        np.arange(-50.0, -20.0, 1.0),
+        np.arange(-20.0, -8.0, 0.4),
+        np.arange(-8.0, -5.0, 0.2),
+        np.arange(-5.0, -1.0, 0.1),
+        np.arange(-1.0, 8.0, _LAW_SPACING),
+    ]
 )
 # The table ends where the gap is this fraction of u0: full contact for any purpose.
 _LAW_END = 1e-6
@@ -862,18 +890,20 @@ _LAW_END = 1e-6
 def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
     """Mean separation over ln p, with its exact slope for elastic asperities and a spline's for plastic ones."""
     log_p_c = np.log(surface.p_c)
-    log_p = log_p_c + _LAW_PLACES
+    log_p = log_p_c + (_ELASTIC_LAW_PLACES if surface.hardness is None else _LAW_PLACES)
     if surface.hardness is not None:
         # Toward the hardness the gap closes ever faster: equal ratios of sigma_P - p instead of equal steps.
         near = np.log(surface.hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
         log_p = np.concatenate([log_p[log_p < near[0] - 0.5 * _LAW_SPACING], near])
     p = np.exp(log_p)
-    gap, decay = np.empty(p.shape), np.empty(p.shape)
+    gap, decay = np.zeros(p.shape), np.zeros(p.shape)
     for start in range(0, p.size, 64):
         part = slice(start, start + 64)
         acting = surface.acting_pressure(p[part])
         found = surface._mean(acting, surface._seen(acting))
         gap[part], decay[part] = found.mean[:, 0], found.decay[:, 0]
+        if found.mean[-1, 0] <= _LAW_END * decay[0]:
+            break
     used = gap > _LAW_END * decay[0]
     log_p, gap, decay = log_p[used], gap[used], decay[used]
     if surface.hardness is not None:
@@ -947,8 +977,8 @@ def _table(
         log_R = np.zeros((liquid.pressure.size, _LOG_D.size))
         return GasConductivityTable(liquid, log_R, _LOG_D)
     if num is None and surface.hardness is not None and surface.yielding == "capped":
-        ends = _Range.of(surface, p_min, p_max, method).ends
-        elastic = gas_conductivity_table(surface.elastic, *_elastic_range(surface, ends), method=method)
+        ends = elastic_range(surface, (p_min, p_max), method)
+        elastic = gas_conductivity_table(surface.elastic, *ends, method=method)
         log_p, log_D = np.log(surface.acting_pressure(liquid.pressure))[:, None], _LOG_D[None, :]
         log_R = np.log(elastic.rarefaction(*np.broadcast_arrays(log_p, log_D)))
     else:
