@@ -372,7 +372,8 @@ def _cell_slopes(x: FloatArray, log_p: FloatArray) -> FloatArray:
     ends, steepest = h * slopes, 3.0 * rise
     bends = (ends < np.minimum(steepest, 0.0)) | (ends > np.maximum(steepest, 0.0))
     looked_at = (bends[0] | bends[1]).nonzero()[0]
-    value = _hermite(_LOOKED_AT[:, None], *ends[:, looked_at], rise[looked_at])
+    left, right = ends[:, looked_at]
+    value = _hermite(_LOOKED_AT[:, None], left, right, rise[looked_at])
     above, below = np.maximum(rise[looked_at], 0) + _OVERSHOOT, np.minimum(rise[looked_at], 0) - _OVERSHOOT
     wild = looked_at[((value > above) | (value < below)).any(axis=0)]
     slopes[:, wild] = rise[wild] / h[wild]
