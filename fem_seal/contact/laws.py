@@ -75,7 +75,8 @@ class LawOfRows:
     ----------
     law : InterfaceLaw
     height, log_pressure : ndarray, shape (laws, 1)
-        Ratios as of a `ScaledLaw`, of the second one its logarithm.
+        Ratios as of a `ScaledLaw`, of the second one its logarithm. Of shape (laws,) the n-th law is that of the n-th
+        column.
     """
 
     law: InterfaceLaw
@@ -89,16 +90,21 @@ class LawOfRows:
         ratios = np.array(scaled or [(1.0, 0.0)])
         return cls(shape_of(laws[0]), ratios[:, :1], ratios[:, 1:])
 
+    @property
+    def each(self) -> LawOfRows:
+        """The same laws, each for a column."""
+        return LawOfRows(self.law, self.height[:, 0], self.log_pressure[:, 0])
+
     def rows(self, chosen: NDArray[np.bool_]) -> LawOfRows:
         """Of some of the rows."""
         return LawOfRows(self.law, self.height[chosen], self.log_pressure[chosen])
 
     def gap(self, log_pressure: FloatArray) -> FloatArray:
-        """Mean separation u [m] at ln(p/Pa), shape (laws, points)."""
+        """Mean separation u [m] at ln(p/Pa)."""
         return self.height * self.law.gap(log_pressure - self.log_pressure)
 
     def decay_length(self, log_pressure: FloatArray) -> FloatArray:
-        """-du/d ln p [m], positive, shape (laws, points)."""
+        """-du/d ln p [m], positive."""
         return self.height * self.law.decay_length(log_pressure - self.log_pressure)
 
 

@@ -17,7 +17,7 @@ from fem_seal.analysis.flow import Conductivity, Flow, RoughFlow
 from fem_seal.analysis.judgement import Verdict
 from fem_seal.analysis.load_solver import LoadSolver
 from fem_seal.analysis.opening import with_margins
-from fem_seal.analysis.problem import SealProblem, expected_forces, sizing
+from fem_seal.analysis.problem import SealProblem, expected_contacts, expected_forces, sizing
 from fem_seal.analysis.results import LoadResult
 from fem_seal.analysis.verdict import judged
 from fem_seal.analysis.warnings import load_validity
@@ -182,13 +182,13 @@ def _bare_load(problem: SealProblem, stress: bool) -> Steps[LoadResult]:
 
     def solve_on(sizing: Sizing) -> Steps[Sequence[ContactSolution]]:
         model = shared_model(problem, sizing, stress=stress)
-        contact = yield Pressing(model, law, force, problem.at_rest(model))
-        assert contact is not None  # which is what was asked for
+        contact: ContactSolution = yield Pressing(model, law, force, problem.at_rest(model))
         found.append(LoadResult(*point, contact, formed=problem.around(contact, law)))
         return found[-1].contacts
 
     size_given = problem.contact_size is not None
-    expected = sizing(problem, law)
+    widths = yield expected_contacts(problem, law)
+    expected = sizing(problem, law, widths=widths)
     yield None
     yield from fitted(expected, problem.contact, solve_on, size_given=size_given)
     return found[-1]

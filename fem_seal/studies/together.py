@@ -2,7 +2,7 @@
 
 A design takes some thousand short steps of very different kinds. One design after the other, each kind finds nothing
 of its own in the processor's caches any more; the same step of several designs in a row takes two thirds of the time.
-The contacts of all are solved in one go.
+The contacts of all are expected and solved in one go.
 """
 
 from __future__ import annotations
@@ -10,17 +10,18 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Generator, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 if TYPE_CHECKING:
     from fem_seal.contact.newton import Pressing
-    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.contact.sizing import Expected
 
 T = TypeVar("T")
 
-# A calculation that stops after each of its steps, for the solution of a contact or for nothing, and returns what it
-# has found at the end.
-Steps: TypeAlias = "Generator[Pressing | None, ContactSolution | None, T]"
+# A calculation that stops after each of its steps, asking for a contact or for nothing, and returns at the end what it
+# has found.
+Asked: TypeAlias = "Pressing | Expected"
+Steps: TypeAlias = Generator["Asked | None", Any, T]
 # Entered while the calculation of that number takes a step, None for what is done for several at once.
 Turn: TypeAlias = Callable[[int | None], AbstractContextManager[None]]
 
@@ -46,35 +47,44 @@ def together(calculations: Sequence[Steps[T]], turn: Turn = unwatched) -> list[t
     """
     found: dict[int, T] = {}
     seconds = [0.0] * len(calculations)
-    solved: dict[int, ContactSolution | Exception] = {}
+    answers: dict[int, Any] = {}
     while len(found) < len(calculations):
-        pressings: dict[int, Pressing] = {}
+        asked: dict[int, Asked] = {}
         for number, one in enumerate(calculations):
             if number in found:
                 continue
-            start, answer = time.perf_counter(), solved.pop(number, None)
+            start, answer = time.perf_counter(), answers.pop(number, None)
             with turn(number):
                 try:
-                    asked = one.throw(answer) if isinstance(answer, Exception) else one.send(answer)
-                    if asked is not None:
-                        pressings[number] = asked
+                    question = one.throw(answer) if isinstance(answer, Exception) else one.send(answer)
+                    if question is not None:
+                        asked[number] = question
                 except StopIteration as end:
                     found[number] = end.value
             seconds[number] += time.perf_counter() - start
-        if pressings:
-            start, numbers = time.perf_counter(), list(pressings)
-            with turn(numbers[0] if len(numbers) == 1 else None):
-                solved.update(zip(numbers, _solved(list(pressings.values())), strict=True))
-            for number in numbers:
-                seconds[number] += (time.perf_counter() - start) / len(numbers)
+        if asked:
+            start = time.perf_counter()
+            with turn(next(iter(asked)) if len(asked) == 1 else None):
+                answers = dict(zip(asked, _answers(list(asked.values())), strict=True))
+            for number in asked:
+                seconds[number] += (time.perf_counter() - start) / len(asked)
     return [(found[number], seconds[number]) for number in range(len(calculations))]
 
 
-def _solved(pressings: Sequence[Pressing]) -> Sequence[ContactSolution | Exception]:
-    from fem_seal.contact.newton import solve_together
+def _answers(asked: Sequence[Asked]) -> list[Any]:
+    """What is found for each, or the error that is its answer."""
+    from fem_seal.contact.newton import Pressing, solve_together
+    from fem_seal.contact.sizing import Expected, widths_together
     from fem_seal.contact.solution import ContactSettings
 
-    return solve_together(pressings, ContactSettings(_TOLERANCE, _TOLERANCE))
+    presses = [one for one in asked if isinstance(one, Pressing)]
+    expected = [one for one in asked if isinstance(one, Expected)]
+    try:
+        solved = iter(solve_together(presses, ContactSettings(_TOLERANCE, _TOLERANCE)))
+        widths = iter(widths_together(expected))
+    except Exception as error:  # of one of them, whose own affair it is
+        return [error] if len(asked) == 1 else [answer for one in asked for answer in _answers([one])]
+    return [next(solved) if isinstance(one, Pressing) else next(widths) for one in asked]
 
 
 def alone(calculation: Steps[T]) -> T:
