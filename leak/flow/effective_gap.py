@@ -56,8 +56,32 @@ def effective_gas_gap(
     l = eta v0/p_f for each pressure, shape (P, m) [m].
     """
     gaps = _gaps(lost, mean_separation, rms_height, 1)
+    return _gas_gap(gaps, _continuum(gaps, n, aspect), n, aspect, flight)
+
+
+def effective_gaps(
+    lost: LostArea,
+    mean_separation: FloatArray,
+    rms_height: float,
+    n: float,
+    aspect: float | FloatArray,
+    inverse_knudsen: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """`effective_gap`, shape (P,), and `effective_gas_gap` at given D = u_eff/l, of shape (m,), shape (P, m) [m]."""
+    gaps = _gaps(lost, mean_separation, rms_height, 1)
+    continuum = _continuum(gaps, n, aspect)
+    flight = np.maximum(continuum.along, gaps.separation[:, 0])[:, None] / inverse_knudsen
+    return continuum.along, _gas_gap(gaps, continuum, n, aspect, flight)
+
+
+def _continuum(gaps: _Gaps, n: float, aspect: float | FloatArray) -> DirectionalGap:
+    return anisotropic_medium(*gaps, n, aspect)
+
+
+def _gas_gap(
+    gaps: _Gaps, continuum: DirectionalGap, n: float, aspect: float | FloatArray, flight: FloatArray
+) -> FloatArray:
     log_u = np.log(gaps.separation)
-    continuum = directional_medium_of_logarithms(log_u, gaps.weight, gaps.contact, gaps.wide_open, n, aspect)
     # about as much is let through as through the gap of the continuum alone, and as much more along as across
     along, across = (np.log(np.maximum(gap, gaps.separation[:, 0])) for gap in continuum)
     out = np.empty(flight.shape)
