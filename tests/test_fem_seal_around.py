@@ -233,20 +233,25 @@ class HalfPlanes:
         # from half a cell beside the middle to the middle of a parabola
         return math.exp(CubicSpline(rungs, [v[0] + (v[0] - v[1]) / 8 for v, _ in found])(math.log(over_mean)))
 
+    @cached_property
+    def shares(self) -> np.ndarray:
+        """Of the mean load, by cells from one side to the other."""
+        half = np.exp(self.solved(self.mean)[0])
+        return np.concatenate([half[::-1], half]) / (2 * half.sum())
+
     def stiffening(self, wave_number: float) -> float:
         """c_n - c_0 = (2/(pi E*)) <K0(k |x - x'|) + ln |x - x'|>, with w of the mean load."""
-        w = np.exp(self.solved(self.mean)[0])
-        w = np.concatenate([w[::-1], w]) / (2 * w.sum())
-        x = np.concatenate([-self.x[::-1], self.x])
-        distance = np.abs(x[:, None] - x) + np.eye(len(x))
+        # pairs of cells by how many steps they are apart
+        pairs = np.correlate(self.shares, self.shares, "full")[2 * self.cells - 1 :]
+        pairs[1:] *= 2
+        distance = self.step * np.arange(1, 2 * self.cells)
         kernel = k0(wave_number * distance) + np.log(distance)
-        np.fill_diagonal(kernel, -math.log(wave_number / 2) - np.euler_gamma)
-        return float(2 / (math.pi * self.modulus) * (w @ kernel @ w))
+        itself = -math.log(wave_number / 2) - np.euler_gamma
+        return float(2 / (math.pi * self.modulus) * (pairs @ np.append(itself, kernel)))
 
     @cached_property
     def std(self) -> float:
-        w = np.exp(self.solved(self.mean)[0])
-        return math.sqrt(w @ self.x**2 / w.sum())
+        return math.sqrt(self.shares[self.cells :] @ self.x**2 * 2)
 
 
 REFERENCE = Path(__file__).parent / "reference" / "wavy_line_contact.csv"

@@ -13,9 +13,6 @@ import pytest
 import fem_seal
 from fem_seal.case.case import load_case
 
-pytest.importorskip("dash", reason="the live page needs the extra [explore]")
-webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
-
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(
@@ -67,6 +64,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def address(folder):
+    pytest.importorskip("dash", reason="the live page needs the extra [explore]")
     command = [sys.executable, "-m", "fem_seal", "explore", "ball.toml", "--port", "0", "--no-browser"]
     page = subprocess.Popen(
         command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ}
@@ -87,6 +85,7 @@ def address(folder):
 
 @pytest.fixture(scope="module")
 def browser(address):
+    webdriver = pytest.importorskip("selenium.webdriver", reason="selenium drives the browser")
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
     for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1400,1000"):

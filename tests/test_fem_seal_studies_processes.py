@@ -21,7 +21,6 @@ from fem_seal import StudyResult, load_study
 from fem_seal.errors import ClusterError
 from fem_seal.studies.session import run_study
 
-pytest.importorskip("distributed")
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="finds the workers in /proc"),
@@ -45,15 +44,20 @@ SLOW = """
 import time
 from fem_seal.studies import responses
 
-def slow(case, columns, swift=responses.evaluate, **options):
+def slow(case, columns, swift=responses.evaluation, **options):
     time.sleep(0.1)
     return swift(case, columns, **options)
 
-if responses.evaluate.__name__ != "slow":
-    responses.evaluate = slow
+if responses.evaluation.__name__ != "slow":
+    responses.evaluation = slow
 """
 # Longest wait for anything; on an idle machine it is seconds.
 PATIENCE = 120.0
+
+
+@pytest.fixture(autouse=True, scope="module")
+def clusters():
+    pytest.importorskip("distributed")
 
 
 @pytest.fixture(autouse=True)
@@ -209,7 +213,7 @@ def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
     recipe = Recipe.of(study)
     deadly = float(study.points[2, 0])
     with local_client(2) as client:
-        client.register_plugin(_Arming(deadly))
+        client.register_plugin(_arming(deadly))
         cluster = Cluster(client, 1, PATIENCE)
         found = [row for rows in cluster.results(recipe, [Chunk(study.points)]) for row in rows]
     reasons = {row.inputs[0]: row.reason for row in found}
@@ -266,14 +270,14 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
     from fem_seal.studies.work import Chunk, Recipe
 
     study, begun, free, found = load_study(_small(tmp_path)), Event(), Event(), []
-    harmless = responses.evaluate
+    harmless = responses.evaluation
 
     def held(*about, **more):
         begun.set()
         free.wait(PATIENCE)
         return harmless(*about, **more)
 
-    monkeypatch.setattr(responses, "evaluate", held)
+    monkeypatch.setattr(responses, "evaluation", held)
     with (
         LocalCluster(
             n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
@@ -349,29 +353,23 @@ def _arm(deadly):
     """Make this process die when it calculates a certain design."""
     from fem_seal.studies import responses
 
-    harmless = responses.evaluate
+    harmless = responses.evaluation
 
     def armed(case, columns, *, interpolate=True):
         if case.load.axial_force == deadly:
             os.kill(os.getpid(), signal.SIGKILL)
         return harmless(case, columns, interpolate=interpolate)
 
-    responses.evaluate = armed
+    responses.evaluation = armed
 
 
-def _plugin():
+def _arming(deadly):
     from distributed import WorkerPlugin
 
     class Arming(WorkerPlugin):
         """Arms workers that come later as well."""
 
-        def __init__(self, deadly):
-            self.deadly = deadly
-
         def setup(self, worker):
-            _arm(self.deadly)
+            _arm(deadly)
 
-    return Arming
-
-
-_Arming = _plugin()
+    return Arming()

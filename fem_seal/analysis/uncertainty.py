@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.families import ScaledLaw
+from fem_seal.analysis.flow import log_peaks, range_around
 from fem_seal.analysis.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.analysis.problem import condensed
 from fem_seal.analysis.response_surface import ResponseSurface, fit
@@ -30,7 +30,7 @@ from fem_seal.case.roughness import (
     uncertain_heights,
 )
 from fem_seal.case.uncertainty import Uncertainty
-from fem_seal.contact.laws import HardContact
+from fem_seal.contact.laws import HardContact, ScaledLaw
 from fem_seal.errors import ConvergenceError, InputError, Problem
 
 if TYPE_CHECKING:
@@ -478,8 +478,10 @@ class _Study:
 
         surface, flow = self.result.surface, self.result.problem.flow
         assert surface is not None and flow is not None  # of the checks
+        # the case has its tables already
+        within = range_around(log_peaks([one for load in self.result.loads for one in load.contacts]))
         return {
-            one.yielding: NearbyTables(one, flow.gas is not None, flow.conductivity)
+            one.yielding: NearbyTables(one, flow.gas is not None, flow.conductivity, within)
             for one in (surface, surface.capped)
         }
 

@@ -343,9 +343,9 @@ class CaseTables(Table):
     @property
     def wall_motion(self) -> float:
         """How far a held wall of the seat is moved inwards, by a press fit and by heat [m]; zero where it is free."""
-        heat, wall = self.temperature, self.contact.seat.largest_radius
         if getattr(self.seat, "wall", "free") == "free":
             return 0.0
+        heat, wall = self.temperature, self.contact.seat.largest_radius
         interference: float = getattr(self.seat, "interference", None) or 0.0
         warm = None if heat is None else heat.of_body("seat")
         if heat is None or warm is None:

@@ -146,7 +146,7 @@ class PowerSpectrum:
                 f"q_rolloff = {q_rolloff}: must lie between q_low = {q_low} and q_high = {q_high}"
             )
         unit = _self_affine_shape(low, rolloff, high, H)
-        return cls(unit.wavenumber, unit.density * (h / unit.rms_height) ** 2)
+        return unit.scaled(h / unit.rms_height)
 
     @classmethod
     def from_table(cls, wavenumber: ArrayLike, density: ArrayLike) -> PowerSpectrum:
@@ -249,6 +249,43 @@ class PowerSpectrum:
         """ln C at ln q, both in SI units, between the smallest and the largest wavenumber."""
         return np.interp(log_wavenumber, self._log_q, self._log_C)
 
+    def scaled(self, height: float) -> PowerSpectrum:
+        """The same surface with all heights times `height`, which knows what follows from the shape alone.
+
+        Parameters
+        ----------
+        height : float
+            Ratio, positive [-].
+
+        Examples
+        --------
+        >>> rough = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+        >>> rougher = rough.scaled(2.0)
+        >>> round(rougher.rms_height * 1e6, 6), rougher.shape is rough.shape
+        (2.0, True)
+        """
+        variance = height**2
+        other = PowerSpectrum(self.wavenumber, variance * self.density)
+        vars(other).update(
+            _shape=self.shape,
+            rms_height=height * self.rms_height,
+            _log_q=self._log_q,
+            _log_C=self._log_C + np.log(variance),
+            _length=self._length,
+            _slope=self._slope,
+            _slope_exponent=self._slope_exponent,
+            _slope_scale=variance * self._slope_scale,
+            _slope_moment=variance * self._slope_moment,
+            _height_above=variance * self._height_above,
+        )
+        return other
+
+    @property
+    def shape(self) -> PowerSpectrum:
+        """The spectrum of which this one and others are `scaled` copies; itself where it is none."""
+        found: PowerSpectrum = vars(self).get("_shape", self)
+        return found
+
     def __add__(self, other: PowerSpectrum) -> PowerSpectrum:
         """Spectrum of the sum of two statistically independent roughnesses."""
         if not isinstance(other, PowerSpectrum):
@@ -306,7 +343,7 @@ class PowerSpectrum:
 
     def height_variance_above(self, wavenumber: ArrayLike) -> FloatArray:
         """2 pi int q C dq over wavenumbers above `wavenumber`: roughness not yet seen [m^2]."""
-        q = np.clip(np.asarray(wavenumber, dtype=float), self.q_low, self.q_high)
+        q = np.minimum(np.maximum(np.asarray(wavenumber, dtype=float), self.q_low), self.q_high)
         k = self._piece_of(q)
         log_q = np.log(q)
         exponent = 2.0 + self._slope[k]
