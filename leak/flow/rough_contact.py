@@ -16,7 +16,13 @@ from leak.errors import ConductivityError, SurfaceError, positive
 from leak.flow import conductivity as flow
 from leak.flow import lay, medium, percolation
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable
-from leak.flow.effective_gap import area_argument_at, critical_gap, effective_gap, effective_gas_gap
+from leak.flow.effective_gap import (
+    area_argument_at,
+    critical_gap,
+    effective_gap,
+    effective_gaps,
+    effective_gas_gap,
+)
 from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import spline_slopes
@@ -516,6 +522,19 @@ class RoughContact:
             out[part] = effective_gas_gap(lost, mean, self.spectrum.rms_height, n, aspect, lengths[part])
         return out
 
+    def _with_rarefaction(self, p: FloatArray) -> FloatArray:
+        """u_eff of the effective medium [m] and ln R of a gas at `_LOG_D`, not finite if sealed, shape (n, 1 + m)."""
+        n, height = medium.dimension_number(self.percolation_threshold), self.spectrum.rms_height
+        out = np.empty((p.size, 1 + _LOG_D.size))
+        for part in _parts(np.arange(p.size)):
+            acting = self.acting_pressure(p[part])
+            lost, mean, aspect = self._channels(acting, self._seen(acting), 1)
+            u, gas = effective_gaps(lost, mean, height, n, aspect, np.exp(_LOG_D))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                out[part, 1:] = 3.0 * np.log(gas / u[:, None]) - log_flow_factor(_LOG_D)
+            out[part, 0] = u
+        return out
+
     @cached_property
     def sealing_pressure(self) -> float:
         """Pressure from which A/A0 at full magnification exceeds the percolation threshold: nothing flows [Pa]."""
@@ -803,9 +822,11 @@ class _Range:
         return np.exp(np.interp(found, abscissa, x)), table
 
 
-def _allowed(logarithmic: FloatArray) -> FloatArray:
-    """Error of `_logarithmic` that is the same share of u_eff everywhere."""
-    return _PREDICTED * np.maximum(1.0, logarithmic)
+def _allowed(values: FloatArray) -> FloatArray:
+    """Error of `_logarithmic`, the first column, that is the same share of u_eff everywhere; any of the others."""
+    allowed = np.full(values.shape, np.inf)
+    allowed[:, 0] = _PREDICTED * np.maximum(1.0, values[:, 0])
+    return allowed
 
 
 def _logarithmic(ratio: FloatArray) -> FloatArray:
@@ -819,22 +840,51 @@ def _conductivity_table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
 ) -> ConductivityTable:
     within = _Range.of(surface, p_min, p_max, method)
+    separation = _separation_of(surface, within, method)
+    return _tabulated(surface, within, p_max, num, lambda p: separation(p)[:, None])[0]
+
+
+def _tabulated(
+    surface: RoughContact,
+    within: _Range,
+    p_max: float,
+    num: int | None,
+    values: Callable[[FloatArray], FloatArray],
+) -> tuple[ConductivityTable, FloatArray]:
+    """Table of u_eff, and what else comes with it.
+
+    Parameters
+    ----------
+    surface, p_max, num
+        See `RoughContact.conductivity_table`.
+    within : _Range
+    values : callable
+        At pressures of shape (n,) [Pa]: u_eff [m] and what else is wanted, finite where u_eff is not zero, shape
+        (n, 1 + m). The errors of u_eff decide where.
+
+    Returns
+    -------
+    table : ConductivityTable
+    others : ndarray
+        The rest of the values at its pressures, shape (k, m).
+    """
     if num is None:
         length = 0.5 * surface.spectrum.rms_height
-        separation = _separation_of(surface, within, method)
 
-        def values(p: FloatArray) -> FloatArray:
-            return _logarithmic(separation(p) / length)[:, None]
+        def smooth(p: FloatArray) -> FloatArray:
+            found = values(p)
+            return np.column_stack([_logarithmic(found[:, 0] / length), found[:, 1:]])
 
-        pressure, found = within.adapted(values, _allowed)
-        u = length * np.logaddexp(0.0, found[:, 0])
+        pressure, found = within.adapted(smooth, _allowed)
+        found[:, 0] = length * np.logaddexp(0.0, found[:, 0])
     else:
         pressure = np.exp(within.spread(num))
-        u = _separation_of(surface, within, method)(pressure)
-    flows = u > 0.0
-    return ConductivityTable(
-        pressure[flows], u[flows], within.sealing_pressure, p_max, method, LoadMemory(surface)
+        found = values(pressure)
+    flows = found[:, 0] > 0.0
+    table = ConductivityTable(
+        pressure[flows], found[flows, 0], within.sealing_pressure, p_max, within.method, LoadMemory(surface)
     )
+    return table, found[flows, 1:]
 
 
 def _separation_of(surface: RoughContact, within: _Range, method: str) -> Callable[[FloatArray], FloatArray]:
@@ -973,18 +1023,15 @@ def gas_conductivity_table(
 def _table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
 ) -> GasConductivityTable:
-    liquid = surface.conductivity_table(p_min, p_max, num, method)
-    if method == "critical-junction":
-        # One junction has one gap: nothing to average over.
-        log_R = np.zeros((liquid.pressure.size, _LOG_D.size))
-        return GasConductivityTable(liquid, log_R, _LOG_D)
-    if num is None and surface.hardness is not None and surface.yielding == "capped":
-        ends = elastic_range(surface, (p_min, p_max), method)
-        elastic = gas_conductivity_table(surface.elastic, *ends, method=method)
-        log_p, log_D = np.log(surface.acting_pressure(liquid.pressure))[:, None], _LOG_D[None, :]
-        log_R = np.log(elastic.rarefaction(*np.broadcast_arrays(log_p, log_D)))
+    capped = surface.hardness is not None and surface.yielding == "capped"
+    if capped and num is None:
+        liquid, log_R = _of_elastic(surface, p_min, p_max, method)
+    elif method == "bruggeman" and not capped:
+        within = _Range.of(surface, p_min, p_max, method)
+        liquid, log_R = _tabulated(surface, within, p_max, num, surface._with_rarefaction)
     else:
-        log_R = _log_rarefaction(surface, liquid.pressure, liquid.separation, method)
+        liquid = surface.conductivity_table(p_min, p_max, num, method)
+        log_R = _log_rarefaction(surface, liquid.pressure, method)
     if not np.all(np.isfinite(log_R)):
         raise ConductivityError(
             f"p_max = {p_max}: too close to the sealing pressure {liquid.sealing_pressure} [Pa]"
@@ -992,13 +1039,27 @@ def _table(
     return GasConductivityTable(liquid, log_R, _LOG_D)
 
 
-def _log_rarefaction(surface: RoughContact, pressure: FloatArray, u: FloatArray, method: str) -> FloatArray:
-    """ln R at pressures, of u_eff there, and at `_LOG_D`."""
-    medium_u = u
-    if method == "threshold-law":
-        medium_u = np.asarray(surface.effective_separation(pressure))
-    gas = surface.effective_gas_separation(pressure, medium_u[:, None] / np.exp(_LOG_D))
-    log_R = 3.0 * np.log(gas / medium_u[:, None]) - log_flow_factor(_LOG_D)
+def _of_elastic(
+    surface: RoughContact, p_min: float, p_max: float, method: str
+) -> tuple[ConductivityTable, FloatArray]:
+    """Table of u_eff, and ln R there, of a capped surface: those of the elastic one at other pressures."""
+    within = _Range.of(surface, p_min, p_max, method)
+    elastic = gas_conductivity_table(surface.elastic, *_elastic_ends(surface, within), method=method)
+
+    def values(p: FloatArray) -> FloatArray:
+        log_p = np.log(surface.acting_pressure(p))
+        log_R = np.log(elastic.rarefaction(*np.broadcast_arrays(log_p[:, None], _LOG_D)))
+        return np.column_stack([elastic.at_log_pressure(log_p), log_R])
+
+    return _tabulated(surface, within, p_max, None, values)
+
+
+def _log_rarefaction(surface: RoughContact, pressure: FloatArray, method: str) -> FloatArray:
+    """ln R at pressures, by any method, and at `_LOG_D`."""
+    if method == "critical-junction":
+        # One junction has one gap: nothing to average over.
+        return np.zeros((pressure.size, _LOG_D.size))
+    log_R = surface._with_rarefaction(pressure)[:, 1:]
     if method == "threshold-law":
         # The closed law has one gap, as a junction has; the medium's many gaps fade with the medium.
         log_R *= 1.0 - percolation.closed_share(surface.corrected_contact_area(pressure))[:, None]
