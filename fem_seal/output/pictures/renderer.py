@@ -26,7 +26,7 @@ class Renderer(RendererSVG):
         return _size(s, prop, ismath)
 
     def _get_font_height_metrics(self, prop: FontProperties) -> _Heights:
-        """Ascent, descent and line gap of a font [pt], which newer versions of matplotlib ask for in `Text._get_layout`.
+        """Ascent, descent and line gap of a font [pt], asked for by `Text._get_layout` of newer matplotlib.
 
         None where they must look further.
         """
