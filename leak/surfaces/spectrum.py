@@ -6,17 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from os import PathLike
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray, different
 from leak.errors import SpectrumError, positive
-from leak.surfaces.periodogram import Window
-from leak.surfaces.scan_files import Unit, read_topographies
-from leak.surfaces.scans import Detrend, line_scan
-from leak.surfaces.settings import ScanSettings, SelfAffineContinuation
+
+if TYPE_CHECKING:
+    from leak.surfaces.periodogram import Window
+    from leak.surfaces.scan_files import Unit
+    from leak.surfaces.scans import Detrend
+    from leak.surfaces.settings import SelfAffineContinuation
 
 # A sum of two power laws is no power law; its log-log interpolant is made as good as this.
 _SUM_ERROR = 2e-5
@@ -186,6 +188,8 @@ class PowerSpectrum:
             The scan or a setting cannot be used.
         """
         from leak.surfaces.measured import measure
+        from leak.surfaces.scans import line_scan
+        from leak.surfaces.settings import ScanSettings
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
         return measure(line_scan(x, h), settings).spectrum
@@ -219,6 +223,8 @@ class PowerSpectrum:
             A file or a setting cannot be used.
         """
         from leak.surfaces.measured import measure
+        from leak.surfaces.scan_files import read_topographies
+        from leak.surfaces.settings import ScanSettings
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
         return measure(read_topographies(path, unit=unit), settings).spectrum
