@@ -12,7 +12,7 @@ from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from importlib.util import LazyLoader
 from types import ModuleType
 
-# Loaded by scipy, scikit-fem and matplotlib for nothing that happens here, with a hundred and fifty others.
+# Loaded by scipy and matplotlib for nothing that happens here, with a hundred and fifty others.
 POSTPONED = frozenset(
     {
         "PIL.ExifTags",
@@ -20,7 +20,6 @@ POSTPONED = frozenset(
         "mpl_toolkits.mplot3d.art3d",
         "numpy.f2py",
         "numpy.testing",
-        "scipy.sparse.csgraph",
     }
 )
 
