@@ -29,7 +29,7 @@ from fem_seal.output.columns import (
     VERDICT_MEANING,
 )
 from fem_seal.output.library import material_cells, material_rows
-from fem_seal.studies.responses import FAST
+from fem_seal.studies.complete_runs import FAST
 from fem_seal.studies.schema import study_schema
 from fem_seal.units import DIMENSIONS, split_unit
 from leak import FLUIDS, GASES

@@ -64,12 +64,17 @@ class PressureProfile:
     @cached_property
     def centroid(self) -> float:
         """Centre of the pressure over x [m]."""
-        return self.moment(1) / self.moment(0)
+        return self.moment(1) / self._whole
 
     @cached_property
     def std(self) -> float:
         """Square root of the second central moment of p over x [m]."""
-        return float(np.sqrt(self.moment(2, self.centroid) / self.moment(0)))
+        return float(np.sqrt(self.moment(2, self.centroid) / self._whole))
+
+    @cached_property
+    def _whole(self) -> float:
+        """int p dx [Pa m]."""
+        return float(self.arc_weight @ self.pressure)
 
     @cached_property
     def peak(self) -> tuple[float, float]:

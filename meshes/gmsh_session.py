@@ -12,7 +12,7 @@ from meshes.errors import MeshingError
 # gmsh keeps one model for the whole process: two threads that mesh at once would share it.
 _LOCK = threading.Lock()
 
-# Every option that decides about the mesh is named here, so that no ~/.gmshrc changes a result.
+# Every option that decides about the mesh and its file is named here, so that no ~/.gmshrc changes a result.
 _OPTIONS = {
     "General.Terminal": 0,
     "General.Verbosity": 2,
@@ -36,6 +36,10 @@ _OPTIONS = {
     "Mesh.RandomFactor": 1e-9,
     "Mesh.RecombineAll": 0,
     "Mesh.Renumber": 1,
+    # the format that every reader knows
+    "Mesh.MshFileVersion": 2.2,
+    "Mesh.Binary": 0,
+    "Mesh.SaveAll": 0,
 }
 
 SYSTEM_LIBRARIES = " ".join(

@@ -107,6 +107,20 @@ def test_commands_without_a_mesh_load_neither_gmsh_nor_pyvista(command, tmp_path
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+def test_a_mesh_is_written_by_what_made_it(tmp_path):
+    """gmsh is there; meshio would load eighty readers and writers of other formats first."""
+    code = (
+        "import sys; from fem_seal.cli import main; "
+        f"code = main(['mesh', {str(CASE)!r}, '-o', {str(tmp_path)!r}]); "
+        "print('gmsh' in sys.modules, 'meshio' in sys.modules); sys.exit(code)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "True False"
+
+
 def test_usage_errors_leave_with_2(call):
     assert program("no-such-command").returncode == 2
     # what `main` returns the process leaves with

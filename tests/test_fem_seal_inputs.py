@@ -276,11 +276,11 @@ def test_study_on_a_full_disc_says_so(done_study) -> None:
 
 def test_mesh_on_a_full_disc_says_so_and_leaves_no_draft(call, monkeypatch, tmp_path) -> None:
     def full(path, *arguments, **options) -> None:
-        Path(path).write_bytes(b"half of it")
+        path.write_text("half of it")
         # written to an open file, the error knows no name
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr("meshio.write", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     code, _, err = call("mesh", EXAMPLES / "smooth.toml", "-o", tmp_path / "out")
     assert code == 1
     assert err == f"error: {tmp_path / 'out' / 'mesh.msh'}: cannot be written (no space left on device)\n"

@@ -29,7 +29,7 @@ from fem_seal.output.pictures.style import style
 from fem_seal.output.report import words
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
-from fem_seal.studies.responses import takes_complete_run
+from fem_seal.studies.complete_runs import takes_complete_run
 
 FORCES = ("300 N", "1 kN", "2 kN")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import json
 import subprocess
 import sys
 import weakref
@@ -16,6 +17,7 @@ from fem_seal.analysis import accuracy, chain
 from fem_seal.analysis.closed_forms import derive, profile_sizes
 from fem_seal.analysis.variants import interface_variants
 from fem_seal.output.report.page import pictures
+from fem_seal.quick_start import POSTPONED
 from leak.flow.rough_contact import _conductivity_table
 
 
@@ -101,3 +103,66 @@ def test_the_shapes_of_a_case_are_made_once():
     # of a case that changes something else, too, but not of one with another seat
     assert one.replace({"load.fluid_pressure": "7 bar"}).bodies is one.bodies
     assert one.replace({"seat.angle": "40 deg"}).bodies[1] != one.bodies[1]
+
+
+_DRAWN = """
+import json, sys, types
+from fem_seal.quick_start import POSTPONED, spare
+if sys.argv[1] == "command":
+    spare()
+import scipy.special
+from matplotlib.artist import ArtistInspector
+from fem_seal.output.pictures.style import label, panels, style, svg
+with style():
+    figure, (axes,) = panels(1)
+    axes.plot([1.0, 2.0], [3.0, 4.0], label="line")
+    axes.legend()
+    label(axes, "title", "x", "y")
+    drawing = svg(figure).decode()
+line = axes.lines[0]
+try:
+    refused = line.set(no_such_property=1)
+except AttributeError as error:
+    refused = str(error)
+print(json.dumps({
+    "drawing": drawing,
+    "refused": refused,
+    "properties": ArtistInspector(line).get_setters(),
+    "erf": scipy.special.erf([0.5]).tolist(),
+    "waiting": [name for name in sorted(POSTPONED) if type(sys.modules.get(name)) is not types.ModuleType],
+    "explained": ["markersize" in (type(line).set.__doc__ or ""), "API" in scipy.special.erf.__doc__],
+    "used later": sys.modules["numpy.testing"].assert_equal.__name__,
+}))
+"""
+
+
+def test_a_command_is_spared_what_no_command_uses_and_draws_the_same():
+    """Docstrings and modules that cost a twelfth of a run; whoever uses fem_seal as a library has them all."""
+    command, library = (
+        json.loads(
+            subprocess.run(
+                [sys.executable, "-c", _DRAWN, whose],
+                capture_output=True,
+                text=True,
+                timeout=120,
+                check=True,
+            ).stdout
+        )
+        for whose in ("command", "library")
+    )
+    assert (command.pop("waiting"), library.pop("waiting")) == (sorted(POSTPONED), [])
+    assert (command.pop("explained"), library.pop("explained")) == ([False, False], [True, True])
+    assert command == library
+    assert "no_such_property" in command["refused"]
+    assert len(command["properties"]) > 30
+
+
+def test_a_command_spares_itself_before_anything_is_loaded():
+    code = (
+        "import sys; sys.argv = ['fem-seal', 'schema']; from fem_seal.__main__ import main; code = main(); print(); "
+        "print(sys.meta_path[0].__module__); sys.exit(code)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
+    )
+    assert done.stdout.splitlines()[-1] == "fem_seal.quick_start"

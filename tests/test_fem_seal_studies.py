@@ -27,10 +27,11 @@ from fem_seal.output.tables import leak_rows
 from fem_seal.studies import designs, store, work
 from fem_seal.studies import responses as studies_responses
 from fem_seal.studies import shared as studies_shared
+from fem_seal.studies.complete_runs import FAST
 from fem_seal.studies.designs_table import pareto_front
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError
 from fem_seal.studies.progress import Lines
-from fem_seal.studies.responses import FAST, responses
+from fem_seal.studies.responses import responses
 from fem_seal.studies.session import run_study
 from fem_seal.studies.tables import Design
 from meshes import Sizing

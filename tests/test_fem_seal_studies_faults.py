@@ -57,7 +57,7 @@ def stubborn():
 
 def hang_in(evaluate, how):
     """Make one design never end."""
-    harmless = evaluate.evaluate
+    harmless = evaluate.evaluation
 
     def armed(case, columns, *, interpolate=True):
         if case.load.axial_force == NEVER:
@@ -81,7 +81,7 @@ def test_a_design_that_never_ends_is_a_failed_row(tmp_path, monkeypatch, capsys,
 
     before = signal.getsignal(signal.SIGINT)
     with monkeypatch.context() as patch:
-        patch.setattr(responses, "evaluate", hang_in(responses, how))
+        patch.setattr(responses, "evaluation", hang_in(responses, how))
         result = run_study(study(), folder=tmp_path, workers=0, progress=Lines())
     assert signal.getsignal(signal.SIGINT) is before
     assert result.table["status"].tolist() == ["done", "done", "failed", "done"]
@@ -119,7 +119,7 @@ def test_the_time_limit_is_a_time():
 
 @pytest.mark.usefixtures("known_bodies")
 def test_a_search_goes_on_after_a_design_that_never_ends(tmp_path, monkeypatch):
-    monkeypatch.setattr(responses, "evaluate", hang_in(responses, wait))
+    monkeypatch.setattr(responses, "evaluation", hang_in(responses, wait))
     result = run_study(
         study(optimise={"minimise": "line_load_N_per_m", "trials": 8, "batch": 2, "seed": 3}),
         folder=tmp_path,
@@ -138,7 +138,7 @@ from fem_seal.cli import main
 from fem_seal.studies import responses, time_limit
 
 time_limit._APART = 0.1
-harmless = responses.evaluate
+harmless = responses.evaluation
 
 def armed(case, columns, *, interpolate=True):
     if case.load.axial_force == {NEVER}:
@@ -149,7 +149,7 @@ def armed(case, columns, *, interpolate=True):
             libc.sleep(1000)
     return harmless(case, columns, interpolate=interpolate)
 
-responses.evaluate = armed
+responses.evaluation = armed
 sys.exit(main(sys.argv[1:]))
 """
 
@@ -202,7 +202,7 @@ def _plugin():
         """Workers for which one design never ends, those that come later as well."""
 
         def setup(self, worker):
-            responses.evaluate = hang_in(responses, wait)
+            responses.evaluation = hang_in(responses, wait)
 
     return Hanging()
 
@@ -240,7 +240,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
         while not free:
             time.sleep(0.1)
 
-    monkeypatch.setattr(responses, "evaluate", hang_in(responses, wait_here))
+    monkeypatch.setattr(responses, "evaluation", hang_in(responses, wait_here))
     slow_enough = study(run={"time_limit": "6 s"})
     recipe = Recipe.of(slow_enough)
     with (
@@ -404,7 +404,7 @@ def rougher(path):
 
 @pytest.mark.slow
 def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypatch):
-    harmless = responses.evaluate
+    harmless = responses.evaluation
     plan, folder = scanned(tmp_path), tmp_path / "out"
 
     def edited(case, columns, *, interpolate=True):
@@ -413,7 +413,7 @@ def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypa
         return harmless(case, columns, interpolate=interpolate)
 
     with monkeypatch.context() as patch:
-        patch.setattr(responses, "evaluate", edited)
+        patch.setattr(responses, "evaluation", edited)
         with pytest.raises(InputError, match=r"a\.csv: was changed or removed while the study ran.*--resume"):
             run_study(plan, folder=folder, workers=0)
     # the design that read the new contents is not kept
@@ -461,9 +461,10 @@ def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeyp
         if case.load.axial_force == 2.0:
             (tmp_path / "a.csv").unlink(missing_ok=True)
             raise OSError("no such file")
+        yield
         return responses.Evaluation(dict.fromkeys(columns, 1e-6 + 1e-9 * case.load.axial_force), VALID)
 
-    monkeypatch.setattr(responses, "evaluate", removed)
+    monkeypatch.setattr(responses, "evaluation", removed)
     plan = scanned(
         tmp_path, **({"optimise": {"maximise": "leak_rate_m3_per_s", "trials": 9}} if search else {})
     )
@@ -503,7 +504,7 @@ def test_workers_notice_an_edited_file_too(tmp_path):
 )
 def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch, how, search):
     folder, begun = tmp_path / "out", []
-    harmless = responses.evaluate
+    harmless = responses.evaluation
 
     def armed(case, columns, *, interpolate=True):
         begun.append(case.load.axial_force)
@@ -511,7 +512,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
             how(folder)
         return harmless(case, columns, interpolate=interpolate)
 
-    monkeypatch.setattr(responses, "evaluate", armed)
+    monkeypatch.setattr(responses, "evaluation", armed)
     optimise = {"optimise": {"minimise": "line_load_N_per_m", "trials": 8, "batch": 2}} if search else {}
     with pytest.raises(
         OutputError, match=r"study\.sqlite: was deleted or moved while the study ran, which stops"
@@ -521,7 +522,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
     # nothing is made where the folder was
     assert not folder.exists()
     if (moved := Path(f"{folder}-moved")).exists():
-        monkeypatch.setattr(responses, "evaluate", harmless)
+        monkeypatch.setattr(responses, "evaluation", harmless)
         run_study(study(**optimise), folder=moved, workers=0, resume=True)
         assert StudyResult(moved).counts["open"] == 0
 

@@ -44,12 +44,12 @@ SLOW = """
 import time
 from fem_seal.studies import responses
 
-def slow(case, columns, swift=responses.evaluate, **options):
+def slow(case, columns, swift=responses.evaluation, **options):
     time.sleep(0.1)
     return swift(case, columns, **options)
 
-if responses.evaluate.__name__ != "slow":
-    responses.evaluate = slow
+if responses.evaluation.__name__ != "slow":
+    responses.evaluation = slow
 """
 # Longest wait for anything; on an idle machine it is seconds.
 PATIENCE = 120.0
@@ -270,14 +270,14 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
     from fem_seal.studies.work import Chunk, Recipe
 
     study, begun, free, found = load_study(_small(tmp_path)), Event(), Event(), []
-    harmless = responses.evaluate
+    harmless = responses.evaluation
 
     def held(*about, **more):
         begun.set()
         free.wait(PATIENCE)
         return harmless(*about, **more)
 
-    monkeypatch.setattr(responses, "evaluate", held)
+    monkeypatch.setattr(responses, "evaluation", held)
     with (
         LocalCluster(
             n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
@@ -353,14 +353,14 @@ def _arm(deadly):
     """Make this process die when it calculates a certain design."""
     from fem_seal.studies import responses
 
-    harmless = responses.evaluate
+    harmless = responses.evaluation
 
     def armed(case, columns, *, interpolate=True):
         if case.load.axial_force == deadly:
             os.kill(os.getpid(), signal.SIGKILL)
         return harmless(case, columns, interpolate=interpolate)
 
-    responses.evaluate = armed
+    responses.evaluation = armed
 
 
 def _arming(deadly):

@@ -258,6 +258,18 @@ def test_gas_meets_the_same_patches():
     np.testing.assert_allclose(gas[:, 0], u, rtol=1e-6)
 
 
+@pytest.mark.parametrize("contact", [0.05, 0.3, 0.41])
+@pytest.mark.parametrize("gamma", [0.1, 1.0, 30.0])
+def test_it_does_not_matter_where_the_iteration_begins(gamma, contact):
+    """Above all where little is left open and the start says that much more passes one way than can."""
+    u, weight = lognormal()
+    medium = u, (1 - contact) * weight, NONE + contact, NONE, 1 / 0.58, gamma
+    alone = np.array(leak.anisotropic_medium(*medium))
+    for along, across in ((1e-6, 1e-6), (1e-9, 1e-3), (1e-3, 1e-9), (1e-12, 1e-12)):
+        near = leak.DirectionalGap(NONE + along, NONE + across)
+        np.testing.assert_allclose(leak.anisotropic_medium(*medium, near), alone, rtol=1e-9)
+
+
 def test_aspects_on_both_sides_of_one_are_refused():
     u, weight = np.vstack([lognormal()[0]] * 2), np.vstack([lognormal()[1]] * 2)
     both = np.array([0.5, 2.0])

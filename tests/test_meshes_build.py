@@ -156,6 +156,13 @@ def test_msh_file_survives_the_round_trip_through_scikit_fem(seal_mesh: SealMesh
     mesh = MeshTri.load(seal_mesh.write(tmp_path / "mesh.msh"), force_meshio_type="triangle")
     assert np.allclose(mesh.p, seal_mesh.mesh.p, rtol=1e-12)
     assert mesh.nelements == seal_mesh.mesh.nelements
+    for written, made in (
+        (mesh.boundaries, seal_mesh.mesh.boundaries),
+        (mesh.subdomains, seal_mesh.mesh.subdomains),
+    ):
+        assert {name: len(found) for name, found in written.items()} == {
+            name: len(found) for name, found in made.items()
+        }
 
 
 def test_ball_that_falls_through_or_sits_on_the_edge_is_refused() -> None:

@@ -162,6 +162,8 @@ def write_mesh(path: Path, plane: str, *, surface: bool = True, save: str = "sea
             gmsh.model.addPhysicalGroup(2, [face], name="seat")
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 1)
         gmsh.model.mesh.generate(2)
+        # as gmsh writes unless told otherwise
+        gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
         gmsh.write(str(path))
 
 

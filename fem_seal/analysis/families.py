@@ -23,7 +23,7 @@ import numpy as np
 
 from fem_seal.analysis.flow import Conductivity, Flow
 from fem_seal.arrays import FloatArray
-from fem_seal.contact.laws import InterfaceLaw
+from fem_seal.contact.laws import InterfaceLaw, ScaledLaw
 from leak import ConductivityTable, GasConductivityTable, PowerSpectrum, RoughContact, gas_conductivity_table
 from leak.flow.memory import LoadMemory
 from leak.numerics.curves import lagrange
@@ -36,35 +36,9 @@ _DIGITS = 10
 # pressure, up to 0.7 % close to it.
 _SPACING = 0.1
 # Tables reach from this fraction of the sealing pressure to it; below they go on by the law at low pressure.
-# Conductivities are good to 6e-4, to 1e-4 below a thirtieth of the sealing pressure.
-_RANGE, _NODES = 1e-9, 96
+# Conductivities are good to 7e-4 below nine tenths of the sealing pressure, to 1e-4 below a thirtieth.
+_RANGE, _NODES = 1e-9, 50
 _REMEMBERED = 4096
-
-
-@dataclass(frozen=True)
-class ScaledLaw:
-    """The law of one surface from that of another one of the same shape.
-
-    Parameters
-    ----------
-    law : InterfaceLaw
-    height : float
-        Ratio of the heights.
-    pressure : float
-        Ratio of the products of modulus and height.
-    """
-
-    law: InterfaceLaw
-    height: float
-    pressure: float
-
-    def gap(self, log_pressure: FloatArray) -> FloatArray:
-        """Mean separation u [m] at ln(p/Pa)."""
-        return self.height * self.law.gap(log_pressure - math.log(self.pressure))
-
-    def decay_length(self, log_pressure: FloatArray) -> FloatArray:
-        """-du/d ln p [m], positive."""
-        return self.height * self.law.decay_length(log_pressure - math.log(self.pressure))
 
 
 def family_law(surface: RoughContact) -> ScaledLaw:
@@ -204,7 +178,7 @@ def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
     return (
         replace(
             surface,
-            spectrum=_shape(surface.spectrum, height),
+            spectrum=_shape(surface.spectrum.shape),
             effective_modulus=_MODULUS,
             hardness=None if surface.hardness is None else surface.hardness / pressure,
         ),
@@ -214,7 +188,8 @@ def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def _shape(spectrum: PowerSpectrum, height: float) -> PowerSpectrum:
+def _shape(spectrum: PowerSpectrum) -> PowerSpectrum:
+    height = spectrum.rms_height / _HEIGHT
     density: FloatArray = np.power(10.0, np.round(np.log10(spectrum.density / height**2), _DIGITS))
     return _known(PowerSpectrum(spectrum.wavenumber, density))
 

@@ -154,8 +154,7 @@ class Flow:
         num : int, optional
             Number of pressures; by default as many as the error asks for.
         """
-        low, high = math.floor(min(log_peaks) - 6), math.ceil(max(log_peaks) + MARGIN)
-        return self.table(surface, 10.0**low, 10.0**high, num)
+        return self.table(surface, *range_around(log_peaks), num)
 
     def table_of(self, surface: RoughContact, contacts: Sequence[ContactSolution]) -> Conductivity:
         """`table_around` the peak pressures of some contacts.
@@ -222,6 +221,12 @@ class Flow:
         gas, outlet = self.gas, self.outlet_pressure
         assert gas is not None  # the table is one of a gas
         inlet = outlet + fluid_pressure
+        if largest is None:
+            from leak.flow.gas_flow import gas_leak_through
+
+            return gas_leak_through(
+                profile.contact, x, pressure, table, gas, inlet, outlet, pressure_side=side
+            ).above_outlet
         return leak.gas_leak_flow(
             x,
             pressure,
@@ -370,6 +375,17 @@ def _made(
 ) -> Conductivity:
     # by name, because results can be pickled
     return table(flow, surface, peaks)
+
+
+def range_around(log_peaks: Sequence[float]) -> tuple[float, float]:
+    """Range of a table for contacts with some peak pressures, see `Flow.table_around` [Pa].
+
+    Parameters
+    ----------
+    log_peaks : sequence of float
+        Decimal logarithms of the peak pressures [Pa].
+    """
+    return 10.0 ** math.floor(min(log_peaks) - 6), 10.0 ** math.ceil(max(log_peaks) + MARGIN)
 
 
 def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:

@@ -19,7 +19,7 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.refit import rounded
-from fem_seal.contact.sizing import element_sizes, for_yielding
+from fem_seal.contact.sizing import ContactWidth, Expected, Opening, element_sizes, for_yielding
 from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
@@ -481,7 +481,26 @@ def build_mesh(problem: SealProblem) -> SealMesh:
     return build_contact(problem.contact, sizing(problem))
 
 
-def sizing(problem: SealProblem, law: Law | None = None, forces: Sequence[float] | None = None) -> Sizing:
+def expected_contacts(problem: SealProblem, law: Law, forces: Sequence[float] | None = None) -> Expected:
+    """The contacts whose widths `sizing` needs.
+
+    Parameters
+    ----------
+    problem, law, forces
+        See `sizing`.
+    """
+    contact = problem.contact
+    forces = [*(expected_forces(problem) if forces is None else forces), *_expected_earlier(problem)]
+    line_loads = tuple(line_load(force, contact.touch_radius, contact.angle) for force in forces)
+    return Expected(law, line_loads, Opening.of(contact), problem.effective_modulus)
+
+
+def sizing(
+    problem: SealProblem,
+    law: Law | None = None,
+    forces: Sequence[float] | None = None,
+    widths: Sequence[ContactWidth] | None = None,
+) -> Sizing:
     """Element sizes and contact zone for all loads of a problem, and for the largest one before them.
 
     Parameters
@@ -491,24 +510,25 @@ def sizing(problem: SealProblem, law: Law | None = None, forces: Sequence[float]
         Instead of the problem's own.
     forces : sequence of float, optional
         Forces F_N of the contact [N] instead of those of the loads.
+    widths : sequence of ContactWidth, optional
+        Those of the `expected_contacts`, if they are known already.
 
     Raises
     ------
     InputError
         If [mesh] contact_size is out of range for this contact.
     """
-    law = problem.law if law is None else law
-    forces = [*(expected_forces(problem) if forces is None else forces), *_expected_earlier(problem)]
+    asked = expected_contacts(problem, problem.law if law is None else law, forces)
     contact, size = problem.contact, problem.contact_size
-    line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in forces]
+    widths = asked.widths if widths is None else widths
     try:
-        found = element_sizes(law, line_loads, contact, problem.effective_modulus, size)
+        found = element_sizes(asked.law, asked.line_loads, contact, asked.effective_modulus, size, widths)
     except InputError as error:
         raise error.in_file(problem.file) from None
     size_given = size is not None
     if problem.curves:
         softest = min(curve.yield_stress for curve in problem.curves)
-        found = for_yielding(found, contact, softest, max(line_loads), size_given=size_given)
+        found = for_yielding(found, contact, softest, max(asked.line_loads), size_given=size_given)
     return rounded(found, contact, size_given=size_given)
 
 

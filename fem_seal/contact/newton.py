@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotrs
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.contact.hard import solve_hard
-from fem_seal.contact.laws import HardContact, InterfaceLaw, Law
+from fem_seal.contact.laws import HardContact, Law, LawOfRows, ScaledLaw
 from fem_seal.contact.model import ContactModel
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
 
 # Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
 _FLOOR = 1e-6
 _ROUND_OFF = 64 * np.finfo(float).eps
-# What a point adds to I + D C D below which it carries next to nothing: it slows the iteration down by less than that.
+# Compliance of the bodies at a point over that of the law below which it carries next to nothing: it slows the
+# iteration down by less than that.
 _CARRIES = 1e-8
 # ... of the largest, where all of them are smaller than this.
 _SOFT = 1e-3
 
 
-@single_threaded
 def solve(
     model: ContactModel,
     law: Law,
@@ -78,164 +81,335 @@ def solve(
     >>> print(f"{contact.profile.peak_pressure / 1e6:.0f} MPa over {contact.profile.fwhm * 1e3:.3f} mm")
     195 MPa over 0.106 mm
     """
-    if not (np.isfinite(axial_force) and axial_force > 0):
-        raise ValueError(f"axial_force = {axial_force!r} N: must be positive and finite")
-    if isinstance(law, HardContact):
-        return solve_hard(model, axial_force, loads)
-    loads = loads or FurtherLoads()
-    gap0 = model.line.initial_gap + loads.opening(model)
-    settings = settings or ContactSettings()
-    softest = model.line_load(axial_force) / (np.pi * model.effective_modulus)
-    guess = None if start is None else (start.log_pressure, start.approach)
-    # Straight at the law; if that fails, from a soft interface to the law in steps.
-    for floors in ((_FLOOR,), (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, _FLOOR)):
-        state, residuals = guess, list[float]()
-        for floor in floors:
-            state, residuals = _newton(
-                model, _Softened(law, floor * softest), axial_force, gap0, settings, state
-            )
-            if state is None:
-                break
-        if state is not None:
-            v, d = state
-            # the last residual is that of the solution, after which no step is taken
-            return ContactSolution(
-                model, axial_force, d, v, law.gap(v), len(residuals) - 1, tuple(residuals), loads
-            )
-    raise ConvergenceError(
-        f"contact at axial force {axial_force:.6g} N (line load {model.line_load(axial_force):.6g} N/m) did not "
-        f"converge in {settings.max_iterations} iterations; last residual {residuals[-1]:.2g} decay lengths, "
-        "refine [mesh] contact_size or soften the interface law"
-    )
+    (found,) = solve_together([Pressing(model, law, axial_force, loads)], settings, start)
+    if isinstance(found, ConvergenceError):
+        raise found
+    return found
 
 
 @dataclass(frozen=True)
-class _Softened:
-    """A law with a constant added to its decay length.
+class Pressing:
+    """A closure that is to be pressed on its seat, see `solve`.
 
-    Where a law becomes rigid (full contact of rough surfaces) the pressure at single points is not defined any
-    more. A decay length of 1e-6 f_N/(pi E*) keeps it defined; it changes the peak pressure by 1/(4c) with c = 1e6.
+    Parameters
+    ----------
+    model : ContactModel
+    law : InterfaceLaw or HardContact
+    axial_force : float
+        [N]
+    loads : FurtherLoads or None
     """
 
-    law: InterfaceLaw
-    extra: float
+    model: ContactModel
+    law: Law
+    axial_force: float
+    loads: FurtherLoads | None = None
 
-    def gap(self, log_pressure: FloatArray) -> FloatArray:
-        return self.law.gap(log_pressure) - self.extra * log_pressure
+    def __post_init__(self) -> None:
+        force = self.axial_force
+        if not (np.isfinite(force) and force > 0):
+            raise ValueError(f"axial_force = {force!r} N: must be positive and finite")
 
-    def decay_length(self, log_pressure: FloatArray) -> FloatArray:
-        return self.law.decay_length(log_pressure) + self.extra
+
+@single_threaded
+def solve_together(
+    pressings: Sequence[Pressing],
+    settings: ContactSettings | None = None,
+    start: ContactSolution | None = None,
+) -> list[ContactSolution | ConvergenceError]:
+    """`solve` of several: the same to the last digit, in less time where bodies and the shape of the law are the same.
+
+    Parameters
+    ----------
+    pressings : sequence of Pressing
+    settings : ContactSettings, optional
+    start : ContactSolution, optional
+        Solution of a load that is near all of them.
+
+    Returns
+    -------
+    list
+        Of each its solution, or why there is none.
+    """
+    alike: dict[tuple[int, ...], list[int]] = {}
+    for number, one in enumerate(pressings):
+        kind = (id(one.model), id(one.law.law)) if isinstance(one.law, ScaledLaw) else (number,)
+        alike.setdefault(kind, []).append(number)
+    found: dict[int, ContactSolution | ConvergenceError] = {}
+    for numbers in alike.values():
+        some = [pressings[number] for number in numbers]
+        found.update(zip(numbers, _solve_alike(some, settings or ContactSettings(), start), strict=True))
+    return [found[number] for number in range(len(pressings))]
+
+
+def _solve_alike(
+    pressings: Sequence[Pressing], settings: ContactSettings, start: ContactSolution | None
+) -> list[ContactSolution | ConvergenceError]:
+    """Of one model, and, if they are several, of laws of one shape."""
+    first = pressings[0]
+    if isinstance(first.law, HardContact):
+        try:
+            return [solve_hard(first.model, first.axial_force, first.loads)]
+        except ConvergenceError as error:
+            return [error]
+    rows = _Rows.of(pressings)
+    guess = None if start is None else [(start.log_pressure, start.approach)] * len(pressings)
+    try:
+        found = _newton(rows, _FLOOR, settings, guess)
+    except FloatingPointError:
+        # of one of them, whose own affair it is
+        if len(pressings) > 1:
+            return [own for one in pressings for own in _solve_alike([one], settings, start)]
+        found = [(None, [np.inf])]
+    return [
+        _softened_first(one, settings, guess) if state is None else _solution(one, state, residuals)
+        for one, (state, residuals) in zip(pressings, found, strict=True)
+    ]
+
+
+def _softened_first(
+    one: Pressing, settings: ContactSettings, guess: list[State] | None
+) -> ContactSolution | ConvergenceError:
+    """What does not come straight at the law: from a soft interface to the law in steps."""
+    rows, states, residuals = _Rows.of([one]), guess, [np.inf]
+    for floor in (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, _FLOOR):
+        try:
+            ((state, residuals),) = _newton(rows, floor, settings, states)
+        except FloatingPointError:
+            state, residuals = None, [np.inf]
+        if state is None:
+            return ConvergenceError(
+                f"contact at axial force {one.axial_force:.6g} N (line load "
+                f"{one.model.line_load(one.axial_force):.6g} N/m) did not converge in {settings.max_iterations} "
+                f"iterations; last residual {residuals[-1]:.2g} decay lengths, refine [mesh] contact_size or soften "
+                "the interface law"
+            )
+        states = [state]
+    assert state is not None  # the last of them is that of the law
+    return _solution(one, state, residuals)
+
+
+def _solution(one: Pressing, state: State, residuals: Sequence[float]) -> ContactSolution:
+    assert not isinstance(one.law, HardContact)
+    v, d = state
+    # the last residual is that of the solution, after which no step is taken
+    return ContactSolution(
+        one.model,
+        one.axial_force,
+        d,
+        v,
+        one.law.gap(v),
+        len(residuals) - 1,
+        tuple(residuals),
+        one.loads or FurtherLoads(),
+    )
 
 
 State = tuple[FloatArray, float]
 
 
+@dataclass(frozen=True)
+class _Rows:
+    """Pressings of one model; of each a row in all arrays, and what stands in a row depends on that row alone.
+
+    Parameters
+    ----------
+    model : ContactModel
+    law : LawOfRows
+    force : ndarray, shape (rows,)
+        F_N [N].
+    gap0 : ndarray, shape (rows, m)
+        Gap of the bodies without contact pressure [m].
+    """
+
+    model: ContactModel
+    law: LawOfRows
+    force: FloatArray
+    gap0: FloatArray
+
+    @classmethod
+    def of(cls, pressings: Sequence[Pressing]) -> _Rows:
+        model = pressings[0].model
+        return cls(
+            model,
+            LawOfRows.of([one.law for one in pressings if not isinstance(one.law, HardContact)]),
+            np.array([one.axial_force for one in pressings]),
+            np.stack([model.line.initial_gap + (one.loads or NO_LOADS).opening(model) for one in pressings]),
+        )
+
+    def chosen(self, rows: NDArray[np.bool_]) -> _Rows:
+        """Some of them."""
+        return _Rows(self.model, self.law.rows(rows), self.force[rows], self.gap0[rows])
+
+    @cached_property
+    def softest(self) -> FloatArray:
+        """f_N/(pi E*), shape (rows, 1) [m]."""
+        model = self.model
+        return self.force[:, None] * (model.line_load(1.0) / (np.pi * model.effective_modulus))
+
+    def opened(self, force: FloatArray) -> FloatArray:
+        """Opening of the gap by normal forces at the points, shape (rows, m) [m]."""
+        # a product with several at once would depend on how many they are
+        return np.stack([self.model.compliance @ row for row in force])
+
+    def lift(self, v: FloatArray, separation: FloatArray) -> FloatArray | float:
+        """See `ContactLine.lift`, at the highest pressure of each row."""
+        line = self.model.line
+        if line.in_hollow is None:
+            return 0.0
+        at_peak = np.take_along_axis(separation, v.argmax(axis=1)[:, None], axis=1)
+        return np.stack([np.asarray(line.lift(one)) for one in at_peak[:, 0].tolist()])
+
+
 def _newton(
-    model: ContactModel,
-    law: InterfaceLaw,
-    axial_force: float,
-    gap0: FloatArray,
-    settings: ContactSettings,
-    state: State | None,
-) -> tuple[State | None, list[float]]:
-    """Iterate to the tolerances; None instead of a state if that fails. Also the residual before every step."""
-    state = state or _first_guess(model, law, axial_force, gap0)
-    residuals: list[float] = []
-    for _ in range(settings.max_iterations):
-        try:
-            with np.errstate(over="raise", invalid="raise", under="ignore"):
-                decay = law.decay_length(state[0])
-                gap_residual, missing_force, worst = _unbalanced(
-                    model, law, axial_force, gap0, state, decay, settings
-                )
-                residuals.append(worst)
-                balanced = abs(missing_force) < settings.force_tolerance * axial_force
-                if worst < settings.gap_tolerance and balanced:
-                    return state, residuals
-                state = _newton_step(model, state, decay, gap_residual, missing_force)
-        except (FloatingPointError, np.linalg.LinAlgError):
-            residuals.append(np.inf)
-            return None, residuals
-    return None, residuals
+    rows: _Rows, floor: float, settings: ContactSettings, states: Sequence[State] | None
+) -> list[tuple[State | None, list[float]]]:
+    """Iterate each row to the tolerances: its state, None if that fails, and the residual before every step.
+
+    Where a law becomes rigid (full contact of rough surfaces) the pressure at single points is not defined any
+    more. A decay length of `floor` f_N/(pi E*) keeps it defined; with 1e-6 it changes the peak pressure by 1/(4c) with
+    c = 1e6.
+
+    Raises
+    ------
+    FloatingPointError
+        Of one of the rows.
+    """
+    with np.errstate(over="raise", invalid="raise", under="ignore"):
+        if states is None:
+            v, d = _first_guess(rows, floor)
+        else:
+            v, d = np.stack([one for one, _ in states]), np.array([[one] for _, one in states])
+        found: list[tuple[State | None, list[float]]] = [(None, []) for _ in v]
+        there = np.arange(len(v))
+        for _ in range(settings.max_iterations):
+            decay = rows.law.decay_length(v) + floor * rows.softest
+            gap_residual, missing_force, worst = _unbalanced(rows, floor, v, d, decay, settings)
+            for number, one in zip(there.tolist(), worst.tolist(), strict=True):
+                found[number][1].append(one)
+            done = (worst < settings.gap_tolerance) & (
+                np.abs(missing_force) < settings.force_tolerance * rows.force
+            )
+            for row in done.nonzero()[0].tolist():
+                number = int(there[row])
+                found[number] = (v[row].copy(), float(d[row, 0])), found[number][1]
+            if done.all():
+                break
+            if done.any():
+                left = ~done
+                rows, there = rows.chosen(left), there[left]
+                v, d, decay, gap_residual = v[left], d[left], decay[left], gap_residual[left]
+                missing_force = missing_force[left]
+            v, d, failed = _newton_step(rows.model, v, d, decay, gap_residual, missing_force)
+            if failed.any():
+                for number in there[failed].tolist():
+                    found[number][1].append(np.inf)
+                left = ~failed
+                rows, there, v, d = rows.chosen(left), there[left], v[left], d[left]
+                if not len(there):
+                    break
+    return found
 
 
-def _first_guess(
-    model: ContactModel, law: InterfaceLaw, axial_force: float, gap0: FloatArray
-) -> tuple[FloatArray, float]:
-    """Boltzmann-like pressure, exp(-g0/s) with s the decay length of the law plus f_N/(pi E*).
+def _first_guess(rows: _Rows, floor: float) -> tuple[FloatArray, FloatArray]:
+    """Boltzmann-like pressure, exp(-g0/s) with s the decay length of the law plus f_N/(pi E*), and approach.
 
     For a parabolic gap this is the Gaussian whose variance is that of the exponential law plus that of Hertz (exact
     variance, theory 2); faces that fit each other get an even pressure.
     """
-    line = model.line
-    softest = model.line_load(axial_force) / (np.pi * model.effective_modulus)
-    apart, share = gap0 - gap0.min(), line.normal[1] * line.area_weight
-    s = softest
+    line, gap0 = rows.model.line, rows.gap0
+    apart, share = gap0 - gap0.min(axis=1, keepdims=True), line.normal[1] * line.area_weight
+    s, hardest = rows.softest, floor * rows.softest
     for _ in range(4):
         v = -apart / s
-        v += np.log(axial_force / float(share @ np.exp(v)))
-        s = float(law.decay_length(np.array([v.max()]))[0]) + softest
-    centre = int(np.argmax(v))
-    separations = law.gap(v)
-    opening = model.compliance @ (line.area_weight * np.exp(v)) + gap0 - separations
-    opening = opening + line.lift(float(separations[centre]))
-    return v, float(opening[centre] / line.normal[1, centre])
+        v += np.log(rows.force / (share * np.exp(v)).sum(axis=1))[:, None]
+        s = rows.law.decay_length(v.max(axis=1, keepdims=True)) + hardest + rows.softest
+    opening = rows.opened(line.area_weight * np.exp(v)) + gap0
+    separation = rows.law.gap(v) - hardest * v
+    opening = opening - separation + rows.lift(v, separation)
+    centre = v.argmax(axis=1)[:, None]
+    return v, np.take_along_axis(opening / line.normal[1], centre, axis=1)
 
 
 def _unbalanced(
-    model: ContactModel,
-    law: InterfaceLaw,
-    axial_force: float,
-    gap0: FloatArray,
-    state: State,
+    rows: _Rows,
+    floor: float,
+    v: FloatArray,
+    d: FloatArray,
     decay: FloatArray,
     settings: ContactSettings,
-) -> tuple[FloatArray, float, float]:
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """How far the bodies are from the gap of the law [m], and the force from F_N [N]; the former in decay lengths."""
-    (v, d), line = state, model.line
+    model, line = rows.model, rows.model.line
     f = line.area_weight * np.exp(v)
-    separations = law.gap(v)
-    standing = gap0 + line.lift(float(separations[np.argmax(v)]))
-    terms = (standing, -d * line.normal[1], model.compliance @ f, -separations)
+    separation = rows.law.gap(v) - floor * rows.softest * v
+    terms = (rows.gap0 + rows.lift(v, separation), -d * line.normal[1], rows.opened(f), -separation)
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     # Lengths cancel in the gap: what is below their round-off is no residual.
-    lost = _ROUND_OFF * sum(np.abs(term) for term in terms)
+    lost = np.abs(terms[0]) + np.abs(terms[1]) + np.abs(terms[2]) + np.abs(terms[3])
+    lost *= _ROUND_OFF
     if line.in_hollow is not None:
         # the lift is the difference of places
-        lost = lost + _ROUND_OFF * model.touch_radius / 8
-    round_off = lost / settings.gap_tolerance
-    worst = float(np.max((np.abs(gap_residual) / (decay + round_off))[f > 0], initial=0.0))
-    return gap_residual, axial_force - float(line.normal[1] @ f), worst
+        lost += _ROUND_OFF * model.touch_radius / 8
+    lost /= settings.gap_tolerance
+    lost += decay
+    worst = np.where(f > 0, np.abs(gap_residual) / lost, 0.0).max(axis=1)
+    return gap_residual, rows.force - (line.normal[1] * f).sum(axis=1), worst
 
 
 def _newton_step(
-    model: ContactModel, state: State, decay: FloatArray, gap_residual: FloatArray, missing_force: float
-) -> State:
-    """The state after one Newton step; that the lift follows the highest pressure is left out of the derivative."""
-    (v, d), C, n_z = state, model.compliance, model.line.normal[1]
-    # Points that carry next to nothing follow the others explicitly; the rest is scaled to I + D C D, well conditioned.
-    scale = np.sqrt(model.line.area_weight * np.exp(v) / decay)
-    carries = scale**2 * C.diagonal()
-    most = float(carries.max())
-    if not most > 0.0:
+    model: ContactModel,
+    v: FloatArray,
+    d: FloatArray,
+    decay: FloatArray,
+    gap_residual: FloatArray,
+    missing_force: FloatArray,
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """The states after one Newton step, and for which rows there is none.
+
+    That the lift follows the highest pressure is left out of the derivative.
+    """
+    n_z, failed = model.line.normal[1], np.zeros(len(v), dtype=bool)
+    # Points that carry next to nothing follow the others explicitly.
+    softness = model.line.area_weight * np.exp(v) / decay
+    carries = softness * model.compliance.diagonal()
+    most = carries.max(axis=1, keepdims=True)
+    active = carries > _CARRIES * np.minimum(1.0, most / _SOFT)
+    step_d, opened = np.zeros_like(d), np.zeros_like(v)
+    for row in range(len(v)):
+        try:
+            step_d[row], opened[row] = _step_of_row(
+                model, active[row].nonzero()[0], softness[row], gap_residual[row], float(missing_force[row])
+            )
+        except np.linalg.LinAlgError:
+            failed[row] = True
+    step_v = (-gap_residual + step_d * n_z - opened) / decay
+    return v + np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v), d + step_d, failed
+
+
+def _step_of_row(
+    model: ContactModel,
+    active: NDArray[np.intp],
+    softness: FloatArray,
+    gap_residual: FloatArray,
+    missing: float,
+) -> tuple[float, FloatArray]:
+    """Step of the approach [m], and opening of the gap by that of the pressures [m]."""
+    if not len(active):
         raise np.linalg.LinAlgError("no point carries anything")
-    active = (carries > _CARRIES * min(1.0, most / _SOFT)).nonzero()[0]
     # mostly one stretch of them, of which nothing is copied
-    stretch = len(active) > 0 and active[-1] - active[0] == len(active) - 1
+    stretch = active[-1] - active[0] == len(active) - 1
     part = slice(active[0], active[-1] + 1) if stretch else active
-    columns, D = C[:, part], scale[part]
-    matrix = columns[part] * D
-    matrix *= D[:, None]
-    matrix.flat[:: len(active) + 1] += 1.0
-    right = np.empty((len(active), 2))
-    right[:, 0], right[:, 1] = -gap_residual[part], n_z[part]
-    right *= D[:, None]
+    columns, n_z = model.compliance[:, part], model.line.normal[1, part]
+    # Badly scaled, but by its diagonal alone, which does not matter to Cholesky's factors.
+    matrix = columns[part].copy()
+    matrix.reshape(-1)[:: len(active) + 1] += 1.0 / softness[part]
+    right = np.array([-gap_residual[part], n_z]).T
     # symmetric: the transpose is the same matrix in LAPACK's order
     factor, failed = dpotrf(matrix.T, lower=True, overwrite_a=True, clean=False)
     if failed:
         raise np.linalg.LinAlgError("the contact is not stable")
-    eta = D[:, None] * dpotrs(factor, right, lower=True)[0]
-    step_d = (missing_force - n_z[part] @ eta[:, 0]) / (n_z[part] @ eta[:, 1])
-    step_f = eta[:, 0] + step_d * eta[:, 1]
-    step_v = (-gap_residual + step_d * n_z - columns @ step_f) / decay
-    return v + np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v), d + step_d
+    forces = dpotrs(factor, right, lower=True, overwrite_b=True)[0]
+    by_residual, by_approach = forces[:, 0], forces[:, 1]
+    step_d = float((missing - n_z @ by_residual) / (n_z @ by_approach))
+    return step_d, columns @ (by_residual + step_d * by_approach)

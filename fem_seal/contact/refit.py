@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from meshes import ContactGeometry, MeshingError, Sizing
 if TYPE_CHECKING:
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.profile import PressureProfile
+
+Asked = TypeVar("Asked")
+Answer = TypeVar("Answer")
 
 # Pressure over peak pressure that the ends of the zone may carry.
 _TAIL = 1e-6
@@ -53,13 +56,34 @@ def solve_fitted(
         If the first mesh cannot be made. A better one that cannot be made is left: the estimate of the discretisation
         error says what the present one is worth.
     """
+
+    def at_once(sizing: Sizing) -> Generator[None, None, Sequence[ContactSolution]]:
+        yield
+        return solve_on(sizing)
+
+    steps = fitted(sizing, contact, at_once, size_given=size_given)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return cast("Sequence[ContactSolution]", end.value)
+
+
+def fitted(
+    sizing: Sizing,
+    contact: ContactGeometry,
+    solve_on: Callable[[Sizing], Generator[Asked, Answer, Sequence[ContactSolution]]],
+    *,
+    size_given: bool = False,
+) -> Generator[Asked, Answer, Sequence[ContactSolution]]:
+    """The steps of `solve_fitted`, those of `solve_on` among them."""
     # A mesh that is given cannot be made finer.
     size_given = size_given or contact.has_ready_mesh
     refined = False
     solutions: Sequence[ContactSolution] | None = None
     for _ in range(_MOST_MESHES):
         try:
-            solutions = solve_on(sizing)
+            solutions = yield from solve_on(sizing)
         except MeshingError:
             if solutions is None:
                 raise
@@ -90,7 +114,8 @@ def better_sizing(
     size_given : bool
         Whether the element size must stay.
     """
-    changed = replace(sizing, zone=_zone(sizing, contact, profiles))
+    zone = _zone(sizing, contact, profiles)
+    changed = sizing if zone == sizing.zone else replace(sizing, zone=zone)
     if not size_given:
         changed = _resolving(changed, profiles)
         spots = [spot for profile in profiles for spot in _steep_places(sizing, profile)]
@@ -126,7 +151,11 @@ def _zone(
 ) -> tuple[float, float]:
     start, end = sizing.zone
     lower, upper = contact.reach
-    cut = [max(profile.pressure[n] / profile.pressure.max() for profile in profiles) > _TAIL for n in (0, -1)]
+    highest = [profile.pressure.max() for profile in profiles]
+    cut = [
+        any(profile.pressure[n] / peak > _TAIL for profile, peak in zip(profiles, highest, strict=True))
+        for n in (0, -1)
+    ]
     return (
         max(_WIDER * start, lower) if cut[0] else start,
         min(_WIDER * end, upper) if cut[1] else end,
@@ -137,10 +166,13 @@ def _steep_places(sizing: Sizing, profile: PressureProfile) -> list[tuple[float,
     """Where the pressure changes too much within an element, with the size that is needed there."""
     x, share = profile.x, profile.pressure / profile.pressure.max()
     # Three points lie in each element: compare those at equal places of neighbours.
-    change = np.abs(share[3:] - share[:-3])
-    place, length = 0.5 * (x[3:] + x[:-3]), x[3:] - x[:-3]
-    steep = (change > _STEEPEST) & (length > sizing.contact_size / 50)
-    return [(float(at), float(size) / _FINER) for at, size in zip(place[steep], length[steep], strict=True)]
+    steep = (np.abs(share[3:] - share[:-3]) > _STEEPEST).nonzero()[0]
+    ends = zip(x[steep].tolist(), x[steep + 3].tolist(), strict=True)
+    return [
+        (0.5 * (before + after), (after - before) / _FINER)
+        for before, after in ends
+        if after - before > sizing.contact_size / 50
+    ]
 
 
 def _thinned(spots: list[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -313,6 +313,8 @@ COLUMNS = {
             title="max. von Mises stress",
             short="von Mises",
             shown_in="MPa",
+            # its error would be in the fourth
+            most_digits=3,
         ),
         Column(
             "leak_rate_low_m3_per_s",

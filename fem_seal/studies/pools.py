@@ -19,11 +19,12 @@ from uuid import uuid4
 
 import numpy as np
 
+from fem_seal.analysis.copies import usable_cores
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ClusterError, InputError, Problem
 from fem_seal.studies.progress import duration
 from fem_seal.studies.store import Row
-from fem_seal.studies.time_limit import OvertimeError, Watch, ended_after, slow_line
+from fem_seal.studies.time_limit import Block, OvertimeError, Watch, ended_after, slow_line
 from fem_seal.studies.work import Chunk, Recipe, calculate, failed_row, overtime_row
 
 if TYPE_CHECKING:
@@ -130,7 +131,7 @@ def pool(
     elif workers == 0:
         yield OwnProcess(note, stuck)
     else:
-        with local_client(workers or _cores()) as own:
+        with local_client(workers or usable_cores()) as own:
             yield Cluster(own, retries, _OWN_PATIENCE, note)
 
 
@@ -250,13 +251,6 @@ def _check_dask() -> None:
         ) from None
 
 
-def _cores() -> int:
-    import os
-
-    # what this process may use, which in a container or under a job scheduler is less than the machine has
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 # Chunks on the way per worker: enough that none waits for the next one, few enough that memory stays flat.
 _AHEAD = 3
 # Longest silence before the cluster is asked whether it still knows the chunks [s].
@@ -364,11 +358,19 @@ def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> list[Row]:
     import fem_seal.studies.responses  # noqa: F401
 
     worker = get_worker()
+    designs = [_watched_design(recipe, point, worker, topic) for point in chunk.points]
+
+    def several() -> Block:
+        # a worker that dies without a word has its designs tried one by one
+        return Block(lambda seconds: None, lambda ended: os._exit(1) if worker.nanny is not None else None)
+
     with Watch(recipe.time_limit) as watch:
-        return [row for point in chunk.points for row in _calculate_one(recipe, point, watch, worker, topic)]
+        return calculate(
+            recipe, chunk, lambda number: watch.turn(several() if number is None else designs[number])
+        )
 
 
-def _calculate_one(recipe: Recipe, point: FloatArray, watch: Watch, worker: Worker, topic: str) -> list[Row]:
+def _watched_design(recipe: Recipe, point: FloatArray, worker: Worker, topic: str) -> Block:
     # a worker without a nanny has no successor, and may be a thread of the user's own process
     replaceable = worker.nanny is not None
 
@@ -383,8 +385,7 @@ def _calculate_one(recipe: Recipe, point: FloatArray, watch: Watch, worker: Work
         if not ended.wait(_FAREWELL) and replaceable:
             os._exit(1)
 
-    with watch.block(slow, over):
-        return calculate(recipe, Chunk(point[None]))
+    return Block(slow, over)
 
 
 @dataclass(frozen=True)

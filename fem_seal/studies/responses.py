@@ -17,37 +17,27 @@ from fem_seal.analysis.flow import Conductivity, Flow, RoughFlow
 from fem_seal.analysis.judgement import Verdict
 from fem_seal.analysis.load_solver import LoadSolver
 from fem_seal.analysis.opening import with_margins
-from fem_seal.analysis.problem import SealProblem, expected_forces, sizing
+from fem_seal.analysis.problem import SealProblem, expected_contacts, expected_forces, sizing
 from fem_seal.analysis.results import LoadResult
 from fem_seal.analysis.verdict import judged
 from fem_seal.analysis.warnings import load_validity
 from fem_seal.case.case import Case
 from fem_seal.contact.laws import Law
-from fem_seal.contact.newton import solve
-from fem_seal.contact.refit import solve_fitted
-from fem_seal.contact.solution import ContactSettings, ContactSolution
-from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, Row
+from fem_seal.contact.newton import Pressing
+from fem_seal.contact.refit import fitted
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.tables import rows_of
+from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.studies.shared import TabulatedSurface, shared_model
+from fem_seal.studies.together import Steps, alone
 from leak import ConductivityTable, GasConductivityTable, RoughContact
 from meshes import Sizing
 
-# Columns of leak.csv that take a complete run of the case, the second ones where inputs are uncertain; all others cost
-# milliseconds.
-_COMPLETE = (
-    "knudsen_number",
-    "max_accumulated_plastic_strain",
-    "load_steps",
-)
-_SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin")
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
-FAST = tuple(name for name in LEAK_COLUMNS if name not in _COMPLETE)
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
-# The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
-# leaves. Mostly Newton's last step falls far below it.
-_SETTINGS = ContactSettings(gap_tolerance=1e-6, force_tolerance=1e-6)
 
 
 @dataclass(frozen=True)
@@ -82,22 +72,33 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     ------
     ConvergenceError, GeometryError, MeshingError
     """
+    return alone(evaluation(case, columns, interpolate=interpolate))
+
+
+def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> Steps[Evaluation]:
+    """The steps of `evaluate`."""
     if takes_complete_run(case, columns):
         return _complete_run(case, columns)
     can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
     problem = SealProblem.of(case)
-    load = _load(problem, stress=can_yield or "max_von_mises_Pa" in columns, interpolate=interpolate)
+    yield None
+    stress = can_yield or "max_von_mises_Pa" in columns
+    load = yield from _load(problem, stress=stress, interpolate=interpolate)
+    yield None
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     of_usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
     if leaks and load.formed is None:
         # which its copies then know as well
-        load = load.knowing(leak_round=load.leak_round)
+        load = yield from _with_leak(load)
     validity = _validity(of_usual, load, tabulated=leaks and interpolate)
+    yield None
     if "margin" in columns:
         load = load.knowing(validity=validity)
         load = load.knowing(judgement=judged(case, load, load.leak_range))
-    return Evaluation(_read(Row(load), columns), validity, load.verdict)
+        yield None
+    values = yield from _read(Row(load), columns)
+    return Evaluation(values, validity, load.verdict)
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -108,11 +109,12 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     case : Case
         With one fluid pressure.
     columns : sequence of str
-        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` cost milliseconds once geometry and surface
-        are known; any other (knudsen_number, max_accumulated_plastic_strain, load_steps and, with [uncertainty] or a
-        finish, leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a complete run of the case. So does any column
-        of a case with load.closing = "penetration", load.target_leak_rate, load.largest_earlier_force or _pressure,
-        leak.fluid_in_gap = "local", seat.wall = "fixed", a calculated temperature or a stress-strain curve.
+        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` of `fem_seal.studies.complete_runs` cost
+        milliseconds once geometry and surface are known; any other (knudsen_number, max_accumulated_plastic_strain,
+        load_steps and, with [uncertainty] or a finish, leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a
+        complete run of the case. So does any column of a case with load.closing = "penetration", load.target_leak_rate,
+        load.largest_earlier_force or _pressure, leak.fluid_in_gap = "local", seat.wall = "fixed", a calculated
+        temperature or a stress-strain curve.
     interpolate : bool
         Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
         see `fem_seal.studies.shared` and `fem_seal.analysis.families`.
@@ -127,28 +129,16 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         # which asks for the validity
         return evaluate(case, columns, interpolate=interpolate).values
     stress = "max_von_mises_Pa" in columns
-    return _read(Row(_load(SealProblem.of(case), stress=stress, interpolate=interpolate)), columns)
+    load = alone(_load(SealProblem.of(case), stress=stress, interpolate=interpolate))
+    return alone(_read(Row(load), columns))
 
 
-def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
-    found = {column: COLUMNS[column].number(row) for column in columns}
+def _read(row: Row, columns: Sequence[str]) -> Steps[dict[str, float]]:
+    found: dict[str, float] = {}
+    for column in columns:
+        found[column] = COLUMNS[column].number(row)
+        yield None
     return found | {"margin": min(found["margin"], LARGEST_MARGIN)} if "margin" in found else found
-
-
-def takes_complete_run(case: Case, columns: Sequence[str]) -> bool:
-    """Whether columns of a case take seconds or minutes, see `responses`."""
-    return (
-        not set(columns) <= set(FAST)
-        or (case.sampled is not None and not set(columns).isdisjoint(_SAMPLED))
-        or case.load.closing != "sealed-area"
-        or case.load.target_leak_rate is not None
-        or case.load.earlier is not None
-        or case.leak.fluid_in_gap != "uncoupled"
-        or getattr(case.seat, "wall", "free") != "free"
-        or (case.temperature is not None and bool(case.temperature.faces))
-        or case.closure.material.hardening is not None
-        or case.seat.material.hardening is not None
-    )
 
 
 def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
@@ -159,12 +149,12 @@ def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
     if any(name.startswith("force_for_target") for name in columns) and load.target_validity is not None:
         # here the force is what the design is judged by
         cautions += load.target_validity.cautions
-    return Evaluation(_read(row, columns), Validity.of(cautions), load.verdict)
+    return Evaluation(alone(_read(row, columns)), Validity.of(cautions), load.verdict)
 
 
-def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> LoadResult:
+def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> Steps[LoadResult]:
     """The only load of a problem, with what designs share: bodies, law and flow conductivity."""
-    load = _bare_load(problem, stress)
+    load = yield from _bare_load(problem, stress)
     rough = RoughFlow.of(problem.surface, problem.flow, load.contacts)
     if rough is not None and interpolate:
         rough = replace(rough, make=partial(_shared_table, load.contacts[-1]))
@@ -174,19 +164,33 @@ def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> LoadResul
     return load
 
 
-def _bare_load(problem: SealProblem, stress: bool) -> LoadResult:
+def _with_leak(load: LoadResult) -> Steps[LoadResult]:
+    """A load of a round seal that knows its leak."""
+    if load.rough is not None and load.rough.table is not None:
+        yield None
+        load.contact.profile.contact  # noqa: B018
+        yield None
+        load.contact.profile.contact.panels  # noqa: B018
+        yield None
+    return load.knowing(leak_round=load.leak_round)
+
+
+def _bare_load(problem: SealProblem, stress: bool) -> Steps[LoadResult]:
     """The contact of the only load, around the axis if the seal is not round."""
     point, force, law = problem.loads.points[0], expected_forces(problem)[0], _law(problem)
     found: list[LoadResult] = []
 
-    def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
+    def solve_on(sizing: Sizing) -> Steps[Sequence[ContactSolution]]:
         model = shared_model(problem, sizing, stress=stress)
-        contact = solve(model, law, axial_force=force, loads=problem.at_rest(model), settings=_SETTINGS)
+        contact: ContactSolution = yield Pressing(model, law, force, problem.at_rest(model))
         found.append(LoadResult(*point, contact, formed=problem.around(contact, law)))
         return found[-1].contacts
 
     size_given = problem.contact_size is not None
-    solve_fitted(sizing(problem, law), problem.contact, solve_on, size_given=size_given)
+    widths = yield expected_contacts(problem, law)
+    expected = sizing(problem, law, widths=widths)
+    yield None
+    yield from fitted(expected, problem.contact, solve_on, size_given=size_given)
     return found[-1]
 
 
@@ -208,7 +212,8 @@ def _validity(problem: SealProblem, load: LoadResult, *, tabulated: bool) -> Val
     table = table.liquid if isinstance(table, GasConductivityTable) else table
     if problem.surface is None or not isinstance(table, ConductivityTable) or table.acting is not None:
         return load_validity(problem, load, problem.surface)
-    peak = load.contact.profile.peak_pressure
-    if float(table.effective_separation(min(peak, table.p_max))) >= _NARROW:
+    # u_eff falls over the pressure: that of the next one in the table is a bound
+    beyond = table.separation[table.pressure.searchsorted(load.contact.profile.peak_pressure) :]
+    if len(beyond) and beyond[0] >= _NARROW:
         load = load.knowing(critical_separation=None)
     return load_validity(problem, load, TabulatedSurface(problem.surface, table.sealing_pressure))

@@ -28,11 +28,13 @@ if TYPE_CHECKING:
 
 # Steps of the sizes and of the reach in the logarithm to base 2. A longer reach costs few elements: they grow along it.
 _STEP, _REACH_STEP = 0.25, 1.0
+# Elements in the core of a soft contact, as most are in a study, and what three digits of their size may add.
+_SOFT_CORE = 18.2
 # A model with the displacements of its bodies holds some 20 MB, the condensed one a few hundred kB.
 _FULL_MODELS, _LIGHT_MODELS = 12, 64
-# Loads of one model from which on a quick look at the stress saves more than it takes. What it lets pass has no
-# field that could say otherwise: the numbers of a design stay those of that design alone.
-_WORTH_A_SCREEN = 15
+# Loads of one model from which on a quick look at the stress is made: it takes as long as the fields of so many. What
+# it lets pass has no field that could say otherwise: the numbers of a design stay those of that design alone.
+_WORTH_A_SCREEN = 6
 
 
 @dataclass(frozen=True)
@@ -84,11 +86,12 @@ def rounded(sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = Fals
     lower, upper = contact.reach
     start, end = (_up(abs(x), _REACH_STEP) for x in sizing.zone)
     size = sizing.contact_size if exact_size else min(_down(sizing.contact_size, _STEP), sizing.far_size)
+    elements = _SOFT_CORE * _up(sizing.core / sizing.contact_size / _SOFT_CORE, _STEP)
     return replace(
         sizing,
         contact_size=size,
-        # a rounded number of elements, so that it brings no meshes of its own beside those of the sizes
-        core=size * _up(sizing.core / size, _STEP),
+        # so many of the largest elements that are rounded to this size: it brings no meshes of its own beside theirs
+        core=elements * (size if exact_size else 2.0**_STEP * size),
         zone=(max(-start, lower), min(end, upper)),
         growth_along=_down(sizing.growth_along, _STEP),
         spots=_rounded_spots(sizing, contact),

@@ -25,13 +25,22 @@ class OvertimeError(BaseException):
 
 
 @dataclass(eq=False)
-class _Block:
-    """What is looked at."""
+class Block:
+    """What is looked at while it runs, which may be several times.
+
+    Parameters
+    ----------
+    slow : callable
+        Told how long it has been [s], a few times before the limit.
+    over : callable
+        Called at the limit, and now and then after it, with the event that says that the block runs no longer.
+    """
 
     slow: Callable[[float], None]
     over: Callable[[threading.Event], None]
-    tell: float
-    start: float = field(default_factory=time.monotonic)
+    tell: float = 0.0
+    start: float = 0.0
+    spent: float = 0.0
     ended: threading.Event = field(default_factory=threading.Event)
 
 
@@ -47,7 +56,7 @@ class Watch:
     def __init__(self, limit: float) -> None:
         self._limit = limit
         self._first = min(_SLOW, 0.25 * limit)
-        self._block: _Block | None = None
+        self._block: Block | None = None
         # held while somebody is told something
         self._telling = threading.Lock()
         self._closed = threading.Event()
@@ -62,15 +71,19 @@ class Watch:
         self._thread.join()
 
     @contextmanager
-    def block(self, slow: Callable[[float], None], over: Callable[[threading.Event], None]) -> Iterator[None]:
-        """Look at the clock while a block runs, see `watched`."""
-        block = self._block = _Block(slow, over, self._first)
+    def turn(self, block: Block) -> Iterator[None]:
+        """Look at the clock while a block runs for a while: what counts is all of its time, not that of others."""
+        block.tell = block.tell or self._first
+        block.start = time.monotonic() - block.spent
+        block.ended.clear()
+        self._block = block
         try:
             yield
         finally:
             block.ended.set()
             with self._telling:
                 self._block = None
+            block.spent = time.monotonic() - block.start
 
     def _look(self) -> None:
         pause = self._first
@@ -82,7 +95,7 @@ class Watch:
                 if block is not None and not block.ended.is_set():
                     pause = self._told(block)
 
-    def _told(self, block: _Block) -> float:
+    def _told(self, block: Block) -> float:
         """Tell a block what is to be told; time until the next look [s]."""
         passed = time.monotonic() - block.start
         if passed >= self._limit:
@@ -106,12 +119,10 @@ def watched(
     ----------
     limit : float
         [s]
-    slow : callable
-        Told how long it has been [s], a few times before the limit.
-    over : callable
-        Called at the limit, with the event that says that the block has ended.
+    slow, over : callable
+        See `Block`.
     """
-    with Watch(limit) as watch, watch.block(slow, over):
+    with Watch(limit) as watch, watch.turn(Block(slow, over)):
         yield
 
 

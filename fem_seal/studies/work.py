@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,10 +16,12 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
+from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.store import Row
 from fem_seal.studies.time_limit import overtime_reason
+from fem_seal.studies.together import Steps, Turn, together, unwatched
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 # A chunk is what is lost when a worker dies and what travels at once: about a second of work, by these estimates of
 # what new bodies, a new surface and a further design cost [s]; a cone takes less, a land with its edges more.
 _BODIES, _SURFACE, _DESIGN, _CHUNK = 0.2, 0.004, 0.004, 1.0
+# Designs that take their steps together: with more of them one step finds less of the last in the caches.
+_TOGETHER = 16
 
 # Materials enter the bodies by their elastic constants, the surface by their hardness.
 _BODY_TABLES = ("closure.", "seat.", "mesh.")
@@ -133,45 +137,61 @@ class Chunk:
     points: FloatArray
 
 
-def calculate(recipe: Recipe, chunk: Chunk) -> list[Row]:
+def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = unwatched) -> list[Row]:
     """Rows of all designs of a chunk; a design that fails is a row with its reason.
+
+    Parameters
+    ----------
+    turn : callable
+        Entered with the number of a design while it is calculated, with None while several are.
 
     Raises
     ------
     InputError
         If a file that they are made of is no longer what it was when the study was read.
     """
-    return [_row(recipe, point) for point in chunk.points.tolist()]
+    rows: list[Row] = []
+    for start in range(0, len(chunk.points), _TOGETHER):
+        points = chunk.points[start : start + _TOGETHER].tolist()
+
+        def own(number: int | None, start: int = start) -> AbstractContextManager[None]:
+            return turn(None if number is None else start + number)
+
+        found = together([_row(recipe, point) for point in points], own)
+        rows += (replace(row, seconds=seconds) for row, seconds in found)
+    return rows
 
 
-def _row(recipe: Recipe, point: Sequence[float]) -> Row:
-    start = time.perf_counter()
+def _row(recipe: Recipe, point: Sequence[float]) -> Steps[Row]:
+    """The row of a design, but for the time it takes."""
     files = recipe.files_of(point)
     check_unchanged(files, all_there=False)
     failure: str | None = None
     told: tuple[str | None, ...] = ()
     outputs: tuple[float | None, ...] = (None,) * (len(recipe.columns) + len(recipe.derived))
     try:
-        outputs, told = _outputs(recipe, point)
+        outputs, told = yield from _outputs(recipe, point)
     except Exception as error:  # whatever it is, it is the end of this design and not of the study
         failure = _reason(error)
     # a design reads its files when it needs them: only now is it sure what it has read
     check_unchanged(files, all_there=False)
-    seconds = time.perf_counter() - start
-    return Row(recipe.key(point), recipe.inputs(point), outputs, failure, seconds, *told)
+    return Row(recipe.key(point), recipe.inputs(point), outputs, failure, 0.0, *told)
 
 
 def _outputs(
     recipe: Recipe, point: Sequence[float]
-) -> tuple[tuple[float | None, ...], tuple[str | None, ...]]:
+) -> Steps[tuple[tuple[float | None, ...], tuple[str | None, ...]]]:
     """Numbers of a design, and what is told of them: validity, its reasons, verdict."""
-    from fem_seal.studies.responses import evaluate
+    from fem_seal.studies.responses import evaluation
 
     changes = {
         one.name: one.entry.written(one.value(number))
         for one, number in zip(recipe.parameters, point, strict=True)
     }
-    found = evaluate(recipe.case.replace_written(changes), recipe.columns, interpolate=recipe.interpolate)
+    case = recipe.case.replace_written(changes)
+    yield None
+    found = yield from evaluation(case, recipe.columns, interpolate=recipe.interpolate)
+    yield None
     numbers = {
         one.name: float(number) for one, number in zip(recipe.parameters, point, strict=True) if one.numeric
     }
@@ -203,8 +223,6 @@ def _reason(error: BaseException) -> str:
 
 def chunks(recipe: Recipe, points: FloatArray) -> Iterator[Chunk]:
     """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other."""
-    from fem_seal.studies.responses import takes_complete_run
-
     if len(points) == 0:
         return
     design = _CHUNK if takes_complete_run(recipe.case, recipe.columns) else _DESIGN

@@ -196,15 +196,16 @@ class ConductivityTable:
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """u_eff at ln(p/Pa) [m]; zero below 1e-60 m, just before the sealing pressure."""
         x = self.asked(np.asarray(log_pressure, dtype=float))
-        sealing = self._log_sealing
-        too_high = (x > math.log(self.p_max) + 1e-9) & (x < sealing)
-        if too_high.any():
+        sealing, log_p_max = self._log_sealing, math.log(self.p_max) + 1e-9
+        highest = x.max(initial=-np.inf)
+        if highest > log_p_max and (too_high := (x > log_p_max) & (x < sealing)).any():
             worst = float(np.exp(x[too_high].max()))
             raise ConductivityError(
                 f"pressure = {worst:.6g} Pa is above the table's p_max = {self.p_max:.6g} Pa: make the table wider"
             )
-        sealed = x >= sealing
-        inside = np.where(sealed, sealing - 1.0, x)
+        # mostly all of the contact leaks
+        sealed = x >= sealing if highest >= sealing else False
+        inside = x if sealed is False else np.where(sealed, sealing - 1.0, x)
         abscissa = table_abscissa(inside, sealing, self.method)
         u = self._decay_length * np.logaddexp(0.0, self._curve.value(abscissa))
         return np.where(sealed | (u < _SMALLEST_SEPARATION), 0.0, u)

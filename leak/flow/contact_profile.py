@@ -72,9 +72,13 @@ class Panels:
         weights = 0.5 * gauss(values.shape[1])[1]
         return (values * self.stretch * weights).sum(axis=1)
 
-    def running(self, values: FloatArray) -> FloatArray:
-        """int values dx from the beginning of each stretch to each of its points, shape like `values`."""
-        return (values * self.stretch) @ _running_integral(values.shape[1]).T
+    @property
+    def quadrature(self) -> FloatArray:
+        """Matrix from values at the points of a stretch to their integrals over s: up to each point, and over all.
+
+        Shape (points, points + 1).
+        """
+        return _quadrature(self.stretch.shape[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +101,12 @@ class Patch:
             for end, zero in zip((0, -1), zeros, strict=True)
         ]
         return cls(x, log_p, _cell_slopes(x, log_p), (float(ends[0]), float(ends[1])))
+
+    def in_cells(self, t: FloatArray) -> FloatArray:
+        """ln p at shares t of each cell, 0 at its left and 1 at its right end, shape (n - 1, len(t))."""
+        h, rise = self.x[1:] - self.x[:-1], self.log_p[1:] - self.log_p[:-1]
+        left, right = h * self.slopes
+        return self.log_p[:-1, None] + _hermite(t, left[:, None], right[:, None], rise[:, None])
 
     def log_pressure(self, x: FloatArray) -> FloatArray:
         """ln p between the ends; -inf where p is zero."""
@@ -173,7 +183,12 @@ class ContactProfile:
             _tail(first.x, first.log_p, 0, x[0] - ends[0]) if runs[0][0] == 0 else None,
             _tail(last.x, last.log_p, -1, ends[1] - x[-1]) if runs[-1][-1] == x.size - 1 else None,
         )
-        edges = different(np.concatenate([part for patch in patches for part in (patch.ends, patch.x)]))
+        whole = len(patches) == 1 and first.ends == (first.x[0], first.x[-1])
+        edges = (
+            first.x
+            if whole
+            else different(np.concatenate([part for one in patches for part in (one.ends, one.x)]))
+        )
         return cls(patches, edges, _Radius(x, r), tails)
 
     @property
@@ -220,6 +235,8 @@ class ContactProfile:
     def refined(self, cells: int) -> ContactProfile:
         """The same profile with each cell cut into equal parts, so that there are at least so many."""
         parts = -(-cells // (self.x.size - 1))
+        if parts == 1:
+            return self
         at = np.arange(parts * (self.x.size - 1) + 1) / parts
         return replace(self, x=np.interp(at, np.arange(self.x.size), self.x))
 
@@ -229,10 +246,28 @@ class ContactProfile:
         t = 0.5 * (1.0 + gauss(_CLOSE_NODES if self._lies_close else _CELL_NODES)[0])
         length = (self.x[1:] - self.x[:-1])[:, None]
         x = self.x[:-1, None] + length * t
-        log_p = self.log_pressure(x)
-        stretch = np.broadcast_to(length, x.shape)
-        cells = Panels(log_p, self.radius(x), stretch, self.first_loading(x, log_p))
+        first, *others = self.patches
+        # mostly the cells are those of the patch, and nothing has to be looked for
+        same = not others and first.x.size == self.x.size > 1
+        log_p = first.in_cells(t) if same else self.log_pressure(x)
+        cells = Panels(log_p, self.radius(x), np.broadcast_to(length, x.shape), self.first_loading(x, log_p))
         return self._tail_panel(0, -1.0), cells, self._tail_panel(-1, 1.0)
+
+    @cached_property
+    def quadrature(self) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+        """All points of the panels: ln p* of first loading, weight over 2 pi r, and where each stretch begins.
+
+        int f dx/(2 pi r) over each stretch is `np.add.reduceat(weight * f, begin)`.
+        """
+        parts = [one for one in self.panels if one is not None]
+        asked, weights, begins, place = [], [], [], 0
+        for one in parts:
+            count = one.stretch.shape[1]
+            asked.append(one.first_loading.ravel())
+            weights.append((one.stretch * gauss(count)[1] / (4.0 * np.pi * one.radius)).ravel())
+            begins.append(np.arange(place, place + one.stretch.size, count))
+            place += one.stretch.size
+        return np.concatenate(asked), np.concatenate(weights), np.concatenate(begins)
 
     @property
     def _lies_close(self) -> bool:
@@ -333,12 +368,16 @@ def _cell_slopes(x: FloatArray, log_p: FloatArray) -> FloatArray:
         return np.tile(rise / h, (2, 1))
     slope = cubic_spline_slopes(x, log_p)
     slopes = np.array([slope[:-1], slope[1:]])
-    t = _LOOKED_AT[:, None]
-    value = _hermite(t, h * slopes[0], h * slopes[1], rise)
-    wild = (value.max(axis=0) > np.maximum(rise, 0) + _OVERSHOOT) | (
-        value.min(axis=0) < np.minimum(rise, 0) - _OVERSHOOT
-    )
-    return np.where(wild, rise / h, slopes)
+    # A cubic is monotone where both slopes are between none and three times the chord's (Fritsch & Carlson).
+    ends, steepest = h * slopes, 3.0 * rise
+    bends = (ends < np.minimum(steepest, 0.0)) | (ends > np.maximum(steepest, 0.0))
+    looked_at = (bends[0] | bends[1]).nonzero()[0]
+    left, right = ends[:, looked_at]
+    value = _hermite(_LOOKED_AT[:, None], left, right, rise[looked_at])
+    above, below = np.maximum(rise[looked_at], 0) + _OVERSHOOT, np.minimum(rise[looked_at], 0) - _OVERSHOOT
+    wild = looked_at[((value > above) | (value < below)).any(axis=0)]
+    slopes[:, wild] = rise[wild] / h[wild]
+    return slopes
 
 
 def _hermite(t: FloatArray, d0: FloatArray, d1: FloatArray, rise: FloatArray) -> FloatArray:
@@ -347,8 +386,8 @@ def _hermite(t: FloatArray, d0: FloatArray, d1: FloatArray, rise: FloatArray) ->
 
 
 @lru_cache(maxsize=8)
-def _running_integral(count: int) -> FloatArray:
-    """Matrix from values at Gauss points on (0, 1) to the integral of their interpolant from 0 to each point."""
+def _quadrature(count: int) -> FloatArray:
+    """From values at Gauss points on (0, 1): the integral of their interpolant from 0 to each point and to 1."""
     legendre = np.polynomial.legendre
     t, w = gauss(count)
     degree = np.arange(count)
@@ -358,7 +397,7 @@ def _running_integral(count: int) -> FloatArray:
     antiderivative[:, 0] = t + 1.0
     for k in range(1, count):
         antiderivative[:, k] = (P[:, k + 1] - P[:, k - 1]) / (2 * k + 1)
-    return 0.5 * antiderivative @ to_coefficients
+    return 0.5 * np.column_stack([(antiderivative @ to_coefficients).T, w])
 
 
 def checked_profile(

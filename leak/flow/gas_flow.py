@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
@@ -27,11 +27,11 @@ from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
 from leak.standards import STANDARD_PRESSURE, STANDARD_TEMPERATURE
 
-# Each iteration takes most of the error away; with a vacuum ahead of wide gaps a third of it.
+# Eight are usual, with a vacuum ahead of wide gaps thirty.
 _MOST_ITERATIONS = 200
-_CONVERGED = 1e-11
-# Of the new, the rest of the old: with a vacuum ahead of wide gaps the plain iteration would swing for ever.
-_DAMPING = 0.85
+_CONVERGED = 1e-10
+# So many iterations before the last are mixed with it; plain ones would swing with a vacuum ahead of wide gaps.
+_MIXED = 2
 # First-order slip of `poiseuille_flow_rate`.
 _SLIP = 1.0162
 # The gas pressure bends even where the contact pressure does not: 1e-6 of the flow with so many cells.
@@ -183,17 +183,45 @@ def gas_leak_flow(
         table = surface
     places = checked_ends(ends)
     profile = ContactProfile.through(xs, ps, rs, places)
-    profile = after_largest(profile, xs, rs, largest_pressure, places, table).refined(_CELLS)
+    profile = after_largest(profile, xs, rs, largest_pressure, places, table)
+    return gas_leak_through(profile, xs, ps, table, gas, p_in, p_out, pressure_side=pressure_side)
+
+
+def gas_leak_through(
+    profile: ContactProfile,
+    x: FloatArray,
+    p: FloatArray,
+    table: GasConductivity,
+    gas: Gas,
+    inlet_pressure: float,
+    outlet_pressure: float,
+    *,
+    pressure_side: str = "outer",
+) -> GasLeakResult:
+    """`gas_leak_flow` through a profile between and beyond its points, of which several tables may make use.
+
+    Parameters
+    ----------
+    profile : ContactProfile
+    x, p : ndarray, shape (n,)
+        Its points [m], where the gas pressure is wanted, and the contact pressure there [Pa].
+    table, gas, inlet_pressure, outlet_pressure, pressure_side
+        See `gas_leak_flow`.
+    """
+    checked_side(pressure_side)
+    p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
+    p_out = checked_outlet(p_in, outlet_pressure)
+    profile = profile.refined(_CELLS)
     path = _Path.along(profile, table, gas)
     if not np.isfinite(path.total):
         fraction = path.sealed_fraction()
         below, above = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
         pressure = np.where(fraction < 0.5, below, above)
-        return GasLeakResult(gas, p_in, p_out, 0.0, np.interp(xs, profile.x, pressure), float("inf"))
+        return GasLeakResult(gas, p_in, p_out, 0.0, np.interp(x, profile.x, pressure), float("inf"))
     flow, pressure = path.flow(*((p_out, p_in) if pressure_side == "outer" else (p_in, p_out)))
-    at_points = np.interp(xs, profile.x, pressure)
-    peak = int(np.argmax(ps))
-    at_peak = profile.first_loading(xs[peak], np.log(ps[peak]))
+    at_points = np.interp(x, profile.x, pressure)
+    peak = int(np.argmax(p))
+    at_peak = profile.first_loading(x[peak], np.log(p[peak]))
     narrowest = float(table.at_log_pressure(at_peak))
     free_path = gas.mean_free_path(max(float(at_points[peak]), 1e-300))
     # next to sealing u_eff may be too small for a floating-point number where the flow still is not
@@ -229,28 +257,35 @@ def gas_table(surface: RoughContact, p: FloatArray, method: str) -> GasConductiv
 
 @dataclass(frozen=True, eq=False)
 class _Path:
-    """The way through the contact, in stretches; what a uniform gap u_eff without rarefaction would resist."""
+    """The way through the contact, in stretches; what a uniform gap u_eff without rarefaction would resist.
 
-    panels: tuple[Panels | None, Panels, Panels | None]
+    Arrays hold the points of all stretches, one after the other.
+    """
+
     used: tuple[Panels, ...]
+    cells: slice
+    """Which of the stretches are no tails."""
     table: GasConductivity
     gas: Gas
-    separation: tuple[FloatArray, ...]
-    """u_eff at the points [m]."""
-    resistance: tuple[FloatArray, ...]
-    """ds/dx = 1/(2 pi r u_eff^3) at the points [1/m^4]."""
+    log_contact: FloatArray
+    """ln p* of first loading."""
+    separation: FloatArray
+    """u_eff [m]."""
+    resistance: FloatArray
+    """Length of the stretch times 1/(2 pi r u_eff^3) [1/m^3]."""
 
     @classmethod
     def along(cls, profile: ContactProfile, table: GasConductivity, gas: Gas) -> _Path:
-        panels = profile.panels
-        used = tuple(part for part in panels if part is not None)
-        u = tuple(np.asarray(table.at_log_pressure(part.first_loading)) for part in used)
+        used = tuple(part for part in profile.panels if part is not None)
+        log_contact = np.concatenate([part.first_loading.ravel() for part in used])
+        u = np.asarray(table.at_log_pressure(log_contact))
+        length = np.concatenate([(part.stretch / part.radius).ravel() for part in used])
         # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
         with np.errstate(divide="ignore", over="ignore"):
-            resistance = tuple(
-                1.0 / (2.0 * np.pi * part.radius * one**3) for part, one in zip(used, u, strict=True)
-            )
-        return cls(panels, used, table, gas, u, resistance)
+            resistance = length / (2.0 * np.pi * u**3)
+        first = 0 if profile.panels[0] is None else 1
+        cells = slice(first, first + profile.panels[1].stretch.shape[0])
+        return cls(used, cells, table, gas, log_contact, u, resistance)
 
     @property
     def flight_pressure(self) -> float:
@@ -260,95 +295,104 @@ class _Path:
     @cached_property
     def slip_pressure(self) -> float:
         """c at the narrowest place [Pa]."""
-        return 6.0 * _SLIP * self.flight_pressure / min(float(u.min()) for u in self.separation)
+        return 6.0 * _SLIP * self.flight_pressure / float(self.separation.min())
 
     @property
     def total(self) -> float:
-        return float(
-            sum(part.integral(one).sum() for part, one in zip(self.used, self.resistance, strict=True))
-        )
+        return float(self._whole(self.resistance).sum())
 
     def sealed_fraction(self) -> FloatArray:
         """0 before and 1 behind the middle of what is sealed, at the edges of the cells."""
-        parts = [
-            np.isinf(part.integral(one)).astype(float)
-            for part, one in zip(self.used, self.resistance, strict=True)
-        ]
-        along = np.cumsum(np.concatenate(parts)) / sum(part.sum() for part in parts)
-        first = parts[0].size if self.panels[0] is not None else 0
-        cells = self.panels[1].log_pressure.shape[0]
-        before = along[first - 1] if first else 0.0
-        return np.concatenate([[before], along[first : first + cells]])
+        sealed = np.isinf(self._whole(self.resistance))
+        return self._at_edges(sealed / sealed.sum())
 
     def flow(self, first: float, last: float) -> tuple[float, FloatArray]:
         """Mass flow, and the gas pressure at the edges of the cells, for the pressures at both ends."""
         of = GasPotential(self.gas.real, max(first, last), self.slip_pressure)
         ends = float(of(first)), float(of(last))
-        potential = [np.full(one.shape, max(ends)) for one in self.separation]
-        before, share = np.inf, 1.0
+        potential = np.full(self.resistance.size, max(ends))
+        before, found, steps = np.inf, np.empty((0, potential.size)), np.empty((0, potential.size))
         for _ in range(_MOST_ITERATIONS):
-            gains = self._gains([of.pressure(w) for w in potential])
-            slopes = [resistance / gain for resistance, gain in zip(self.resistance, gains, strict=True)]
-            parts = [part.integral(slope) for part, slope in zip(self.used, slopes, strict=True)]
-            total = float(sum(part.sum() for part in parts))
+            within, whole = self._integrals(self.resistance / self._gain(of.pressure(potential)))
+            total = float(whole.sum())
             if abs(total / before - 1.0) < _CONVERGED:
                 break
             before = total
-            following = self._integrated(slopes, parts, ends[0], (ends[1] - ends[0]) / total)
-            potential = [w + share * (new - w) for w, new in zip(potential, following, strict=True)]
-            share = _DAMPING
+            # counted from the end with the lower pressure, so that vacuum stays exact there
+            rate = abs(ends[1] - ends[0]) / total
+            if ends[0] < ends[1]:
+                share = np.repeat(np.cumsum(whole) - whole, self._points) + within
+            else:
+                behind = np.cumsum(whole[::-1])[::-1]
+                share = np.repeat(behind, self._points) - within
+            root = np.sqrt(min(ends) + rate * np.maximum(share, 0.0))
+            found = np.concatenate([found[-_MIXED:], [root]])
+            steps = np.concatenate([steps[-_MIXED:], [root - np.sqrt(potential)]])
+            potential = np.minimum(np.maximum(_mixed(found, steps) ** 2, min(ends)), max(ends))
         eta, speed = self.gas.viscosity, self.gas.molecular_speed
         # 24 eta R_s T = 12 eta v0^2
         flow = abs(ends[1] - ends[0]) / (12.0 * eta * speed**2 * total)
-        edges = np.concatenate([[0.0], np.cumsum(np.concatenate(parts))])
-        start = 0 if self.panels[0] is None else 1
-        at_edges = edges[start : start + self.panels[1].log_pressure.shape[0] + 1] / total
+        at_edges = self._at_edges(whole / total)
         return flow, of.pressure(ends[0] * (1.0 - at_edges) + ends[1] * at_edges)
 
-    def _gains(self, pressures: list[FloatArray]) -> list[FloatArray]:
-        """q F/(q + c) in each part, F = 12 eta sigma_eff/u_eff^3; all points at once."""
-        _, log_width = self._at_all_points
-        pressure = self.gas.flow_pressure(np.concatenate([p.ravel() for p in pressures]))
-        log_p = np.log(np.maximum(pressure, 1e-300))
-        log_D = log_p + log_width
+    def _whole(self, values: FloatArray) -> FloatArray:
+        """Integrals over the share of each stretch; infinite with a value in it."""
+        parts = zip(self.used, self._by_stretch(values), strict=True)
+        return np.concatenate([one @ part.quadrature[:, -1] for part, one in parts])
+
+    def _integrals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Integrals of finite values over the share of each stretch: up to each of its points, and over all of it."""
+        parts = zip(self.used, self._by_stretch(values), strict=True)
+        found = [one @ part.quadrature for part, one in parts]
+        return np.concatenate([one[:, :-1].ravel() for one in found]), np.concatenate(
+            [one[:, -1] for one in found]
+        )
+
+    def _by_stretch(self, values: FloatArray) -> list[FloatArray]:
+        ends = np.cumsum([part.stretch.size for part in self.used]).tolist()
+        return [
+            values[end - part.stretch.size : end].reshape(part.stretch.shape)
+            for part, end in zip(self.used, ends, strict=True)
+        ]
+
+    @cached_property
+    def _points(self) -> NDArray[np.intp]:
+        """Number of points in each stretch."""
+        return np.concatenate([np.full(*part.stretch.shape) for part in self.used])
+
+    def _at_edges(self, shares: FloatArray) -> FloatArray:
+        """Sums of what the stretches have, up to the edges of the cells."""
+        along = np.concatenate([[0.0], np.cumsum(shares)])
+        return along[self.cells.start : self.cells.stop + 1]
+
+    def _gain(self, pressure: FloatArray) -> FloatArray:
+        """q F/(q + c), F = 12 eta sigma_eff/u_eff^3."""
+        q = self.gas.flow_pressure(pressure)
+        log_q = np.log(np.maximum(q, 1e-300))
+        log_D = log_q + self._log_width
         # q and the factor of free molecules, 1/q, are no numbers on their own in a perfect vacuum
-        p_F = np.exp(log_p + log_flow_factor(log_D)) * self._rarefaction(log_D)
-        gain, found, start = p_F / (pressure + self.slip_pressure), [], 0
-        for part in pressures:
-            found.append(gain[start : start + part.size].reshape(part.shape))
-            start += part.size
-        return found
+        return np.exp(log_q + log_flow_factor(log_D)) * self._rarefaction(log_D) / (q + self.slip_pressure)
 
     @cached_property
     def _rarefaction(self) -> Callable[[FloatArray], FloatArray]:
-        """R over ln D_eff at all points."""
-        log_contact, _ = self._at_all_points
+        """R over ln D_eff."""
         if isinstance(self.table, GasConductivityTable):
-            return self.table.rarefaction_at(log_contact)
-        return partial(self.table.rarefaction, log_contact)
+            return self.table.rarefaction_at(self.log_contact)
+        return partial(self.table.rarefaction, self.log_contact)
 
     @cached_property
-    def _at_all_points(self) -> tuple[FloatArray, FloatArray]:
-        """ln p* of first loading and ln(u_eff/(eta v0)) at the points of all parts, one after the other."""
-        log_contact = np.concatenate([part.first_loading.ravel() for part in self.used])
-        log_u = np.log(np.concatenate([u.ravel() for u in self.separation]))
-        return log_contact, log_u - np.log(self.flight_pressure)
+    def _log_width(self) -> FloatArray:
+        """ln(u_eff/(eta v0))."""
+        return np.log(self.separation) - np.log(self.flight_pressure)
 
-    def _integrated(
-        self, slopes: list[FloatArray], parts: list[FloatArray], first: float, rate: float
-    ) -> list[FloatArray]:
-        """w at the points; counted from the end with the lower pressure, so that vacuum stays exact there."""
-        all_parts = np.concatenate(parts)
-        starts = np.concatenate([[0.0], np.cumsum(all_parts)])[:-1]
-        rest = np.concatenate([np.cumsum(all_parts[::-1])[::-1][1:], [0.0]])
-        last = first + rate * float(all_parts.sum())
-        found, k = [], 0
-        for part, slope, whole in zip(self.used, slopes, parts, strict=True):
-            here = slice(k, k + whole.size)
-            inside = part.running(slope)
-            if rate > 0.0:
-                found.append(first + rate * (starts[here, None] + inside))
-            else:
-                found.append(last - rate * (rest[here, None] + (whole[:, None] - inside)))
-            k += whole.size
-        return found
+
+def _mixed(found: FloatArray, steps: FloatArray) -> FloatArray:
+    """Where an iteration goes from several results, shape (n, points), and the steps that led there.
+
+    D. G. Anderson, J. ACM 12, 547 (1965).
+    """
+    if len(found) == 1:
+        return found[0]
+    change = steps[-1] - steps[:-1]
+    share = np.linalg.lstsq(change @ change.T, change @ steps[-1], rcond=1e-12)[0]
+    return np.asarray(found[-1] - share @ (found[-1] - found[:-1]))

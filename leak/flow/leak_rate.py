@@ -290,23 +290,15 @@ def _resistances(
     profile: ContactProfile, sigma: Callable[[FloatArray], FloatArray]
 ) -> tuple[float, FloatArray, float]:
     """int dx/(2 pi r sigma_eff) over the inner tail, each cell, and the outer tail [Pa s/m^3]."""
-    panels = profile.panels
-    parts = [one for one in panels if one is not None]
-    # one question for all of the contact
-    at_once = sigma(np.concatenate([one.first_loading.ravel() for one in parts]))
+    inner_tail, _, outer_tail = profile.panels
+    asked, weight, begin = profile.quadrature
     # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
     with np.errstate(divide="ignore", over="ignore"):
-        at_once = 1.0 / (2.0 * np.pi * np.concatenate([one.radius.ravel() for one in parts]) * at_once)
-    found, start = [], 0
-    for one in panels:
-        if one is None:
-            found.append(np.zeros(1))
-            continue
-        shape, stop = one.first_loading.shape, start + one.first_loading.size
-        found.append(one.integral(at_once[start:stop].reshape(shape)))
-        start = stop
-    inner, cells, outer = found
-    return float(inner[0]), cells, float(outer[0])
+        found = np.add.reduceat(weight / sigma(asked), begin)
+    inner, outer = (
+        0.0 if one is None else float(found[end]) for one, end in ((inner_tail, 0), (outer_tail, -1))
+    )
+    return inner, found[inner_tail is not None : None if outer_tail is None else -1], outer
 
 
 def _sealed_fraction(inner_tail: float, cells: FloatArray, outer_tail: float) -> FloatArray:

@@ -93,17 +93,41 @@ def anisotropic_medium(
     >>> print(f"{through[0] ** 3 * 1e18:.4f} {crossed[0] ** 3 * 1e18:.4f}")
     3.1000 1.3559
     """
+    return directional_medium_of_logarithms(np.log(separation), weight, contact, wide_open, n, peklenik, near)
+
+
+def directional_medium_of_logarithms(
+    log_separation: FloatArray,
+    weight: FloatArray,
+    contact: FloatArray,
+    wide_open: FloatArray,
+    n: float,
+    peklenik: float | FloatArray,
+    near: DirectionalGap | None = None,
+) -> DirectionalGap:
+    """`anisotropic_medium` of ln u.
+
+    Parameters
+    ----------
+    log_separation : ndarray
+        ln(u/m), increasing along the last axis, shape (P, U).
+    weight, contact, wide_open, n, peklenik, near
+        See `anisotropic_medium`.
+    """
     gamma = np.asarray(peklenik, dtype=float)
     if np.all(gamma == 1.0):
-        same = effective_medium(separation, weight, contact, wide_open, n)
+        start = None if near is None else near.along
+        same = effective_medium_of_logarithms(log_separation, weight, contact, wide_open, n, start)
         return DirectionalGap(same, same)
     if np.any(gamma < 1.0):
         if np.any(gamma > 1.0):
             raise ConductivityError(f"peklenik = {peklenik}: must lie on one side of 1 at all pressures [-]")
-        swapped = None if near is None else DirectionalGap(near.across, near.along)
-        across, along = anisotropic_medium(separation, weight, contact, wide_open, n, 1.0 / gamma, swapped)
+        turned = None if near is None else DirectionalGap(near.across, near.along)
+        across, along = directional_medium_of_logarithms(
+            log_separation, weight, contact, wide_open, n, 1.0 / gamma, turned
+        )
         return DirectionalGap(along, across)
-    medium, k, log_gamma = _Medium.of(separation, weight, contact, wide_open), n - 1.0, np.log(gamma)
+    medium, k, log_gamma = _Medium.of(log_separation, weight, contact, wide_open), n - 1.0, np.log(gamma)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # s_y is positive below this ln m, s_x above its negative; no room between them is percolation.
         room = np.log(k * (weight.sum(axis=-1) + wide_open) / contact)
@@ -114,7 +138,8 @@ def anisotropic_medium(
         x, y = isotropic + rise * k * log_m, isotropic - rise * k * log_m
     else:
         x, y = (3.0 * np.log(gap) - medium.log_unit for gap in near)
-        log_m = np.clip(log_gamma + 0.5 * (y - x), low, high)
+        log_m = log_gamma + 0.5 * (y - x)
+        log_m = np.where((log_m > low) & (log_m < high), log_m, 0.5 * high)
     for _ in range(_OUTER_STEPS):
         x, rise_x = medium.solve(k * np.exp(log_m), x)
         y, rise_y = medium.solve(k * np.exp(-log_m), y)
@@ -146,21 +171,19 @@ class _Medium(NamedTuple):
     highest: FloatArray
     """Where ln s is looked for, shape (P,)."""
 
-    @classmethod
-    def of(
-        cls, separation: FloatArray, weight: FloatArray, contact: FloatArray, wide_open: FloatArray
-    ) -> _Medium:
-        return cls.of_logarithms(np.log(separation), weight, contact, wide_open)
+    flowing: FloatArray
+    """Weight times u^3 in that unit, shape (P, U)."""
 
     @classmethod
-    def of_logarithms(
+    def of(
         cls, log_separation: FloatArray, weight: FloatArray, contact: FloatArray, wide_open: FloatArray
     ) -> _Medium:
         log_u3 = 3.0 * log_separation
         unit = log_u3[:, -1]
         highest = np.where(wide_open > 0.0, _BELOW_ALL, 0.0)
         sigma = np.exp(log_u3 - unit[:, None])
-        return cls(unit, sigma, weight, contact, wide_open, log_u3[:, 0] - unit - _BELOW_ALL, highest)
+        lowest = log_u3[:, 0] - unit - _BELOW_ALL
+        return cls(unit, sigma, weight, contact, wide_open, lowest, highest, weight * sigma)
 
     @property
     def middle(self) -> FloatArray:
@@ -176,35 +199,29 @@ class _Medium(NamedTuple):
         A/B rises with ln s, by exactly ln s for a single sigma and never faster: Newton's method needs a few steps from
         anywhere. Where the contact has percolated the root is the lower end.
         """
-        low, high, weight = self.lowest, self.highest, self.weight
+        low, high, weight, flowing = self.lowest, self.highest, self.weight, self.flowing
         all_weight = weight.sum(axis=-1)
         passing = k * (all_weight + self.wide_open) - self.contact
         open_row = passing > 0.0
         with np.errstate(divide="ignore", invalid="ignore"):
             target = np.log(passing / np.maximum(all_weight + self.contact - k * self.wide_open, 1e-300))
-        guess = np.where(open_row, np.clip(guess, low, high), low)
-        for _ in range(_INNER_STEPS):
-            ks = k * np.exp(guess)
-            inverse = 1.0 / (self.sigma + ks[:, None])
-            part = weight * inverse
-            A = ks * part.sum(axis=-1)
-            part *= self.sigma
-            B = part.sum(axis=-1)
-            part *= inverse
-            X = ks * part.sum(axis=-1)
-            with np.errstate(divide="ignore", invalid="ignore"):
+            guess = np.where(open_row, np.minimum(np.maximum(guess, low), high), low)
+            for _ in range(_INNER_STEPS):
+                ks = k * np.exp(guess)
+                inverse = 1.0 / (self.sigma + ks[:, None])
+                A, B = ks * np.vecdot(weight, inverse), np.vecdot(flowing, inverse)
+                X = ks * np.vecdot(flowing, inverse**2)
                 excess = np.log(A / B) - target
                 newton = guess - excess / (X * (1.0 / A + 1.0 / B))
-            low, high = np.where(excess < 0.0, guess, low), np.where(excess < 0.0, high, guess)
-            following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
-            following = np.where(open_row, following, guess)
-            moved = np.abs(following - guess).max()
-            guess = following
-            if moved < _CLOSE:
-                break
+                low, high = np.where(excess < 0.0, guess, low), np.where(excess < 0.0, high, guess)
+                following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+                following = np.where(open_row, following, guess)
+                moved = np.abs(following - guess).max()
+                guess = following
+                if moved < _CLOSE:
+                    break
         s = ks / k
-        # part is weight sigma/(sigma + k s)^2 here
-        by_k = self.contact / k**2 - s * (part * (1.0 - s[:, None] / self.sigma)).sum(axis=-1)
+        by_k = self.contact / k**2 - s * np.vecdot(flowing, inverse**2 * (1.0 - s[:, None] / self.sigma))
         return guess, np.maximum(by_k / np.maximum((1.0 + k) / k * X, 1e-300), 0.0)
 
 
@@ -299,7 +316,7 @@ def effective_medium_of_logarithms(
     near : ndarray, optional
         About what u_eff is, positive, shape (P,): where the iteration begins [m].
     """
-    medium = _Medium.of_logarithms(log_separation, weight, contact, wide_open)
+    medium = _Medium.of(log_separation, weight, contact, wide_open)
     k = np.full(contact.shape, n - 1.0)
     guess = medium.middle if near is None else 3.0 * np.log(near) - medium.log_unit
     log_s, _ = medium.solve(k, guess)

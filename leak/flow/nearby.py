@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -13,8 +13,9 @@ from leak.arrays import FloatArray, different
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable, table_abscissa
 from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
-from leak.flow.rough_contact import RoughContact, gas_conductivity_table
+from leak.flow.rough_contact import RoughContact, elastic_range, gas_conductivity_table
 from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slopes, lagrange
+from leak.surfaces.spectrum import PowerSpectrum
 
 # Surfaces are calculated at the highest pressures of their contacts and at places below, in steps of the abscissa of
 # the tables that widen with the distance from the next higher of them: a step is this long, and this share of the
@@ -76,6 +77,9 @@ class NearbyTables:
         Whether the tables are of a gas, `GasConductivityTable`.
     method : {"bruggeman", "critical-junction", "threshold-law"}
         See `RoughContact.effective_separation`.
+    within : tuple of float, optional
+        Range of pressures over which the known surface has a table already, by `RoughContact.conductivity_table` or
+        `gas_conductivity_table`. It serves whoever needs no higher pressures; else there is one up to sealing [Pa].
 
     Notes
     -----
@@ -99,6 +103,7 @@ class NearbyTables:
     surface: RoughContact
     of_gas: bool = False
     method: str = "bruggeman"
+    within: tuple[float, float] | None = None
     _known_values: dict[int, dict[float, tuple[float, FloatArray]]] = field(default_factory=dict, repr=False)
 
     def table(self, surface: RoughContact, highest: ArrayLike) -> AnyTable:
@@ -118,8 +123,10 @@ class NearbyTables:
         sealing = surface.sealing_pressure_by(self.method)
         p = _ABOVE * p[p < sealing]
         if not p.size:
-            return self._scaled(surface, sealing)
+            return self._whole._scaled(surface, sealing)
         places = self._places(p / sealing)
+        if places[-1] > _LATTICE * self._last:
+            return self._whole.table(surface, highest)
         liquid = _liquid(self._known)
         log_sealing = np.log(liquid.sealing_pressure)
         x = np.log(liquid.pressure) - log_sealing
@@ -156,12 +163,18 @@ class NearbyTables:
 
     @cached_property
     def _elastic(self) -> NearbyTables:
-        return NearbyTables(self.surface.elastic, self.of_gas, self.method)
+        within = None if self.within is None else elastic_range(self.surface, self.within, self.method)
+        return replace(self, surface=self.surface.elastic, within=within, _known_values={})
+
+    @cached_property
+    def _whole(self) -> NearbyTables:
+        """With a known table up to the sealing pressure."""
+        return self if self.within is None else replace(self, within=None, _known_values={})
 
     @cached_property
     def _known(self) -> AnyTable:
         sealing = self.surface.sealing_pressure_by(self.method)
-        ends = _LOWEST * sealing, sealing
+        ends = self.within or (_LOWEST * sealing, sealing)
         if self.of_gas:
             return gas_conductivity_table(self.surface, *ends, method=self.method)
         return self.surface.conductivity_table(*ends, method=self.method)
@@ -187,7 +200,7 @@ class NearbyTables:
         if not known.keys() >= set(places.tolist()):
             # also for contacts that carry a little more or less: many pressures at once cost little more than few
             wanted = places[:, None] + _LATTICE * _NEIGHBOURS
-            new = different(wanted[wanted <= _LATTICE * self._highest])
+            new = different(wanted[wanted <= _LATTICE * self._last])
             new = np.array([one for one in new.tolist() if one not in known])
             surface = self.surface
             if step and surface.hardness is not None:
@@ -204,7 +217,7 @@ class NearbyTables:
 
     def _at(self, surface: RoughContact, sealing: float, places: FloatArray) -> _Values:
         """What is interpolated, of all surfaces in the same way."""
-        few = replace(surface, spectrum=surface.spectrum.coarse(_PIECES)) if self._kinked else surface
+        few = replace(surface, spectrum=_few_power_laws(surface.spectrum)) if self._kinked else surface
         log_share = self._log_share(places)
         p = sealing * np.exp(log_share)
         if not self.of_gas or self.method != "bruggeman":
@@ -249,7 +262,20 @@ class NearbyTables:
     @cached_property
     def _highest(self) -> float:
         """The last place, in steps of the lattice."""
-        return float(np.floor(self._abscissa(np.log(np.array([_CLOSEST])))[0] / _LATTICE))
+        return self._place_below(_CLOSEST)
+
+    @cached_property
+    def _last(self) -> float:
+        """The last one to which the known table reaches."""
+        if self.within is None:
+            return self._highest
+        return self._place_below(
+            min(self.within[1] / self.surface.sealing_pressure_by(self.method), _CLOSEST)
+        )
+
+    def _place_below(self, share: float) -> float:
+        """The last place below a share of the sealing pressure, in steps of the lattice."""
+        return float(np.floor(self._abscissa(np.log(np.array([share])))[0] / _LATTICE))
 
     def _abscissa(self, log_share: FloatArray) -> FloatArray:
         return table_abscissa(log_share, 0.0, self.method)
@@ -261,6 +287,11 @@ class NearbyTables:
     @cached_property
     def _even(self) -> FloatArray:
         return self._abscissa(_LOG_SHARES)
+
+
+@lru_cache(maxsize=4)  # both readings of a surface that yields ask for the same
+def _few_power_laws(spectrum: PowerSpectrum) -> PowerSpectrum:
+    return spectrum.coarse(_PIECES)
 
 
 def height_ratio(surface: RoughContact, other: RoughContact) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
@@ -15,7 +16,13 @@ from leak.errors import ConductivityError, SurfaceError, positive
 from leak.flow import conductivity as flow
 from leak.flow import lay, medium, percolation
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable
-from leak.flow.effective_gap import area_argument_at, critical_gap, effective_gap, effective_gas_gap
+from leak.flow.effective_gap import (
+    area_argument_at,
+    critical_gap,
+    effective_gap,
+    effective_gaps,
+    effective_gas_gap,
+)
 from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import spline_slopes
@@ -39,6 +46,7 @@ from leak.theory.plasticity import (
     PlasticRoughness,
     area_fractions,
     remaining_fraction,
+    remaining_moment,
     touching_area,
 )
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
@@ -514,6 +522,19 @@ class RoughContact:
             out[part] = effective_gas_gap(lost, mean, self.spectrum.rms_height, n, aspect, lengths[part])
         return out
 
+    def _with_rarefaction(self, p: FloatArray) -> FloatArray:
+        """u_eff of the effective medium [m] and ln R of a gas at `_LOG_D`, not finite if sealed, shape (n, 1 + m)."""
+        n, height = medium.dimension_number(self.percolation_threshold), self.spectrum.rms_height
+        out = np.empty((p.size, 1 + _LOG_D.size))
+        for part in _parts(np.arange(p.size)):
+            acting = self.acting_pressure(p[part])
+            lost, mean, aspect = self._channels(acting, self._seen(acting), 1)
+            u, gas = effective_gaps(lost, mean, height, n, aspect, np.exp(_LOG_D))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                out[part, 1:] = 3.0 * np.log(gas / u[:, None]) - log_flow_factor(_LOG_D)
+            out[part, 0] = u
+        return out
+
     @cached_property
     def sealing_pressure(self) -> float:
         """Pressure from which A/A0 at full magnification exceeds the percolation threshold: nothing flows [Pa]."""
@@ -543,10 +564,13 @@ class RoughContact:
         if not self._smoothed:
             return self._reaches(elastic, low, high)
 
+        hardness = self.hardness
+        kappa = 0.25 * math.pi * (self.effective_modulus / hardness) ** 2
+
         def excess(log_p: float) -> float:
-            p = np.minimum(np.exp(np.array([log_p])), (1.0 - 1e-12) * high)
-            rest = float(_remaining_moment(p, self._seen(p))[0])
-            return log_p - np.log(z * self.effective_modulus) - 0.5 * np.log(max(np.pi * rest, 1e-300))
+            s = min(math.exp(log_p), (1.0 - 1e-12) * high) / hardness
+            rest = remaining_moment(s, kappa, self.spectrum.last_moment)
+            return log_p - math.log(z * self.effective_modulus) - 0.5 * math.log(max(math.pi * rest, 1e-300))
 
         return float(np.exp(root_of_rising(excess, np.log(high) - _SEALING_RANGE, np.log(high))))
 
@@ -679,19 +703,20 @@ def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
 @lru_cache(maxsize=64)
 def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
     gap = BEARING_GAP * elastic.spectrum.rms_height
-    # ubar is convex in ln p: from a low pressure Newton's steps stay on one side
-    log_p = np.log(1e-3 * elastic.effective_modulus * elastic.spectrum.rms_slope)
+    # ubar is convex in ln p: from the second on Newton's steps stay on one side
+    log_p = np.log(_USUAL_BEARING * elastic.effective_modulus * elastic.spectrum.rms_slope)
     for _ in range(_NEWTON_STEPS):
         p = np.exp(np.array([log_p]))
         found = elastic._mean(p, elastic._seen(p))
         step = float((found.mean[0, 0] - gap) / found.decay[0, 0])
         log_p += step
-        if abs(step) < 1e-9:
+        if abs(step) < _CLOSE:
             break
     return float(np.exp(log_p)), elastic.sealing_pressure
 
 
-_NEWTON_STEPS = 40
+# Bearing pressures are 0.4 to 7 % of E* h'; after a step in ln p this small Newton's method is at rounding.
+_USUAL_BEARING, _CLOSE, _NEWTON_STEPS = 0.02, 1e-6, 40
 _HALVINGS = 60
 # A surface seals at more than exp(-this) of the smaller of its elastic sealing pressure and its hardness.
 _SEALING_RANGE = 40.0
@@ -700,6 +725,17 @@ _SEALING_RANGE = 40.0
 _CLOSEST_TO_SEALING, _CLOSEST_TO_POWER = 0.02, 1e-3
 # Distances below p_min, in ln p, of the points that carry the table on: a few decades, then ever wider.
 _BELOW = 0.5 * 1.5 ** np.arange(13.0, -1.0, -1.0)
+
+
+def _density(relative: FloatArray) -> FloatArray:
+    """Pressures per step of the abscissa that make the error of a table even, at fractions of the sealing pressure.
+
+    Few where the law at low pressure holds, most around half the sealing pressure, where channels close, and half as
+    many beyond 0.95, where the abscissa is long and next to nothing flows.
+    """
+    channels_close = 0.6 + 0.8 * np.exp(-(((relative - 0.45) / 0.3) ** 2))
+    nearly_sealed = 1.0 / (1.0 + (0.05 / (1.0 - relative)) ** 3)
+    return (0.25 + 0.75 * channels_close / (1.0 + 0.007 / relative)) * (0.5 + 0.5 * nearly_sealed)
 
 
 # Where the pressures follow from the error: the first ones, in `_BELOW` and in the range, and how well the cubic
@@ -750,9 +786,12 @@ class _Range:
         return np.exp(self.fine[[0, -1]])
 
     def spread(self, num: int) -> FloatArray:
-        """`num` pressures in even steps of the abscissa, after those below [ln(p/Pa)]."""
-        inside = np.interp(np.linspace(self._even[0], self._even[-1], num), self._even, self.fine)
-        return np.concatenate([self.below, inside])
+        """`num` pressures as dense as `_density` says, after every second one below [ln(p/Pa)]."""
+        density = _density(np.exp(self.fine) / self.sealing_pressure)
+        steps = 0.5 * (density[1:] + density[:-1]) * np.diff(self._even)
+        passed = np.concatenate([[0.0], np.cumsum(steps)])
+        inside = np.interp(np.linspace(0.0, passed[-1], num), passed, self.fine)
+        return np.concatenate([self.below[::-2][::-1], inside])
 
     def adapted(
         self, values: Callable[[FloatArray], FloatArray], allowed: Callable[[FloatArray], FloatArray]
@@ -783,9 +822,11 @@ class _Range:
         return np.exp(np.interp(found, abscissa, x)), table
 
 
-def _allowed(logarithmic: FloatArray) -> FloatArray:
-    """Error of `_logarithmic` that is the same share of u_eff everywhere."""
-    return _PREDICTED * np.maximum(1.0, logarithmic)
+def _allowed(values: FloatArray) -> FloatArray:
+    """Error of `_logarithmic`, the first column, that is the same share of u_eff everywhere; any of the others."""
+    allowed = np.full(values.shape, np.inf)
+    allowed[:, 0] = _PREDICTED * np.maximum(1.0, values[:, 0])
+    return allowed
 
 
 def _logarithmic(ratio: FloatArray) -> FloatArray:
@@ -799,43 +840,99 @@ def _conductivity_table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
 ) -> ConductivityTable:
     within = _Range.of(surface, p_min, p_max, method)
+    separation = _separation_of(surface, within, method)
+    return _tabulated(surface, within, p_max, num, lambda p: separation(p)[:, None])[0]
+
+
+def _tabulated(
+    surface: RoughContact,
+    within: _Range,
+    p_max: float,
+    num: int | None,
+    values: Callable[[FloatArray], FloatArray],
+) -> tuple[ConductivityTable, FloatArray]:
+    """Table of u_eff, and what else comes with it.
+
+    Parameters
+    ----------
+    surface, p_max, num
+        See `RoughContact.conductivity_table`.
+    within : _Range
+    values : callable
+        At pressures of shape (n,) [Pa]: u_eff [m] and what else is wanted, finite where u_eff is not zero, shape
+        (n, 1 + m). The errors of u_eff decide where.
+
+    Returns
+    -------
+    table : ConductivityTable
+    others : ndarray
+        The rest of the values at its pressures, shape (k, m).
+    """
     if num is None:
         length = 0.5 * surface.spectrum.rms_height
-        separation = _separation_of(surface, within, method)
 
-        def values(p: FloatArray) -> FloatArray:
-            return _logarithmic(separation(p) / length)[:, None]
+        def smooth(p: FloatArray) -> FloatArray:
+            found = values(p)
+            return np.column_stack([_logarithmic(found[:, 0] / length), found[:, 1:]])
 
-        pressure, found = within.adapted(values, _allowed)
-        u = length * np.logaddexp(0.0, found[:, 0])
+        pressure, found = within.adapted(smooth, _allowed)
+        found[:, 0] = length * np.logaddexp(0.0, found[:, 0])
     else:
         pressure = np.exp(within.spread(num))
-        u = _separation_of(surface, within, method)(pressure)
-    flows = u > 0.0
-    return ConductivityTable(
-        pressure[flows], u[flows], within.sealing_pressure, p_max, method, LoadMemory(surface)
+        found = values(pressure)
+    flows = found[:, 0] > 0.0
+    table = ConductivityTable(
+        pressure[flows], found[flows, 0], within.sealing_pressure, p_max, within.method, LoadMemory(surface)
     )
+    return table, found[flows, 1:]
 
 
 def _separation_of(surface: RoughContact, within: _Range, method: str) -> Callable[[FloatArray], FloatArray]:
     """u_eff over pressure, as the table is to be made of it."""
     if surface.hardness is None or surface.yielding != "capped":
         return lambda p: np.asarray(surface.effective_separation(p, method))
-    elastic = surface.elastic.conductivity_table(*_elastic_range(surface, within.ends), method=method)
+    elastic = surface.elastic.conductivity_table(*_elastic_ends(surface, within), method=method)
     return lambda p: np.asarray(elastic.effective_separation(surface.acting_pressure(p)))
 
 
-def _elastic_range(surface: RoughContact, ends: FloatArray) -> tuple[float, float]:
-    """Whole decades of pressure around what stands for the ends of a capped surface's table [Pa]."""
-    low, high = np.log10(surface.acting_pressure(ends))
-    return 10.0 ** np.floor(low), 10.0 ** np.ceil(high)
+def elastic_range(
+    surface: RoughContact, within: tuple[float, float], method: str = "bruggeman"
+) -> tuple[float, float]:
+    """Range of pressures of the table of the elastic surface from which that of a capped one is made [Pa].
+
+    Parameters
+    ----------
+    surface : RoughContact
+        The capped one.
+    within : tuple of float
+        Range of its own table [Pa].
+    method : {"bruggeman", "critical-junction", "threshold-law"}
+        See `RoughContact.effective_separation`.
+    """
+    return _elastic_ends(surface, _Range.of(surface, *within, method))
+
+
+def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
+    """Whole decades around what stands for the ends of a capped surface's table [Pa]."""
+    low, high = np.log10(surface.acting_pressure(within.ends))
+    return float(10.0 ** np.floor(low)), float(10.0 ** np.ceil(high))
 
 
 # The low-pressure law holds to 1e-9 50 below p_c (in ln p); above it ubar is tabulated at this spacing, and where it is
-# all but straight at wider ones: the curve between is off by less than 1e-6 of ubar.
+# all but straight at wider ones: the curve between is off by less than 1e-6 of ubar, 2e-6 for plastic asperities.
 _LAW_SPACING = 0.05
 _LAW_PLACES = np.concatenate(
     [np.arange(-50.0, -20.0, 1.0), np.arange(-20.0, -8.0, 0.25), np.arange(-8.0, 8.0, _LAW_SPACING)]
+)
+# Exact slopes carry the curve further.
+_ELASTIC_LAW_PLACES = np.concatenate(
+    [
+        np.arange(-50.0, -20.0, 1.0),
+        np.arange(-20.0, -8.0, 0.4),
+        np.arange(-8.0, -5.0, 0.2),
+        np.arange(-5.0, -1.0, 0.1),
+        np.arange(-1.0, 8.0, _LAW_SPACING),
+    ]
 )
 # The table ends where the gap is this fraction of u0: full contact for any purpose.
 _LAW_END = 1e-6
@@ -845,18 +942,20 @@ _LAW_END = 1e-6
 def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
     """Mean separation over ln p, with its exact slope for elastic asperities and a spline's for plastic ones."""
     log_p_c = np.log(surface.p_c)
-    log_p = log_p_c + _LAW_PLACES
+    log_p = log_p_c + (_ELASTIC_LAW_PLACES if surface.hardness is None else _LAW_PLACES)
     if surface.hardness is not None:
         # Toward the hardness the gap closes ever faster: equal ratios of sigma_P - p instead of equal steps.
         near = np.log(surface.hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
         log_p = np.concatenate([log_p[log_p < near[0] - 0.5 * _LAW_SPACING], near])
     p = np.exp(log_p)
-    gap, decay = np.empty(p.shape), np.empty(p.shape)
+    gap, decay = np.zeros(p.shape), np.zeros(p.shape)
     for start in range(0, p.size, 64):
         part = slice(start, start + 64)
         acting = surface.acting_pressure(p[part])
         found = surface._mean(acting, surface._seen(acting))
         gap[part], decay[part] = found.mean[:, 0], found.decay[:, 0]
+        if found.mean[-1, 0] <= _LAW_END * decay[0]:
+            break
     used = gap > _LAW_END * decay[0]
     log_p, gap, decay = log_p[used], gap[used], decay[used]
     if surface.hardness is not None:
@@ -924,18 +1023,15 @@ def gas_conductivity_table(
 def _table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
 ) -> GasConductivityTable:
-    liquid = surface.conductivity_table(p_min, p_max, num, method)
-    if method == "critical-junction":
-        # One junction has one gap: nothing to average over.
-        log_R = np.zeros((liquid.pressure.size, _LOG_D.size))
-        return GasConductivityTable(liquid, log_R, _LOG_D)
-    if num is None and surface.hardness is not None and surface.yielding == "capped":
-        ends = _Range.of(surface, p_min, p_max, method).ends
-        elastic = gas_conductivity_table(surface.elastic, *_elastic_range(surface, ends), method=method)
-        log_p, log_D = np.log(surface.acting_pressure(liquid.pressure))[:, None], _LOG_D[None, :]
-        log_R = np.log(elastic.rarefaction(*np.broadcast_arrays(log_p, log_D)))
+    capped = surface.hardness is not None and surface.yielding == "capped"
+    if capped and num is None:
+        liquid, log_R = _of_elastic(surface, p_min, p_max, method)
+    elif method == "bruggeman" and not capped:
+        within = _Range.of(surface, p_min, p_max, method)
+        liquid, log_R = _tabulated(surface, within, p_max, num, surface._with_rarefaction)
     else:
-        log_R = _log_rarefaction(surface, liquid.pressure, liquid.separation, method)
+        liquid = surface.conductivity_table(p_min, p_max, num, method)
+        log_R = _log_rarefaction(surface, liquid.pressure, method)
     if not np.all(np.isfinite(log_R)):
         raise ConductivityError(
             f"p_max = {p_max}: too close to the sealing pressure {liquid.sealing_pressure} [Pa]"
@@ -943,13 +1039,27 @@ def _table(
     return GasConductivityTable(liquid, log_R, _LOG_D)
 
 
-def _log_rarefaction(surface: RoughContact, pressure: FloatArray, u: FloatArray, method: str) -> FloatArray:
-    """ln R at pressures, of u_eff there, and at `_LOG_D`."""
-    medium_u = u
-    if method == "threshold-law":
-        medium_u = np.asarray(surface.effective_separation(pressure))
-    gas = surface.effective_gas_separation(pressure, medium_u[:, None] / np.exp(_LOG_D))
-    log_R = 3.0 * np.log(gas / medium_u[:, None]) - log_flow_factor(_LOG_D)
+def _of_elastic(
+    surface: RoughContact, p_min: float, p_max: float, method: str
+) -> tuple[ConductivityTable, FloatArray]:
+    """Table of u_eff, and ln R there, of a capped surface: those of the elastic one at other pressures."""
+    within = _Range.of(surface, p_min, p_max, method)
+    elastic = gas_conductivity_table(surface.elastic, *_elastic_ends(surface, within), method=method)
+
+    def values(p: FloatArray) -> FloatArray:
+        log_p = np.log(surface.acting_pressure(p))
+        log_R = np.log(elastic.rarefaction(*np.broadcast_arrays(log_p[:, None], _LOG_D)))
+        return np.column_stack([elastic.at_log_pressure(log_p), log_R])
+
+    return _tabulated(surface, within, p_max, None, values)
+
+
+def _log_rarefaction(surface: RoughContact, pressure: FloatArray, method: str) -> FloatArray:
+    """ln R at pressures, by any method, and at `_LOG_D`."""
+    if method == "critical-junction":
+        # One junction has one gap: nothing to average over.
+        return np.zeros((pressure.size, _LOG_D.size))
+    log_R = surface._with_rarefaction(pressure)[:, 1:]
     if method == "threshold-law":
         # The closed law has one gap, as a junction has; the medium's many gaps fade with the medium.
         log_R *= 1.0 - percolation.closed_share(surface.corrected_contact_area(pressure))[:, None]

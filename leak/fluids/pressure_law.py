@@ -295,13 +295,15 @@ class FlowPotential:
         at, psi, inverse, exact = self._panels
         whole = self.whole
         inside = np.minimum(np.maximum(target, 0.0), whole)
-        k = np.minimum(psi.searchsorted(inside, side="right") - 1, _PANELS - 1)
-        low, high = np.minimum(at[k], self.highest), np.minimum(at[k + 1], self.highest)
-        p = np.minimum(np.maximum(inverse.value(inside), low), high)
-        for _ in range(0 if exact else _NEWTON_STEPS):
-            before, p = p, np.clip(p + (inside - self(p)) / self.mobility(p), low, high)
-            if not np.any(np.abs(p - before) > _NEWTON_CLOSE * self.highest):
-                break
+        p = np.minimum(np.maximum(inverse.value(inside), 0.0), self.highest)
+        if not exact:
+            k = np.minimum(psi.searchsorted(inside, side="right") - 1, _PANELS - 1)
+            low, high = np.minimum(at[k], self.highest), np.minimum(at[k + 1], self.highest)
+            p = np.minimum(np.maximum(p, low), high)
+            for _ in range(_NEWTON_STEPS):
+                before, p = p, np.clip(p + (inside - self(p)) / self.mobility(p), low, high)
+                if not np.any(np.abs(p - before) > _NEWTON_CLOSE * self.highest):
+                    break
         if (inside == target).all():
             return np.asarray(p)
         first, last = self._ends

@@ -28,12 +28,15 @@ _KINK, _STEP = 0.05, 1e-4
 _STRONG_KINK, _STRONG_STEP = 1.5, 0.7
 # With more kinks than this (a raw Fourier spectrum) they average out, and stopping at some of them is enough.
 _MOST_BREAKS = 400
-# A coarse spectrum: what is left of a difference of moments to be a number, steepest power law over a piece, halvings.
-_CANCELLED, _STEEPEST, _HALVINGS = 1e-9, 300.0, 60
+# A coarse spectrum: what is left of a difference of moments to be a number, steepest power law over a piece, steps to
+# the exponent of one (about five are enough) and how good it must be.
+_CANCELLED, _STEEPEST, _NEWTON_STEPS, _EXPONENT_ERROR = 1e-9, 300.0, 60, 1e-13
 # Its smallest step in ln C.
 _COARSE_STEP = 0.1
 # The end of a spectrum that adds less than this fraction per e-fold of q to M; M itself resolves 1e-16.
 _FAINT = 1e-10
+# Of a steep piece of infinite length all but the last digit has grown.
+_LEAST_GROWN = -1.0 + 1e-16
 
 
 class SpectrumPoint(NamedTuple):
@@ -143,7 +146,7 @@ class PowerSpectrum:
                 f"q_rolloff = {q_rolloff}: must lie between q_low = {q_low} and q_high = {q_high}"
             )
         unit = _self_affine_shape(low, rolloff, high, H)
-        return cls(unit.wavenumber, unit.density * (h / unit.rms_height) ** 2)
+        return unit.scaled(h / unit.rms_height)
 
     @classmethod
     def from_table(cls, wavenumber: ArrayLike, density: ArrayLike) -> PowerSpectrum:
@@ -246,6 +249,43 @@ class PowerSpectrum:
         """ln C at ln q, both in SI units, between the smallest and the largest wavenumber."""
         return np.interp(log_wavenumber, self._log_q, self._log_C)
 
+    def scaled(self, height: float) -> PowerSpectrum:
+        """The same surface with all heights times `height`, which knows what follows from the shape alone.
+
+        Parameters
+        ----------
+        height : float
+            Ratio, positive [-].
+
+        Examples
+        --------
+        >>> rough = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+        >>> rougher = rough.scaled(2.0)
+        >>> round(rougher.rms_height * 1e6, 6), rougher.shape is rough.shape
+        (2.0, True)
+        """
+        variance = height**2
+        other = PowerSpectrum(self.wavenumber, variance * self.density)
+        vars(other).update(
+            _shape=self.shape,
+            rms_height=height * self.rms_height,
+            _log_q=self._log_q,
+            _log_C=self._log_C + np.log(variance),
+            _length=self._length,
+            _slope=self._slope,
+            _slope_exponent=self._slope_exponent,
+            _slope_scale=variance * self._slope_scale,
+            _slope_moment=variance * self._slope_moment,
+            _height_above=variance * self._height_above,
+        )
+        return other
+
+    @property
+    def shape(self) -> PowerSpectrum:
+        """The spectrum of which this one and others are `scaled` copies; itself where it is none."""
+        found: PowerSpectrum = vars(self).get("_shape", self)
+        return found
+
     def __add__(self, other: PowerSpectrum) -> PowerSpectrum:
         """Spectrum of the sum of two statistically independent roughnesses."""
         if not isinstance(other, PowerSpectrum):
@@ -303,7 +343,7 @@ class PowerSpectrum:
 
     def height_variance_above(self, wavenumber: ArrayLike) -> FloatArray:
         """2 pi int q C dq over wavenumbers above `wavenumber`: roughness not yet seen [m^2]."""
-        q = np.clip(np.asarray(wavenumber, dtype=float), self.q_low, self.q_high)
+        q = np.minimum(np.maximum(np.asarray(wavenumber, dtype=float), self.q_low), self.q_high)
         k = self._piece_of(q)
         log_q = np.log(q)
         exponent = 2.0 + self._slope[k]
@@ -334,8 +374,9 @@ class PowerSpectrum:
 
     def on_piece(self, piece: NDArray[np.intp] | int, moment: FloatArray) -> SpectrumPoint:
         """The same as `at_slope_moment` where the piece of the spectrum is already known."""
-        growth = (moment - self._slope_moment[piece]) / self._slope_scale[piece]
-        step = np.clip(_inverse_power_integral(self._slope_exponent[piece], growth), 0.0, self._length[piece])
+        grown = (moment - self._slope_moment[piece]) * self._growth_rate[piece]
+        step = np.log1p(np.maximum(grown, _LEAST_GROWN)) * self._inverse_exponent[piece]
+        step = np.minimum(np.maximum(step, 0.0), self._length[piece])
         return SpectrumPoint(self._log_q[piece] + step, self._log_C[piece] + self._slope[piece] * step)
 
     @cached_property
@@ -413,11 +454,7 @@ class PowerSpectrum:
         known = (height > _CANCELLED * above[:-1]) & (slope > _CANCELLED * below[1:])
         with np.errstate(divide="ignore", invalid="ignore"):
             wanted = np.log(slope / height) - 2.0 * np.log(ends[:-1])
-        low, high = -_STEEPEST / length, _STEEPEST / length
-        for _ in range(_HALVINGS):
-            exponent = 0.5 * (low + high)  # of q^2 C
-            ratio = np.log(_power_integral(exponent + 2.0, length) / _power_integral(exponent, length))
-            low, high = np.where(ratio < wanted, exponent, low), np.where(ratio < wanted, high, exponent)
+        exponent = _exponent_of(wanted, length)  # of q^2 C
         first = height / (2.0 * np.pi * _power_integral(exponent, length) * ends[:-1] ** 2)
         C = np.column_stack([first, first * np.exp((exponent - 2.0) * length)])
         C = np.where(known[:, None], C, np.exp(self._at_ends_of(ends[:-1], ends[1:])))
@@ -474,11 +511,20 @@ class PowerSpectrum:
 
     @cached_property
     def _slope_exponent(self) -> FloatArray:
-        return 4.0 + self._slope
+        return _not_zero(4.0 + self._slope)
 
     @cached_property
     def _slope_scale(self) -> FloatArray:
         return np.exp(self._log_C[:-1] + 4.0 * self._log_q[:-1])
+
+    @cached_property
+    def _growth_rate(self) -> FloatArray:
+        """What a rise of M from the start of a piece is times, to be exp(exponent x rise of ln q) - 1."""
+        return self._slope_exponent / self._slope_scale
+
+    @cached_property
+    def _inverse_exponent(self) -> FloatArray:
+        return 1.0 / self._slope_exponent
 
     @cached_property
     def _slope_moment(self) -> FloatArray:
@@ -526,14 +572,31 @@ def _self_affine_shape(low: float, rolloff: float, high: float, hurst: float) ->
 
 def _power_integral(exponent: FloatArray, length: FloatArray) -> FloatArray:
     """int_0^length exp(exponent t) dt, without cancellation when the exponent vanishes."""
-    small = np.abs(exponent) < 1e-12
-    safe = np.where(small, 1.0, exponent)
-    return np.where(small, length, np.expm1(safe * length) / safe)
+    exponent = _not_zero(exponent)
+    return np.asarray(np.expm1(exponent * length) / exponent)
 
 
-def _inverse_power_integral(exponent: FloatArray, value: FloatArray) -> FloatArray:
-    """The length at which `_power_integral` reaches `value`."""
-    small = np.abs(exponent) < 1e-12
-    safe = np.where(small, 1.0, exponent)
-    argument = np.maximum(safe * value, -1.0 + 1e-16)
-    return np.where(small, value, np.log1p(argument) / safe)
+def _exponent_of(log_ratio: FloatArray, length: FloatArray) -> FloatArray:
+    """x at which int_0^length exp((x + 2) t) dt over int_0^length exp(x t) dt is exp(log_ratio)."""
+    low, high = -_STEEPEST / length, _STEEPEST / length
+    x = np.zeros(length.shape)
+    for _ in range(_NEWTON_STEPS):
+        above = np.log(_power_integral(x + 2.0, length) / _power_integral(x, length)) - log_ratio
+        low, high = np.where(above < 0.0, x, low), np.where(above < 0.0, high, x)
+        newton = x - above / (_mean_place(x + 2.0, length) - _mean_place(x, length))
+        following = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        step, x = np.abs(following - x).max(), following
+        if step < _EXPONENT_ERROR:
+            break
+    return x
+
+
+def _mean_place(exponent: FloatArray, length: FloatArray) -> FloatArray:
+    """Mean of t with the weight exp(exponent t) on 0 to length."""
+    half = np.where(np.abs(exponent * length) < 1e-3, 1e-3, 0.5 * exponent * length)
+    return np.asarray(0.5 * length * (1.0 + 1.0 / np.tanh(half) - 1.0 / half))
+
+
+def _not_zero(exponent: FloatArray) -> FloatArray:
+    """An exponent that divides: one of 1e-15 changes nothing that a floating-point number can show."""
+    return np.where(np.abs(exponent) < 1e-15, 1e-15, exponent)

@@ -14,6 +14,7 @@ from leak.arrays import FloatArray
 KERNEL_END = 6.5
 _KERNEL_START = 1e-4
 _KERNEL_STEP = 5e-4
+_LOG_START = float(np.log(_KERNEL_START))
 
 
 @dataclass(frozen=True)
@@ -33,17 +34,20 @@ class Kernel:
 
     def __call__(self, log_x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """F and f at ln x; below the table F goes on as its logarithm, above it both are zero."""
-        t = (log_x - np.log(_KERNEL_START)) * (1.0 / _KERNEL_STEP)
-        np.minimum(t, self.F.size - 1.0, out=t)
-        i = np.clip(t, 0.0, self.F.size - 2.0).astype(np.int32)
+        t = log_x - _LOG_START
+        t *= 1.0 / _KERNEL_STEP
+        last = self.F.size - 1.0
+        np.minimum(t, last, out=t)
+        i = np.maximum(t, 0.0)
+        i = np.minimum(i, last - 1.0, out=i).astype(np.intp)
         t -= i
-        F = self.F_rise[i]
+        F = self.F_rise.take(i)
         F *= t
-        F += self.F[i]
-        np.clip(t, 0.0, 1.0, out=t)
-        f = self.f_rise[i]
+        F += self.F.take(i)
+        np.maximum(t, 0.0, out=t)
+        f = self.f_rise.take(i)
         f *= t
-        f += self.f[i]
+        f += self.f.take(i)
         return F, f
 
 

@@ -7,7 +7,9 @@ and every integral becomes one over v = (elastic M(q) - M(zeta))^(1/2) of smooth
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -25,7 +27,8 @@ _SMALLEST_STEP = 1e-9
 _POINTS = 3.0
 # G/sigma_P^2 where C_pl begins to leave C and where it has nearly gone.
 _YIELDING = (0.03, 0.3, 1.2)
-_LOWEST_LOG = -300.0
+_LOG_KERNEL_END, _LOG_SMALLEST_STEP = float(np.log(KERNEL_END)), float(np.log(_SMALLEST_STEP))
+_LOWEST_LOG, _NOTHING = -300.0, 1e-300
 # erf(z) is 1 to the last digit here; nothing of the contact is lost at lower magnification.
 FULL_CONTACT = 6.0
 
@@ -55,8 +58,8 @@ class RoughnessSeen(Protocol):
     def factor(self, M: FloatArray) -> FloatArray:
         """Fraction of C that remains at the elastic moment M [-]."""
 
-    def step(self, M: FloatArray, rise: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Remaining moment between M and M + rise, and the factor at M + rise; no cancellation."""
+    def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+        """Function of a rise: remaining moment between M and M + rise, and the factor there; no cancellation."""
 
 
 @dataclass(frozen=True)
@@ -83,9 +86,9 @@ class ElasticRoughness:
         """One everywhere."""
         return np.ones_like(M)
 
-    def step(self, M: FloatArray, rise: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
         """The rise itself."""
-        return rise, np.ones((1,) * rise.ndim)
+        return lambda rise: (rise, np.ones(rise.shape[-1:]))
 
 
 # -------------------------------------------------------------------- contact area
@@ -185,53 +188,31 @@ def separations(
     z = area_argument(relative_pressure[:, None], remaining)
     A = erf(z)
     log_a = np.log(relative_pressure[:, None] / (np.sqrt(np.pi) * A))
-    log_v, weight, piece = _steps(spectrum, seen, M, log_a, refinement)
+    parts = _parts(spectrum, seen.kappa, seen.end)
+    log_v, weight, piece = _steps(spectrum, parts, M, log_a, refinement)
     v2 = np.exp(2.0 * log_v)
     log_q, log_C = _point(spectrum, piece, M[..., None] + v2)
-    y2, factor = seen.step(M[..., None], v2)
+    above = seen.above(M[..., None])
+    y2, factor = above(v2)
     if y2 is v2:
         log_y = log_v
         common = np.exp(log_v - log_q)
     else:
-        y2 = np.maximum(y2, 1e-300)
-        log_y = 0.5 * np.log(y2)
+        log_y = 0.5 * np.log(np.maximum(y2, _NOTHING))
         common = v2 * np.exp(-log_q - log_y)
     F, f = kernel(gamma)(log_a[..., None] - log_y)
     common *= weight
     common *= 2.0
     F *= common
     f *= common
-    slope = np.exp(-4.0 * log_q - log_C)
-    slope *= F
-    tail = slope.sum(axis=-1)
-    if factor.size > 1:
-        F *= factor
-        f *= factor
-    mean, decay = F.sum(axis=-1), f.sum(axis=-1)
-    return Separations(
-        mean, decay, mean + decay + _lost(spectrum, seen, M, remaining, z, A, log_a, tail, gamma), A
-    )
-
-
-def _lost(
-    spectrum: PowerSpectrum,
-    seen: RoughnessSeen,
-    M: FloatArray,
-    remaining: FloatArray,
-    z: FloatArray,
-    A: FloatArray,
-    log_a: FloatArray,
-    tail: FloatArray,
-    gamma: float,
-) -> FloatArray:
-    """(A/|dA/dM|) int F/(y q^2) dq, with the part beyond the end of the spectrum in closed form."""
-    to_end, _ = seen.step(M[..., None], (seen.end - M)[..., None])
-    Y = np.sqrt(np.maximum(to_end[..., 0], 1e-300))
-    q_end = np.exp(spectrum.at_slope_moment(np.asarray(seen.end)).log_wavenumber)
-    beyond = kernel(gamma)(log_a - np.log(Y))[0] / (Y * q_end)
-    z_safe = np.minimum(z, FULL_CONTACT)
-    per_moment = A * np.sqrt(np.pi) * remaining * np.exp(z_safe**2) / z_safe
-    return per_moment * (tail + beyond)
+    tail = np.vecdot(F, np.exp(-4.0 * log_q - log_C))
+    mean, decay = np.vecdot(F, factor), np.vecdot(f, factor)
+    # (A/|dA/dM|) int F/(y q^2) dq, with the part beyond the end of the spectrum in closed form
+    to_end = np.sqrt(np.maximum(above((seen.end - M)[..., None])[0][..., 0], _NOTHING))
+    beyond = kernel(gamma)(log_a - np.log(to_end))[0] / (to_end * np.exp(parts.log_wavenumber[-1]))
+    z = np.minimum(z, FULL_CONTACT)
+    per_moment = A * np.sqrt(np.pi) * remaining * np.exp(z**2) / z
+    return Separations(mean, decay, mean + decay + per_moment * (tail + beyond), A)
 
 
 def _point(
@@ -240,46 +221,64 @@ def _point(
     return spectrum.at_slope_moment(M) if piece is None else spectrum.on_piece(piece, M)
 
 
+class _Parts(NamedTuple):
+    """Where integrals over magnification are split: the spectrum kinks, or plastic smoothing sets in or ends."""
+
+    kappa: float
+    """See `RoughnessSeen`."""
+    ends: FloatArray
+    """Elastic moments at the end of each part, shape (n,)."""
+    log_wavenumber: FloatArray
+    """ln q there, shape (n,)."""
+    piece: NDArray[np.intp] | None
+    """Piece of the spectrum that each part is in, shape (n,); None where parts reach over kinks."""
+
+
+@lru_cache(maxsize=64)
+def _parts(spectrum: PowerSpectrum, kappa: float, end: float) -> _Parts:
+    breaks, pieces = spectrum.break_moments, spectrum.break_pieces
+    ends = different(np.concatenate([breaks, np.array(_YIELDING) / kappa]) if kappa else breaks)
+    ends = np.append(ends[(ends > 0.0) & (ends < end)], end)
+    if pieces is not None:
+        starts = np.concatenate([[0.0], ends[:-1]])
+        pieces = pieces[breaks[1:-1].searchsorted(starts, side="right")]
+    return _Parts(kappa, ends, spectrum.at_slope_moment(ends).log_wavenumber, pieces)
+
+
 def _steps(
-    spectrum: PowerSpectrum, seen: RoughnessSeen, M: FloatArray, log_a: FloatArray, refinement: int
+    spectrum: PowerSpectrum, parts: _Parts, M: FloatArray, log_a: FloatArray, refinement: int
 ) -> tuple[FloatArray, FloatArray, NDArray[np.intp] | None]:
     """Gauss points in ln v between the smallest step that counts and the end.
 
-    The range is split where the spectrum kinks and where plastic smoothing sets in and ends; each part gets as many
-    points as its longest instance needs.
+    Each part gets as many points as its longest instance needs.
     """
-    end = seen.end
-    breaks = spectrum.break_moments
-    yielding = np.array(_YIELDING) / seen.kappa if seen.kappa else breaks[:0]
-    inner = different(np.concatenate([breaks, yielding]))
-    inner = inner[(inner > M.min()) & (inner < end)]
-    point = spectrum.at_slope_moment(np.minimum(M, end))
-    local = 0.5 * (point.log_density + 4.0 * point.log_wavenumber)
+    least = M.min()
+    first = int(parts.ends[:-1].searchsorted(least, side="right"))
+    ends = parts.ends[first:]
+    point = spectrum.at_slope_moment(np.minimum(M, ends[-1]))
+    local = 0.5 * point.log_density + 2.0 * point.log_wavenumber
     with np.errstate(divide="ignore"):
-        top = 0.5 * np.log(np.maximum(end - M, 0.0))
-        edges = 0.5 * np.log(np.maximum(inner - M[..., None], 0.0))
-    top = np.maximum(top, _LOWEST_LOG)
-    bottom = np.maximum(log_a - np.log(KERNEL_END), np.log(_SMALLEST_STEP) + np.minimum(local, top))
+        edges = 0.5 * np.log(np.maximum(ends - M[..., None], 0.0))
+    top = edges[..., -1] = np.maximum(edges[..., -1], _LOWEST_LOG)
+    bottom = np.maximum(log_a - _LOG_KERNEL_END, _LOG_SMALLEST_STEP + np.minimum(local, top))
     bottom = np.minimum(bottom, top)[..., None]
-    bounds = np.concatenate([bottom, np.clip(edges, bottom, top[..., None]), top[..., None]], axis=-1)
-    length = np.diff(bounds, axis=-1)
+    bounds = np.concatenate([bottom, np.maximum(edges, bottom)], axis=-1)
+    length = bounds[..., 1:] - bounds[..., :-1]
     longest = length.reshape(-1, length.shape[-1]).max(axis=0)
-    ends = np.concatenate([[M.min()], inner, [end]])
-    fall = np.minimum(_POINTS * seen.kappa * np.diff(ends), 3.0)
-    detail = longest + 0.5 * np.diff(spectrum.at_slope_moment(ends).log_wavenumber) + fall
-    counts = np.where(longest > 0.0, np.ceil(refinement * (1.0 + _POINTS * detail**0.7)), 0).astype(int)
-    rules = [gauss(int(count)) for count in counts if count]
-    t = np.concatenate([rule[0] for rule in rules]) if rules else np.zeros(1)
-    w = np.concatenate([rule[1] for rule in rules]) if rules else np.zeros(1)
-    part = np.repeat(np.arange(counts.size), counts) if rules else np.zeros(1, dtype=np.intp)
-    half = 0.5 * length[..., part]
-    log_v = bounds[..., part] + half * (1.0 + t)
-    piece = None
-    if spectrum.break_pieces is not None:
-        lower = np.concatenate([[M.min()], inner])
-        interval = np.searchsorted(breaks[1:-1], lower, side="right")
-        piece = spectrum.break_pieces[interval][part]
-    return log_v, half * w, piece
+    log_q = np.concatenate([[point.log_wavenumber.min()], parts.log_wavenumber[first:]])
+    fall = np.minimum(_POINTS * parts.kappa * np.diff(ends, prepend=least), 3.0)
+    detail = longest + 0.5 * (log_q[1:] - log_q[:-1]) + fall
+    counts = np.where(longest > 0.0, np.ceil(refinement * (1.0 + _POINTS * detail**0.7)), 0.0).astype(np.intp)
+    if not counts.any():
+        counts[-1] = 1
+    rules = [gauss(count) for count in counts.tolist() if count]
+    t, w = np.concatenate(rules, axis=1) if len(rules) > 1 else np.array(rules[0])
+    half = 0.5 * length.repeat(counts, axis=-1)
+    log_v = bounds[..., :-1].repeat(counts, axis=-1)
+    log_v += half * (1.0 + t)
+    half *= w
+    piece = None if parts.piece is None else parts.piece[first:].repeat(counts)
+    return log_v, half, piece
 
 
 # -------------------------------------------------------------------- low-pressure law
@@ -309,11 +308,12 @@ def low_pressure_law(
     """
     seen = seen or ElasticRoughness(spectrum.last_moment)
     M = np.zeros((1, 1))
-    log_v, weight, piece = _steps(spectrum, seen, M, np.full((1, 1), -1e3), 3)
+    parts = _parts(spectrum, seen.kappa, seen.end)
+    log_v, weight, piece = _steps(spectrum, parts, M, np.full((1, 1), -1e3), 3)
     v2 = np.exp(2.0 * log_v)
     log_q, _ = _point(spectrum, piece, v2)
-    y2, factor = seen.step(M[..., None], v2)
-    y = np.sqrt(np.maximum(y2, 1e-300))
+    y2, factor = seen.above(M[..., None])(v2)
+    y = np.sqrt(np.maximum(y2, _NOTHING))
     measure = 2.0 * weight * v2 / y * factor * np.exp(-log_q)
     total = float(measure.sum())
     mean_log = float((measure * np.log(np.sqrt(np.pi) * y)).sum()) / total

@@ -6,6 +6,7 @@ Everything depends on s = p/sigma_P and t = G/sigma_P^2.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
+from leak.numerics.gauss import gauss
 
 # Both series converge here: images need exp(-1/t), eigenfunctions exp(-pi^2 t); at 0.3 six terms give 1e-15.
 _CROSSING = 0.3
@@ -23,6 +25,8 @@ T_END = 4.5
 T_START = 1.0 / 36.0
 _T_LAST = 2.6
 _TABLE_NODES = 384
+# Gauss points in ln t for the whole of C_pl.
+_TOTAL_NODES = 96
 
 
 class AreaFractions(NamedTuple):
@@ -221,9 +225,7 @@ class PlasticRoughness:
     step_log_t: FloatArray
     """Spacing of the table in ln t, shape (P,)."""
     rest: FloatArray
-    """R at the nodes, shape (P, N)."""
-    rate: FloatArray
-    """-dR/dlnt = t C_pl/C at the nodes, shape (P, N)."""
+    """R in the cells of the table: coefficients of the powers 0 to 3 of the place in each, shape (4, P (N - 1))."""
 
     @classmethod
     def at(
@@ -240,7 +242,14 @@ class PlasticRoughness:
         rest[:, :-1] = np.cumsum(cells[:, ::-1], axis=1)[:, ::-1]
         # Beyond the table only the slowest mode is left: exp(-pi^2 t).
         rest += (integrand[:, -1] / (T_END * np.pi**2))[:, None]
-        return cls(kappa, min(end, T_END / kappa), start, step, rest, np.ascontiguousarray(integrand[:, ::2]))
+        # cubic Hermite in ln t: dR/dlnt = -t C_pl/C is known
+        left, right = rest[:, :-1], rest[:, 1:]
+        slope = -step[:, None] * integrand[:, ::2]
+        at_left, at_right, fall = slope[:, :-1], slope[:, 1:], right - left
+        cubics = np.array(
+            [left, at_left, 3.0 * fall - 2.0 * at_left - at_right, at_left + at_right - 2.0 * fall]
+        )
+        return cls(kappa, min(end, T_END / kappa), start, step, cubics.reshape(4, -1))
 
     @property
     def last_loss(self) -> float:
@@ -252,7 +261,8 @@ class PlasticRoughness:
         t = self.kappa * M
         start = _lead(self.start_t, M.ndim)
         rest, _ = self._rest(np.maximum(t, start))
-        return np.where(t <= start, M, (start + _lead(self.rest[:, 0], M.ndim) - rest) / self.kappa)
+        whole = start + _lead(self.rest[0].reshape(self.start_t.size, -1)[:, 0], M.ndim)
+        return np.where(t <= start, M, (whole - rest) / self.kappa)
 
     def factor(self, M: FloatArray) -> FloatArray:
         """C_pl/C at the elastic moment M, shape (P, ...) [-]."""
@@ -260,31 +270,76 @@ class PlasticRoughness:
         _, factor = self._rest(np.maximum(t, _lead(self.start_t, M.ndim)))
         return factor
 
-    def step(self, M: FloatArray, rise: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Moment of C_pl between M and M + rise, and C_pl/C at M + rise."""
+    def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+        """Function of a rise: moment of C_pl between M and M + rise, and C_pl/C at M + rise."""
         start = _lead(self.start_t, M.ndim)
-        t0, t1 = self.kappa * M, self.kappa * (M + rise)
-        rest0, _ = self._rest(np.maximum(t0, start))
-        rest1, factor = self._rest(np.maximum(t1, start))
-        beyond = (rest0 - rest1 + np.maximum(start - t0, 0.0)) / self.kappa
-        return np.where(t1 <= start, rise, beyond), factor
+        t0 = self.kappa * M
+        rest0 = self._rest(np.maximum(t0, start))[0] + np.maximum(start - t0, 0.0)
+
+        def moment_and_factor(rise: FloatArray) -> tuple[FloatArray, FloatArray]:
+            t1 = M + rise
+            t1 *= self.kappa
+            unchanged = t1 <= start
+            rest1, factor = self._rest(np.maximum(t1, start, out=t1))
+            beyond = np.subtract(rest0, rest1, out=rest1)
+            beyond *= 1.0 / self.kappa
+            return np.where(unchanged, rise, beyond), factor
+
+        return moment_and_factor
 
     def _rest(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """R and C_pl/C at t, cubic Hermite in ln t."""
-        nodes = self.rest.shape[1]
+        """R and C_pl/C at t, not below the start of the table."""
+        cells = _TABLE_NODES - 1
         h = _lead(self.step_log_t, t.ndim)
-        x = (np.log(t) - np.log(_lead(self.start_t, t.ndim))) / h
-        k = np.clip(x, 0.0, nodes - 2.0).astype(np.int32)
-        x = np.clip(x - k, 0.0, 1.0)
-        first = np.arange(self.rest.shape[0], dtype=np.int32) * nodes
-        k = k + first.reshape(-1, *(1,) * (t.ndim - 1))
-        R0, R1 = self.rest.ravel()[k], self.rest.ravel()[k + 1]
-        d0, d1 = -h * self.rate.ravel()[k], -h * self.rate.ravel()[k + 1]
-        fall = R1 - R0
-        c2, c3 = 3.0 * fall - 2.0 * d0 - d1, d0 + d1 - 2.0 * fall
-        rest = R0 + x * (d0 + x * (c2 + x * c3))
-        factor = -(d0 + x * (2.0 * c2 + 3.0 * x * c3)) / (h * t)
-        return rest, np.maximum(factor, 0.0)
+        x = np.log(t)
+        x -= np.log(_lead(self.start_t, t.ndim))
+        x *= 1.0 / h
+        cell = np.minimum(x, cells - 1.0).astype(np.intp)
+        x -= cell
+        np.minimum(x, 1.0, out=x)
+        cell += cells * np.arange(self.start_t.size).reshape(-1, *(1,) * (t.ndim - 1))
+        c0, c1, c2, c3 = (coefficients.take(cell) for coefficients in self.rest)
+        c3 *= x
+        # in place: R = c0 + x (c1 + x (c2 + x c3)), and -t C_pl/C = dR/dlnt = (c1 + x (2 c2 + 3 x c3))/h
+        slope = 3.0 * c3
+        c3 += c2
+        slope += c2
+        slope += c2
+        c3 *= x
+        slope *= x
+        c3 += c1
+        slope += c1
+        c3 *= x
+        c3 += c0
+        slope /= t
+        slope *= -1.0 / h
+        return c3, np.maximum(slope, 0.0, out=slope)
+
+
+def remaining_moment(stress_ratio: float, kappa: float, end: float) -> float:
+    """Slope moment of all of C_pl at one s = p/sigma_P < 1: what `PlasticRoughness.moment` has at its end.
+
+    Parameters
+    ----------
+    stress_ratio : float
+        s [-].
+    kappa, end : float
+        See `PlasticRoughness` [-].
+
+    Examples
+    --------
+    >>> seen = PlasticRoughness.at(np.array([0.3]), 1e11, 3e9, end=0.01)
+    >>> alone = remaining_moment(0.3, seen.kappa, 0.01)
+    >>> bool(abs(alone / seen.moment(np.array([[seen.end]]))[0, 0] - 1.0) < 1e-9)
+    True
+    """
+    start, last = T_START * (1.0 - stress_ratio) ** 2, min(kappa * end, T_END)
+    if last <= start:
+        return last / kappa
+    x, w = gauss(_TOTAL_NODES)
+    half = 0.5 * np.log(last / start)
+    t = start * np.exp(half * (1.0 + x))
+    return float(start + half * (w @ (t * remaining_fraction(stress_ratio, t)))) / kappa
 
 
 def _lead(values: FloatArray, ndim: int) -> FloatArray:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from leak.arrays import FloatArray
 from leak.numerics.gauss import gauss
@@ -24,11 +24,15 @@ _FIRST_PANELS = np.array([3.0, 4.0, 6.0, 9.0, 16.0]) / 38.0
 _FIRST_NODES = 8
 # Panels elsewhere are at most this long in `_detail`, with about this many Gauss points per unit length.
 _PANEL, _PANEL_POINTS = 1.3, 4.6
+# Steps in ln M, and as many in ln q, between neighbouring kinks, over which the detail is looked at.
+_FINE = 128
 # Magnifications between neighbouring kinks are treated at once up to about so many nodes: a call costs more than a few.
 _GROUP = 30
 _SMALLEST_WIDTH = 1e-12
 # Area so small that no value of P(u) that matters notices it.
 _LEAST_WEIGHT = 1e-13
+# Where exp(-x) is nothing beside anything.
+_NEXT_TO_NONE = 700.0
 
 
 class MagnificationNodes(NamedTuple):
@@ -97,47 +101,52 @@ def magnification_nodes(
     )
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def _panels(spectrum: PowerSpectrum, end: float, kappa: float, refinement: int) -> _Panels:
     """Gauss panels from the first magnifications to `end`, split at the kinks of the spectrum."""
+    breaks = spectrum.break_moments
     first = min(
         float(spectrum.slope_moment(spectrum.q_low * np.exp(_FIRST_STEP))),
-        _FIRST_FRACTION * float(min(end, spectrum.break_moments[1])),
+        _FIRST_FRACTION * float(min(end, breaks[1])),
         _FIRST_YIELD / kappa if kappa else np.inf,
     )
-    breaks = spectrum.break_moments
     stops = np.concatenate([[first], breaks[(breaks > first) & (breaks < end)], [end]])
-    nodes: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    ends, detail, count = _panel_ends(spectrum, stops, kappa)
+    sizes = refinement * np.ceil(1.6 + _PANEL_POINTS * detail).astype(np.intp).repeat(count)
+    M, q, weight = _panel_nodes(spectrum, ends, sizes)
     groups: list[slice] = []
-    for left, right in pairwise(stops):
-        edges, lengths = _panel_edges(spectrum, left, right, kappa)
-        for a, b, length in zip(edges[:-1], edges[1:], lengths, strict=True):
-            t, w = gauss(refinement * int(np.ceil(1.6 + _PANEL_POINTS * length)))
-            nodes.append(_panel(spectrum, a, b, t, w))
-        stop = sum(M.size for M, _, _ in nodes)
+    for stop in sizes.cumsum()[count.cumsum() - 1].tolist():
         start = groups[-1].stop if groups else 0
         if groups and groups[-1].stop - groups[-1].start < _GROUP:
             start = groups.pop().start
         groups.append(slice(start, stop))
-    sizes = [_FIRST_NODES * refinement] * _FIRST_PANELS.size + [M.size for M, _, _ in nodes]
-    M, q, weight = (np.concatenate(column) for column in zip(*nodes, strict=True))
-    return _Panels(first, M, q, weight, tuple(groups), _integral_to_end(sizes))
-
-
-def _panel_edges(
-    spectrum: PowerSpectrum, left: float, right: float, kappa: float
-) -> tuple[FloatArray, FloatArray]:
-    """Edges in M of panels of equal detail between two kinks, and that detail."""
-    q = np.exp(spectrum.at_slope_moment(np.array([left, right])).log_wavenumber)
-    fine = np.concatenate(
-        [np.geomspace(left, right, 129), spectrum.slope_moment(np.geomspace(q[0], q[1], 129)[1:-1])]
+    to_end = _integral_to_end(
+        [_FIRST_NODES * refinement] * _FIRST_PANELS.size + sizes.tolist() if kappa else []
     )
-    fine = np.unique(np.clip(fine, left, right))
+    return _Panels(first, M, q, weight, tuple(groups), to_end)
+
+
+def _panel_ends(
+    spectrum: PowerSpectrum, stops: FloatArray, kappa: float
+) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+    """Ends in M of panels of equal detail between neighbouring stops; between which, that detail and their number."""
+    share = np.arange(_FINE + 1) / _FINE
+    low, high = stops[:-1, None], stops[1:, None]
+    log_q = spectrum.at_slope_moment(stops).log_wavenumber
+    even_in_M, even_in_q = (
+        np.exp(ends[:-1, None] + share * (ends[1:] - ends[:-1])[:, None]) for ends in (np.log(stops), log_q)
+    )
+    fine = np.concatenate([low, even_in_M[:, 1:-1], spectrum.slope_moment(even_in_q[:, 1:-1]), high], axis=1)
+    fine = np.sort(np.minimum(np.maximum(fine, low), high), axis=1)
     detail = _detail(spectrum, fine, kappa)
-    count = max(1, int(np.ceil((detail[-1] - detail[0]) / _PANEL)))
-    edges = np.interp(np.linspace(detail[0], detail[-1], count + 1), detail, fine)
-    edges[[0, -1]] = left, right
-    return edges, np.full(count, (detail[-1] - detail[0]) / count)
+    rise = detail[:, -1] - detail[:, 0]
+    count = np.maximum(np.ceil(rise / _PANEL), 1.0).astype(np.intp)
+    each = rise / count
+    of = np.arange(count.size).repeat(count)
+    nth = np.arange(of.size) - (count.cumsum() - count)[of]
+    ends = np.interp(detail[of, 0] + nth * each[of], detail.ravel(), fine.ravel())
+    ends[nth == 0] = stops[:-1]
+    return np.append(ends, stops[-1]), each, count
 
 
 def _detail(spectrum: PowerSpectrum, M: FloatArray, kappa: float) -> FloatArray:
@@ -147,29 +156,34 @@ def _detail(spectrum: PowerSpectrum, M: FloatArray, kappa: float) -> FloatArray:
     if kappa:
         t = kappa * M
         # C_pl falls like exp(-pi^2 t) once yielding has begun at t = 0.02 or so.
-        detail = detail + np.log(np.clip(t / 0.02, 1.0, 85.0)) + 0.6 * np.pi**2 * np.minimum(t, 1.7)
+        yielding = np.log(np.minimum(np.maximum(t / 0.02, 1.0), 85.0))
+        detail = detail + yielding + 0.6 * np.pi**2 * np.minimum(t, 1.7)
     return detail
 
 
-def _panel(
-    spectrum: PowerSpectrum, left: float, right: float, t: FloatArray, w: FloatArray
+def _panel_nodes(
+    spectrum: PowerSpectrum, ends: FloatArray, sizes: NDArray[np.intp]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """M, q and weights of int dM for one panel: in ln M close to q_low, in ln q elsewhere."""
-    log_M = np.log([left, right])
-    log_q = spectrum.at_slope_moment(np.array([left, right])).log_wavenumber
-    if log_M[1] - log_M[0] > 6.0 * (log_q[1] - log_q[0]):
-        half = 0.5 * (log_M[1] - log_M[0])
-        M = np.exp(log_M[0] + half * (1.0 + t))
-        return M, np.exp(spectrum.at_slope_moment(M).log_wavenumber), M * half * w
-    half = 0.5 * (log_q[1] - log_q[0])
-    q = np.exp(log_q[0] + half * (1.0 + t))
-    M = np.clip(spectrum.slope_moment(q), left, right)
-    return M, q, q**4 * np.exp(spectrum.at_slope_moment(M).log_density) * half * w
+    """M, q and weights of int dM of panels between neighbouring ends: in ln M close to q_low, in ln q elsewhere."""
+    log_M, log_q = np.log(ends), spectrum.at_slope_moment(ends).log_wavenumber
+    length_M, length_q = log_M[1:] - log_M[:-1], log_q[1:] - log_q[:-1]
+    in_M = length_M > 6.0 * length_q
+    start, half = np.where(in_M, log_M[:-1], log_q[:-1]), 0.5 * np.where(in_M, length_M, length_q)
+    t, w = np.concatenate([gauss(size) for size in sizes.tolist()], axis=1)
+    of = np.arange(sizes.size).repeat(sizes)
+    in_M, half = in_M[of], half[of]
+    node = np.exp(start[of] + half * (1.0 + t))
+    M = np.minimum(np.maximum(spectrum.slope_moment(node), ends[of]), ends[of + 1])
+    M = np.where(in_M, node, M)
+    point = spectrum.at_slope_moment(M)
+    q = np.where(in_M, np.exp(point.log_wavenumber), node)
+    return M, q, np.where(in_M, M, q**4 * np.exp(point.log_density)) * half * w
 
 
 def _integral_to_end(sizes: list[int]) -> FloatArray:
     """Matrix of spectral integration from each node to the end, panel by panel."""
-    matrix = np.triu(np.ones((sum(sizes),) * 2), 1)
+    panel = np.arange(len(sizes)).repeat(sizes)
+    matrix = (panel[:, None] < panel).astype(float)
     start = 0
     for size in sizes:
         matrix[start : start + size, start : start + size] = _upward_integration(size)
@@ -268,11 +282,19 @@ def density(lost: LostArea, separation: FloatArray) -> FloatArray:
     grid = np.broadcast_to(separation, out.shape)
     for k in range(out.shape[0]):
         used = lost.weight[k] > _LEAST_WEIGHT
-        x = grid[k][:, None] * inverse[k][used]
         c = centre[k][used]
-        pair = np.exp(-((x - c) ** 2)) + np.exp(-((x + c) ** 2))
+        x = grid[k][:, None] * inverse[k][used]
+        pair = _gaussian(x - c)
+        pair += _gaussian(np.add(x, c, out=x))
         out[k] = pair @ amplitude[k][used]
     return out
+
+
+def _gaussian(x: FloatArray) -> FloatArray:
+    """exp(-x^2) in the place of x; numbers that are next to none are slow."""
+    x *= x
+    np.minimum(x, _NEXT_TO_NONE, out=x)
+    return np.exp(np.negative(x, out=x), out=x)
 
 
 def mean_lost_separation(lost: LostArea) -> FloatArray:

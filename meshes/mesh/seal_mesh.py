@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
+from meshes.gmsh_session import gmsh_session
 from meshes.mesh.measures import section_area, triangle_shape
 from meshes.mesh.sizing import Sizing
 
@@ -126,28 +129,12 @@ def write_msh(mesh: MeshTri, path: Path) -> Path:
     ------
     OSError
         If it cannot be written; nothing is left behind.
+    MeshingError
+        If gmsh cannot be loaded.
     """
-    import meshio
-
-    lines, line_tags, names = [], [], {}
-    for tag, (name, facets) in enumerate(sorted((mesh.boundaries or {}).items()), start=1):
-        lines.append(mesh.facets[:, np.asarray(facets)].T)
-        line_tags.append(np.full(lines[-1].shape[0], tag))
-        names[name] = np.array([tag, 1])
-    cell_tags = np.zeros(mesh.nelements, dtype=int)
-    for tag, (name, elements) in enumerate(sorted((mesh.subdomains or {}).items()), start=len(names) + 1):
-        cell_tags[elements] = tag
-        names[name] = np.array([tag, 2])
-    tags = [np.concatenate(line_tags), cell_tags]
-    part = meshio.Mesh(
-        np.column_stack([mesh.p.T, np.zeros(mesh.nvertices)]),
-        [("line", np.vstack(lines)), ("triangle", mesh.t.T)],
-        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
-        field_data=names,
-    )
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        meshio.write(temporary, part, file_format="gmsh22", binary=False)
+        temporary.write_bytes(_in_gmsh_format(mesh))
         os.replace(temporary, path)
     except OSError as error:
         # of the file that was asked for, not of the draft
@@ -156,6 +143,28 @@ def write_msh(mesh: MeshTri, path: Path) -> Path:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
     return path
+
+
+def _in_gmsh_format(mesh: MeshTri) -> bytes:
+    """What gmsh writes of a mesh, into a file of its own: it does not say where the disc was full."""
+    lines = [(name, mesh.facets[:, np.asarray(at)]) for name, at in sorted((mesh.boundaries or {}).items())]
+    faces = [(name, mesh.t[:, np.asarray(at)]) for name, at in sorted((mesh.subdomains or {}).items())]
+    points = np.column_stack([mesh.p.T, np.zeros(mesh.nvertices)])
+    groups = [(1, *line) for line in lines] + [(2, *face) for face in faces]
+    with TemporaryDirectory() as folder, gmsh_session("written") as gmsh:
+        model, file = gmsh.model, Path(folder) / "mesh.msh"
+        for tag, (dimension, name, _) in enumerate(groups, start=1):
+            model.addDiscreteEntity(dimension, tag)
+            model.addPhysicalGroup(dimension, [tag], tag, name)
+        model.mesh.addNodes(2, len(groups), np.arange(1, mesh.nvertices + 1), points.ravel())
+        for tag, (dimension, _, corners) in enumerate(groups, start=1):
+            # gmsh's numbers of lines and triangles are 1 and 2
+            model.mesh.addElementsByType(tag, dimension, [], corners.T.ravel() + 1)
+        gmsh.write(str(file))
+        text = file.read_bytes()
+    if not text.endswith(b"$EndElements\n"):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    return text
 
 
 def joined(bodies: list[tuple[str, MeshTri]]) -> MeshTri:

@@ -96,7 +96,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
     sizes : mapping
         From `fem_seal.analysis.closed_forms.profile_sizes`.
     """
-    found = []
+    found = [sketch(result)]
     with style():
         for picture in _drawn(result, derived, sizes):
             if picture is not None:
@@ -108,7 +108,6 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
 
 def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> Iterator[Picture | None]:
     top = result.highest
-    yield sketch(result)
     yield mesh_picture(result, top)
     yield profile_picture(result, derived)
     yield size_picture(result, sizes)
