@@ -139,7 +139,7 @@ def theory(settings: Settings) -> Iterator[Figure]:
 
 def uncertainty(settings: Settings) -> Iterator[Figure]:
     """Samples of every kind of fluid and spectrum."""
-    return of_pytest("bench_uncertainty.py", *(["-k", "per_sample"] if settings.quick else []))
+    return of_pytest("bench_uncertainty.py", *(["-k", "uncertainty_per_sample"] if settings.quick else []))
 
 
 def of_pytest(file: str, *options: str) -> Iterator[Figure]:

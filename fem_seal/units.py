@@ -217,12 +217,12 @@ def parse_quantity(text: object, dimension: str) -> float:
     >>> round(parse_quantity("45 deg", "angle"), 6)
     0.785398
     """
-    wanted = DIMENSIONS[dimension].wanted
-    if isinstance(text, (int, float)) and not isinstance(text, bool):
-        raise QuantityError(f"has no unit; write {wanted}")
-    if not isinstance(text, str):
-        raise QuantityError(f"is not a quantity; write {wanted}")
-    return _parsed(" ".join(text.split()), dimension)
+    if isinstance(text, str):
+        return _parsed(" ".join(text.split()), dimension)
+    bare = isinstance(text, (int, float)) and not isinstance(text, bool)
+    raise QuantityError(
+        f"{'has no unit' if bare else 'is not a quantity'}; write {DIMENSIONS[dimension].wanted}"
+    )
 
 
 def exact_quantity(text: str, dimension: str) -> Fraction:

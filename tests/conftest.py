@@ -10,12 +10,14 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
+from functools import cache
 from io import BytesIO
 from pathlib import Path
 
 import hypothesis
 import numpy as np
 import pytest
+import typer.main
 import warm_process
 from made_once import MadeOnce
 
@@ -183,6 +185,14 @@ def warm_processes() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         if sys.platform == "linux":
             patch.setattr("meshes.own_process.subprocess", warm_process)
+        yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def commands_made_once() -> Iterator[None]:
+    """Commands and their options are put together once for all tests, as a process does that calls one."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("typer.main.get_command", cache(typer.main.get_command))
         yield
 
 

@@ -10,15 +10,19 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
+from io import BytesIO
 from pathlib import Path
 
 import pytest
+from matplotlib.textpath import TextToPath
 from sample_results import case, cone, rough_result, single_result, smooth_result
 
 import fem_seal
 from fem_seal.analysis.caution import Caution, Level, Validity
 from fem_seal.analysis.closed_forms import derive, profile_sizes
-from fem_seal.output.pictures.style import logarithmic, number_dots, panels
+from fem_seal.output.pictures.renderer import Renderer
+from fem_seal.output.pictures.style import label, logarithmic, number_dots, panels, style
+from fem_seal.output.pictures.style import svg as written_svg
 from fem_seal.output.report import tables
 from fem_seal.output.report import words as report_words
 from fem_seal.output.report.page import pictures, report
@@ -384,3 +388,36 @@ def test_critical_separation_and_interface_laws_are_told_in_both_readings(page):
         assert variant.leak_rate < variant.leak_rate_capped
     used = rough_result().interface_variants[0]
     assert (used.leak_rate, used.leak_rate_capped) == pytest.approx(load.leak_range)
+
+
+def _figure():
+    figure, (one, two) = panels(2)
+    one.plot([1.0, 10.0, 100.0], [3.0, 4.0, 3.5], label="a line")
+    one.legend(title="which", loc="best")
+    logarithmic(one, "x")
+    label(one, "Left", "x  [mm]", "σ'  [MPa]")
+    two.plot([0.0, 1.0], [1.0, 0.0], rasterized=True)
+    two.text(0.5, 0.5, "$h^2$\nand more", rotation=30.0, weight="bold", fontsize=11)
+    figure.suptitle("both")
+    return figure
+
+
+def test_pictures_are_written_as_matplotlib_writes_them_and_texts_measured_once(monkeypatch):
+    """Heights of fonts come from a method that matplotlib may rename: then pictures take longer and stay the same."""
+    with style():
+        out = BytesIO()
+        _figure().savefig(out, format="svg", metadata={"Date": None, "Creator": None}, dpi=170)
+        written = re.search(rb"<svg.*", out.getvalue(), re.DOTALL).group()
+        monkeypatch.setattr("fem_seal.output.pictures.style._draw_ticks", lambda axes: None)
+        monkeypatch.setattr("fem_seal.output.pictures.style._in_the_dark", lambda drawing: drawing)
+        monkeypatch.setattr("fem_seal.output.pictures.style._FONTS", "'DejaVu Sans'")
+        assert written_svg(_figure()).endswith(written)
+        asked = []
+        measure = TextToPath.get_text_width_height_descent
+        monkeypatch.setattr(
+            TextToPath, "get_text_width_height_descent", lambda *of: asked.append(of) or measure(*of)
+        )
+        assert written_svg(_figure()).endswith(written)
+        assert asked == []
+        monkeypatch.delattr(Renderer, "_get_font_height_metrics")
+        assert written_svg(_figure()).endswith(written)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.analysis.copies import in_copies
 from fem_seal.analysis.flow import log_peaks, range_around
 from fem_seal.analysis.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.analysis.problem import condensed
@@ -55,6 +55,8 @@ _OF_LINEAR = 0.03, 0.06
 # So it is with tables from that of the case: one of their own for every sample unless they are as good as this.
 _OF_TABLES = 0.01, 0.02
 
+# What is less is no leak: a molecule of a gas in a hundred years [m^3/s].
+_NOTHING = 1e-35
 # Share of the sealing pressure that counts for a sealed contact between whose asperities fluid carries.
 _NEARLY_SEALED = 0.95
 
@@ -237,9 +239,9 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
     if study.calculated and (surface is not None or study.linearised or not study.exact):
         checked = _ends((nominal / viscosity[:, None])[:, study.last_load], settings.confidence)
         truth = replace(study, whole_paths=True, exact=True).leak_rates(checked)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            differ = np.abs(nominal[checked] / truth - 1)
-        # both sealed is no difference; a path that did not converge says nothing
+        with np.errstate(invalid="ignore"):
+            differ = np.abs((nominal[checked] + _NOTHING) / (truth + _NOTHING) - 1)
+        # both blown open is no difference; a path that did not converge says nothing
         error = float(np.nan_to_num(differ, nan=0.0).max())
         if study.linearised and surface is not None and error > _allowed(nominal, *_OF_LINEAR):
             return _interval(replace(study, whole_paths=True), settings, progress)
@@ -434,11 +436,9 @@ class _Study:
 
     def leak_rates(self, samples: Sequence[int]) -> FloatArray:
         """Leak rates at the case's own viscosity, calculated, shape (samples, readings times loads) [m^3/s]."""
-        # numpy and LAPACK leave Python's lock for most of the time, so two samples run side by side
-        # after the first, which makes what they share
+        # the first makes what all share
         first, *rest = samples
-        with ThreadPoolExecutor(2) as pool:
-            return np.array([self._leak_rates(first), *pool.map(self._leak_rates, rest)])
+        return np.array([self._leak_rates(first), *in_copies(self._leak_rates, rest)])
 
     def _leak_rates(self, sample: int) -> list[float]:
         factors = {

@@ -71,7 +71,7 @@ class Case(CaseTables):
         if wrong:
             raise InputError(*wrong)
         if like is not None and {"closure", "seat"} <= known:
-            self._bodies, self._contact = like._bodies, like._contact
+            self._take_bodies(like)
         heat = self.temperature
         warm = [
             ROOM_TEMPERATURE if heat is None else heat.of_body(name) or ROOM_TEMPERATURE

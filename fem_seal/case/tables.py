@@ -241,8 +241,6 @@ class CaseTables(Table):
     mesh: Mesh = Mesh()
     output: Output = Output()
 
-    _bodies: tuple[Shape, Shape] | None = PrivateAttr(default=None)
-    _contact: ContactGeometry | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
     _warm: dict[str, float] = PrivateAttr(default_factory=dict)
 
@@ -251,22 +249,27 @@ class CaseTables(Table):
         """Radius r0 of the circle of first touch [m]."""
         return self.contact.touch_radius
 
+    # In vars(): a design of a study asks for both a dozen times, and pydantic's private attributes are slow.
     @property
     def contact(self) -> ContactGeometry:
         """Closure and seat in first touch."""
-        found = self._contact
+        found: ContactGeometry | None = vars(self).get("_contact")
         if found is None:
-            found = self._contact = ContactGeometry.of(*(body.outline for body in self.bodies))
+            found = vars(self)["_contact"] = ContactGeometry.of(*(body.outline for body in self.bodies))
         return found
 
     @property
     def bodies(self) -> tuple[Shape, Shape]:
         """Closure and seat with all their dimensions, those that are left open in proportion to the closure."""
-        found = self._bodies
+        found: tuple[Shape, Shape] | None = vars(self).get("_bodies")
         if found is None:
             closure = self.closure.body()
-            found = self._bodies = closure, self.seat.body(closure)
+            found = vars(self)["_bodies"] = closure, self.seat.body(closure)
         return found
+
+    def _take_bodies(self, like: CaseTables) -> None:
+        """Know those of a case with the very same tables of closure and seat."""
+        vars(self).update({key: vars(like)[key] for key in ("_bodies", "_contact") if key in vars(like)})
 
     def bodies_at(self, closure: float, seat: float) -> dict[str, Any]:
         """The tables of closure and seat with the materials' numbers at their temperatures.

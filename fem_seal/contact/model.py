@@ -109,10 +109,11 @@ class ContactLine:
         values : ndarray, shape (m,)
         """
         before, here, after = self._slope_weights
-        ends = self.x[[1, -1]] - self.x[[0, -2]]
-        inner = before * values[:-2] + here * values[1:-1] + after * values[2:]
-        first, last = (values[[1, -1]] - values[[0, -2]]) / ends
-        return np.concatenate([[first], inner, [last]])
+        slope, x = np.empty(values.shape), self.x
+        slope[1:-1] = before * values[:-2] + here * values[1:-1] + after * values[2:]
+        slope[0] = (values[1] - values[0]) / (x[1] - x[0])
+        slope[-1] = (values[-1] - values[-2]) / (x[-1] - x[-2])
+        return slope
 
     @cached_property
     def _slope_weights(self) -> tuple[FloatArray, FloatArray, FloatArray]:

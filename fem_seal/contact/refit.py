@@ -151,7 +151,11 @@ def _zone(
 ) -> tuple[float, float]:
     start, end = sizing.zone
     lower, upper = contact.reach
-    cut = [max(profile.pressure[n] / profile.pressure.max() for profile in profiles) > _TAIL for n in (0, -1)]
+    highest = [profile.pressure.max() for profile in profiles]
+    cut = [
+        any(profile.pressure[n] / peak > _TAIL for profile, peak in zip(profiles, highest, strict=True))
+        for n in (0, -1)
+    ]
     return (
         max(_WIDER * start, lower) if cut[0] else start,
         min(_WIDER * end, upper) if cut[1] else end,
@@ -162,10 +166,13 @@ def _steep_places(sizing: Sizing, profile: PressureProfile) -> list[tuple[float,
     """Where the pressure changes too much within an element, with the size that is needed there."""
     x, share = profile.x, profile.pressure / profile.pressure.max()
     # Three points lie in each element: compare those at equal places of neighbours.
-    change = np.abs(share[3:] - share[:-3])
-    place, length = 0.5 * (x[3:] + x[:-3]), x[3:] - x[:-3]
-    steep = (change > _STEEPEST) & (length > sizing.contact_size / 50)
-    return [(float(at), float(size) / _FINER) for at, size in zip(place[steep], length[steep], strict=True)]
+    steep = (np.abs(share[3:] - share[:-3]) > _STEEPEST).nonzero()[0]
+    ends = zip(x[steep].tolist(), x[steep + 3].tolist(), strict=True)
+    return [
+        (0.5 * (before + after), (after - before) / _FINER)
+        for before, after in ends
+        if after - before > sizing.contact_size / 50
+    ]
 
 
 def _thinned(spots: list[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -19,6 +19,7 @@ from uuid import uuid4
 
 import numpy as np
 
+from fem_seal.analysis.copies import usable_cores
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ClusterError, InputError, Problem
 from fem_seal.studies.progress import duration
@@ -130,7 +131,7 @@ def pool(
     elif workers == 0:
         yield OwnProcess(note, stuck)
     else:
-        with local_client(workers or _cores()) as own:
+        with local_client(workers or usable_cores()) as own:
             yield Cluster(own, retries, _OWN_PATIENCE, note)
 
 
@@ -248,13 +249,6 @@ def _check_dask() -> None:
         raise InputError(
             Problem("study", f'needs dask ({error}); install it with: pip install "fem-seal[studies]"')
         ) from None
-
-
-def _cores() -> int:
-    import os
-
-    # what this process may use, which in a container or under a job scheduler is less than the machine has
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 # Chunks on the way per worker: enough that none waits for the next one, few enough that memory stays flat.

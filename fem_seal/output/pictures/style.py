@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from io import BytesIO
+from io import StringIO
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
@@ -27,6 +27,8 @@ FILL = "#dfe8f2"
 WIDTH = 10.4
 # Points to an inch.
 INCH = 72.0
+# Of images in a drawing [1/inch].
+_DOTS = 170
 # Room for tick labels and axis labels [inch].
 _LEFT, _BOTTOM = 0.68, 0.52
 # Dots that get a number, and how far apart two numbers must be [pt].
@@ -142,9 +144,26 @@ def svg(figure: Figure) -> bytes:
     for axes in figure.axes:
         if axes.axison and axes.name == "rectilinear" and axes.get_label() != "<colorbar>":
             _draw_ticks(axes)
-    out = BytesIO()
-    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None}, dpi=170)
-    return _in_the_dark(out.getvalue().replace(b"'DejaVu Sans'", _FONTS.encode()))
+    return _in_the_dark(_drawn(figure).replace(b"'DejaVu Sans'", _FONTS.encode()))
+
+
+def _drawn(figure: Figure) -> bytes:
+    """What `figure.savefig` writes; the figure is of no use afterwards."""
+    from matplotlib.backends.backend_mixed import MixedModeRenderer
+
+    from fem_seal.output.pictures.renderer import Renderer
+
+    width, height = figure.get_size_inches()
+    figure.dpi = INCH
+    out = StringIO()
+    lines = Renderer(
+        INCH * width, INCH * height, out, image_dpi=_DOTS, metadata={"Date": None, "Creator": None}
+    )
+    # images apart, all is lines
+    whole = cast(Any, MixedModeRenderer)(figure, width, height, _DOTS, lines)
+    figure.draw(whole)
+    whole.finalize()
+    return out.getvalue().encode()
 
 
 # Length of the marks of an axis, and from there to their numbers [pt].
@@ -203,6 +222,7 @@ def draw_marks(
     names : sequence of str
     side : {"left", "bottom", "top"}
     """
+    from matplotlib.font_manager import FontProperties
     from matplotlib.lines import Line2D
     from matplotlib.transforms import ScaledTranslation
 
@@ -217,9 +237,11 @@ def draw_marks(
     figure.add_artist(marks)
     away = (_MARK + _PAD) / INCH
     beside = axes.transAxes + ScaledTranslation(across * away, up * away, figure.dpi_scale_trans)
+    # once for all of them: each would look up the settings of its font
+    font = FontProperties()
     for place, name in zip(places, names, strict=True):
         if name:
-            figure.text(*place, name, transform=beside, ha=ha, va=va, color=colour)
+            figure.text(*place, name, transform=beside, ha=ha, va=va, color=colour, fontproperties=font)
 
 
 def _in_the_dark(drawing: bytes) -> bytes:

@@ -1,0 +1,79 @@
+"""One function of many items in copies of this process."""
+
+import os
+import sys
+import time
+from io import StringIO
+from multiprocessing import active_children
+from threading import Thread, active_count
+
+import pytest
+from rich.console import Console
+
+from fem_seal.analysis.copies import can_copy, in_copies, usable_cores
+from fem_seal.errors import ConvergenceError
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="no copies there")
+HERE = os.getpid()
+
+
+@pytest.mark.parametrize("processes", [1, 2, 3, 9])
+@pytest.mark.parametrize("items", [0, 1, 2, 7])
+def test_results_stand_in_the_order_of_the_items(items, processes):
+    assert in_copies(lambda n: n**2, range(items), processes) == [n**2 for n in range(items)]
+
+
+def test_every_process_has_its_share():
+    pids = in_copies(lambda _: os.getpid(), range(6), 3)
+    assert pids[:3] == pids[3:] and pids[0] == HERE and len(set(pids)) == 3
+
+
+@pytest.mark.parametrize("processes", [1, 2, 3])
+def test_the_error_is_that_of_the_first_item_that_fails(processes):
+    def fails(n):
+        if n >= 4:
+            raise ConvergenceError(f"item {n}")
+        return n
+
+    with pytest.raises(ConvergenceError, match="item 4"):
+        in_copies(fails, range(8), processes)
+
+
+def test_the_share_of_a_copy_that_died_is_calculated_here():
+    def dies_in_a_copy(n):
+        if os.getpid() != HERE:
+            os._exit(9)
+        return -n
+
+    assert in_copies(dies_in_a_copy, range(5), 2) == [0, -1, -2, -3, -4]
+
+
+def test_an_interruption_ends_the_copies():
+    def interrupted(n):
+        if os.getpid() == HERE:
+            raise KeyboardInterrupt
+        time.sleep(30)
+
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        in_copies(interrupted, range(4), 2)
+    assert time.monotonic() - begin < 10 and not active_children()
+
+
+def test_no_copies_beside_threads_or_in_a_process_that_was_started():
+    found = []
+    thread = Thread(target=lambda: found.append(can_copy()))
+    thread.start()
+    thread.join()
+    assert found == [False]
+    assert in_copies(lambda _: can_copy(), range(2), 2)[1] is False
+
+
+def test_copies_beside_the_wheel_that_turns_on_a_terminal():
+    with Console(file=StringIO(), force_terminal=True).status("sampling"):
+        assert active_count() > 1 and can_copy()
+        assert in_copies(lambda n: n**2, range(6), 2) == [0, 1, 4, 9, 16, 25]
+
+
+def test_some_core_may_be_used():
+    assert 1 <= usable_cores() <= os.cpu_count()
