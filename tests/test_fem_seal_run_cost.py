@@ -166,3 +166,14 @@ def test_a_command_spares_itself_before_anything_is_loaded():
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
     )
     assert done.stdout.splitlines()[-1] == "fem_seal.quick_start"
+
+
+def test_a_spectrum_loads_no_readers_of_scans():
+    code = (
+        "import sys, leak; leak.PowerSpectrum, leak.RoughContact; "
+        "print([name for name in sys.modules if 'scan' in name and name.startswith('leak')])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
+    )
+    assert done.stdout == "[]\n"
