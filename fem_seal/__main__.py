@@ -29,7 +29,7 @@ def main() -> int:
     # No plugin has a say in what a case file may hold; pydantic reads the metadata of every installed package for them.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Nearly all that a command makes stays to its end: going through it a thousand times takes a fifteenth of a run.
-    gc.set_threshold(400_000, 20, 50)
+    gc.set_threshold(150_000, 20, 50)
     from fem_seal.quick_start import spare
 
     spare()
