@@ -170,7 +170,7 @@ class Around:
             if angle is None
             else np.interp(angle, self.angle, self.line_load, period=2 * math.pi)
         )
-        now = _profile(self.local, float(f))
+        now = self.local.profile(float(f))
         return now if self.before is None else _after(now, self.before.profile_at(angle))
 
 
@@ -235,7 +235,7 @@ class LeakCurve:
     def _at_both(self, log_share: float, log_before: float, before: LocalContact) -> LeakResult:
         if (log_share, log_before) not in self._later:
             now, then = (
-                _profile(local, local.mean.line_load * math.exp(v))
+                local.profile(local.mean.line_load * math.exp(v))
                 for local, v in ((self.local, log_share), (before, log_before))
             )
             self._later[log_share, log_before] = self.flow.leak(_after(now, then))
@@ -256,14 +256,8 @@ class LeakCurve:
     def _at(self, log_share: float) -> LeakResult:
         if log_share not in self._known:
             f = self.local.mean.line_load * math.exp(log_share)
-            self._known[log_share] = self.flow.leak(_profile(self.local, f))
+            self._known[log_share] = self.flow.leak(self.local.profile(f))
         return self._known[log_share]
-
-
-def _profile(local: LocalContact, line_load: float) -> PressureProfile:
-    f = np.array([line_load])
-    pressure, gap = local.pressure_and_gap(f, local.approach(f)[0])
-    return replace(local.mean.profile, pressure=pressure[0], gap=gap[0], largest=None)
 
 
 def _after(now: PressureProfile, before: PressureProfile) -> PressureProfile:

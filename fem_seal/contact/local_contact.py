@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
     from fem_seal.arrays import FloatArray
+    from fem_seal.profile import PressureProfile
 
 # Step of the ladder in ln f. A cubic spline over it is good to 1e-5 of the decay length
 # (tests/test_fem_seal_around.py compares it with contacts in between).
@@ -57,6 +58,7 @@ class LocalContact:
     _rungs: dict[int, ContactSolution] = field(default_factory=dict, repr=False)
     _fades_below: float = field(default=-math.inf, repr=False)
     _splines: dict[str, CubicSpline] = field(default_factory=dict, repr=False)
+    _profiles: dict[float, PressureProfile] = field(default_factory=dict, repr=False)
 
     @property
     def opens(self) -> bool:
@@ -175,6 +177,21 @@ class LocalContact:
         )
         with np.errstate(under="ignore"):
             return np.exp(log_pressure), self.law.gap(log_pressure)
+
+    def profile(self, line_load: float) -> PressureProfile:
+        """Profile on first loading, which all readings of the surfaces share.
+
+        Parameters
+        ----------
+        line_load : float
+            [N/m]
+        """
+        if line_load not in self._profiles:
+            f = np.array([line_load])
+            pressure, gap = self.pressure_and_gap(f, self.approach(f)[0])
+            mean = self.mean.profile
+            self._profiles[line_load] = replace(mean, pressure=pressure[0], gap=gap[0], largest=None)
+        return self._profiles[line_load]
 
     def _hard_profiles(self, line_load: FloatArray, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The profiles of smooth surfaces end at another place for each line load: nothing to interpolate."""
