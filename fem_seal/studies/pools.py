@@ -353,7 +353,14 @@ class _Sent:
     attempt: int
 
 
-def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> list[Row]:
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of a chunk on their way back as one object: of a list dask would send each entry by itself."""
+
+    rows: list[Row]
+
+
+def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> _Rows:
     """What a worker does: `calculate`, and tell the coordinator of designs that take long."""
     from distributed import get_worker
 
@@ -368,8 +375,10 @@ def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> list[Row]:
         return Block(lambda seconds: None, lambda ended: os._exit(1) if worker.nanny is not None else None)
 
     with Watch(recipe.time_limit) as watch:
-        return calculate(
-            recipe, chunk, lambda number: watch.turn(several() if number is None else designs[number])
+        return _Rows(
+            calculate(
+                recipe, chunk, lambda number: watch.turn(several() if number is None else designs[number])
+            )
         )
 
 
@@ -501,7 +510,8 @@ class _OnTheWay:
 
         if future.status == "finished":
             try:
-                return list(future.result(timeout=_ANSWER))
+                calculated: _Rows = future.result(timeout=_ANSWER)
+                return calculated.rows
             except Exception:  # calculated, but lost on the way back with the worker that held it
                 return None
         error = future.exception(timeout=_ANSWER) if future.status == "error" else None
