@@ -12,8 +12,17 @@ from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from importlib.util import LazyLoader
 from types import ModuleType
 
-# Loaded by scipy and matplotlib for nothing that happens here, with a hundred and fifty others.
-POSTPONED = frozenset({"numpy.f2py", "numpy.testing", "fontTools.agl", "mpl_toolkits.mplot3d.art3d"})
+# Loaded by scipy, scikit-fem and matplotlib for nothing that happens here, with a hundred and fifty others.
+POSTPONED = frozenset(
+    {
+        "PIL.ExifTags",
+        "fontTools.agl",
+        "mpl_toolkits.mplot3d.art3d",
+        "numpy.f2py",
+        "numpy.testing",
+        "scipy.sparse.csgraph",
+    }
+)
 
 
 def spare() -> None:

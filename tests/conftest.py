@@ -45,8 +45,21 @@ gc.disable()
 # process is free. All other files stay whole, with what their fixtures have made.
 APART = ("tests/test_examples.py", "tests/test_fem_seal_uncertainty.py", "tests/test_verification_contact.py")
 
-# Files that share results too dear to be made in several processes.
-TOGETHER = {"tests/test_fem_seal_around_report.py": "tests/test_fem_seal_around_files.py"}
+# Files that share what is too dear to be had in several processes: results, and CoolProp, which takes seconds to load.
+TOGETHER = {
+    "tests/test_fem_seal_around_report.py": "tests/test_fem_seal_around_files.py",
+    **{
+        f"tests/test_{name}.py": "CoolProp"
+        for name in (
+            "fem_seal_fluid",
+            "fem_seal_leak_map",
+            "leak_fluids",
+            "leak_gases",
+            "leak_pressure_law",
+            "leak_real_gas",
+        )
+    },
+}
 
 # Files whose tests mostly wait, for clusters that start and designs that never end. They come first and one after the
 # other, so that one process waits while the others compute.

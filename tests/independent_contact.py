@@ -37,6 +37,17 @@ def shapes(t: FloatArray) -> tuple[FloatArray, FloatArray]:
     )
 
 
+def _of_elements() -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The nine functions at the sixteen points, and their slopes along both sides of [-1, 1]^2; shape (16, 9)."""
+    N, slope = shapes(GAUSS)
+    pairs = ((N, N), (slope, N), (N, slope))
+    one, two, three = (np.einsum("as,bt->stab", f, g).reshape(GAUSS.size**2, 9) for f, g in pairs)
+    return one, two, three
+
+
+SHAPES = _of_elements()
+
+
 class Body:
     """Stiffness of a sector on a grid that is fine where asked for."""
 
@@ -71,25 +82,19 @@ class Body:
     def _stiffness(self, i: int, j: int, D: FloatArray) -> FloatArray:
         half_angle = 0.5 * (self.angular[i + 1] - self.angular[i])
         half_radius = 0.5 * (self.radial[j + 1] - self.radial[j])
-        K = np.zeros((18, 18))
-        for s, ws in zip(GAUSS, WEIGHT, strict=True):
-            Na, da = (f[:, 0] for f in shapes(np.array([s])))
-            angle = self.angular[i] + half_angle * (1 + s)
-            for t, wt in zip(GAUSS, WEIGHT, strict=True):
-                Nb, db = (f[:, 0] for f in shapes(np.array([t])))
-                rho = self.radial[j] + half_radius * (1 + t)
-                r = self.sector.centre[0] + rho * math.sin(angle)
-                N = np.outer(Na, Nb).ravel()
-                along = np.outer(da, Nb).ravel() / (half_angle * rho)
-                out = np.outer(Na, db).ravel() / half_radius
-                # Unit vectors outwards (sin, -cos) and along the angle (cos, sin).
-                dr = out * math.sin(angle) + along * math.cos(angle)
-                dz = -out * math.cos(angle) + along * math.sin(angle)
-                B = np.zeros((4, 18))
-                B[0, 0::2], B[1, 1::2], B[2, 0::2] = dr, dz, N / r
-                B[3, 0::2], B[3, 1::2] = dz, dr
-                K += B.T @ D @ B * (ws * wt * half_angle * half_radius * rho * 2 * math.pi * r)
-        return K
+        # all quadrature points at once, in order of the angle, then of the radius; functions in order of the nodes
+        angle = np.repeat(self.angular[i] + half_angle * (1 + GAUSS), GAUSS.size)[:, None]
+        rho = np.tile(self.radial[j] + half_radius * (1 + GAUSS), GAUSS.size)[:, None]
+        r = self.sector.centre[0] + rho * np.sin(angle)
+        N, along, out = SHAPES[0], SHAPES[1] / (half_angle * rho), SHAPES[2] / half_radius
+        # Unit vectors outwards (sin, -cos) and along the angle (cos, sin).
+        dr = out * np.sin(angle) + along * np.cos(angle)
+        dz = -out * np.cos(angle) + along * np.sin(angle)
+        B = np.zeros((len(N), 4, 18))
+        B[:, 0, 0::2], B[:, 1, 1::2], B[:, 2, 0::2] = dr, dz, N / r
+        B[:, 3, 0::2], B[:, 3, 1::2] = dz, dr
+        weight = np.outer(WEIGHT, WEIGHT).reshape(-1, 1) * half_angle * half_radius * rho * 2 * math.pi * r
+        return (B.transpose(0, 2, 1) @ (D @ B) * weight[:, None]).sum(axis=0)
 
     def surface(self, column: int, count: int = 4) -> tuple[FloatArray, FloatArray, csr_matrix, csr_matrix]:
         """Angles and weights (d angle) of points on an arc, and matrices from dofs to u_r and u_z there."""

@@ -3,10 +3,12 @@
 import os
 import sys
 import time
+from io import StringIO
 from multiprocessing import active_children
-from threading import Thread
+from threading import Thread, active_count
 
 import pytest
+from rich.console import Console
 
 from fem_seal.analysis.copies import can_copy, in_copies, usable_cores
 from fem_seal.errors import ConvergenceError
@@ -65,6 +67,12 @@ def test_no_copies_beside_threads_or_in_a_process_that_was_started():
     thread.join()
     assert found == [False]
     assert in_copies(lambda _: can_copy(), range(2), 2)[1] is False
+
+
+def test_copies_beside_the_wheel_that_turns_on_a_terminal():
+    with Console(file=StringIO(), force_terminal=True).status("sampling"):
+        assert active_count() > 1 and can_copy()
+        assert in_copies(lambda n: n**2, range(6), 2) == [0, 1, 4, 9, 16, 25]
 
 
 def test_some_core_may_be_used():

@@ -110,7 +110,7 @@ import json, sys, types
 from fem_seal.quick_start import POSTPONED, spare
 if sys.argv[1] == "command":
     spare()
-import scipy.special
+import scipy.special, skfem
 from matplotlib.artist import ArtistInspector
 from fem_seal.output.pictures.style import label, panels, style, svg
 with style():

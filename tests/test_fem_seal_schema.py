@@ -10,13 +10,14 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from fem_seal.case.schema import case_schema
-from fem_seal.studies.schema import study_schema
+from fem_seal.case import schema as of_a_case
+from fem_seal.studies import schema as of_a_study
 
 jsonschema = pytest.importorskip("jsonschema", reason="checks of the schema need jsonschema")
 
@@ -26,6 +27,8 @@ CASES = [
     *sorted((ROOT / "fem_seal/templates/cases").glob("*.toml")),
 ]
 STUDIES = sorted((ROOT / "examples" / "studies").glob("*.toml"))
+# the same each time, and nobody changes it
+case_schema, study_schema = cache(of_a_case.case_schema), cache(of_a_study.study_schema)
 BALL = tomllib.loads((ROOT / "examples" / "ball_cone.toml").read_text(encoding="utf-8"))
 
 

@@ -76,14 +76,19 @@ _MOST = 8
 def can_copy() -> bool:
     """Whether copies of this process are safe, and their cores not another's.
 
-    On macOS and Windows they are not; where other threads run, a copy may wait for ever for what one of them held; and
-    a process that another one has started shares the cores with others of its kind.
+    On macOS and Windows they are not; where other threads run, a copy may wait for ever for what one of them held, but
+    for the one that turns the wheel on a terminal, which holds nothing that a copy wants; and a process that another
+    one has started shares the cores with others of its kind.
     """
-    if sys.platform != "linux" or threading.active_count() > 1:
+    if sys.platform != "linux" or any(_calculates(one) for one in threading.enumerate()):
         return False
     from multiprocessing import parent_process
 
     return parent_process() is None
+
+
+def _calculates(thread: threading.Thread) -> bool:
+    return thread is not threading.current_thread() and not type(thread).__module__.startswith("rich.")
 
 
 class _Outcome(NamedTuple):

@@ -173,6 +173,9 @@ def local_client(workers: int) -> Iterator[Client]:
         "distributed.worker.memory.pause": False,
         "distributed.worker.memory.spill": False,
         "distributed.worker.profile.enabled": False,
+        # by default dask looks fifty times a second whether its own loops still turn, in every process
+        "distributed.admin.tick.interval": "1s",
+        "distributed.admin.system-monitor.interval": "10s",
         # dask makes workers give back memory at once, which costs a third of their time with arrays of this size
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 2**28,
         "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": 2**28,

@@ -140,8 +140,22 @@ class _Radius:
         out_below, out_above = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
         ends = (r[1] - r[0]) / (x[1] - x[0]), (r[-1] - r[-2]) / (x[-1] - x[-2])
         straight = np.interp(at, x, r) + ends[0] * out_below + ends[1] * out_above
+        return np.maximum(straight, self._least)
+
+    def in_cells(self, t: FloatArray) -> FloatArray:
+        """r at shares t of each stretch between two points, shape (n - 1, len(t))."""
+        return self.r[:-1, None] + (self.r[1:] - self.r[:-1])[:, None] * t
+
+    def beyond(self, end: int, d: FloatArray) -> FloatArray:
+        """r at distances d outward of the first or, with -1, the last point."""
+        here, next_to = (0, 1) if end == 0 else (-1, -2)
+        slope = (self.r[here] - self.r[next_to]) / abs(self.x[here] - self.x[next_to])
+        return np.maximum(self.r[here] + slope * d, self._least)
+
+    @property
+    def _least(self) -> float:
         # A tail that runs far beyond the profile adds nothing there, whatever the radius; keep it positive.
-        return np.maximum(straight, 0.5 * r.min())
+        return 0.5 * float(self.r.min())
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +165,7 @@ class ContactProfile:
     patches: tuple[Patch, ...]
     x: FloatArray
     """Edges of the cells [m]."""
-    radius: Callable[[FloatArray], FloatArray]
+    radius: _Radius
     tails: tuple[Tail | None, Tail | None]
     remembers: Callable[[FloatArray, FloatArray], FloatArray] | None = None
     """ln p* of first loading over x and ln p, of a contact that was pressed harder before."""
@@ -248,9 +262,10 @@ class ContactProfile:
         x = self.x[:-1, None] + length * t
         first, *others = self.patches
         # mostly the cells are those of the patch, and nothing has to be looked for
-        same = not others and first.x.size == self.x.size > 1
+        same = not others and first.x.size == self.x.size == self.radius.x.size > 1
         log_p = first.in_cells(t) if same else self.log_pressure(x)
-        cells = Panels(log_p, self.radius(x), np.broadcast_to(length, x.shape), self.first_loading(x, log_p))
+        radius = self.radius.in_cells(t) if same else self.radius(x)
+        cells = Panels(log_p, radius, np.broadcast_to(length, x.shape), self.first_loading(x, log_p))
         return self._tail_panel(0, -1.0), cells, self._tail_panel(-1, 1.0)
 
     @cached_property
@@ -292,7 +307,8 @@ class ContactProfile:
         s = last * 0.5 * (1.0 + gauss(_TAIL_NODES)[0])[None, :: int(outward)]
         d = scale * s / (1.0 - s)
         log_p, x = self.log_p[end] - tail.fall(d), self.x[end] + outward * d
-        return Panels(log_p, self.radius(x), last * scale / (1.0 - s) ** 2, self.first_loading(x, log_p))
+        radius = self.radius.beyond(end, d)
+        return Panels(log_p, radius, last * scale / (1.0 - s) ** 2, self.first_loading(x, log_p))
 
 
 def _runs(there: NDArray[np.bool_]) -> list[NDArray[np.intp]]:

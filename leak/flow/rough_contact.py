@@ -564,15 +564,18 @@ class RoughContact:
         if not self._smoothed:
             return self._reaches(elastic, low, high)
 
-        hardness = self.hardness
+        hardness, most = self.hardness, min(high / self.hardness, 1.0 - 1e-12)
         kappa = 0.25 * math.pi * (self.effective_modulus / hardness) ** 2
 
-        def excess(log_p: float) -> float:
-            s = min(math.exp(log_p), (1.0 - 1e-12) * high) / hardness
+        def excess(log_odds: float) -> float:
+            """All but straight in ln(s/(1 - s)), s = p/hardness: C_pl keeps all at a small s, (1 - s)^2 toward one."""
+            s = 1.0 / (1.0 + math.exp(-log_odds))
             rest = remaining_moment(s, kappa, self.spectrum.last_moment)
-            return log_p - math.log(z * self.effective_modulus) - 0.5 * math.log(max(math.pi * rest, 1e-300))
+            return math.log(s * hardness / (z * self.effective_modulus)) - 0.5 * math.log(math.pi * rest)
 
-        return float(np.exp(root_of_rising(excess, np.log(high) - _SEALING_RANGE, np.log(high))))
+        log_odds = math.log(most / (1.0 - most))
+        log_odds = root_of_rising(excess, log_odds - _SEALING_RANGE, log_odds, 1e-10)
+        return hardness / (1.0 + math.exp(-log_odds))
 
     def _reaches(self, acting: float, low: float, high: float) -> float:
         """Nominal pressure between `low` and `high` whose equivalent one is `acting` [Pa]."""
@@ -718,7 +721,8 @@ def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
 # Bearing pressures are 0.4 to 7 % of E* h'; after a step in ln p this small Newton's method is at rounding.
 _USUAL_BEARING, _CLOSE, _NEWTON_STEPS = 0.02, 1e-6, 40
 _HALVINGS = 60
-# A surface seals at more than exp(-this) of the smaller of its elastic sealing pressure and its hardness.
+
+# How far below the largest one ln(s/(1 - s)) of a sealing pressure is looked for.
 _SEALING_RANGE = 40.0
 
 # The table's last point below the sealing pressure, as a fraction of it; u_eff is below any molecule's size there.

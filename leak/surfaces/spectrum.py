@@ -6,17 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from os import PathLike
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray, different
 from leak.errors import SpectrumError, positive
-from leak.surfaces.periodogram import Window
-from leak.surfaces.scan_files import Unit, read_topographies
-from leak.surfaces.scans import Detrend, line_scan
-from leak.surfaces.settings import ScanSettings, SelfAffineContinuation
+
+if TYPE_CHECKING:
+    from leak.surfaces.periodogram import Window
+    from leak.surfaces.scan_files import Unit
+    from leak.surfaces.scans import Detrend
+    from leak.surfaces.settings import SelfAffineContinuation
 
 # A sum of two power laws is no power law; its log-log interpolant is made as good as this.
 _SUM_ERROR = 2e-5
@@ -29,8 +31,8 @@ _STRONG_KINK, _STRONG_STEP = 1.5, 0.7
 # With more kinks than this (a raw Fourier spectrum) they average out, and stopping at some of them is enough.
 _MOST_BREAKS = 400
 # A coarse spectrum: what is left of a difference of moments to be a number, steepest power law over a piece, steps to
-# the exponent of one (about five are enough) and how good it must be.
-_CANCELLED, _STEEPEST, _NEWTON_STEPS, _EXPONENT_ERROR = 1e-9, 300.0, 60, 1e-13
+# the exponent of one (about five are enough) and the last of them, after which Newton's method is at rounding.
+_CANCELLED, _STEEPEST, _NEWTON_STEPS, _CLOSE = 1e-9, 300.0, 60, 1e-9
 # Its smallest step in ln C.
 _COARSE_STEP = 0.1
 # The end of a spectrum that adds less than this fraction per e-fold of q to M; M itself resolves 1e-16.
@@ -186,6 +188,8 @@ class PowerSpectrum:
             The scan or a setting cannot be used.
         """
         from leak.surfaces.measured import measure
+        from leak.surfaces.scans import line_scan
+        from leak.surfaces.settings import ScanSettings
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
         return measure(line_scan(x, h), settings).spectrum
@@ -219,6 +223,8 @@ class PowerSpectrum:
             A file or a setting cannot be used.
         """
         from leak.surfaces.measured import measure
+        from leak.surfaces.scan_files import read_topographies
+        from leak.surfaces.settings import ScanSettings
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
         return measure(read_topographies(path, unit=unit), settings).spectrum
@@ -584,9 +590,9 @@ def _exponent_of(log_ratio: FloatArray, length: FloatArray) -> FloatArray:
         above = np.log(_power_integral(x + 2.0, length) / _power_integral(x, length)) - log_ratio
         low, high = np.where(above < 0.0, x, low), np.where(above < 0.0, high, x)
         newton = x - above / (_mean_place(x + 2.0, length) - _mean_place(x, length))
-        following = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+        following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
         step, x = np.abs(following - x).max(), following
-        if step < _EXPONENT_ERROR:
+        if step < _CLOSE:
             break
     return x
 

@@ -1,0 +1,176 @@
+"""Designs that take their steps together find what each finds alone, fail alone, and are timed alone."""
+
+import math
+import threading
+import time
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fem_seal
+from fem_seal.contact.laws import ScaledLaw
+from fem_seal.contact.newton import Pressing, solve, solve_together
+from fem_seal.contact.sizing import Expected, Opening, widths_together
+from fem_seal.errors import ConvergenceError
+from fem_seal.studies.time_limit import Block, Watch
+from fem_seal.studies.together import alone, together
+from leak import PowerSpectrum, RoughContact
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+STEEL = fem_seal.Material("steel", 210e9, 0.3)
+SPECTRUM = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+
+
+@pytest.fixture(scope="module")
+def model():
+    import meshes
+
+    ball = meshes.Ball(0.02)
+    sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    mesh = meshes.build(ball, meshes.ConicalSeat.around(0.785, ball), sizing)
+    return fem_seal.condense(mesh, {"closure": STEEL, "seat": STEEL})
+
+
+@pytest.fixture(scope="module")
+def laws():
+    """Of one shape, from smooth to rough."""
+    shape = RoughContact(SPECTRUM, effective_modulus=115e9).interface_law()
+    return [ScaledLaw(shape, height, 1.1 * height) for height in (0.1, 0.5, 1.0, 1.7, 3.0)]
+
+
+def test_contacts_that_are_solved_together_are_those_of_each_alone(model, laws):
+    pressings = [
+        Pressing(model, law, force)
+        for force in (200.0, 1257.0, 5e3)
+        for law in laws[:: 1 if force > 1e3 else 2]
+    ]
+    found = solve_together(pressings)
+    assert len({one.iterations for one in found}) > 1
+    for one, asked in zip(found, pressings, strict=True):
+        own = solve(asked.model, asked.law, axial_force=asked.axial_force)
+        assert np.array_equal(one.log_pressure, own.log_pressure)
+        assert np.array_equal(one.gap, own.gap)
+        assert (one.approach, one.residuals) == (own.approach, own.residuals)
+        assert abs(one.force_error) < 1e-9
+
+
+def test_a_contact_that_has_no_solution_leaves_the_others_theirs(model, laws):
+    stiff = replace(laws[0], height=1e-4)
+    needed = max(solve(model, law, axial_force=1257.0).iterations for law in laws[1:3])
+    settings = fem_seal.ContactSettings(max_iterations=needed + 1)
+    first, never, last = solve_together(
+        [Pressing(model, law, 1257.0) for law in (laws[2], stiff, laws[1])], settings
+    )
+    assert isinstance(never, ConvergenceError)
+    assert f"did not converge in {needed + 1} iterations" in str(never)
+    for one, law in ((first, laws[2]), (last, laws[1])):
+        own = solve(model, law, axial_force=1257.0, settings=settings)
+        assert np.array_equal(one.log_pressure, own.log_pressure)
+
+
+def test_widths_that_are_expected_together_are_those_of_each_alone(laws):
+    case = fem_seal.load_case(EXAMPLES / "ball_cone.toml")
+    opening = Opening.of(case.contact)
+    asked = [Expected(law, (load,), opening, load * 1e7) for law in laws for load in (2e3, 9e3)]
+    assert widths_together(asked) == [one.widths for one in asked]
+    mixed = [*asked, Expected(fem_seal.HardContact(), (2e3, 4e3), opening, 115e9)]
+    assert widths_together(mixed) == [one.widths for one in mixed]
+    assert widths_together([]) == []
+
+
+def test_a_calculation_fails_alone(model, laws):
+    def pressed(force):
+        try:
+            contact = yield Pressing(model, laws[0], force)
+        except ValueError as error:
+            return str(error)
+        yield None
+        return contact.axial_force
+
+    def never():
+        yield None
+        raise ZeroDivisionError
+
+    def guarded():
+        try:
+            yield from never()
+        except ZeroDivisionError:
+            return "its own"
+
+    found = [one for one, _ in together([pressed(1257.0), guarded(), pressed(800.0)])]
+    assert found == [1257.0, "its own", 800.0]
+    with pytest.raises(ZeroDivisionError):
+        alone(never())
+
+
+def test_an_error_in_common_work_is_the_affair_of_one(model, laws, monkeypatch):
+    from fem_seal.contact import newton
+
+    usual = newton.solve_together
+
+    def refuses(pressings, *about):
+        if any(one.axial_force == 800.0 for one in pressings):
+            raise FloatingPointError("its own")
+        return usual(pressings, *about)
+
+    def pressed(force):
+        try:
+            contact = yield Pressing(model, laws[0], force)
+        except FloatingPointError as error:
+            return str(error)
+        return contact.axial_force
+
+    monkeypatch.setattr(newton, "solve_together", refuses)
+    assert [one for one, _ in together([pressed(800.0), pressed(1257.0)])] == ["its own", 1257.0]
+
+
+def test_the_time_of_others_is_not_that_of_a_calculation():
+    turns = []
+
+    def steps(pause, count):
+        for _ in range(count):
+            time.sleep(pause)
+            yield None
+
+    @contextmanager
+    def turn(number):
+        turns.append(number)
+        yield
+
+    (_, quick), (_, slow) = together([steps(0.0, 3), steps(0.02, 5)], turn)
+    assert quick < 0.02 < 0.1 <= slow
+    assert turns == [0, 1, 0, 1, 0, 1, 0, 1, 1, 1]
+
+
+def test_a_time_limit_counts_the_turns_of_a_block_alone():
+    told = {"quick": threading.Event(), "slow": threading.Event()}
+    blocks = {name: Block(lambda seconds: None, lambda ended, name=name: told[name].set()) for name in told}
+    with Watch(0.4) as watch:
+        for _ in range(12):
+            for name, pause in (("quick", 0.005), ("slow", 0.06)):
+                with watch.turn(blocks[name]):
+                    time.sleep(pause)
+    # 0.7 s all in all
+    assert told["slow"].is_set()
+    assert not told["quick"].is_set()
+
+
+def test_cubics_are_the_same_by_place_and_by_cell():
+    from leak.flow.contact_profile import ContactProfile
+
+    x = np.cumsum(np.random.default_rng(1).uniform(1e-6, 4e-6, 60))
+    p = 5e7 * np.exp(-((x - x.mean()) ** 2) / (2 * 3e-5**2)) * (1 + 0.05 * np.sin(3e5 * x))
+    profile = ContactProfile.through(x, p, np.full_like(x, 0.014))
+    (patch,) = profile.patches
+    t = np.linspace(0.0, 1.0, 7)
+    places = x[:-1, None] + np.diff(x)[:, None] * t
+    assert patch.in_cells(t) == pytest.approx(profile.log_pressure(places), rel=1e-12)
+    # all of the contact: f = 2 pi r is the length
+    asked, weight, begin = profile.quadrature
+    cells = np.add.reduceat(weight * 2 * math.pi * 0.014, begin)[1:-1]
+    assert cells == pytest.approx(np.diff(x), rel=1e-12)
+    assert len(asked) == len(weight)
+    assert replace(profile, x=x[::2]).panels[1].log_pressure.shape[0] == 29
