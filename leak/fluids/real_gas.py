@@ -8,7 +8,7 @@ pressure"). It also makes the inverse Knudsen number, D = q u/(eta0 v0), since t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -77,7 +77,7 @@ class RealGas:
 
 # Panels over the root of the pressure, between whose ends w is a cubic, good to 1e-11, and Gauss points in each.
 _PANELS, _POINTS = 1000, 4
-_NEWTON_STEPS, _NEWTON_CLOSE = 60, 1e-14
+_NEWTON_STEPS, _NEWTON_CLOSE, _ROUNDING = 60, 1e-7, 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,8 @@ class GasPotential:
             slope = slope + 2.0 * c
             step = (w - value - 2.0 * c * p) / np.where(slope > 0.0, slope, np.inf)
             p = np.clip(p + step, 0.0, self.highest)
-            if not np.any(np.abs(step) > _NEWTON_CLOSE * self.highest):
+            # the error squares with each step
+            if not np.any(np.abs(step) > _NEWTON_CLOSE * p + _ROUNDING * self.highest):
                 break
         return np.asarray(p)
 
@@ -139,17 +140,20 @@ class GasPotential:
         c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
         return dense[k] + t * (d0 + t * (c2 + t * c3)), (d0 + t * (2.0 * c2 + 3.0 * t * c3)) / h
 
-    @cached_property
+    @property
     def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Ends of the panels, and w there without c, with its slope."""
         assert self.real is not None  # who asks knows
-        at = self.highest * np.linspace(0.0, 1.0, _PANELS + 1) ** 2
-        nodes, weights = gauss(_POINTS)
-        half = 0.5 * np.diff(at)
-        parts = (
-            2.0 * half * (self.real.flow_pressure(at[:-1, None] + half[:, None] * (1.0 + nodes)) @ weights)
-        )
-        return at, np.concatenate([[0.0], np.cumsum(parts)]), 2.0 * self.real.flow_pressure(at)
+        return _panels(self.real, self.highest)
+
+
+@lru_cache(maxsize=64)
+def _panels(real: RealGas, highest: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Ends of the panels, and w there without c, with its slope."""
+    at = highest * np.linspace(0.0, 1.0, _PANELS + 1) ** 2
+    nodes, weights = gauss(_POINTS)
+    half = 0.5 * np.diff(at)
+    parts = 2.0 * half * (real.flow_pressure(at[:-1, None] + half[:, None] * (1.0 + nodes)) @ weights)
+    return at, np.concatenate([[0.0], np.cumsum(parts)]), 2.0 * real.flow_pressure(at)
 
 
 def real_gas_flow_ratio(real: RealGas | None, inlet_pressure: float, outlet_pressure: float) -> float:
