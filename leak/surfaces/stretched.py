@@ -147,11 +147,14 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
             f"{across.q_high:.4g} 1/m: need a factor e of common wavenumbers"
         )
     tried = min(limit, room) * np.linspace(-1.0, 1.0, 201)
-    errors = np.array([_mismatch(along, across, log_gamma) for log_gamma in tried])
+    errors = _mismatch(along, across, tried)
     best = int(np.argmin(errors))
     bounds = tried[max(best - 1, 0)], tried[min(best + 1, tried.size - 1)]
     found = minimize_scalar(
-        lambda at: _mismatch(along, across, at), bounds=bounds, method="bounded", options={"xatol": 1e-10}
+        lambda at: float(_mismatch(along, across, np.array([at]))[0]),
+        bounds=bounds,
+        method="bounded",
+        options={"xatol": 1e-10},
     )
     # equal spectra are exactly isotropic
     log_gamma, error = min((float(tried[best]), errors[best]), (found.x, found.fun), key=lambda one: one[1])
@@ -169,14 +172,15 @@ def _overlap(along: PowerSpectrum, across: PowerSpectrum, log_gamma: float) -> f
     return float(np.log(high / low))
 
 
-def _mismatch(along: PowerSpectrum, across: PowerSpectrum, log_gamma: float) -> float:
-    """Mean square of ln[gamma^2 C_across(gamma q)/C_along(q)] over the common wavenumbers."""
+def _mismatch(along: PowerSpectrum, across: PowerSpectrum, log_gamma: FloatArray) -> FloatArray:
+    """Mean square of ln[gamma^2 C_across(gamma q)/C_along(q)] over the common wavenumbers, for each ln gamma."""
     gamma = np.exp(log_gamma)
-    low, high = max(along.q_low, across.q_low / gamma), min(along.q_high, across.q_high / gamma)
+    low, high = np.maximum(along.q_low, across.q_low / gamma), np.minimum(along.q_high, across.q_high / gamma)
     inset = 1e-12 * (high - low)
-    log_q = np.linspace(np.log(low + inset), np.log(high - inset), _COMPARED)
-    log_ratio = 2.0 * log_gamma + across.log_density(log_q + log_gamma) - along.log_density(log_q)
-    return float(log_ratio @ log_ratio) / _COMPARED
+    log_q = np.linspace(np.log(low + inset), np.log(high - inset), _COMPARED, axis=-1)
+    shift = log_gamma[:, None]
+    log_ratio = 2.0 * shift + across.log_density(log_q + shift) - along.log_density(log_q)
+    return np.asarray(np.vecdot(log_ratio, log_ratio) / _COMPARED)
 
 
 def _joined(first: PowerSpectrum, second: PowerSpectrum) -> PowerSpectrum:
