@@ -153,3 +153,18 @@ def test_surfaces_of_one_shape_share_what_is_calculated(reading, of_gas):
             assert table.rarefaction(*at) == pytest.approx(own.rarefaction(*at), rel=3e-4)
     elastic = near._elastic if reading == "capped" else near
     assert (len(elastic._known_values) == 1) == (reading != "conserved")
+
+
+@pytest.mark.parametrize("of_gas", [False, True], ids=["liquid", "gas"])
+@pytest.mark.parametrize("reading", ["conserved", "capped"])
+def test_a_known_table_that_ends_early_serves_up_to_its_end(reading, of_gas):
+    """And above it one that goes on to sealing; where the nodes of both lie is worth a ten-thousandth."""
+    known, other = (getattr(one, reading) for one in PAIRS["another shape"])
+    sealing = known.sealing_pressure
+    near = NearbyTables(known, of_gas, within=(1e-7 * sealing, 0.4 * sealing))
+    for share, above in ((0.1, False), (0.8, True)):
+        p = share * other.sealing_pressure * np.array([0.01, 0.3, 0.7, 1.0])
+        table, whole = (one.table(other, p[-1]) for one in (near, NearbyTables(known, of_gas)))
+        assert table.at_log_pressure(np.log(p)) == pytest.approx(whole.at_log_pressure(np.log(p)), rel=3e-4)
+        used = near._elastic if reading == "capped" else near
+        assert ("_whole" in vars(used)) is above
