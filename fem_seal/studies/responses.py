@@ -90,14 +90,15 @@ def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) 
     of_usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
     if leaks and load.formed is None:
         # which its copies then know as well
-        load = yield from _with_leak(load)
+        load = load.knowing(leak_round=load.leak_round)
+        yield None
     validity = _validity(of_usual, load, tabulated=leaks and interpolate)
     yield None
     if "margin" in columns:
         load = load.knowing(validity=validity)
         load = load.knowing(judgement=judged(case, load, load.leak_range))
         yield None
-    values = yield from _read(Row(load), columns)
+    values = _read(Row(load), columns)
     return Evaluation(values, validity, load.verdict)
 
 
@@ -130,14 +131,11 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         return evaluate(case, columns, interpolate=interpolate).values
     stress = "max_von_mises_Pa" in columns
     load = alone(_load(SealProblem.of(case), stress=stress, interpolate=interpolate))
-    return alone(_read(Row(load), columns))
+    return _read(Row(load), columns)
 
 
-def _read(row: Row, columns: Sequence[str]) -> Steps[dict[str, float]]:
-    found: dict[str, float] = {}
-    for column in columns:
-        found[column] = COLUMNS[column].number(row)
-        yield None
+def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
+    found = {column: COLUMNS[column].number(row) for column in columns}
     return found | {"margin": min(found["margin"], LARGEST_MARGIN)} if "margin" in found else found
 
 
@@ -149,7 +147,7 @@ def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
     if any(name.startswith("force_for_target") for name in columns) and load.target_validity is not None:
         # here the force is what the design is judged by
         cautions += load.target_validity.cautions
-    return Evaluation(alone(_read(row, columns)), Validity.of(cautions), load.verdict)
+    return Evaluation(_read(row, columns), Validity.of(cautions), load.verdict)
 
 
 def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> Steps[LoadResult]:
@@ -162,17 +160,6 @@ def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> Steps[Loa
     opens = solver.blow_off_pressure(load.applied_force) if inner else None
     (load,) = with_margins(solver, [load.knowing(rough=rough, blow_off_pressure=opens)])
     return load
-
-
-def _with_leak(load: LoadResult) -> Steps[LoadResult]:
-    """A load of a round seal that knows its leak."""
-    if load.rough is not None and load.rough.table is not None:
-        yield None
-        load.contact.profile.contact  # noqa: B018
-        yield None
-        load.contact.profile.contact.panels  # noqa: B018
-        yield None
-    return load.knowing(leak_round=load.leak_round)
 
 
 def _bare_load(problem: SealProblem, stress: bool) -> Steps[LoadResult]:
