@@ -38,8 +38,11 @@ _PIECES = 14
 _LOG_D = np.array([-9.0, -5.5, -3.0, -1.0, 1.0, 3.0, 6.5])
 # Molecules fly this share of a gap that is so wide that a gas is a liquid in it.
 _CONTINUUM = 1e-20
-# A gap over the rms height that is none; a table calls it zero.
+# A gap over the rms height that is none; a table calls it zero. Where its logarithm is half as far, nothing leaks yet.
 _NOTHING = 1e-56
+_LOG_CLOSED = 0.5 * float(np.log(_NOTHING))
+# Places with a gap, fewer of which are those of contacts that all but seal.
+_FEWEST = 4
 # Steps in ln(hardness/(E* h)) between which what is known of one shape of the spectrum is interpolated.
 _SPACING = 0.1
 _LOG_SHARES = np.concatenate(
@@ -56,6 +59,9 @@ class _Values(NamedTuple):
     """u_eff over half the rms height, as the tables are smooth in it, shape (n,)."""
     rise: FloatArray
     """Of a gas: ln R over that of the known surface, at `_LOG_D`, shape (n, 7)."""
+
+    def first(self, number: int) -> _Values:
+        return _Values(self.gap[:number], self.rise[:number])
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,12 +133,17 @@ class NearbyTables:
         places = self._places(p / sealing)
         if places[-1] > _LATTICE * self._last:
             return self._whole.table(surface, highest)
+        ours, theirs = self._of(surface, sealing, places), self._of_hardness(0, places)
+        # between gaps of nothing there is nothing to interpolate
+        number = np.count_nonzero(np.minimum(ours.gap, theirs.gap) > _LOG_CLOSED)
+        if number < _FEWEST:
+            return self._scaled(surface, sealing)
+        places, ours, theirs = places[:number], ours.first(number), theirs.first(number)
         liquid = _liquid(self._known)
         log_sealing = np.log(liquid.sealing_pressure)
         x = np.log(liquid.pressure) - log_sealing
         x = np.append(x[self._abscissa(x) < places[-1] - 1e-3], self._log_share(places[-1:]))
         abscissa = self._abscissa(x)
-        ours, theirs = self._of(surface, sealing, places), self._of_hardness(0, places)
         known = _logarithmic(liquid.at_log_pressure(x + log_sealing) / _length(self.surface))
         change = ours.gap - theirs.gap
         y = known + MonotoneCurve(places, change, cubic_spline_slopes(places, change)).value(abscissa)
@@ -148,7 +159,7 @@ class NearbyTables:
         return replace(gas, log_rarefaction=gas.log_rarefaction + rise)
 
     def _scaled(self, surface: RoughContact, sealing: float) -> AnyTable:
-        """The known table at equal p/p_seal: of contacts that are all sealed nothing else is wanted."""
+        """The known table at equal p/p_seal: of contacts that all seal, to less than a molecule, it says so as well."""
         known = _liquid(self._known)
         found = known.scaled(
             _length(surface) / _length(self.surface), sealing / known.sealing_pressure, LoadMemory(surface)

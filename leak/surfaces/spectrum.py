@@ -599,8 +599,10 @@ def _exponent_of(log_ratio: FloatArray, length: FloatArray) -> FloatArray:
 
 def _mean_place(exponent: FloatArray, length: FloatArray) -> FloatArray:
     """Mean of t with the weight exp(exponent t) on 0 to length."""
-    half = np.where(np.abs(exponent * length) < 1e-3, 1e-3, 0.5 * exponent * length)
-    return np.asarray(0.5 * length * (1.0 + 1.0 / np.tanh(half) - 1.0 / half))
+    half = 0.5 * exponent * length
+    small = np.abs(half) < 1e-3
+    safe = np.where(small, 1.0, half)
+    return np.asarray(0.5 * length * (1.0 + np.where(small, half / 3.0, 1.0 / np.tanh(safe) - 1.0 / safe)))
 
 
 def _not_zero(exponent: FloatArray) -> FloatArray:
