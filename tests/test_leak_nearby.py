@@ -103,13 +103,16 @@ def test_of_contacts_that_are_all_sealed_nothing_is_calculated():
 @pytest.mark.parametrize("of_gas", [False, True], ids=["liquid", "gas"])
 def test_of_contacts_that_all_but_seal_there_is_next_to_nothing(of_gas):
     """Their gaps are too small for a number, which gave tables of gaps that were none; warnings are errors here."""
-    known, other = (one.conserved for one in PAIRS["lay"])
+    known, other = (
+        surface(hardness, 0.2, hurst=hurst, q_rolloff=3.7e4).conserved
+        for hardness, hurst in ((3.5e9, 0.8), (4e9, 0.86))
+    )
     sealing = other.sealing_pressure
     for share in (0.97, 0.98, 0.9999):
         table = NearbyTables(known, of_gas=of_gas).table(other, share * sealing)
         log_p = np.log(sealing * np.array([0.1, 0.5, 0.9, share]))
         u = table.at_log_pressure(log_p)
-        assert np.all(np.diff(u) < 0) and np.all(u[:-1] > 0) and u[-1] < 1e-16
+        assert np.all(np.diff(u) < 0) and np.all(u >= 0) and u[-1] < 1e-16
 
 
 @pytest.mark.parametrize("pieces", [4, 14])

@@ -135,7 +135,7 @@ class NearbyTables:
             return self._whole.table(surface, highest)
         ours, theirs = self._of(surface, sealing, places), self._of_hardness(0, places)
         # between gaps of nothing there is nothing to interpolate
-        number = np.count_nonzero(np.minimum(ours.gap, theirs.gap) > _LOG_CLOSED)
+        number = int(np.count_nonzero(np.minimum(ours.gap, theirs.gap) > _LOG_CLOSED))
         if number < _FEWEST:
             return self._scaled(surface, sealing)
         places, ours, theirs = places[:number], ours.first(number), theirs.first(number)
