@@ -76,7 +76,8 @@ from threading import active_count
 from rich.console import Console
 from fem_seal.analysis.copies import can_copy, in_copies
 with Console(file=StringIO(), force_terminal=True).status("sampling"):
-    print(active_count() > 1, can_copy(), in_copies(lambda n: n**2, range(6), 2))
+    found = active_count() > 1, can_copy(), in_copies(lambda n: n**2, range(6), 2)
+print(*found)
 """
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
