@@ -27,9 +27,9 @@ from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
 from leak.standards import STANDARD_PRESSURE, STANDARD_TEMPERATURE
 
-# Eight are usual, with a vacuum ahead of wide gaps thirty.
+# Nine are usual, with a vacuum ahead of wide gaps thirty.
 _MOST_ITERATIONS = 200
-_CONVERGED = 1e-10
+_CONVERGED = 1e-11
 # So many iterations before the last are mixed with it; plain ones would swing with a vacuum ahead of wide gaps.
 _MIXED = 2
 # First-order slip of `poiseuille_flow_rate`.
