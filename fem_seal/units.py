@@ -437,6 +437,22 @@ def rounded(value: float, digits: int) -> float:
     return float(f"{value:.{digits - 1}e}")
 
 
+def digits_within(error: float) -> int:
+    """Significant digits of a number with this relative error, four at most: in the last one it is five at most.
+
+    Parameters
+    ----------
+    error : float
+        NaN where nobody knows it: nothing is left out then.
+
+    Examples
+    --------
+    >>> digits_within(0.004), digits_within(0.04), digits_within(0.4), digits_within(4.0)
+    (4, 3, 2, 1)
+    """
+    return min(max(1 + math.ceil(-math.log10(2 * error)), 1), DIGITS) if error > 0 else DIGITS
+
+
 def worth(value: float, digits: int) -> str:
     """A number with no more significant digits than it is worth, before the point neither: "800" for 774.2.
 
