@@ -510,7 +510,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 done, 2 wrong input, 3 no load can be calculated, 130 interrupted, 1 anything else.
+        0 done, 2 wrong input, 3 no load or design can be calculated, 130 interrupted, 1 anything else.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
