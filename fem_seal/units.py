@@ -281,7 +281,8 @@ def _temperature(text: str) -> float:
     """Temperature [K]; scales have a zero of their own, so it is no product of number and unit."""
     wanted = DIMENSIONS["temperature"].wanted
     match = re.fullmatch(rf"({NUMBER})\s*(\S+)", text) if len(text) <= _LONGEST else None
-    if match is None:
+    # "20" alone would be 2 of the unit "0"
+    if match is None or re.fullmatch(NUMBER, text):
         raise QuantityError(f"{_what_is_wrong(text)}; write {wanted}")
     if match[2] not in _SCALES:
         raise QuantityError(f'unit "{match[2]}" is no temperature; write {wanted}')
