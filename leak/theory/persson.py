@@ -61,6 +61,9 @@ class RoughnessSeen(Protocol):
     def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
         """Function of a rise: remaining moment between M and M + rise, and the factor there; no cancellation."""
 
+    def at_some(self, pressures: NDArray[np.intp]) -> RoughnessSeen:
+        """The same at some of the pressures, given by their numbers."""
+
 
 @dataclass(frozen=True)
 class ElasticRoughness:
@@ -89,6 +92,10 @@ class ElasticRoughness:
     def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
         """The rise itself."""
         return lambda rise: (rise, np.ones(rise.shape[-1:]))
+
+    def at_some(self, pressures: NDArray[np.intp]) -> ElasticRoughness:
+        """It is the same at all."""
+        return self
 
 
 # -------------------------------------------------------------------- contact area
