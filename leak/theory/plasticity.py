@@ -288,7 +288,7 @@ class PlasticRoughness:
             t1 = M + rise
             t1 *= self.kappa
             unchanged = t1 <= start
-            rest1, factor = self._rest(np.maximum(t1, start, out=t1))
+            rest1, factor = self._rest(np.maximum(t1, start))
             beyond = np.subtract(rest0, rest1, out=rest1)
             beyond *= 1.0 / self.kappa
             return np.where(unchanged, rise, beyond), factor
