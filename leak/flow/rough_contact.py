@@ -623,8 +623,8 @@ class RoughContact:
 
     def _mean(self, p: FloatArray, seen: RoughnessSeen) -> Separations:
         """Separations at the magnification where no roughness is seen yet."""
-        M = np.zeros((p.size, 1))
-        return separations(self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=2)
+        M = np.zeros((1, 1))
+        return separations(self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=3)
 
     def _over_pressure(
         self,
