@@ -334,6 +334,20 @@ def test_between_and_below_the_rungs_of_a_rough_contact(rough: LocalContact, sha
     assert rough.line_load(approach)[0][0] == pytest.approx(f[0], rel=1e-9)
 
 
+def test_the_mean_line_load_needs_no_ladder() -> None:
+    local = wide(LAW)
+    f = local.mean.line_load
+    at_mean, profile = local.at(f), local.profile(f)
+    assert len(local._rungs) == 1
+    # a little beside it the ladder is climbed and interpolated: the same but for that little
+    beside = local.profile(f * (1 + 1e-9))
+    assert len(local._rungs) > 8
+    assert np.allclose(profile.pressure, beside.pressure, rtol=1e-7, atol=1e-7 * profile.peak_pressure)
+    assert np.allclose(profile.gap, beside.gap, rtol=1e-7)
+    assert local.mean_approach == pytest.approx(float(local.approach(np.array([f]))[0][0]), rel=1e-12)
+    assert at_mean.axial_force == pytest.approx(local.mean.axial_force, rel=1e-12)
+
+
 def test_slopes_of_a_local_contact(rough: LocalContact, smooth: LocalContact) -> None:
     """Derivatives against central differences; the spline is cubic, so 1e-6 of the slope with steps of 1e-3."""
     for local in (rough, smooth):

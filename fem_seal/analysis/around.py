@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.local_contact import LocalContact
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.form import FormError
+    from leak import LeakBounds
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64
@@ -64,8 +65,8 @@ class Around:
     leak : LeakResult or None
         Of the whole circumference, scratches by their upper bound; its fluid pressure is that at the place where most
         leaks.
-    scratches : tuple of float or None
-        Least and largest leak rate that scratches and lay add [m^3/s]; None without any.
+    bounds : tuple of LeakBounds
+        Of scratches and lay, one by one; of a contact without its leak, none.
     before : Around or None
         The same form under the largest load before; None where none is known.
     """
@@ -79,7 +80,7 @@ class Around:
     bend: FloatArray = field(repr=False)
     leak_rate: FloatArray | None = field(default=None, repr=False)
     leak: LeakResult | None = field(default=None, repr=False)
-    scratches: tuple[float, float] | None = None
+    bounds: tuple[LeakBounds[Any], ...] = field(default=(), repr=False)
     before: Around | None = field(default=None, repr=False)
 
     @property
@@ -88,11 +89,19 @@ class Around:
         return self if self.before is None else replace(self, before=None)
 
     @property
+    def scratches(self) -> tuple[float, float] | None:
+        """Least and largest leak rate that scratches and lay add [m^3/s]; None without any."""
+        if not self.bounds:
+            return None
+        least, largest = zip(*(one.extra for one in self.bounds), strict=True)
+        return sum(least), sum(largest)
+
+    @property
     def extremes(self) -> tuple[ContactSolution, ...]:
         """The contacts at the largest line load, now and under the largest load before."""
         return (self.most_loaded,) if self.before is None else (self.most_loaded, self.before.most_loaded)
 
-    @property
+    @cached_property
     def most_loaded(self) -> ContactSolution:
         """The contact at the largest line load."""
         return self.local.at(float(self.line_load.max()))
@@ -150,18 +159,14 @@ class Around:
                 '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "persson"'
             )
         each, most = curve.leak_rates(self.line_load, self.before)
-        total, scratches = float(each.mean()), None
-        if self.form.grooves:
-            found = [
-                curve.flow.bounds(self.profile_at(placed.angle), [placed.groove])
-                for placed in self.form.grooves
-            ]
-            least, largest = (sum(ends) for ends in zip(*(one.extra for one in found), strict=True))
-            total, scratches = total + largest, (least, largest)
-            if not most.leak_rate > 0:
-                # nothing flows through the roughness, but along the grooves
-                most = _above_outlet(max((one.upper for one in found), key=lambda one: one.leak_rate))
-        return replace(self, leak_rate=each / (2 * math.pi), leak=most.scaled(total), scratches=scratches)
+        bounds = tuple(
+            curve.flow.bounds(self.profile_at(placed.angle), [placed.groove]) for placed in self.form.grooves
+        )
+        total = float(each.mean()) + sum(one.largest_extra for one in bounds)
+        if bounds and not most.leak_rate > 0:
+            # nothing flows through the roughness, but along the grooves
+            most = _above_outlet(max((one.upper for one in bounds), key=lambda one: one.leak_rate))
+        return replace(self, leak_rate=each / (2 * math.pi), leak=most.scaled(total), bounds=bounds)
 
     def profile_at(self, angle: float | None) -> PressureProfile:
         """Pressure profile at an angle around the axis [rad], or at the mean line load."""
@@ -334,7 +339,7 @@ def around(form: FormError, local: LocalContact) -> Around:
         angle = _angles(size * repeats)
         even = np.full_like(angle, mean.line_load)
         nothing = np.zeros_like(angle)
-        return Around(form, local, angle, nothing, even, local.approach(even)[0], nothing)
+        return Around(form, local, angle, nothing, even, np.full_like(angle, local.mean_approach), nothing)
     gap = form.gap(_angles(size) / repeats)
     stiffening = Stiffening(mean.model, mean.pressure, _asked_of_bodies(form))
     f, approach = line_load_around(

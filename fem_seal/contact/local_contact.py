@@ -37,6 +37,8 @@ _FADING = 1e-6
 # Ends of a first ladder where nobody knows the line loads yet, and of what counts as a load at all, in ln f over mean.
 _FIRST_LOWEST, _FIRST_HIGHEST, _NOTHING = math.log(1e-2), math.log(4.0), -600.0
 _POLISH = 4
+# What counts as the mean line load, in ln f over it.
+_EVEN = 1e-12
 # Part of the relative curvature by which a gap is bent to see what that does to the peak.
 _BEND = 0.005
 _SETTINGS = ContactSettings(gap_tolerance=1e-10)
@@ -178,6 +180,20 @@ class LocalContact:
         with np.errstate(under="ignore"):
             return np.exp(log_pressure), self.law.gap(log_pressure)
 
+    @property
+    def at_mean(self) -> ContactSolution:
+        """The contact at the mean line load, which needs no ladder."""
+        self._solve(0)
+        return self._rungs[0]
+
+    def _is_mean(self, line_load: float) -> bool:
+        return abs(line_load / self.mean.line_load - 1.0) < _EVEN
+
+    @property
+    def mean_approach(self) -> float:
+        """Approach along the normal at the mean line load [m]."""
+        return self._along_normal(self.at_mean)
+
     def profile(self, line_load: float) -> PressureProfile:
         """Profile on first loading, which all readings of the surfaces share.
 
@@ -187,10 +203,13 @@ class LocalContact:
             [N/m]
         """
         if line_load not in self._profiles:
-            f = np.array([line_load])
-            pressure, gap = self.pressure_and_gap(f, self.approach(f)[0])
+            if self._is_mean(line_load):
+                pressure, gap = self.at_mean.pressure, self.at_mean.gap
+            else:
+                f = np.array([line_load])
+                pressure, gap = (values[0] for values in self.pressure_and_gap(f, self.approach(f)[0]))
             mean = self.mean.profile
-            self._profiles[line_load] = replace(mean, pressure=pressure[0], gap=gap[0], largest=None)
+            self._profiles[line_load] = replace(mean, pressure=pressure, gap=gap, largest=None)
         return self._profiles[line_load]
 
     def _hard_profiles(self, line_load: FloatArray, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -209,6 +228,8 @@ class LocalContact:
 
     def at(self, line_load: float) -> ContactSolution:
         """The contact at a line load [N/m], solved there."""
+        if self._is_mean(line_load):
+            return self.at_mean
         v = float(self._over_mean(np.array([line_load]))[0])
         k = min(self._rungs, key=lambda k: abs(_STEP * k - v))
         return self._solved(self.mean.axial_force * line_load / self.mean.line_load, self._rungs[k])
