@@ -11,7 +11,6 @@ from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
 from functools import cache
-from io import BytesIO
 from pathlib import Path
 
 import hypothesis
@@ -223,11 +222,7 @@ def read_here(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures are made as always but not turned into SVG, for tests of files and sentences, not of pictures."""
-
-    def blank(figure: object, out: BytesIO, **options: object) -> None:
-        out.write(b"<svg></svg>")
-
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", blank)
+    monkeypatch.setattr("fem_seal.output.pictures.style._drawn", lambda figure: b"<svg></svg>")
 
 
 @pytest.fixture

@@ -288,7 +288,16 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
         ("closure.radius", "20 m", "from 10 um to 10 m"),
         ("closure.radius", None, "is missing; add radius"),
         ("closure", None, "is missing; add a table [closure]"),
-        ("closure", "ball", "must be a table"),
+        (
+            "closure",
+            "ball",
+            'must be a table, [closure] with its keys below, or closure = { shape = "ball", radius = ',
+        ),
+        (
+            "uncertainty.viscosity",
+            "10 %",
+            "[uncertainty.viscosity] with its keys below, or viscosity = { relative = ",
+        ),
         ("closure.shape", "tours", 'do you mean "torus"?'),
         ("closure.shape", "egg", 'must be "ball"'),
         ("seat.shape", "conical_lands", 'do you mean "conical-land"?'),

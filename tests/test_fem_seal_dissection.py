@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import STEEL
+from factorised_whole import contact_compliance
 from plastic_solids import HARDENING, LAW, seal
 
 import meshes
@@ -82,7 +83,7 @@ def test_a_body_in_parts_is_the_whole_one(name: str) -> None:
     solid = ElastoplasticBody(held.basis, HARDENING, held.free)
     flow = flowing(solid, 0.01)
     assert 0 < flow.yielding.any(axis=1).mean() < 1
-    whole, solve_whole = held.contact_compliance(solid.stiffness(flow.tangent), held.free_rows)
+    whole, solve_whole = contact_compliance(held, solid.stiffness(flow.tangent))
     parts, solve_parts = DissectedBody(held, solid).condensed(flow)
     assert parts == pytest.approx(whole, abs=1e-10 * np.abs(whole).max())
     forces = np.random.default_rng(1).normal(size=(len(held.free), 2))
@@ -94,7 +95,7 @@ def test_a_body_in_parts_is_the_whole_one(name: str) -> None:
 def test_an_elastic_body_in_parts_is_the_whole_one(name: str) -> None:
     held = body_of(name)
     free = stiffness_matrix(held.basis, held.material)[held.free][:, held.free].tocsc()
-    whole, solve_whole = held.contact_compliance(free, held.free_rows)
+    whole, solve_whole = contact_compliance(held, free)
     parts, solve_parts = DissectedBody(held).elastic()
     assert parts == pytest.approx(whole, abs=1e-12 * np.abs(whole).max())
     forces = np.random.default_rng(1).normal(size=(len(held.free), 3))
@@ -111,7 +112,7 @@ def test_nodes_that_are_held_one_way_are_not_turned() -> None:
     held = replace(held, free=np.setdiff1d(held.free, fixed))
     solid = ElastoplasticBody(held.basis, HARDENING, held.free)
     flow = flowing(solid, 0.01)
-    whole, solve_whole = held.contact_compliance(solid.stiffness(flow.tangent), held.free_rows)
+    whole, solve_whole = contact_compliance(held, solid.stiffness(flow.tangent))
     parts, solve_parts = DissectedBody(held, solid).condensed(flow)
     assert parts == pytest.approx(whole, abs=1e-10 * np.abs(whole).max())
     assert not parts[13].any()
@@ -128,7 +129,7 @@ def test_a_path_is_that_of_the_factorised_bodies(monkeypatch: pytest.MonkeyPatch
     parts = load_path(model, LAW, loads).contacts
 
     def whole(body: DissectedBody, flow: Flow) -> object:
-        return body.held.contact_compliance(body.solid.stiffness(flow.tangent), body.held.free_rows)
+        return contact_compliance(body.held, body.solid.stiffness(flow.tangent))
 
     monkeypatch.setattr(DissectedBody, "condensed", whole)
     for one, other in zip(parts, load_path(model, LAW, loads).contacts, strict=True):

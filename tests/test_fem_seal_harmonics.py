@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 from conftest import STEEL, ball_on_cone
+from factorised_whole import contact_compliance
 from scipy.sparse import csr_matrix, identity
 from scipy.sparse.linalg import splu
 from scipy.special import iv, kve
@@ -17,6 +18,7 @@ from fem_seal.bodies import harmonics
 from fem_seal.bodies.condensed import CondensedBody
 from fem_seal.bodies.elasticity import displacement_basis, node_dofs, quadratic_nodes, ring_volume
 from fem_seal.bodies.harmonics import (
+    element_dofs,
     harmonic_body,
     harmonic_dofs,
     harmonic_stiffness,
@@ -54,8 +56,18 @@ def ring(inner: float = INNER, cells: int = 4) -> MeshTri:
     return rectangle((inner, OUTER), (0.0, HEIGHT), (cells, cells))
 
 
+def assembled(basis: Basis) -> tuple[csr_matrix, ...]:
+    """K0, K1 and K2 of all elements together; nothing is held."""
+    dofs, size = element_dofs(basis), harmonic_dofs(basis).size
+    rows, columns = (index.ravel() for index in np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :]))
+    return tuple(
+        csr_matrix((part.ravel(), (rows, columns)), shape=(size, size))
+        for part in harmonic_stiffness(basis, STEEL)
+    )
+
+
 def stiffness(basis: Basis, n: int) -> csr_matrix:
-    k0, k1, k2 = harmonic_stiffness(basis, STEEL)
+    k0, k1, k2 = assembled(basis)
     return (k0 + n * k1 + n**2 * k2).tocsr()
 
 
@@ -99,7 +111,7 @@ def test_each_part_is_symmetric_and_turning_the_sense_of_rotation_changes_nothin
     """phi to -phi is u_phi to -u_phi and n to -n: K1 couples u_phi with the plane, K0 and K2 do not. Rounding 1e-14."""
     basis = displacement_basis(ring(inner))
     around = np.arange(basis.N, harmonic_dofs(basis).size)
-    for number, part in enumerate(harmonic_stiffness(basis, STEEL)):
+    for number, part in enumerate(assembled(basis)):
         assert abs(part - part.T).max() <= 1e-14 * abs(part).max()
         across, own = part[around][:, : basis.N], part[around][:, around]
         assert abs(own if number == 1 else across).max() == 0
@@ -315,11 +327,11 @@ def bodies(model: ContactModel) -> tuple[CondensedBody, CondensedBody]:
 def test_without_waves_the_elements_are_those_of_the_axisymmetric_model(coarse: ContactModel) -> None:
     """Closing load and counting of the motion included; rounding, which the condition of K makes larger: 1e-10."""
     for body in bodies(coarse):
-        k0 = harmonic_body(body).stiffness[0]
+        k0 = assembled(body.basis)[0]
         in_plane = k0[: body.basis.N][:, : body.basis.N]
         assert abs(k0[body.basis.N :][:, : body.basis.N]).max() == 0
         free = in_plane[body.held.free][:, body.held.free].tocsc()
-        compliance, solve = body.held.contact_compliance(free, body.held.free_rows)
+        compliance, solve = contact_compliance(body.held, free)
         balanced = np.zeros(body.basis.N)
         balanced[body.held.free] = solve(body.held.balance[body.held.free])
         compliance = body.held.floating(compliance, balanced)

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import STEEL
+from factorised_whole import restricted_inverse
 from scipy.sparse import csc_matrix, diags, identity, kron
 
 import meshes
-from fem_seal.bodies.restricted_inverse import restricted_inverse
 from fem_seal.contact.model import condense
 
 
@@ -52,7 +52,7 @@ def test_singular_matrix():
     not Path("/proc/self/statm").exists(), reason="the memory in use is read from Linux's /proc"
 )
 def test_condensed_bodies_leave_no_memory_behind(made_anew):
-    """SuperLU keeps factors that another thread frees: every geometry of a study would cost 20 MB for good."""
+    """Factors are freed: every geometry of a study would cost 20 MB for good."""
     ball = meshes.Ball(0.02)
     built = meshes.build(
         ball,

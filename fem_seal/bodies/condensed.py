@@ -176,7 +176,7 @@ def condense_body(
     ----------
     seen : tuple
         Compliance of its contact nodes, and from forces on its free dofs to their displacements, see
-        `HeldBody.contact_compliance`.
+        `DissectedBody.elastic`.
     forces : mapping of ndarray, shape (dofs,), optional
         Nodal forces of loads beside those of the held body [N per unit]; "wall", of a body whose wall can be moved,
         while the wall alone is moved outwards by 1 m.

@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.dissection import Dissection
-from fem_seal.bodies.elasticity import element_stiffness, quadratic_nodes
+from fem_seal.bodies.elasticity import element_stiffness
 from fem_seal.bodies.elastoplastic import ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.bodies.plastic_flow import Flow
@@ -38,12 +38,19 @@ class DissectedBody:
     solid: ElastoplasticBody | None = None
 
     def condensed(self, flow: Flow) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """The body linearised, as `HeldBody.contact_compliance` sees it from its contact line.
+        """The body linearised, as it is seen from its contact line; nothing is balanced or counted.
 
         Parameters
         ----------
         flow : Flow
             About which it is linearised.
+
+        Returns
+        -------
+        compliance : ndarray, shape (n, n)
+            Retreat of the contact nodes per unit normal force at each [m/N].
+        solve : callable
+            Takes forces on the free dofs, shape (k,) or (k, j), to displacements.
 
         Raises
         ------
@@ -58,16 +65,14 @@ class DissectedBody:
         )
 
     def elastic(self) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """The body before it yields, as `HeldBody.contact_compliance` sees it from its contact line.
+        """The body before it yields, as `condensed` has it.
 
         Raises
         ------
         RuntimeError
             If its stiffness is not positive definite.
         """
-        dissection = self._dissection
-        nowhere = np.zeros(len(dissection.elastic), dtype=bool)
-        return self._seen(*dissection.condensed(nowhere, lambda elements: dissection.elastic[elements]))
+        return self._seen(*self._dissection.unchanged())
 
     def _seen(
         self, inverse: FloatArray, solve_turned: Callable[[FloatArray], FloatArray]
@@ -154,17 +159,22 @@ class DissectedBody:
         everywhere = np.arange(basis.mesh.nelements)
         return Dissection.of(
             held.free_rows[basis.element_dofs].T,
-            self._coordinates,
+            places_of_elements(held),
             self._last[0],
             len(held.free),
             self._with_turned(everywhere, element_stiffness(basis, held.material)),
             basis.mesh.t.T,  # halves that share few vertices share few nodes
         )
 
-    @property
-    def _coordinates(self) -> FloatArray:
-        """Of the elements: along r and z, and around the middle of the contact, where they are smallest."""
-        mesh, nodes = self.held.basis.mesh, self.held.contact_nodes
-        middle = quadratic_nodes(mesh)[0][nodes[len(nodes) // 2]]
-        from_there = mesh.p[:, mesh.t].mean(axis=1).T - middle
-        return np.column_stack([from_there, np.hypot(*from_there.T), np.arctan2(*from_there.T)])
+
+def places_of_elements(held: HeldBody) -> FloatArray:
+    """By what elements are halved: r and z, and polar ones around the middle of the contact, where they are smallest.
+
+    Returns
+    -------
+    ndarray, shape (elements, 4)
+        From the middle of the contact [m, m, m, rad].
+    """
+    mesh, nodes = held.basis.mesh, held.contact_nodes
+    from_there = mesh.p[:, mesh.t].mean(axis=1).T - held.nodes[0][nodes[len(nodes) // 2]]
+    return np.column_stack([from_there, np.hypot(*from_there.T), np.arctan2(*from_there.T)])

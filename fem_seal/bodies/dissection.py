@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from fem_seal.arrays import FloatArray
 
 # Elements of the smallest parts: fewer are more steps in Python, more are dense matrices with many zeros.
-_SMALLEST = 60
+_SMALLEST = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,7 @@ class Dissection:
     size : int
         Number of unknowns.
     elastic : ndarray, shape (elements, shapes, shapes)
-        Stiffness of each element before it yields.
+        Stiffness of each element where nothing has changed it: before it yields.
     """
 
     parts: tuple[_Part, ...]
@@ -170,9 +170,15 @@ class Dissection:
         RuntimeError
             If the stiffness is not positive definite.
         """
+        return self._answers(self._eliminated(changed, stiffness))
+
+    def unchanged(self) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """The same as `condensed` where no element has another stiffness than the elastic one."""
+        return self._answers(self._elastic)
+
+    def _answers(self, found: list[_Eliminated]) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         from scipy.linalg.lapack import dpotri
 
-        found = self._eliminated(changed, stiffness, self._elastic)
         last = _cholesky(found[-1].handed_on)
         inverse, _ = dpotri(last, lower=1)
         inverse = np.tril(inverse)
@@ -204,20 +210,19 @@ class Dissection:
     def _elastic(self) -> list[_Eliminated]:
         """All parts before anything yields."""
         return self._eliminated(
-            np.ones(len(self.elastic), dtype=bool), lambda elements: self.elastic[elements], []
+            np.ones(len(self.elastic), dtype=bool), lambda elements: self.elastic[elements]
         )
 
     def _eliminated(
         self,
         changed: NDArray[np.bool_],
         stiffness: Callable[[NDArray[np.int64]], FloatArray],
-        known: list[_Eliminated],
     ) -> list[_Eliminated]:
         """Every part, anew where an element has changed."""
         found: list[_Eliminated] = []
         for number, part in enumerate(self.parts):
             if not changed[part.elements].any():
-                found.append(known[number])
+                found.append(self._elastic[number])
                 continue
             if part.halves:
                 front = part.joined(tuple(found[half].handed_on for half in part.halves))

@@ -11,16 +11,17 @@ as the displacement of the axisymmetric model stands to its load.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import CondensedBody
+from fem_seal.bodies.dissected_body import places_of_elements
+from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import (
     elasticity_matrix,
     node_dofs,
@@ -29,7 +30,6 @@ from fem_seal.bodies.elasticity import (
     strain_matrix,
 )
 from fem_seal.bodies.held_body import HeldBody
-from fem_seal.bodies.restricted_inverse import elimination_order
 from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.materials import Material
 
@@ -69,10 +69,10 @@ def harmonic_strains(basis: Basis) -> tuple[FloatArray, FloatArray]:
     return constant, linear
 
 
-def harmonic_stiffness(basis: Basis, material: Material) -> tuple[csr_matrix, csr_matrix, csr_matrix]:
-    """K0, K1, K2 of the stiffness K0 + n K1 + n^2 K2 [N/m], over `harmonic_dofs`; nothing is held.
+def harmonic_stiffness(basis: Basis, material: Material) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """K0, K1, K2 of each element's stiffness K0 + n K1 + n^2 K2 [N/m], over `element_dofs`.
 
-    int 2 pi r sigma : epsilon dr dz of the amplitudes.
+    int 2 pi r sigma : epsilon dr dz of the amplitudes; each of shape (elements, shapes, shapes).
     """
     D = np.zeros((6, 6))
     D[:4, :4] = elasticity_matrix(material)
@@ -82,17 +82,15 @@ def harmonic_stiffness(basis: Basis, material: Material) -> tuple[csr_matrix, cs
 
     def element(left: FloatArray, right: FloatArray) -> FloatArray:
         weighted = ring_volume(basis)[..., None, None] * (D @ right)
-        return left.reshape(flat).transpose(0, 2, 1) @ weighted.reshape(flat)
+        return np.asarray(left.reshape(flat).transpose(0, 2, 1) @ weighted.reshape(flat))
 
-    dofs = np.hstack([basis.element_dofs.T, basis.N + quadratic_nodes(basis.mesh)[1]])
-    rows, columns = (index.ravel() for index in np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :]))
-    size = harmonic_dofs(basis).size
     mixed = element(constant, linear)
-    k0, k1, k2 = (
-        csr_matrix((part.ravel(), (rows, columns)), shape=(size, size))
-        for part in (element(constant, constant), mixed + mixed.transpose(0, 2, 1), element(linear, linear))
-    )
-    return k0, k1, k2
+    return element(constant, constant), mixed + mixed.transpose(0, 2, 1), element(linear, linear)
+
+
+def element_dofs(basis: Basis) -> NDArray[np.int64]:
+    """Dofs of the shapes of each element, as `harmonic_strains` has them; shape (elements, shapes)."""
+    return np.hstack([basis.element_dofs.T, basis.N + quadratic_nodes(basis.mesh)[1]])
 
 
 @dataclass(frozen=True)
@@ -119,8 +117,8 @@ class HarmonicBody:
     _known: dict[int, FloatArray] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
-    def stiffness(self) -> tuple[csr_matrix, csr_matrix, csr_matrix]:
-        """K0, K1 and K2 [N/m], see `harmonic_stiffness`."""
+    def stiffness(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """K0, K1 and K2 of each element [N/m], see `harmonic_stiffness`."""
         return harmonic_stiffness(self.held.basis, self.held.material)
 
     def compliance(self, n: int) -> FloatArray:
@@ -182,8 +180,7 @@ class HarmonicBody:
 
     @single_threaded
     def _factorised(self, n: int) -> FloatArray:
-        system = _HeldHarmonics.of(self, guided=True) if n == 1 else self._unguided
-        return self.held.contact_compliance(system.at(n), system.number, system.order)[0]
+        return (_HeldHarmonics.of(self, guided=True) if n == 1 else self._unguided).compliance(n)
 
     @cached_property
     def _unguided(self) -> _HeldHarmonics:
@@ -213,46 +210,65 @@ def harmonic_body(condensed: CondensedBody) -> HarmonicBody:
 
 @dataclass(frozen=True)
 class _HeldHarmonics:
-    """K0, K1, K2 of what can move, its number for every dof (-1 where held), and the order to eliminate it in."""
+    """A body with the supports of the first harmonic, or of all others.
 
-    parts: tuple[csr_matrix, csr_matrix, csr_matrix]
-    number: NDArray[np.int64]
-    order: NDArray[np.intp]
+    Parameters
+    ----------
+    body : HarmonicBody
+    dissection : Dissection
+        Its elements in parts, the motion of the contact nodes last.
+    sign : ndarray, shape (elements, shapes)
+        -1 where a dof is minus that whose unknown it shares.
+    places : ndarray of int
+        Which of the contact dofs can move; `HeldBody.contact_dofs`, one after the other.
+    """
+
+    body: HarmonicBody
+    dissection: Dissection
+    sign: FloatArray
+    places: NDArray[np.int64]
 
     @classmethod
     def of(cls, body: HarmonicBody, guided: bool) -> _HeldHarmonics:
         """With the supports of the first harmonic, or of all others."""
         held, dofs = body.held, harmonic_dofs(body.held.basis)
-        radius = quadratic_nodes(held.basis.mesh)[0][:, 0]
+        radius = held.nodes[0][:, 0]
         radial, axial, around = dofs[:, radius <= _AXIS * radius.max()]
-        fixed = [radial, axial, around]
+        sign = np.ones(dofs.size)
+        fixed = [axial, around]
         if held.name == "seat":
             fixed.append(np.setdiff1d(np.arange(held.basis.N), held.free))
-        parts = body.stiffness
         if guided:
-            # On the axis u_phi = -u_r: a shift along x is u_r = cos phi, u_phi = -sin phi.
-            parts = tuple(_tied(part, radial, around) for part in parts)  # type: ignore[assignment]
             stand = "closure_top" if held.name == "closure" else "seat_bottom"
             on_stand = np.isin(dofs[0], held.basis.get_dofs(stand).all(["u^1"]))
-            fixed = [*fixed[1:], dofs[:, on_stand].ravel()]
+            fixed.append(dofs[:, on_stand].ravel())
+        else:
+            fixed.append(radial)
         free = np.setdiff1d(np.arange(dofs.size), np.concatenate(fixed))
         number = np.full(dofs.size, -1)
         number[free] = np.arange(len(free))
-        k0, k1, k2 = (part[free][:, free] for part in parts)
-        on_line = number[held.contact_dofs].ravel()
-        order = elimination_order((k0 + k1 + k2).tocsc(), on_line[on_line >= 0])
-        return cls((k0, k1, k2), number, order)
+        if guided:
+            # On the axis u_phi = -u_r: a shift along x is u_r = cos phi, u_phi = -sin phi.
+            number[around], sign[around] = number[radial], -1.0
+        on_line, shapes = number[held.contact_dofs].ravel(), element_dofs(held.basis)
+        places = np.flatnonzero(on_line >= 0)
+        parts = Dissection.of(
+            number[shapes],
+            places_of_elements(held),
+            on_line[places],
+            len(free),
+            body.stiffness[0],
+            held.basis.mesh.t.T,  # halves that share few vertices share few nodes
+        )
+        return cls(body, parts, sign[shapes], places)
 
-    def at(self, n: int) -> csc_matrix:
-        """K0 + n K1 + n^2 K2 [N/m]."""
-        k0, k1, k2 = self.parts
-        return (k0 + n * k1 + n**2 * k2).tocsc()
-
-
-def _tied(stiffness: csr_matrix, leading: NDArray[np.int64], opposite: NDArray[np.int64]) -> csr_matrix:
-    """Stiffness with some dofs set to minus others; they themselves are left over as if they had none."""
-    size = stiffness.shape[0]
-    own = np.setdiff1d(np.arange(size), opposite)
-    sign = np.append(np.ones(len(own)), -np.ones(len(opposite)))
-    tie = csr_matrix((sign, (np.append(own, opposite), np.append(own, leading))), shape=(size, size))
-    return tie.T @ stiffness @ tie
+    def compliance(self, n: int) -> FloatArray:
+        """Retreat of the contact nodes along the normal under normal forces at them [m/N], shape (nodes, nodes)."""
+        (k0, k1, k2), sign = self.body.stiffness, self.sign
+        stiffness = sign[:, :, None] * (k0 + n * k1 + n**2 * k2) * sign[:, None, :]
+        inverse, _ = replace(self.dissection, elastic=stiffness).unchanged()
+        normal = self.body.held.normal
+        moved = np.zeros((normal.size, normal.size))
+        moved[np.ix_(self.places, self.places)] = inverse
+        along = normal.ravel()[:, None] * moved * normal.ravel()
+        return along.reshape(*normal.shape, *normal.shape).sum(axis=(0, 2))

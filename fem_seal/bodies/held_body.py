@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import displacement_basis, node_dofs, pressure_load, quadratic_nodes
-from fem_seal.bodies.restricted_inverse import restricted_inverse
 from fem_seal.materials import Material
 from meshes import SealMesh
 
@@ -133,7 +132,7 @@ class HeldBody:
         Parameters
         ----------
         compliance : ndarray, shape (n, n)
-            Retreat of the contact nodes per unit normal force at each, as `contact_compliance` has it [m/N].
+            Retreat of the contact nodes per unit normal force at each [m/N].
         balanced : ndarray, shape (dofs,)
             Displacement under `balance` [m/N].
 
@@ -151,40 +150,6 @@ class HeldBody:
         number = np.full(self.basis.N, -1)
         number[self.free] = np.arange(len(self.free))
         return number
-
-    def contact_compliance(
-        self, stiffness: csc_matrix, number: NDArray[np.int64], order: NDArray[np.intp] | None = None
-    ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
-        """Factorise a stiffness, and see the contact nodes move along the normal; nothing is balanced or counted.
-
-        Parameters
-        ----------
-        stiffness : csc_matrix, shape (k, k)
-            Of what can move [N/m].
-        number : ndarray of int, shape (dofs, ...)
-            Its row of every dof; -1 where that is held.
-        order : ndarray of int, shape (k,), optional
-            See `fem_seal.bodies.restricted_inverse.restricted_inverse`.
-
-        Returns
-        -------
-        compliance : ndarray, shape (n, n)
-            Retreat of the contact nodes per unit normal force at each [m/N].
-        solve : callable
-            Takes forces, shape (k,) or (k, j), to displacements.
-
-        Raises
-        ------
-        RuntimeError
-            If the stiffness is not positive definite.
-        """
-        place = number[self.contact_dofs].ravel()
-        movable = np.flatnonzero(place >= 0)
-        loaded, solve = restricted_inverse(stiffness, place[movable], order)
-        inverse = np.zeros((place.size, place.size))
-        inverse[np.ix_(movable, movable)] = loaded
-        along = self.normal.ravel()[:, None] * inverse * self.normal.ravel()
-        return along.reshape(*self.normal.shape, *self.normal.shape).sum(axis=(0, 2)), solve
 
 
 def held_body(

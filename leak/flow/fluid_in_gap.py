@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import exp, inf, log
 
 import numpy as np
@@ -424,12 +425,17 @@ class ResistanceCurve:
             stretch = 1.0 + s * (nodes[0] - v)
             return self.values[0] - 3.0 * log(stretch), 3.0 * s / stretch
         k = min(bisect_right(nodes, v), len(nodes) - 1) - 1
-        h = nodes[k + 1] - nodes[k]
-        t = (v - nodes[k]) / h
-        y0, rise = self.values[k], self.values[k + 1] - self.values[k]
-        d0, d1 = h * self.slopes[k], h * self.slopes[k + 1]
-        c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-        return y0 + t * (d0 + t * (c2 + t * c3)), (d0 + t * (2.0 * c2 + 3.0 * t * c3)) / h
+        t = v - nodes[k]
+        y0, d0, c2, c3 = self._cubics[k]
+        return y0 + t * (d0 + t * (c2 + t * c3)), d0 + t * (2.0 * c2 + 3.0 * t * c3)
+
+    @cached_property
+    def _cubics(self) -> list[tuple[float, float, float, float]]:
+        """Coefficients of the cubic in each cell over v less its lower node."""
+        h, d0, d1 = np.diff(self.nodes), np.array(self.slopes[:-1]), np.array(self.slopes[1:])
+        slope = np.diff(self.values) / h
+        c2, c3 = (3.0 * slope - 2.0 * d0 - d1) / h, (d0 + d1 - 2.0 * slope) / h**2
+        return list(zip(self.values[:-1], self.slopes[:-1], c2.tolist(), c3.tolist(), strict=True))
 
     def rise(self, room: float, log_flow: float, guess: float) -> tuple[float, float]:
         """Rise a/sigma(w) of the fluid pressure over a step, where w + a/sigma(w) = room, and ln w.
@@ -459,11 +465,11 @@ class ResistanceCurve:
             total = own + other
             step = (larger + log(total) - target) * total / (own + other * dG)
             new = min(v - step, top)
-            moved, v = abs(new - v), new
+            # of the last step, which is tiny, the slope is enough
+            moved, G, v = abs(new - v), G + dG * (new - v), new
             if moved < _NEWTON_CLOSE:
                 break
         w = exp(v) if v > -700.0 else 0.0
-        G = self.at(v)[0] + log_flow
         if v == self.highest < target:
             # So little flows that w stays at the last node, next to the sealing pressure.
             return room - w, v
@@ -507,11 +513,11 @@ class ResistanceCurve:
             new = v - excess * (own + lift) / (own + steep * rise * dG)
             if not low <= new <= high:
                 new = 0.5 * (low + high) if low > -inf else min(v - 1.0, top)
-            moved, v = abs(new - v), new
+            moved, G, v = abs(new - v), G + dG * (new - v), new
             if moved < _NEWTON_CLOSE:
                 break
         w = exp(v) if v > -700.0 else 0.0
-        rise = exp(min(self.at(v)[0] + log_flow, 600.0))
+        rise = exp(min(G + log_flow, 600.0))
         # Of two numbers that add up to `room` the smaller one is the accurate one.
         if v == self.highest < target or rise * slope > w:
             return liquid.potential(p - w) - psi, v
