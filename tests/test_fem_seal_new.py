@@ -14,7 +14,6 @@ from fem_seal.case.new_case import QUESTIONS, TEMPLATES, asked, template, with_e
 from fem_seal.case.schema import case_schema
 from fem_seal.cli import app, main
 
-
 schema = cache(case_schema)
 
 
