@@ -164,7 +164,7 @@ def separations(
     M: FloatArray,
     gamma: float,
     *,
-    refinement: int = 1,
+    refinement: float = 1.0,
 ) -> Separations:
     """Mean separation and separation where contact is lost, at given magnifications.
 
@@ -185,7 +185,7 @@ def separations(
         "no roughness seen" [-].
     gamma : float
         Yang and Persson's factor, 0.45 [-].
-    refinement : int
+    refinement : float
         Factor on the number of quadrature points.
 
     References
@@ -263,7 +263,7 @@ def _parts(spectrum: PowerSpectrum, kappa: float, end: float) -> _Parts:
 
 
 def _steps(
-    spectrum: PowerSpectrum, parts: _Parts, M: FloatArray, log_a: FloatArray, refinement: int
+    spectrum: PowerSpectrum, parts: _Parts, M: FloatArray, log_a: FloatArray, refinement: float
 ) -> tuple[FloatArray, FloatArray, NDArray[np.intp] | None]:
     """Gauss points in ln v between the smallest step that counts and the end.
 
