@@ -6,6 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
+from any_text import ANY
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from sample_results import SPECTRUM, ball, cone
@@ -440,14 +441,14 @@ leaves = (
     | st.booleans()
     | st.integers()
     | st.floats()
-    | st.text(max_size=20)
+    | st.text(ANY, max_size=20)
     | st.sampled_from(
         ["20 mm", "45 deg", "1 bar", "-3 GPa", "1e3 1/m", "ball", "cone", "steel", "table", "persson"]
     )
 )
 anything = st.recursive(
     leaves,
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(ANY, max_size=8), inner, max_size=3),
     max_leaves=6,
 )
 
@@ -462,7 +463,7 @@ def keys_of(tables, path=()):
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     path=st.sampled_from(sorted(keys_of(CASE))),
-    extra=st.text(max_size=8),
+    extra=st.text(ANY, max_size=8),
     value=anything,
     delete=st.booleans(),
 )

@@ -21,7 +21,7 @@ from subprocess import CompletedProcess, TimeoutExpired
 from threading import Lock
 from typing import Any
 
-LOADED = ("pyvista", "gmsh", "ezdxf", "fem_seal.output.pictures.three_d", "meshes.drawings")
+LOADED = ("pyvista.plotting", "gmsh", "ezdxf", "fem_seal.output.pictures.three_d", "meshes.drawings")
 HERE = Path(__file__).resolve()
 _one_at_a_time = Lock()
 

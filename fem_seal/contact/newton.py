@@ -162,10 +162,20 @@ def _solve_alike(
         if len(pressings) > 1:
             return [own for one in pressings for own in _solve_alike([one], settings, start)]
         found = [(None, [np.inf])]
+    gaps = iter(_gaps(rows, [state for state, _ in found]))
     return [
-        _softened_first(one, settings, guess) if state is None else _solution(one, state, residuals)
+        _softened_first(one, settings, guess)
+        if state is None
+        else _solution(one, state, residuals, next(gaps))
         for one, (state, residuals) in zip(pressings, found, strict=True)
     ]
+
+
+def _gaps(rows: _Rows, states: Sequence[State | None]) -> FloatArray:
+    """Gap in each state that there is, shape (states, m) [m]."""
+    there = np.array([state is not None for state in states])
+    v = [state[0] for state in states if state is not None]
+    return rows.law.rows(there).gap(np.stack(v)) if v else np.empty((0, 0))
 
 
 def _softened_first(
@@ -187,11 +197,10 @@ def _softened_first(
             )
         states = [state]
     assert state is not None  # the last of them is that of the law
-    return _solution(one, state, residuals)
+    return _solution(one, state, residuals, *_gaps(rows, [state]))
 
 
-def _solution(one: Pressing, state: State, residuals: Sequence[float]) -> ContactSolution:
-    assert not isinstance(one.law, HardContact)
+def _solution(one: Pressing, state: State, residuals: Sequence[float], gap: FloatArray) -> ContactSolution:
     v, d = state
     # the last residual is that of the solution, after which no step is taken
     return ContactSolution(
@@ -199,7 +208,7 @@ def _solution(one: Pressing, state: State, residuals: Sequence[float]) -> Contac
         one.axial_force,
         d,
         v,
-        one.law.gap(v),
+        gap,
         len(residuals) - 1,
         tuple(residuals),
         one.loads or FurtherLoads(),

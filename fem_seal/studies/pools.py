@@ -222,7 +222,9 @@ def _warm() -> None:
 
         # names the modules that it wants itself, the first time that it is called
         get_mp_context()
-        multiprocessing.set_forkserver_preload(["distributed.nanny", "fem_seal.studies.responses"])
+        multiprocessing.set_forkserver_preload(
+            ["distributed.nanny", "fem_seal.studies.responses", "fem_seal.studies.frozen"]
+        )
 
 
 @contextmanager

@@ -80,7 +80,8 @@ class Conductivity:
 
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """sigma_eff at ln(p/Pa), where p itself may be too small for a floating-point number."""
-        return self.table.at_log_pressure(log_pressure) ** 3 / (12.0 * self.viscosity)
+        u = self.table.at_log_pressure(log_pressure)
+        return u * u * u / (12.0 * self.viscosity)
 
     def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
         """See `ConductivityTable.first_loading`."""
@@ -209,7 +210,9 @@ class ConductivityTable:
         sealed = x >= sealing if highest >= sealing else False
         inside = x if sealed is False else np.where(sealed, sealing - 1.0, x)
         abscissa = table_abscissa(inside, sealing, self.method)
-        u = self._decay_length * np.logaddexp(0.0, self._curve.value(abscissa))
+        y = self._curve.value(abscissa)
+        # ln(1 + exp(y))
+        u = self._decay_length * (np.maximum(y, 0.0) + np.log1p(np.exp(-np.abs(y))))
         return np.where(sealed | (u < _SMALLEST_SEPARATION), 0.0, u)
 
     def asked(self, log_pressure: FloatArray) -> FloatArray:

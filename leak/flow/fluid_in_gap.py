@@ -28,7 +28,7 @@ _FINE = 8
 # Alexander's second-order, L-stable rule: both of its stages are the same implicit equation.
 _STAGE = 1.0 - np.sqrt(0.5)
 _ROUGH, _CLOSE = 1e-3, 1e-7
-_SECANT_STEPS, _ROOT_STEPS = 12, 200
+_SECANT_STEPS, _ROOT_STEPS, _LEAST_SLOPE = 12, 200, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,9 +139,10 @@ def coupled_leak_flow(
     liquid = None if pressure_law is None else _Thickening.of(FlowPotential(pressure_law, blow_off))
     path = replace(path, liquid=liquid)
     whole = drop if pressure_law is None else float(FlowPotential(pressure_law, drop)(drop))
-    log_Q = _flow_for(whole, path, curve, curve.guess(whole, path.pressures, path.log_lengths), _ROUGH)
+    guess = curve.guess(whole, path.pressures, path.log_lengths)
+    log_Q, slope = _flow_for(whole, path, curve, guess, 1.0, _ROUGH)
     path = replace(_Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak)), liquid=liquid)
-    log_Q = _flow_for(whole, path, curve, log_Q, _CLOSE)
+    log_Q, _ = _flow_for(whole, path, curve, log_Q, slope, _CLOSE)
     fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
     with np.errstate(over="ignore"):
         Q, resistance = float(np.exp(log_Q)), float(np.exp(np.log(drop) - log_Q))
@@ -249,22 +250,33 @@ def _even(x: FloatArray, way: FloatArray, count: int) -> FloatArray:
     return np.interp(np.linspace(0.0, total[-1], count + 1), total, x)
 
 
-def _flow_for(whole: float, path: _Path, curve: ResistanceCurve, guess: float, tolerance: float) -> float:
-    """ln Q at which psi(p_f) reaches `whole` at the end: secant steps, bisected where they leave the bracket."""
+def _flow_for(
+    whole: float, path: _Path, curve: ResistanceCurve, guess: float, slope: float, tolerance: float
+) -> tuple[float, float]:
+    """ln Q at which psi(p_f) reaches `whole` at the end: secant steps, bisected where they leave the bracket.
+
+    Parameters
+    ----------
+    guess, slope : float
+        Near ln Q, and how psi(p_f)/whole at the end rises with ln Q there; the slope is given back, too.
+    """
 
     def miss(log_Q: float) -> float:
         return path.potential(log_Q, curve)[0][-1] / whole - 1.0
 
     low, high = -np.inf, np.inf
     old, at = guess, miss(guess)
-    log_Q, widening = old - float(np.clip(at, -0.5, 0.5)), 1.0
+    log_Q, widening = old - float(np.clip(at / slope, -0.5, 0.5)), 1.0
     for count in range(_ROOT_STEPS):
         before, at = at, miss(log_Q)
         low, high = (low, min(high, log_Q)) if at >= 0.0 else (max(low, log_Q), high)
-        slope = (at - before) / (log_Q - old) if log_Q != old else 0.0
+        secant = (at - before) / (log_Q - old) if log_Q != old else 0.0
         old = log_Q
         # p_f rises no faster than Q; where it hardly rises at all a secant step leads astray.
-        step = -at / slope if slope > 1e-3 else -widening * np.sign(at)
+        if secant > _LEAST_SLOPE:
+            slope, step = secant, -at / secant
+        else:
+            step = -widening * np.sign(at)
         log_Q = old + float(np.clip(step, -widening, widening))
         if abs(log_Q - old) < tolerance:
             break
@@ -272,7 +284,7 @@ def _flow_for(whole: float, path: _Path, curve: ResistanceCurve, guess: float, t
         if not low < log_Q < high or (count > _SECANT_STEPS and np.isfinite(high - low)):
             # Near blow-off p_f hardly depends on Q, and secant steps crawl.
             log_Q = 0.5 * (low + high)
-    return log_Q
+    return log_Q, slope
 
 
 # -------------------------------------------------------------------- the profile
