@@ -687,9 +687,10 @@ def test_leak_rate_of_a_complete_run() -> None:
 
 
 @pytest.mark.parametrize("amplitude", [0.3e-6, 1e-6])
-@pytest.mark.parametrize("over", [1.1, 1.5, 4.0])
+@pytest.mark.parametrize("over", [1.02, 1.1, 1.5, 4.0])
+@pytest.mark.parametrize("wider", [0, 1])
 def test_leak_rate_around_against_every_angle_on_its_own(
-    rough: LocalContact, amplitude: float, over: float
+    rough: LocalContact, amplitude: float, over: float, wider: int
 ) -> None:
     """Interpolated over the line load, to 5e-4 of the whole: also where a little more pressure would seal it.
 
@@ -698,13 +699,16 @@ def test_leak_rate_around_against_every_angle_on_its_own(
     formed = around(one_wave(2, amplitude), rough)
     sealed = over * formed.most_loaded.profile.peak_pressure
 
-    def flow(profile: PressureProfile) -> LeakResult:
-        left = 1 - profile.peak_pressure / sealed
-        return LeakResult(
-            math.exp(-0.5 / left) / profile.peak_pressure if left > 0 else 0.0, 1.0, np.zeros(2)
-        )
+    def conductivity(pressure: np.ndarray) -> np.ndarray:
+        left = np.maximum(1 - pressure / sealed, 1e-3)
+        return np.exp(-0.5 / left) / pressure
 
-    curve = LeakCurve(rough, ProfileFlow(flow, bounds=None))  # type: ignore[arg-type]
+    def flow(profile: PressureProfile) -> LeakResult:
+        p = profile.peak_pressure
+        rate = float(conductivity(np.array(p))) * profile.fwhm ** (2 * wider) if p < sealed else 0.0
+        return LeakResult(rate, 1.0, np.zeros(2))
+
+    curve = LeakCurve(rough, ProfileFlow(flow, bounds=None, conductivity=conductivity))  # type: ignore[arg-type]
     found, most = curve.leak_rates(formed.line_load)
     each = np.array([flow(rough.profile(f)).leak_rate for f in formed.line_load.tolist()])
     assert found.mean() == pytest.approx(each.mean(), rel=5e-4)

@@ -34,8 +34,9 @@ ANGLES_PER_WAVE = 64
 _PERIODS, _HARMONICS, _STRONG = 3, 12, 0.05
 # Leak rates are interpolated over ln f, in a range whose ends are multiples of the first number and which is no wider
 # than the second: by a polynomial through so many line loads and one, if that through every other of them gives the
-# same to the last number, which leaves errors of 1e-5, at most 5e-4 (tests/test_fem_seal_around.py).
-_ENDS, _WIDEST, _PARTS, _AGREE = 0.125, 2.0, (4, 8, 16), 2e-3
+# same to the last numbers (of the leak rate itself, and of its ratio to the conductivity). Mostly that leaves 3e-6, of
+# 160 samples 2e-4 at most, next to sealing 2e-3 (tests/test_fem_seal_around.py asks every angle on its own).
+_ENDS, _WIDEST, _PARTS, _AGREE, _AGREE_OF_RATIO = 0.125, 2.0, (4, 8, 16), 2e-3, 5e-4
 # Else, and where places are sealed: between line loads with these steps in ln f, the coarse one far below the mean,
 # where the surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
 _STEP, _COARSE_STEP, _FINE, _BEYOND = 0.125, 2.0, 48, 2
@@ -272,19 +273,31 @@ class LeakCurve:
         return _between(np.array(rungs), rates, v), max(flows, key=lambda flow: flow.leak_rate)
 
     def _smooth(self, low: float, high: float, v: FloatArray) -> FloatArray | None:
-        """Leak rates at v by a polynomial over a range of ln f; None if there is none that is good enough."""
+        """Leak rates at v by a polynomial over a range of ln f; None if there is none that is good enough.
+
+        What is interpolated is the leak rate, or next to sealing its ratio to sigma_eff at the highest pressure, which
+        knows where it would be sealed.
+        """
         if high - low > _WIDEST or not self._at(high).leak_rate > 0:
             return None
         for parts in _PARTS:
-            rungs = [low + (high - low) * share for share in _shares(parts)]
-            rates = np.array([flow.leak_rate for flow in self._of(rungs)])
-            found, coarser = (
-                np.exp(Chebyshev.fit(rungs[::every], np.log(rates[::every]), parts // every, (low, high))(v))
-                for every in (1, 2)
-            )
-            if abs(coarser.mean() / found.mean() - 1.0) < _AGREE:
+            rungs = np.array([low + (high - low) * share for share in _shares(parts)])
+            log_rates = np.log([flow.leak_rate for flow in self._of(rungs.tolist())])
+            off, found = _polynomials(rungs, log_rates, v)
+            if off < _AGREE:
                 return found
+            at_rungs, at_v = self._at_peak(rungs), self._at_peak(v)
+            if np.isfinite(at_rungs).all():
+                off, found = _polynomials(rungs, log_rates - at_rungs, v, at_v)
+                if off < _AGREE_OF_RATIO:
+                    return found
         return None
+
+    def _at_peak(self, v: FloatArray) -> FloatArray:
+        """ln of sigma_eff at the highest pressure, at line loads in ln f over the mean."""
+        peak = self.local.peak_pressure(self.local.mean.line_load * np.exp(v))
+        with np.errstate(divide="ignore"):
+            return np.log(self.flow.conductivity(peak))
 
     def _at(self, log_share: float) -> LeakResult:
         return self._of([log_share])[0]
@@ -300,6 +313,18 @@ class LeakCurve:
 def _after(now: PressureProfile, before: PressureProfile) -> PressureProfile:
     """A profile that remembers another one on the same line."""
     return replace(now, largest=remembered(now.pressure, before.pressure))
+
+
+def _polynomials(
+    rungs: FloatArray, y: FloatArray, v: FloatArray, known: FloatArray | float = 0.0
+) -> tuple[float, FloatArray]:
+    """exp of a polynomial plus what is known at v, and how far off its mean is through every other rung."""
+    ends = float(rungs[0]), float(rungs[-1])
+    found, coarser = (
+        np.exp(known + Chebyshev.fit(rungs[::every], y[::every], (len(rungs) - 1) // every, ends)(v))
+        for every in (1, 2)
+    )
+    return abs(float(coarser.mean() / found.mean()) - 1.0), found
 
 
 @lru_cache(maxsize=len(_PARTS))

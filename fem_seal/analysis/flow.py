@@ -166,6 +166,24 @@ class Flow:
         """
         return self.table_around(surface, log_peaks(contacts))
 
+    def conductivity_at(self, table: Conductivity, pressure: FloatArray, fluid_pressure: float) -> FloatArray:
+        """sigma_eff at contact pressures, of a gas at the mean of its pressures at both ends [m^3/(Pa s)].
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+        pressure : ndarray
+            [Pa]
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        log_pressure = np.log(pressure)
+        if isinstance(table, leak.ConductivityTable):
+            return table.at(self.viscosity).at_log_pressure(log_pressure)
+        assert self.gas is not None  # the table is one of a gas
+        mean = np.array(self.outlet_pressure + 0.5 * fluid_pressure)
+        return leak.rarefied_conductivity(table, self.gas, log_pressure)(mean)
+
     def leak_of(self, table: Conductivity, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
         """Leak of one contact.
 
@@ -361,10 +379,13 @@ class ProfileFlow:
         Flow through a profile.
     bounds : callable
         Flow through a profile with grooves in it.
+    conductivity : callable
+        sigma_eff of the roughness at contact pressures [Pa], see `Flow.conductivity_at`.
     """
 
     leak: Callable[[PressureProfile], LeakResult]
     bounds: Callable[[PressureProfile, Sequence[Groove]], LeakBounds[Any]]
+    conductivity: Callable[[FloatArray], FloatArray]
 
 
 def _made(
@@ -493,6 +514,7 @@ class RoughFlow(Lazy):
         return ProfileFlow(
             lambda profile: flow.leak_of(table, profile, fluid_pressure),
             lambda profile, grooves: flow.bounds(table, self.surface, profile, fluid_pressure, grooves),
+            lambda pressure: flow.conductivity_at(table, pressure, fluid_pressure),
         )
 
     def critical_separation(self, profile: PressureProfile) -> float:

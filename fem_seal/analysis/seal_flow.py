@@ -82,6 +82,9 @@ class SealFlow:
             lambda profile, grooves: self.flow.bounds(
                 self._table(profile), self.surface, profile, fluid_pressure, grooves
             ),
+            lambda pressure: self.flow.conductivity_at(
+                self._table(formed.most_loaded.profile), pressure, fluid_pressure
+            ),
         )
         found = formed.with_leak(LeakCurve(formed.local, flow)).leak
         assert found is not None  # it was asked for
