@@ -138,11 +138,13 @@ def theory(settings: Settings) -> Iterator[Figure]:
 
 
 def uncertainty(settings: Settings) -> Iterator[Figure]:
-    """Samples of every kind of fluid and spectrum."""
-    return of_pytest("bench_uncertainty.py", *(["-k", "uncertainty_per_sample"] if settings.quick else []))
+    """Samples of every kind of fluid and spectrum: processor time of one, and what a user waits."""
+    if settings.quick:
+        return of_pytest("bench_uncertainty.py", "-k", "per_sample", SAMPLES="32")
+    return of_pytest("bench_uncertainty.py")
 
 
-def of_pytest(file: str, *options: str) -> Iterator[Figure]:
+def of_pytest(file: str, *options: str, **environment: str) -> Iterator[Figure]:
     """Benchmarks of a file that say their goal: `goal_s`, of `figure_s` or else of the fastest round."""
     with tempfile.TemporaryDirectory() as folder:
         told = Path(folder) / "told.json"
@@ -150,7 +152,7 @@ def of_pytest(file: str, *options: str) -> Iterator[Figure]:
         tests = subprocess.run(
             [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *asked],
             cwd=ROOT,
-            env={**os.environ, **_here()},
+            env={**os.environ, **_here(), **environment},
             capture_output=True,
             text=True,
         )
@@ -163,7 +165,8 @@ def of_pytest(file: str, *options: str) -> Iterator[Figure]:
         about = one["extra_info"]
         if "goal_s" in about:
             name = one["name"].removeprefix("test_").replace("[", ": ").rstrip("]").replace("_", " ")
-            yield Figure(name, about.get("figure_s", one["stats"]["min"]), "s", about["goal_s"])
+            seconds = about.get("figure_s", one["stats"]["min"])
+            yield Figure(name, seconds, "s", about["goal_s"], about.get("note", ""))
 
 
 def studies(settings: Settings) -> Iterator[Figure]:

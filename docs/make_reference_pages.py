@@ -64,7 +64,7 @@ COMMANDS_HEAD = """\
 |---|---|
 | 0 | done |
 | 2 | wrong input |
-| 3 | no load can be calculated |
+| 3 | no load, or no design of a study, can be calculated |
 | 130 | interrupted |
 | 1 | anything else, such as a full disc |"""
 

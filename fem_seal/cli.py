@@ -30,7 +30,7 @@ from fem_seal.version import __version__
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from fem_seal.analysis.results import LoadResult, SealSolution
+    from fem_seal.analysis.results import DiscretisationError, LoadResult, SealSolution
     from fem_seal.case.case import Case
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
@@ -114,7 +114,7 @@ def run(
     if json:
         typer.echo(as_json({"folder": str(folder), "loads": rows, "warnings": warnings}))
     elif not quiet:
-        show_leak_table(rows, case.title)
+        show_leak_table(rows, case.title, result.discretisation_error)
         show_leakage(case, result.loads, result.leak_ranges)
         show_memory(result)
         show_form(result)
@@ -510,7 +510,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 done, 2 wrong input, 3 no load can be calculated, 130 interrupted, 1 anything else.
+        0 done, 2 wrong input, 3 no load or design can be calculated, 130 interrupted, 1 anything else.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
@@ -562,14 +562,24 @@ def _said_by_system(error: OSError) -> str:
 _ENDLESS = 100_000
 
 
-def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
-    """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks."""
+def show_leak_table(
+    rows: Sequence[Mapping[str, Any]], title: str, error: DiscretisationError | None = None
+) -> None:
+    """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+    title : str
+    error : DiscretisationError, optional
+        Of the mesh: no number has more digits than it leaves.
+    """
     from fem_seal.analysis.caution import Level
     from fem_seal.output.columns import LEAK_ON_TERMINAL
 
     columns = [column for column in LEAK_ON_TERMINAL if any(_filled(row.get(column.name)) for row in rows)]
     cells = [
-        [_cell(row.get(column.name), column.unit, _digits(row, column.name)) for column in columns]
+        [_cell(row.get(column.name), column.unit, _digits(row, column.name, error)) for column in columns]
         for row in rows
     ]
     headings = [f"{column.heading}\n{column.unit.name}" for column in columns]
@@ -594,13 +604,13 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str) -> None:
             print(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")  # noqa: T201
 
 
-def _digits(row: Mapping[str, Any], name: str) -> int:
+def _digits(row: Mapping[str, Any], name: str, error: DiscretisationError | None) -> int:
     """Significant digits that a number of a row is worth."""
     from fem_seal.analysis.results import digits_near_opening
     from fem_seal.output.columns import COLUMNS
 
     share = row.get("opening_margin", math.nan)
-    return COLUMNS[name].digits(DIGITS if math.isnan(share) else digits_near_opening(share))
+    return COLUMNS[name].digits(DIGITS if math.isnan(share) else digits_near_opening(share), error)
 
 
 def show_leakage(

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from fem_seal.errors import NoLoadLeftError, Problem
+
 if TYPE_CHECKING:
     from fem_seal.studies.results import StudyResult
 
@@ -95,6 +97,9 @@ def run(
     )
     result.report()
     _show(result, quiet, json)
+    counts = result.counts
+    if counts["failed"] and not counts["done"]:
+        raise NoLoadLeftError(Problem("", "none of its designs can be calculated"), file=study_file)
 
 
 def _leave() -> None:

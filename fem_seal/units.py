@@ -281,7 +281,8 @@ def _temperature(text: str) -> float:
     """Temperature [K]; scales have a zero of their own, so it is no product of number and unit."""
     wanted = DIMENSIONS["temperature"].wanted
     match = re.fullmatch(rf"({NUMBER})\s*(\S+)", text) if len(text) <= _LONGEST else None
-    if match is None:
+    # "20" alone would be 2 of the unit "0"
+    if match is None or re.fullmatch(NUMBER, text):
         raise QuantityError(f"{_what_is_wrong(text)}; write {wanted}")
     if match[2] not in _SCALES:
         raise QuantityError(f'unit "{match[2]}" is no temperature; write {wanted}')
@@ -435,6 +436,22 @@ def rounded(value: float, digits: int) -> float:
     800.0
     """
     return float(f"{value:.{digits - 1}e}")
+
+
+def digits_within(error: float) -> int:
+    """Significant digits of a number with this relative error, four at most: in the last one it is five at most.
+
+    Parameters
+    ----------
+    error : float
+        NaN where nobody knows it: nothing is left out then.
+
+    Examples
+    --------
+    >>> digits_within(0.004), digits_within(0.04), digits_within(0.4), digits_within(4.0)
+    (4, 3, 2, 1)
+    """
+    return min(max(1 + math.ceil(-math.log10(2 * error)), 1), DIGITS) if error > 0 else DIGITS
 
 
 def worth(value: float, digits: int) -> str:

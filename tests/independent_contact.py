@@ -184,7 +184,7 @@ def press(
         p = p_c * np.exp(-(gap0 + G @ u) / u0)
         residual = K @ u - load - G.T @ (area * p)
         stiffness = (K + G.T @ scaled(area * p / u0, G)).tocsc()
-        du = splu(stiffness).solve(-residual)
+        du = splu(stiffness, permc_spec="MMD_AT_PLUS_A").solve(-residual)
         slope, before, length = float(residual @ du), energy(u), 1.0
         if -slope < 1e-12 * abs(before):
             break

@@ -30,7 +30,11 @@ def defined():
     names = set()
     for package in PACKAGES:
         for path in (ROOT / package).rglob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            # what an expression holds has no name of its own
+            waiting = [ast.parse(path.read_text(encoding="utf-8"))]
+            while waiting:
+                node = waiting.pop()
+                waiting += [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.stmt)]
                 if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
                     names.add(node.name)
                 elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):

@@ -6,6 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
+from any_text import ANY
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from sample_results import SPECTRUM, ball, cone
@@ -288,7 +289,16 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
         ("closure.radius", "20 m", "from 10 um to 10 m"),
         ("closure.radius", None, "is missing; add radius"),
         ("closure", None, "is missing; add a table [closure]"),
-        ("closure", "ball", "must be a table"),
+        (
+            "closure",
+            "ball",
+            'must be a table, [closure] with its keys below, or closure = { shape = "ball", radius = ',
+        ),
+        (
+            "uncertainty.viscosity",
+            "10 %",
+            "[uncertainty.viscosity] with its keys below, or viscosity = { relative = ",
+        ),
         ("closure.shape", "tours", 'do you mean "torus"?'),
         ("closure.shape", "egg", 'must be "ball"'),
         ("seat.shape", "conical_lands", 'do you mean "conical-land"?'),
@@ -431,14 +441,14 @@ leaves = (
     | st.booleans()
     | st.integers()
     | st.floats()
-    | st.text(max_size=20)
+    | st.text(ANY, max_size=20)
     | st.sampled_from(
         ["20 mm", "45 deg", "1 bar", "-3 GPa", "1e3 1/m", "ball", "cone", "steel", "table", "persson"]
     )
 )
 anything = st.recursive(
     leaves,
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(ANY, max_size=8), inner, max_size=3),
     max_leaves=6,
 )
 
@@ -453,7 +463,7 @@ def keys_of(tables, path=()):
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     path=st.sampled_from(sorted(keys_of(CASE))),
-    extra=st.text(max_size=8),
+    extra=st.text(ANY, max_size=8),
     value=anything,
     delete=st.booleans(),
 )

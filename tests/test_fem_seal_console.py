@@ -11,7 +11,7 @@ from sample_results import case
 from fem_seal import cli
 from fem_seal.analysis import caution
 from fem_seal.analysis.caution import Caution, Level, Validity
-from fem_seal.analysis.results import LoadResult
+from fem_seal.analysis.results import DiscretisationError, LoadResult
 from fem_seal.output import columns as output_columns
 from leak import LeakResult
 
@@ -89,6 +89,17 @@ def test_a_file_gets_all_columns_side_by_side(columns, capsys, monkeypatch):
         "!",
         *(four_digits(ROWS[2], column) for column in output_columns.LEAK_ON_TERMINAL[1:]),
     ]
+
+
+def test_no_number_has_more_digits_than_the_mesh_leaves(capsys):
+    """An error of four per cent leaves three digits of a pressure; what the mesh does not touch keeps its four."""
+    error = DiscretisationError(peak_pressure=0.04, fwhm=0.2, std=0.004, leak_rate=None)
+    cli.show_leak_table(
+        [{**ROWS[0], "peak_pressure_Pa": 51.389e6, "fwhm_m": 0.12344e-3, "std_m": 0.56784e-3}], "", error
+    )
+    told = capsys.readouterr().out.split()
+    assert {"51.4", "0.12", "0.5678", "5.000"} <= set(told)
+    assert {"51.39", "0.1234", "0.123"}.isdisjoint(told)
 
 
 @pytest.mark.parametrize("width", [40, 80])

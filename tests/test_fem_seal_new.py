@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from functools import cache
 from importlib.resources import files
 
 import pytest
@@ -10,7 +11,16 @@ from typer.testing import CliRunner
 
 from fem_seal import InputError, load_case, run
 from fem_seal.case.new_case import QUESTIONS, TEMPLATES, asked, template, with_entries
+from fem_seal.case.schema import case_schema
 from fem_seal.cli import app, main
+
+schema = cache(case_schema)
+
+
+@pytest.fixture(autouse=True)
+def schema_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which `fem-seal new` writes beside every case."""
+    monkeypatch.setattr("fem_seal.case.schema.case_schema", schema)
 
 
 @pytest.fixture

@@ -896,6 +896,21 @@ def test_command_line(tmp_path, capsys):
     assert "holds no study" in capsys.readouterr().err
 
 
+def test_a_study_of_which_no_design_can_be_calculated_says_so_to_a_script(tmp_path, capsys):
+    from fem_seal.cli import main
+
+    study = tmp_path / "study.toml"
+    study.write_text(
+        f'base = "{CASE}"\nresponses = ["fwhm_m"]\n[changes]\nload.fluid_pressure = "10 bar"\n'
+        '[parameters]\nseat.bore_radius = ["18 mm", "18.5 mm"]\n[design]\ninvalid = "skip"\n'
+    )
+    assert main(["study", str(study), "--workers", "0", "--quiet"]) == 3
+    told = capsys.readouterr().err
+    assert "touch first" in told
+    assert f"error: {study}: none of its designs can be calculated" in told
+    assert (tmp_path / "study.study" / "report.html").exists()
+
+
 def test_a_study_in_a_few_lines():
     result = Study(
         CASE,

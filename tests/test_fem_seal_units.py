@@ -4,6 +4,7 @@ import contextlib
 import math
 
 import pytest
+from any_text import ANY
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -92,6 +93,9 @@ def test_value_in_si(text, dimension, si):
         ("", "length", "does not begin with a number"),
         ("45 mm/m", "angle", "does not fit"),
         ("0.7", "angle", "no unit"),
+        ("20", "temperature", "no unit"),
+        ("1e3", "temperature", "no unit"),
+        ("20 bar", "temperature", 'unit "bar" is no temperature'),
         ("9**9**9 m", "length", "not a number followed by a unit"),
         ("2 m^9^9", "length", "not a number followed by a unit"),
         ("1/0 m", "length", "not a number followed by a unit"),
@@ -105,7 +109,10 @@ def test_message_names_what_is_wrong_and_what_is_allowed(text, dimension, said):
     assert DIMENSIONS[dimension].examples[0] in str(caught.value)
 
 
-@given(st.text(max_size=80) | st.from_regex(r"[0-9.e+-]{1,6} ?[a-zA-Z^*/()· 0-9°µ-]{0,20}", fullmatch=True))
+@given(
+    st.text(ANY, max_size=80)
+    | st.from_regex(r"[0-9.e+-]{1,6} ?[a-zA-Z^*/()· 0-9°µ-]{0,20}", fullmatch=True, alphabet=ANY)
+)
 def test_any_text_is_a_number_or_a_quantity_error(text):
     for dimension in DIMENSIONS:
         with contextlib.suppress(QuantityError):

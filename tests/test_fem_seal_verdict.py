@@ -18,7 +18,13 @@ from fem_seal.analysis.leakage import leakage_classes, next_class
 from fem_seal.analysis.verdict import limits, seal_judgement
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem
 from fem_seal.output.report.page import report
-from fem_seal.output.report.verdict import factor_text, requirement_lines, verdict_lines, verdict_sentences
+from fem_seal.output.report.verdict import (
+    factor_text,
+    next_class_in_words,
+    requirement_lines,
+    verdict_lines,
+    verdict_sentences,
+)
 from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table
@@ -266,6 +272,17 @@ def test_next_class_is_the_loosest_one_that_is_missed():
     assert (found.name, found.factor) == ("G", pytest.approx(ends[1] / 50e-9, rel=1e-12))
     assert next_class(result.case, load, (1e-10, 2.4e-9)).name == "CC"
     assert next_class(result.case, load.knowing(validity=OUTSIDE), ends) is None
+
+
+@pytest.mark.parametrize(
+    ("over", "told"),
+    [(1.004, "0.4 % less"), (1.04, "4 % less"), (1.3, "1.3 times less"), (12.34, "12 times less")],
+)
+def test_what_little_is_missing_to_a_class_is_told_in_per_cent(over, told):
+    """Two digits of a factor would say "1.0 times less"."""
+    result = rough_result()
+    words = next_class_in_words(result.case, result.highest, (1e-10, over * 50e-9))
+    assert words == f"ISO 5208 G would take {told} leakage"
 
 
 def test_check_says_what_will_be_judged_and_where():

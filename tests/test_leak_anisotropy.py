@@ -145,7 +145,7 @@ def _solved(field: np.ndarray, spread: float) -> tuple[float, float]:
 
 def _through(sigma: np.ndarray) -> float:
     from scipy.sparse import coo_array
-    from scipy.sparse.linalg import spsolve
+    from scipy.sparse.linalg import splu
 
     index = np.arange(sigma.size).reshape(sigma.shape)
     rows, columns, values = [], [], []
@@ -165,7 +165,8 @@ def _through(sigma: np.ndarray) -> float:
     ).tocsc()
     load = np.zeros(sigma.size)
     load[index[0]] = 2 * sigma[0]
-    p = spsolve(matrix, load)
+    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    p = factors.solve(load)
     return float((2 * sigma[0] * (1 - p[index[0]])).sum())
 
 

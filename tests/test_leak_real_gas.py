@@ -70,6 +70,23 @@ def test_potential_and_its_inverse(highest, share, slip):
         assert float(w.pressure(w(highest))) == pytest.approx(highest, rel=1e-12)
 
 
+def test_flow_pressure_of_a_potential():
+    p = 9e7 * np.concatenate([np.geomspace(1e-12, 1e-3, 50), np.linspace(1e-3, 1.0, 3001)])
+    for real in (None, MADE, coolprop("Hydrogen").real):
+        for slip in (0.0, 1e4, 1e8):
+            w = leak.GasPotential(real, 9e7, slip)
+            q = p if real is None else real.flow_pressure(p)
+            # cubics over a thousandth of the root of the highest pressure; squares lose digits beside a large slip
+            np.testing.assert_allclose(w.flow_pressure(w(p)), q, rtol=1e-9)
+            np.testing.assert_allclose(w.pressure(w(p)), p, rtol=1e-9)
+
+
+def test_slope_of_the_flow_pressure():
+    p, step = np.linspace(1e6, 9.9e7, 300), 10.0
+    secant = (MADE.flow_pressure(p + step) - MADE.flow_pressure(p - step)) / (2.0 * step)
+    np.testing.assert_allclose(MADE.flow_pressure_slope(p), secant, rtol=0.0, atol=1e-8)
+
+
 def test_potential_against_quadrature():
     w = leak.GasPotential(MADE, 9e7, 1e6)
     for p in (1e5, 3e7, 9e7):

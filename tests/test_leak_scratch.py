@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from functools import lru_cache
 
 import numpy as np
@@ -278,6 +279,13 @@ def test_without_scratch_it_is_the_leak_integral(side):
     found = flow(x, p, leak.Scratch(1e-6, 20e-6), water(), pressure_side=side)
     assert found.without.leak_rate == pytest.approx(line.leak_rate, rel=1e-10)
     np.testing.assert_allclose(found.without.fluid_pressure, line.fluid_pressure, atol=1e-6 * DROP)
+
+
+def test_bounds_can_be_pickled():
+    found = flow(*gauss(), leak.Scratch(5e-6, 30e-6), water())
+    again = pickle.loads(pickle.dumps(found))
+    assert again.extra == found.extra
+    assert again.lower.leak_rate == found.lower.leak_rate <= found.upper.leak_rate == again.upper.leak_rate
 
 
 def test_free_exchange_is_the_integral_of_both_conductances():

@@ -1,5 +1,7 @@
 """Hurst exponent, roll-off and height of scans: intervals that contain the truth as often as they say."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.stats import binom
@@ -45,9 +47,16 @@ class Scans:
         return leak.line_scan(SPACING * np.arange(POINTS), np.fft.irfft(waves, self.total)[:POINTS])
 
 
+scans = cache(Scans)
+
+
+@cache
+def measured(wavelength, hurst, smooth, seed):
+    return leak.measure(scans(wavelength, hurst, smooth)(seed))
+
+
 def surfaces(wavelength, hurst, smooth=False, count=COUNT):
-    scan = Scans(wavelength, hurst, smooth)
-    return [leak.measure(scan(seed)) for seed in range(count)]
+    return [measured(wavelength, hurst, smooth, seed) for seed in range(count)]
 
 
 def covers(intervals, truth):
@@ -121,7 +130,7 @@ def test_the_leak_rate_of_the_true_surface_is_in_the_interval_of_two_wavelengths
 def test_long_waves_are_changed_and_short_ones_stay():
     from fem_seal.case.roughness import UncertainHeight
 
-    surface = leak.measure(Scans(0.2e-3, 0.8)(0))
+    surface = measured(0.2e-3, 0.8, False, 0)
     q_r = surface.rolloff.wavenumber
     of_length = UncertainHeight("seat", "scan_length", surface.rolloff.height, q_r)
     for factor in (0.7, 1.0, 1.8):
@@ -134,7 +143,7 @@ def test_long_waves_are_changed_and_short_ones_stay():
 
 
 def test_many_scans_narrow_the_intervals():
-    scan = Scans(0.2e-3, 0.6)
+    scan = scans(0.2e-3, 0.6)
     one, many = leak.measure(scan(0)), leak.measure([scan(seed) for seed in range(16)])
     for name in ("hurst_interval",):
         assert np.ptp(getattr(many.rolloff, name)) < 0.6 * np.ptp(getattr(one.rolloff, name))

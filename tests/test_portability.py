@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -37,13 +38,18 @@ UNIX_NAMES = {
 }
 
 
+@cache
+def tree_of(path):
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def nodes_with_parents(tree):
-    """Every node with all that it stands in, the innermost last."""
-    waiting = [(tree, ())]
+    """Every node with the one that it stands in, that with the one that it stands in, and so on."""
+    waiting = [(tree, None)]
     while waiting:
         node, above = waiting.pop()
         yield node, above
-        waiting += [(child, (*above, node)) for child in ast.iter_child_nodes(node)]
+        waiting += [(child, (node, above)) for child in ast.iter_child_nodes(node)]
 
 
 def asks_for_the_system(node):
@@ -57,7 +63,8 @@ def asks_for_the_system(node):
 
 def is_guarded(above):
     """Whether code stands in a branch of such a question, or in a function that leaves on one before."""
-    for node in above:
+    while above:
+        node, above = above
         if isinstance(node, (ast.If, ast.IfExp)) and asks_for_the_system(node.test):
             return True
         if isinstance(node, ast.FunctionDef):
@@ -91,7 +98,7 @@ def test_what_only_unix_has_is_guarded():
     found = [
         (f"{path.relative_to(ROOT)}:{line}: {name}", guarded)
         for path in PRODUCT
-        for name, line, guarded in calls_of_unix(ast.parse(path.read_text(encoding="utf-8")))
+        for name, line, guarded in calls_of_unix(tree_of(path))
     ]
     assert [place for place, guarded in found if not guarded] == []
     # the lock of a results folder, what a process may use of the machine, and what ends one that hangs
@@ -122,29 +129,34 @@ def test_the_search_tells_guarded_from_unguarded(code, guarded):
 # --- text -------------------------------------------------------------------------------------------------
 
 
+OF_PATHS, WRAPPING = ("read_text", "write_text"), ("TextIOWrapper", "NamedTemporaryFile", "fdopen")
+OPENING = ("open", *OF_PATHS, *WRAPPING)
+
+
 def text_files_without_encoding(tree):
     """Calls that read or write text in whatever encoding the system prefers."""
     for node in ast.walk(tree):
         if not isinstance(node, ast.Call):
             continue
         name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-        owner = ast.unparse(node.func.value) if isinstance(node.func, ast.Attribute) else ""
         given = {keyword.arg for keyword in node.keywords}
-        if "encoding" in given:
+        as_text = bool({"text", "universal_newlines"} & given)
+        if "encoding" in given or not (name in OPENING or as_text):
             continue
+        owner = ast.unparse(node.func.value) if isinstance(node.func, ast.Attribute) else ""
         words = [
             one.value for one in [*node.args, *(keyword.value for keyword in node.keywords)] if is_text(one)
         ]
         binary = any(re.fullmatch(r"[rwxab+]*b[rwxab+]*", word) for word in words)
-        if owner and name in ("read_text", "write_text"):
+        if owner and name in OF_PATHS:
             yield node.lineno, ast.unparse(node)
             continue
         # what is opened is a file if it is a built-in or a method of a path, not of a module or class
         modules = ("os", "gmsh", "webbrowser", "zipfile", "tarfile")
         is_file = owner.split(".")[-1][:1].islower() and owner.split(".")[0] not in modules if owner else True
         opens = name == "open" and is_file
-        wraps = name in ("TextIOWrapper", "NamedTemporaryFile", "fdopen")
-        reads_process = owner == "subprocess" and bool({"text", "universal_newlines"} & given)
+        wraps = name in WRAPPING
+        reads_process = owner == "subprocess" and as_text
         if ((opens or wraps) and not binary) or reads_process:
             yield node.lineno, ast.unparse(node)
 
@@ -157,7 +169,7 @@ def test_text_files_are_utf_8_whatever_the_system_prefers():
     found = [
         f"{path.relative_to(ROOT)}:{line}: {call}"
         for path in (*PRODUCT, *OTHERS)
-        for line, call in text_files_without_encoding(ast.parse(path.read_text(encoding="utf-8")))
+        for line, call in text_files_without_encoding(tree_of(path))
     ]
     assert found == []
 

@@ -169,7 +169,9 @@ def test_flat_rounded_punch_meets_the_closed_form() -> None:
             punch, FlatSeat.on(punch, bore_radius=0.5 * radius), HardContact(), load, refine=refine
         ).profile
         x = profile.x[np.abs(profile.x) < 0.95 * a]
-        # Bending tilts the ring by a little more than its bodies' width over its radius: mean of both sides.
+        # Bending tilts the ring by a little more than its bodies' width over its radius: mean of both sides. One end
+        # stands 1.1 % farther out, the other farther in, of which the mean keeps the square: 0.9 % of the pressure at
+        # 0.95 a, on elements of any size.
         mean = 0.5 * sum(np.interp(side * x, profile.x, profile.pressure) for side in (1, -1))
         off = np.abs(mean / closed(x) - 1)
         # The slope of the closed form is infinite at x = b, where the pressure of the elements is piecewise linear:

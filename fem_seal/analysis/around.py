@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 
 from fem_seal.contact.around import line_load_around
 from fem_seal.contact.waves import Stiffening
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.local_contact import LocalContact
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.form import FormError
+    from leak import LeakBounds
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64
@@ -29,8 +32,12 @@ ANGLES_PER_WAVE = 64
 # as half-spaces do (two waves: 5e-5 of the line load, 50 random ones: 3e-4). A wave is strong with this share of all
 # amplitudes.
 _PERIODS, _HARMONICS, _STRONG = 3, 12, 0.05
-# Leak rates are interpolated between line loads with these steps in ln f, the coarse one far below the mean, where the
-# surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
+# Leak rates are interpolated over ln f, in a range whose ends are multiples of the first number and which is no wider
+# than the second: by a polynomial through so many line loads and one, if that through every other of them gives the
+# same to the last number, which leaves errors of 1e-5, at most 5e-4 (tests/test_fem_seal_around.py).
+_ENDS, _WIDEST, _PARTS, _AGREE = 0.125, 2.0, (4, 8, 16), 2e-3
+# Else, and where places are sealed: between line loads with these steps in ln f, the coarse one far below the mean,
+# where the surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
 _STEP, _COARSE_STEP, _FINE, _BEYOND = 0.125, 2.0, 48, 2
 # What is left of a leak rate after a larger load is interpolated between line loads with these steps in ln f; less than
 # so much of it is none.
@@ -64,8 +71,8 @@ class Around:
     leak : LeakResult or None
         Of the whole circumference, scratches by their upper bound; its fluid pressure is that at the place where most
         leaks.
-    scratches : tuple of float or None
-        Least and largest leak rate that scratches and lay add [m^3/s]; None without any.
+    bounds : tuple of LeakBounds
+        Of scratches and lay, one by one; of a contact without its leak, none.
     before : Around or None
         The same form under the largest load before; None where none is known.
     """
@@ -79,7 +86,7 @@ class Around:
     bend: FloatArray = field(repr=False)
     leak_rate: FloatArray | None = field(default=None, repr=False)
     leak: LeakResult | None = field(default=None, repr=False)
-    scratches: tuple[float, float] | None = None
+    bounds: tuple[LeakBounds[Any], ...] = field(default=(), repr=False)
     before: Around | None = field(default=None, repr=False)
 
     @property
@@ -88,11 +95,19 @@ class Around:
         return self if self.before is None else replace(self, before=None)
 
     @property
+    def scratches(self) -> tuple[float, float] | None:
+        """Least and largest leak rate that scratches and lay add [m^3/s]; None without any."""
+        if not self.bounds:
+            return None
+        least, largest = zip(*(one.extra for one in self.bounds), strict=True)
+        return sum(least), sum(largest)
+
+    @property
     def extremes(self) -> tuple[ContactSolution, ...]:
         """The contacts at the largest line load, now and under the largest load before."""
         return (self.most_loaded,) if self.before is None else (self.most_loaded, self.before.most_loaded)
 
-    @property
+    @cached_property
     def most_loaded(self) -> ContactSolution:
         """The contact at the largest line load."""
         return self.local.at(float(self.line_load.max()))
@@ -150,18 +165,14 @@ class Around:
                 '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "persson"'
             )
         each, most = curve.leak_rates(self.line_load, self.before)
-        total, scratches = float(each.mean()), None
-        if self.form.grooves:
-            found = [
-                curve.flow.bounds(self.profile_at(placed.angle), [placed.groove])
-                for placed in self.form.grooves
-            ]
-            least, largest = (sum(ends) for ends in zip(*(one.extra for one in found), strict=True))
-            total, scratches = total + largest, (least, largest)
-            if not most.leak_rate > 0:
-                # nothing flows through the roughness, but along the grooves
-                most = _above_outlet(max((one.upper for one in found), key=lambda one: one.leak_rate))
-        return replace(self, leak_rate=each / (2 * math.pi), leak=most.scaled(total), scratches=scratches)
+        bounds = tuple(
+            curve.flow.bounds(self.profile_at(placed.angle), [placed.groove]) for placed in self.form.grooves
+        )
+        total = float(each.mean()) + sum(one.largest_extra for one in bounds)
+        if bounds and not most.leak_rate > 0:
+            # nothing flows through the roughness, but along the grooves
+            most = _above_outlet(max((one.upper for one in bounds), key=lambda one: one.leak_rate))
+        return replace(self, leak_rate=each / (2 * math.pi), leak=most.scaled(total), bounds=bounds)
 
     def profile_at(self, angle: float | None) -> PressureProfile:
         """Pressure profile at an angle around the axis [rad], or at the mean line load."""
@@ -248,21 +259,53 @@ class LeakCurve:
         if np.ptp(v) < _EVEN:
             flow = self._at(float(v[0]))
             return np.full(len(v), flow.leak_rate), flow
+        lowest, highest = float(v.min()), float(v.max())
+        rounded = _ENDS * math.floor(lowest / _ENDS), _ENDS * math.ceil(highest / _ENDS)
+        # rounded ranges are those of other forms as well, but may reach to where it is sealed
+        for low, high in (rounded, (lowest, highest)):
+            found = self._smooth(low, high, v)
+            if found is not None:
+                return found, self._at(low)
         rungs = _rungs(float(v.min()), float(v.max()))
-        flows = [self._at(rung) for rung in rungs]
+        flows = self._of(rungs)
         rates = np.array([flow.leak_rate for flow in flows])
         return _between(np.array(rungs), rates, v), max(flows, key=lambda flow: flow.leak_rate)
 
+    def _smooth(self, low: float, high: float, v: FloatArray) -> FloatArray | None:
+        """Leak rates at v by a polynomial over a range of ln f; None if there is none that is good enough."""
+        if high - low > _WIDEST or not self._at(high).leak_rate > 0:
+            return None
+        for parts in _PARTS:
+            rungs = [low + (high - low) * share for share in _shares(parts)]
+            rates = np.array([flow.leak_rate for flow in self._of(rungs)])
+            found, coarser = (
+                np.exp(Chebyshev.fit(rungs[::every], np.log(rates[::every]), parts // every, (low, high))(v))
+                for every in (1, 2)
+            )
+            if abs(coarser.mean() / found.mean() - 1.0) < _AGREE:
+                return found
+        return None
+
     def _at(self, log_share: float) -> LeakResult:
-        if log_share not in self._known:
-            f = self.local.mean.line_load * math.exp(log_share)
-            self._known[log_share] = self.flow.leak(self.local.profile(f))
-        return self._known[log_share]
+        return self._of([log_share])[0]
+
+    def _of(self, log_shares: Sequence[float]) -> list[LeakResult]:
+        """Flows at line loads, in ln f over the mean."""
+        new = [v for v in log_shares if v not in self._known]
+        profiles = self.local.profiles([self.local.mean.line_load * math.exp(v) for v in new])
+        self._known.update(zip(new, map(self.flow.leak, profiles), strict=True))
+        return [self._known[v] for v in log_shares]
 
 
 def _after(now: PressureProfile, before: PressureProfile) -> PressureProfile:
     """A profile that remembers another one on the same line."""
     return replace(now, largest=remembered(now.pressure, before.pressure))
+
+
+@lru_cache(maxsize=len(_PARTS))
+def _shares(parts: int) -> list[float]:
+    """Places from 0 to 1 through which polynomials do not swing; every other one is a place of half as many parts."""
+    return [0.5 - 0.5 * math.cos(math.pi * (n / parts)) for n in range(parts + 1)]
 
 
 def _rungs(lowest: float, highest: float) -> list[float]:
@@ -334,7 +377,7 @@ def around(form: FormError, local: LocalContact) -> Around:
         angle = _angles(size * repeats)
         even = np.full_like(angle, mean.line_load)
         nothing = np.zeros_like(angle)
-        return Around(form, local, angle, nothing, even, local.approach(even)[0], nothing)
+        return Around(form, local, angle, nothing, even, np.full_like(angle, local.mean_approach), nothing)
     gap = form.gap(_angles(size) / repeats)
     stiffening = Stiffening(mean.model, mean.pressure, _asked_of_bodies(form))
     f, approach = line_load_around(

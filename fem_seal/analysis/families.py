@@ -24,7 +24,8 @@ import numpy as np
 from fem_seal.analysis.flow import Conductivity, Flow
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw, ScaledLaw
-from leak import ConductivityTable, GasConductivityTable, PowerSpectrum, RoughContact, gas_conductivity_table
+from leak import GasConductivityTable, PowerSpectrum, RoughContact, gas_conductivity_table
+from leak.flow.conductivity import AlikeTables
 from leak.flow.memory import LoadMemory
 from leak.numerics.curves import lagrange
 
@@ -75,12 +76,13 @@ def family_table(
 @lru_cache(maxsize=64)
 def _table_from(surface: RoughContact, kind: _Kind) -> Conductivity:
     """The table of one surface, which the loads of a grid share."""
-    return _between(surface, [name.made() for name in _names(surface, kind)])
+    elastic, places = _places(_member(surface)[0])
+    return _between(surface, _tables_at(elastic, kind, places))
 
 
 def _between(surface: RoughContact, tables: Sequence[Conductivity]) -> Conductivity:
     member, height, pressure = _member(surface)
-    table = tables[0] if len(tables) == 1 else _interpolated(tables, _on_lattice(member)[1])
+    table = tables[0] if len(tables) == 1 else _interpolated(tuple(tables), _on_lattice(member)[1])
     acting = None
     if member.hardness is not None and member.yielding == "capped":
         acting = partial(_acting, member, math.log(pressure))
@@ -95,7 +97,8 @@ def family_tables(flow: Flow, surface: RoughContact) -> tuple[FamilyTable, ...]:
     flow, surface
         See `family_table`.
     """
-    return _names(surface, _kind_of(flow))
+    elastic, places = _places(_member(surface)[0])
+    return _names_at(elastic, _kind_of(flow), places)
 
 
 def _acting(member: RoughContact, log_ratio: float, log_pressure: FloatArray) -> FloatArray:
@@ -107,12 +110,24 @@ def _kind_of(flow: Flow) -> _Kind:
     return _Kind(flow.conductivity, flow.gas is not None)
 
 
-def _names(surface: RoughContact, kind: _Kind) -> tuple[FamilyTable, ...]:
-    member = _member(surface)[0]
+def _places(member: RoughContact) -> tuple[RoughContact, tuple[int | None, ...]]:
+    """The elastic surface of a member, and where on the lattice the tables are from which its own follows."""
     if member.hardness is None or member.yielding == "capped":
-        return (FamilyTable(member.elastic, kind, None),)
-    first, elastic = _on_lattice(member)[0], replace(member, hardness=None)
-    return tuple(FamilyTable(elastic, kind, first + n) for n in range(4))
+        return member.elastic, (None,)
+    first = _on_lattice(member)[0]
+    return member.elastic, (first, first + 1, first + 2, first + 3)
+
+
+def _names_at(elastic: RoughContact, kind: _Kind, places: tuple[int | None, ...]) -> tuple[FamilyTable, ...]:
+    return tuple(FamilyTable(elastic, kind, place) for place in places)
+
+
+# Of neighbouring surfaces, mostly the same: to look for each table by itself takes longer than to read it.
+@lru_cache(maxsize=64)
+def _tables_at(
+    elastic: RoughContact, kind: _Kind, places: tuple[int | None, ...]
+) -> tuple[Conductivity, ...]:
+    return tuple(name.made() for name in _names_at(elastic, kind, places))
 
 
 def _on_lattice(member: RoughContact) -> tuple[int, float]:
@@ -213,27 +228,22 @@ def _elastic_table(surface: RoughContact, kind: _Kind) -> Conductivity:
     return kind.table(surface, _RANGE * sealing, sealing, None)
 
 
-def _interpolated(found: Sequence[Conductivity], t: float) -> Conductivity:
+def _interpolated(found: tuple[Conductivity, ...], t: float) -> Conductivity:
     """Table between four neighbours on the lattice, at `t` steps from the first one."""
-    tables = [one.liquid if isinstance(one, GasConductivityTable) else one for one in found]
-    # the last points before sealing, far below any molecule's size, round to zero in some of them
-    count = min(len(table.pressure) for table in tables)
     weights = lagrange(t)
-    over_sealing = tables[0].pressure[:count] / tables[0].sealing_pressure
-    sealing = math.exp(
-        sum(w * math.log(one.sealing_pressure) for w, one in zip(weights, tables, strict=True))
-    )
-    log_separation = sum(w * np.log(one.separation[:count]) for w, one in zip(weights, tables, strict=True))
-    liquid = ConductivityTable(
-        over_sealing * sealing, np.exp(log_separation), sealing, math.inf, tables[0].method
-    )
     of_gas = [one for one in found if isinstance(one, GasConductivityTable)]
+    liquid = _alike(found).between(weights)
     if not of_gas:
         return liquid
-    log_R: FloatArray = np.zeros((count, of_gas[0].log_inverse_knudsen.size))
+    log_R: FloatArray = np.zeros((len(liquid.pressure), of_gas[0].log_inverse_knudsen.size))
     for weight, one in zip(weights, of_gas, strict=True):
-        log_R += weight * one.log_rarefaction[:count]
+        log_R += weight * one.log_rarefaction[: len(liquid.pressure)]
     return GasConductivityTable(liquid, log_R, of_gas[0].log_inverse_knudsen)
+
+
+@lru_cache(maxsize=64)
+def _alike(found: tuple[Conductivity, ...]) -> AlikeTables:
+    return AlikeTables.of([one.liquid if isinstance(one, GasConductivityTable) else one for one in found])
 
 
 @lru_cache(maxsize=_REMEMBERED)

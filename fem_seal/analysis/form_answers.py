@@ -217,9 +217,9 @@ def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[floa
     profile = asked.formed.profile_at(place.angle)
     if asked.load.leak is None:
         return None
-    without = asked.load.leak.leak_rate - flow.bounds(profile, [widest]).extra[1]
+    without = asked.load.leak.leak_rate - flow.bounds(profile, [widest]).largest_extra
     found = deepest_scratch(
-        lambda scratch: without + flow.bounds(profile, [scratch]).extra[1],
+        lambda scratch: without + flow.bounds(profile, [scratch]).largest_extra,
         limit[1],
         width_over_depth=widest.width / widest.depth,
         angle=widest.angle,

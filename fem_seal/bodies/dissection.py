@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -182,29 +183,41 @@ class Dissection:
         last = _cholesky(found[-1].handed_on)
         inverse, _ = dpotri(last, lower=1)
         inverse = np.tril(inverse)
-        parts, places = self.parts, self.places
+        order, places = self._order
         # what a part hands on is not needed any more, and need not be kept
-        kept = [(one.lower, one.coupling) for one in found]
+        kept = [(one.lower, one.coupling) for one in found if len(one.lower)]
+        steps = [(*place, *one) for place, one in zip(places, kept, strict=True)]
 
         def solve(right: FloatArray) -> FloatArray:
             from scipy.linalg.lapack import dpotrs, dtrtrs
 
-            solution = right.reshape(len(right), -1).copy()
-            for part, (lower, coupling) in zip(parts, kept, strict=True):
-                inner = solution[part.inner]
+            turned = right.reshape(len(right), -1)[order]
+            for span, outer, lower, coupling in steps:
+                inner = turned[span]
                 # forces stand on few parts
                 if inner.any():
-                    forward, _ = dtrtrs(lower, inner, lower=1)
-                    solution[part.inner] = forward
-                    solution[part.outer] -= coupling.T @ forward
-            solution[places], _ = dpotrs(last, solution[places], lower=1)
-            for part, (lower, coupling) in zip(reversed(parts), reversed(kept), strict=True):
-                if len(part.inner):
-                    back = solution[part.inner] - coupling @ solution[part.outer]
-                    solution[part.inner], _ = dtrtrs(lower, back, lower=1, trans=1)
+                    turned[span], _ = dtrtrs(lower, inner, lower=1)
+                    turned[outer] -= coupling.T @ inner
+            rest = turned[-len(last) :]
+            rest[:], _ = dpotrs(last, rest, lower=1)
+            for span, outer, lower, coupling in reversed(steps):
+                turned[span], _ = dtrtrs(lower, turned[span] - coupling @ turned[outer], lower=1, trans=1)
+            solution = np.empty_like(turned)
+            solution[order] = turned
             return solution.reshape(right.shape)
 
         return inverse + np.tril(inverse, -1).T, solve
+
+    @cached_property
+    def _order(self) -> tuple[NDArray[np.int64], list[tuple[slice, NDArray[np.int64]]]]:
+        """Unknowns in the order of their elimination, and where those that a part eliminates and hands on are then."""
+        eliminating = [part for part in self.parts if len(part.inner)]
+        order = np.concatenate([*(part.inner for part in eliminating), self.places])
+        place = np.empty_like(order)
+        place[order] = np.arange(self.size)
+        ends = np.cumsum([0, *(len(part.inner) for part in eliminating)]).tolist()
+        spans = (slice(*ends) for ends in pairwise(ends))
+        return order, [(span, place[part.outer]) for span, part in zip(spans, eliminating, strict=True)]
 
     @cached_property
     def _elastic(self) -> list[_Eliminated]:

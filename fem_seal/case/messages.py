@@ -108,13 +108,27 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
         return Problem(key, _choice(value, choices(table, name)), shown(value))
     if kind == "value_error":
         return Problem(key, str(ctx["error"]), None if isinstance(value, Mapping) else shown(value))
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return Problem(key, _no_table(key, name, table), shown(value))
     return Problem(key, _plain(kind, name, details["msg"]), shown(value))
+
+
+def _no_table(key: str, name: str, parent: type[BaseModel] | None) -> str:
+    """What to write instead, with all entries that must be there, or with one that may be."""
+    field = parent.model_fields.get(name) if parent else None
+    tables = tables_of(field) if field else []
+    if not tables:
+        return "must be a table, { ... }"
+    given = [
+        (one, entry, entry.examples[0]) for one, entry in tables[0].model_fields.items() if entry.examples
+    ]
+    needed = [each for each in given if each[1].is_required()] or given[:1]
+    entries = ", ".join(f"{one} = {toml(example)}" for one, _, example in needed) or "..."
+    return f"must be a table, [{key}] with its keys below, or {name} = {{ {entries} }}"
 
 
 def _plain(kind: str, name: str, message: str) -> str:
     """Remaining kinds of errors of the validation, in words."""
-    if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return f"must be a table, [{name}] with its keys below, or {name} = {{ ... }}"
     if kind == "bool_type":
         return "must be true or false, without quotes"
     if kind in ("tuple_type", "list_type"):

@@ -28,7 +28,7 @@ _SHARES = (0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
 # Where the line load falls, one step lets it fall by this many e-folds at most.
 _FALL = 5.0
 # Relative residual of the linear equations, and the most products to get there.
-_SOLVED, _MOST_PRODUCTS = 1e-12, 400
+_SOLVED, _MOST_PRODUCTS = 1e-7, 400
 # Least line load over the mean that is followed in its logarithm.
 _LEAST = 1e-60
 

@@ -8,7 +8,7 @@ e-fold. Smooth surfaces part at a definite approach instead.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -28,8 +28,10 @@ if TYPE_CHECKING:
 # Step of the ladder in ln f. A cubic spline over it is good to 1e-5 of the decay length
 # (tests/test_fem_seal_around.py compares it with contacts in between).
 _STEP = 0.3
+# Where the next rung is looked for: a polynomial through one to three rungs, the nearest first.
+_AHEAD = ((1.0,), (2.0, -1.0), (3.0, -3.0, 1.0))
 # Rungs beyond what is asked for, so that a spline has no end there, and the fewest a spline is made of.
-_BEYOND, _FEWEST = 3, 8
+_BEYOND, _FEWEST = 3, 4
 # Highest line load over the mean, and lowest of a smooth interface, where the contact gets narrower than its mesh.
 _HIGHEST, _LOWEST_SMOOTH = math.log(60.0), math.log(1e-2)
 # A contact whose approach over ln f changes its slope by less than this share from rung to rung only fades.
@@ -37,6 +39,8 @@ _FADING = 1e-6
 # Ends of a first ladder where nobody knows the line loads yet, and of what counts as a load at all, in ln f over mean.
 _FIRST_LOWEST, _FIRST_HIGHEST, _NOTHING = math.log(1e-2), math.log(4.0), -600.0
 _POLISH = 4
+# What counts as the mean line load, in ln f over it.
+_EVEN = 1e-12
 # Part of the relative curvature by which a gap is bent to see what that does to the peak.
 _BEND = 0.005
 _SETTINGS = ContactSettings(gap_tolerance=1e-10)
@@ -178,6 +182,20 @@ class LocalContact:
         with np.errstate(under="ignore"):
             return np.exp(log_pressure), self.law.gap(log_pressure)
 
+    @property
+    def at_mean(self) -> ContactSolution:
+        """The contact at the mean line load, which needs no ladder."""
+        self._solve(0)
+        return self._rungs[0]
+
+    def _is_mean(self, line_load: float) -> bool:
+        return abs(line_load / self.mean.line_load - 1.0) < _EVEN
+
+    @property
+    def mean_approach(self) -> float:
+        """Approach along the normal at the mean line load [m]."""
+        return self._along_normal(self.at_mean)
+
     def profile(self, line_load: float) -> PressureProfile:
         """Profile on first loading, which all readings of the surfaces share.
 
@@ -186,12 +204,20 @@ class LocalContact:
         line_load : float
             [N/m]
         """
-        if line_load not in self._profiles:
-            f = np.array([line_load])
-            pressure, gap = self.pressure_and_gap(f, self.approach(f)[0])
-            mean = self.mean.profile
-            self._profiles[line_load] = replace(mean, pressure=pressure[0], gap=gap[0], largest=None)
-        return self._profiles[line_load]
+        return self.profiles([line_load])[0]
+
+    def profiles(self, line_loads: Sequence[float]) -> list[PressureProfile]:
+        """`profile` of several line loads [N/m]."""
+        known, mean = self._profiles, self.mean.profile
+        new = [f for f in line_loads if f not in known and not self._is_mean(f)]
+        if new:
+            f = np.array(new)
+            for one, p, gap in zip(new, *self.pressure_and_gap(f, self.approach(f)[0]), strict=True):
+                known[one] = replace(mean, pressure=p, gap=gap, largest=None)
+        for f_mean in [f for f in line_loads if f not in known]:
+            contact = self.at_mean
+            known[f_mean] = replace(mean, pressure=contact.pressure, gap=contact.gap, largest=None)
+        return [known[f] for f in line_loads]
 
     def _hard_profiles(self, line_load: FloatArray, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The profiles of smooth surfaces end at another place for each line load: nothing to interpolate."""
@@ -209,6 +235,8 @@ class LocalContact:
 
     def at(self, line_load: float) -> ContactSolution:
         """The contact at a line load [N/m], solved there."""
+        if self._is_mean(line_load):
+            return self.at_mean
         v = float(self._over_mean(np.array([line_load]))[0])
         k = min(self._rungs, key=lambda k: abs(_STEP * k - v))
         return self._solved(self.mean.axial_force * line_load / self.mean.line_load, self._rungs[k])
@@ -283,8 +311,21 @@ class LocalContact:
     def _solve(self, k: int) -> None:
         if k in self._rungs:
             return
-        near = self._rungs.get(k - 1 if k > 0 else k + 1, self.mean)
-        self._rungs[k] = self._solved(self.mean.axial_force * math.exp(_STEP * k), near)
+        self._rungs[k] = self._solved(self.mean.axial_force * math.exp(_STEP * k), self._ahead(k))
+
+    def _ahead(self, k: int) -> ContactSolution:
+        """Where the solution of a rung is looked for: where a polynomial through the rungs before it goes."""
+        inwards = -1 if k > 0 else 1
+        places = [k + n * inwards for n in range(1, len(_AHEAD) + 1)]
+        near = [self._rungs[place] for place in places if place in self._rungs]
+        if self.opens or not near:
+            return near[0] if near else self.mean
+        weights = np.array(_AHEAD[len(near) - 1])
+        return replace(
+            near[0],
+            log_pressure=weights @ np.stack([one.log_pressure for one in near]),
+            approach=float(weights @ np.array([one.approach for one in near])),
+        )
 
     def _solved(self, axial_force: float, near: ContactSolution) -> ContactSolution:
         return solve(

@@ -22,9 +22,10 @@ from fem_seal.errors import ConvergenceError
 # Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
 _FLOOR = 1e-6
 _ROUND_OFF = 64 * np.finfo(float).eps
-# Compliance of the bodies at a point over that of the law below which it carries next to nothing: it slows the
-# iteration down by less than that.
-_CARRIES = 1e-8
+# Compliance of the bodies at a point over that of the law below which it carries next to nothing: leaving it out of
+# the coupling leaves such a share of the residual. It may be a hundredth of what is left anyway: the tolerance, or what
+# Newton's step leaves, not less than the square of a hundredth of the residual.
+_LEAST, _MOST, _SPARED, _SQUARED = 1e-8, 1e-4, 1e-2, 1e-4
 # ... of the largest, where all of them are smaller than this.
 _SOFT = 1e-3
 
@@ -161,10 +162,20 @@ def _solve_alike(
         if len(pressings) > 1:
             return [own for one in pressings for own in _solve_alike([one], settings, start)]
         found = [(None, [np.inf])]
+    gaps = iter(_gaps(rows, [state for state, _ in found]))
     return [
-        _softened_first(one, settings, guess) if state is None else _solution(one, state, residuals)
+        _softened_first(one, settings, guess)
+        if state is None
+        else _solution(one, state, residuals, next(gaps))
         for one, (state, residuals) in zip(pressings, found, strict=True)
     ]
+
+
+def _gaps(rows: _Rows, states: Sequence[State | None]) -> FloatArray:
+    """Gap in each state that there is, shape (states, m) [m]."""
+    there = np.array([state is not None for state in states])
+    v = [state[0] for state in states if state is not None]
+    return rows.law.rows(there).gap(np.stack(v)) if v else np.empty((0, 0))
 
 
 def _softened_first(
@@ -186,11 +197,10 @@ def _softened_first(
             )
         states = [state]
     assert state is not None  # the last of them is that of the law
-    return _solution(one, state, residuals)
+    return _solution(one, state, residuals, *_gaps(rows, [state]))
 
 
-def _solution(one: Pressing, state: State, residuals: Sequence[float]) -> ContactSolution:
-    assert not isinstance(one.law, HardContact)
+def _solution(one: Pressing, state: State, residuals: Sequence[float], gap: FloatArray) -> ContactSolution:
     v, d = state
     # the last residual is that of the solution, after which no step is taken
     return ContactSolution(
@@ -198,7 +208,7 @@ def _solution(one: Pressing, state: State, residuals: Sequence[float]) -> Contac
         one.axial_force,
         d,
         v,
-        one.law.gap(v),
+        gap,
         len(residuals) - 1,
         tuple(residuals),
         one.loads or FurtherLoads(),
@@ -299,8 +309,9 @@ def _newton(
                 left = ~done
                 rows, there = rows.chosen(left), there[left]
                 v, d, decay, gap_residual = v[left], d[left], decay[left], gap_residual[left]
-                missing_force = missing_force[left]
-            v, d, failed = _newton_step(rows.model, v, d, decay, gap_residual, missing_force)
+                missing_force, worst = missing_force[left], worst[left]
+            least = _least_carrying(worst, settings.gap_tolerance)
+            v, d, failed = _newton_step(rows.model, v, d, decay, gap_residual, missing_force, least)
             if failed.any():
                 for number in there[failed].tolist():
                     found[number][1].append(np.inf)
@@ -357,6 +368,12 @@ def _unbalanced(
     return gap_residual, rows.force - (line.normal[1] * f).sum(axis=1), worst
 
 
+def _least_carrying(worst: FloatArray, tolerance: float) -> FloatArray:
+    """What a point has to carry to take part in a step from such residuals, shape (rows,) both."""
+    left_anyway = np.maximum(tolerance / np.maximum(worst, tolerance), _SQUARED * worst)
+    return np.minimum(np.maximum(_SPARED * left_anyway, _LEAST), _MOST)
+
+
 def _newton_step(
     model: ContactModel,
     v: FloatArray,
@@ -364,17 +381,18 @@ def _newton_step(
     decay: FloatArray,
     gap_residual: FloatArray,
     missing_force: FloatArray,
+    least: FloatArray,
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """The states after one Newton step, and for which rows there is none.
 
-    That the lift follows the highest pressure is left out of the derivative.
+    Points that carry less than `least`, shape (rows,), follow the others explicitly. That the lift follows the highest
+    pressure is left out of the derivative.
     """
     n_z, failed = model.line.normal[1], np.zeros(len(v), dtype=bool)
-    # Points that carry next to nothing follow the others explicitly.
     softness = model.line.area_weight * np.exp(v) / decay
     carries = softness * model.compliance.diagonal()
     most = carries.max(axis=1, keepdims=True)
-    active = carries > _CARRIES * np.minimum(1.0, most / _SOFT)
+    active = carries > least[:, None] * np.minimum(1.0, most / _SOFT)
     step_d, opened = np.zeros_like(d), np.zeros_like(v)
     for row in range(len(v)):
         try:

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.caution import VALIDITY_COLUMNS
-from fem_seal.units import DIGITS, Unit, fixed_unit, split_unit
+from fem_seal.units import DIGITS, Unit, digits_within, fixed_unit, split_unit
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import LoadResult
+    from fem_seal.analysis.results import DiscretisationError, LoadResult
     from leak import CoupledLeakResult, LeakResult
 
 
@@ -87,6 +87,8 @@ class Column:
         Tables of the case without which the column stays empty.
     most_digits : int
         Significant digits that are shown at most.
+    mesh_error : str
+        What a `DiscretisationError` calls the error of this number, empty where it tells none.
     """
 
     name: str
@@ -101,6 +103,7 @@ class Column:
     spare_digits: int | None = None
     needs: tuple[str, ...] = ()
     most_digits: int = DIGITS
+    mesh_error: str = ""
 
     @property
     def unit(self) -> str:
@@ -122,10 +125,11 @@ class Column:
         value = self.of(row)
         return math.nan if value is None else float(value)
 
-    def digits(self, of_force: int) -> int:
-        """Significant digits that it is worth at a load whose contact force is worth `of_force`."""
+    def digits(self, of_force: int, error: DiscretisationError | None = None) -> int:
+        """Significant digits that it is worth where the contact force is worth `of_force`, on a mesh this good."""
         of_this = DIGITS if self.spare_digits is None else of_force + self.spare_digits
-        return min(of_this, self.most_digits)
+        share = getattr(error, self.mesh_error) if error is not None and self.mesh_error else None
+        return min(of_this, self.most_digits, DIGITS if share is None else digits_within(share))
 
 
 def _rate(leak: LeakResult | None) -> float | None:
@@ -229,6 +233,7 @@ COLUMNS = {
             short="p peak",
             shown_in="MPa",
             spare_digits=0,
+            mesh_error="peak_pressure",
         ),
         Column(
             "contact_radius_m",
@@ -245,6 +250,7 @@ COLUMNS = {
             title="width at half maximum",
             short="FWHM",
             shown_in="mm",
+            mesh_error="fwhm",
         ),
         Column(
             "std_m",
@@ -256,6 +262,7 @@ COLUMNS = {
             short="std dev",
             shown_in="mm",
             unit_like="fwhm_m",
+            mesh_error="std",
         ),
         Column(
             "leak_rate_m3_per_s",
@@ -268,6 +275,7 @@ COLUMNS = {
             shown_in="mm³/s",
             spare_digits=0,
             needs=_FLOW,
+            mesh_error="leak_rate",
         ),
         Column(
             "leak_rate_elastic_m3_per_s",
@@ -280,6 +288,7 @@ COLUMNS = {
             unit_like="leak_rate_m3_per_s",
             spare_digits=0,
             needs=_FLOW,
+            mesh_error="leak_rate",
         ),
         Column(
             "critical_separation_m",
@@ -327,6 +336,7 @@ COLUMNS = {
             shown_in="mm³/s",
             spare_digits=0,
             needs=_FLOW,
+            mesh_error="leak_rate",
         ),
         Column(
             "leak_rate_high_m3_per_s",
@@ -337,6 +347,7 @@ COLUMNS = {
             shown_in="mm³/s",
             spare_digits=0,
             needs=_FLOW,
+            mesh_error="leak_rate",
         ),
         Column(
             "leak_rate_kg_per_s",
@@ -356,6 +367,7 @@ COLUMNS = {
             shown_in="mbar l/s",
             spare_digits=0,
             needs=_FLOW,
+            mesh_error="leak_rate",
         ),
         Column(
             "leak_rate_standard_m3_per_s",

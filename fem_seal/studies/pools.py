@@ -222,7 +222,9 @@ def _warm() -> None:
 
         # names the modules that it wants itself, the first time that it is called
         get_mp_context()
-        multiprocessing.set_forkserver_preload(["distributed.nanny", "fem_seal.studies.responses"])
+        multiprocessing.set_forkserver_preload(
+            ["distributed.nanny", "fem_seal.studies.responses", "fem_seal.studies.frozen"]
+        )
 
 
 @contextmanager
@@ -615,7 +617,10 @@ class _Shares:
     def __init__(self, chunks: list[Chunk], workers: list[str]) -> None:
         count = max(len(workers), 1)
         ends = [len(chunks) * n // count for n in range(count + 1)]
-        parts = [deque(chunks[start:end]) for start, end in pairwise(ends)]
+        # what is left of one share at the end is taken over from the next one: both come to where they meet
+        parts = [
+            deque(chunks[start:end][:: -1 if n % 2 else 1]) for n, (start, end) in enumerate(pairwise(ends))
+        ]
         addresses: list[str | None] = [*workers] or [None]
         self._parts = dict(zip(addresses, parts, strict=True))
 
@@ -625,7 +630,7 @@ class _Shares:
         if not own:
             largest = max(self._parts.values(), key=len)
             for _ in range(-(-len(largest) // 2)):
-                own.appendleft(largest.pop())
+                own.append(largest.pop())
         return own.popleft() if own else None
 
     def give_back(self, worker: str | None, chunk: Chunk) -> None:

@@ -6,7 +6,7 @@ so that a study gives the same table in whatever order and on however many worke
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -36,6 +36,7 @@ from meshes import Sizing
 
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
+_OTHER_READING = "leak_rate_capped_m3_per_s"
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
 
@@ -89,9 +90,8 @@ def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) 
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     of_usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
     if leaks and load.formed is None:
-        # which its copies then know as well
-        load = load.knowing(leak_round=load.leak_round)
-        yield None
+        for _ in _leaks(load, other="margin" in columns or _OTHER_READING in columns):
+            yield None
     validity = _validity(of_usual, load, tabulated=leaks and interpolate)
     yield None
     if "margin" in columns:
@@ -100,6 +100,17 @@ def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) 
         yield None
     values = _read(Row(load), columns)
     return Evaluation(values, validity, load.verdict)
+
+
+def _leaks(load: LoadResult, *, other: bool) -> Iterator[object]:
+    """The leak rate of a load, and that of the other reading of yielding asperities, each kind of work by itself."""
+    readings = (load.conserved, load.capped) if other and load.yields else (load,)
+    for one in readings:
+        yield one.rough and one.rough.table
+    yield load.contact.profile.contact
+    yield load.contact.profile.contact.panels
+    for one in readings:
+        yield one.leak
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:

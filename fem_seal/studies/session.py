@@ -131,9 +131,11 @@ def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) 
 
 def _fill(recipe: Recipe, store: Store, ready: Pool, study: StudyPlan, progress: Progress) -> None:
     counts = store.counts()
-    progress.begin(len(study.points), len(study.points) - counts["open"])
+    done = len(study.points) - counts["open"]
+    progress.begin(len(study.points), done)
+    todo = chunks(recipe, study.points)
     try:
-        for rows in ready.results(recipe, _missing(recipe, store, chunks(recipe, study.points))):
+        for rows in ready.results(recipe, _missing(recipe, store, todo) if done else todo):
             check_unchanged(recipe.files)
             keep(store, rows, progress)
     finally:

@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Self
 
 from fem_seal.studies.progress import duration
@@ -41,7 +41,8 @@ class Block:
     tell: float = 0.0
     start: float = 0.0
     spent: float = 0.0
-    ended: threading.Event = field(default_factory=threading.Event)
+    runs: bool = False
+    ended: threading.Event | None = None
 
 
 class Watch:
@@ -75,12 +76,14 @@ class Watch:
         """Look at the clock while a block runs for a while: what counts is all of its time, not that of others."""
         block.tell = block.tell or self._first
         block.start = time.monotonic() - block.spent
-        block.ended.clear()
+        block.runs, block.ended = True, None
         self._block = block
         try:
             yield
         finally:
-            block.ended.set()
+            block.runs = False
+            if block.ended is not None:
+                block.ended.set()
             with self._telling:
                 self._block = None
             block.spent = time.monotonic() - block.start
@@ -92,14 +95,18 @@ class Watch:
             pause = self._first
             with self._telling:
                 block = self._block
-                if block is not None and not block.ended.is_set():
+                if block is not None and block.runs:
                     pause = self._told(block)
 
     def _told(self, block: Block) -> float:
         """Tell a block what is to be told; time until the next look [s]."""
         passed = time.monotonic() - block.start
         if passed >= self._limit:
-            block.over(block.ended)
+            # only now: it takes longer than many a turn
+            block.ended = ended = threading.Event()
+            if not block.runs:
+                ended.set()
+            block.over(ended)
             block.tell = math.inf
         elif passed >= block.tell:
             block.slow(passed)

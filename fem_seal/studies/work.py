@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 # A chunk is what is lost when a worker dies and what travels at once: about a second of work, by these estimates of
 # what new bodies, a new surface and a further design cost [s]; a cone takes less, a land with its edges more.
 _BODIES, _SURFACE, _DESIGN, _CHUNK = 0.2, 0.004, 0.004, 1.0
-# Designs that take their steps together: with more of them one step finds less of the last in the caches.
-_TOGETHER = 32
+# Designs that take their steps together, mostly all of a chunk: more of them gain nothing any more.
+_TOGETHER = 128
 
 # Materials enter the bodies by their elastic constants, the surface by their hardness.
 _BODY_TABLES = ("closure.", "seat.", "mesh.")

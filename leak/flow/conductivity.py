@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol, runtime_checkable
@@ -80,7 +80,8 @@ class Conductivity:
 
     def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
         """sigma_eff at ln(p/Pa), where p itself may be too small for a floating-point number."""
-        return self.table.at_log_pressure(log_pressure) ** 3 / (12.0 * self.viscosity)
+        u = self.table.at_log_pressure(log_pressure)
+        return u * u * u / (12.0 * self.viscosity)
 
     def first_loading(self, log_pressure: ArrayLike, log_largest: ArrayLike) -> FloatArray:
         """See `ConductivityTable.first_loading`."""
@@ -175,7 +176,9 @@ class ConductivityTable:
             memory,
             acting,
         )
-        vars(table)["_curve"] = self._curve.shifted(math.log(pressure))
+        vars(table).update(
+            _curve=self._curve.shifted(math.log(pressure)), _decay_length=self._decay_length * height
+        )
         return table
 
     def effective_separation(self, pressure: ArrayLike) -> FloatArray | float:
@@ -207,7 +210,9 @@ class ConductivityTable:
         sealed = x >= sealing if highest >= sealing else False
         inside = x if sealed is False else np.where(sealed, sealing - 1.0, x)
         abscissa = table_abscissa(inside, sealing, self.method)
-        u = self._decay_length * np.logaddexp(0.0, self._curve.value(abscissa))
+        y = self._curve.value(abscissa)
+        # ln(1 + exp(y))
+        u = self._decay_length * (np.maximum(y, 0.0) + np.log1p(np.exp(-np.abs(y))))
         return np.where(sealed | (u < _SMALLEST_SEPARATION), 0.0, u)
 
     def asked(self, log_pressure: FloatArray) -> FloatArray:
@@ -239,6 +244,58 @@ class ConductivityTable:
     def at(self, viscosity: float) -> Conductivity:
         """The conductivity for one fluid viscosity [Pa s], a function of pressure."""
         return Conductivity(self, positive(ConductivityError, "viscosity", viscosity, "Pa s"))
+
+
+@dataclass(frozen=True, eq=False)
+class AlikeTables:
+    """Tables at the same fractions of their sealing pressures, between which one can interpolate.
+
+    Parameters
+    ----------
+    over_sealing : ndarray, shape (n,)
+        Pressures over the sealing pressure.
+    rows : ndarray, shape (tables, 2 + 3 n)
+        Of each what is interpolated: ln of the sealing pressure, decay length, ln u_eff, and of the curve over the
+        pressure its values and slopes.
+    method : str
+    """
+
+    over_sealing: FloatArray
+    rows: FloatArray
+    method: str
+
+    @classmethod
+    def of(cls, tables: Sequence[ConductivityTable]) -> AlikeTables:
+        """Of tables whose last points before sealing may be missing where u_eff rounds to zero."""
+        count = min(len(table.pressure) for table in tables)
+        first = tables[0]
+        rows = [
+            [
+                table._log_sealing,
+                table._decay_length,
+                *np.log(table.separation[:count]),
+                *table._curve.y[:count],
+                *table._curve.slope[:count],
+            ]
+            for table in tables
+        ]
+        return cls(first.pressure[:count] / first.sealing_pressure, np.array(rows), first.method)
+
+    def between(self, weights: Sequence[float]) -> ConductivityTable:
+        """The table with such weights of each, whose sum is one."""
+        row, n = np.asarray(weights) @ self.rows, self.over_sealing.size
+        sealing, at = math.exp(row[0]), 2 + n
+        table = ConductivityTable(
+            self.over_sealing * sealing, np.exp(row[2:at]), sealing, math.inf, self.method
+        )
+        curve = MonotoneCurve(self._abscissa + row[0], row[at : at + n], row[at + n :])
+        vars(table).update(_curve=curve, _decay_length=float(row[1]))
+        return table
+
+    @cached_property
+    def _abscissa(self) -> FloatArray:
+        """Over which the curves run, at a sealing pressure of one [Pa]."""
+        return table_abscissa(np.log(self.over_sealing), 0.0, self.method)
 
 
 @runtime_checkable

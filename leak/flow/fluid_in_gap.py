@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import exp, inf, log
 
 import numpy as np
@@ -27,7 +28,7 @@ _FINE = 8
 # Alexander's second-order, L-stable rule: both of its stages are the same implicit equation.
 _STAGE = 1.0 - np.sqrt(0.5)
 _ROUGH, _CLOSE = 1e-3, 1e-7
-_SECANT_STEPS, _ROOT_STEPS = 12, 200
+_SECANT_STEPS, _ROOT_STEPS, _LEAST_SLOPE = 12, 200, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,9 +139,10 @@ def coupled_leak_flow(
     liquid = None if pressure_law is None else _Thickening.of(FlowPotential(pressure_law, blow_off))
     path = replace(path, liquid=liquid)
     whole = drop if pressure_law is None else float(FlowPotential(pressure_law, drop)(drop))
-    log_Q = _flow_for(whole, path, curve, curve.guess(whole, path.pressures, path.log_lengths), _ROUGH)
+    guess = curve.guess(whole, path.pressures, path.log_lengths)
+    log_Q, slope = _flow_for(whole, path, curve, guess, 1.0, _ROUGH)
     path = replace(_Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak)), liquid=liquid)
-    log_Q = _flow_for(whole, path, curve, log_Q, _CLOSE)
+    log_Q, _ = _flow_for(whole, path, curve, log_Q, slope, _CLOSE)
     fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
     with np.errstate(over="ignore"):
         Q, resistance = float(np.exp(log_Q)), float(np.exp(np.log(drop) - log_Q))
@@ -248,22 +250,33 @@ def _even(x: FloatArray, way: FloatArray, count: int) -> FloatArray:
     return np.interp(np.linspace(0.0, total[-1], count + 1), total, x)
 
 
-def _flow_for(whole: float, path: _Path, curve: ResistanceCurve, guess: float, tolerance: float) -> float:
-    """ln Q at which psi(p_f) reaches `whole` at the end: secant steps, bisected where they leave the bracket."""
+def _flow_for(
+    whole: float, path: _Path, curve: ResistanceCurve, guess: float, slope: float, tolerance: float
+) -> tuple[float, float]:
+    """ln Q at which psi(p_f) reaches `whole` at the end: secant steps, bisected where they leave the bracket.
+
+    Parameters
+    ----------
+    guess, slope : float
+        Near ln Q, and how psi(p_f)/whole at the end rises with ln Q there; the slope is given back, too.
+    """
 
     def miss(log_Q: float) -> float:
         return path.potential(log_Q, curve)[0][-1] / whole - 1.0
 
     low, high = -np.inf, np.inf
     old, at = guess, miss(guess)
-    log_Q, widening = old - float(np.clip(at, -0.5, 0.5)), 1.0
+    log_Q, widening = old - float(np.clip(at / slope, -0.5, 0.5)), 1.0
     for count in range(_ROOT_STEPS):
         before, at = at, miss(log_Q)
         low, high = (low, min(high, log_Q)) if at >= 0.0 else (max(low, log_Q), high)
-        slope = (at - before) / (log_Q - old) if log_Q != old else 0.0
+        secant = (at - before) / (log_Q - old) if log_Q != old else 0.0
         old = log_Q
         # p_f rises no faster than Q; where it hardly rises at all a secant step leads astray.
-        step = -at / slope if slope > 1e-3 else -widening * np.sign(at)
+        if secant > _LEAST_SLOPE:
+            slope, step = secant, -at / secant
+        else:
+            step = -widening * np.sign(at)
         log_Q = old + float(np.clip(step, -widening, widening))
         if abs(log_Q - old) < tolerance:
             break
@@ -271,7 +284,7 @@ def _flow_for(whole: float, path: _Path, curve: ResistanceCurve, guess: float, t
         if not low < log_Q < high or (count > _SECANT_STEPS and np.isfinite(high - low)):
             # Near blow-off p_f hardly depends on Q, and secant steps crawl.
             log_Q = 0.5 * (low + high)
-    return log_Q
+    return log_Q, slope
 
 
 # -------------------------------------------------------------------- the profile
@@ -424,12 +437,17 @@ class ResistanceCurve:
             stretch = 1.0 + s * (nodes[0] - v)
             return self.values[0] - 3.0 * log(stretch), 3.0 * s / stretch
         k = min(bisect_right(nodes, v), len(nodes) - 1) - 1
-        h = nodes[k + 1] - nodes[k]
-        t = (v - nodes[k]) / h
-        y0, rise = self.values[k], self.values[k + 1] - self.values[k]
-        d0, d1 = h * self.slopes[k], h * self.slopes[k + 1]
-        c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-        return y0 + t * (d0 + t * (c2 + t * c3)), (d0 + t * (2.0 * c2 + 3.0 * t * c3)) / h
+        t = v - nodes[k]
+        y0, d0, c2, c3 = self._cubics[k]
+        return y0 + t * (d0 + t * (c2 + t * c3)), d0 + t * (2.0 * c2 + 3.0 * t * c3)
+
+    @cached_property
+    def _cubics(self) -> list[tuple[float, float, float, float]]:
+        """Coefficients of the cubic in each cell over v less its lower node."""
+        h, d0, d1 = np.diff(self.nodes), np.array(self.slopes[:-1]), np.array(self.slopes[1:])
+        slope = np.diff(self.values) / h
+        c2, c3 = (3.0 * slope - 2.0 * d0 - d1) / h, (d0 + d1 - 2.0 * slope) / h**2
+        return list(zip(self.values[:-1], self.slopes[:-1], c2.tolist(), c3.tolist(), strict=True))
 
     def rise(self, room: float, log_flow: float, guess: float) -> tuple[float, float]:
         """Rise a/sigma(w) of the fluid pressure over a step, where w + a/sigma(w) = room, and ln w.
@@ -459,11 +477,11 @@ class ResistanceCurve:
             total = own + other
             step = (larger + log(total) - target) * total / (own + other * dG)
             new = min(v - step, top)
-            moved, v = abs(new - v), new
+            # of the last step, which is tiny, the slope is enough
+            moved, G, v = abs(new - v), G + dG * (new - v), new
             if moved < _NEWTON_CLOSE:
                 break
         w = exp(v) if v > -700.0 else 0.0
-        G = self.at(v)[0] + log_flow
         if v == self.highest < target:
             # So little flows that w stays at the last node, next to the sealing pressure.
             return room - w, v
@@ -507,11 +525,11 @@ class ResistanceCurve:
             new = v - excess * (own + lift) / (own + steep * rise * dG)
             if not low <= new <= high:
                 new = 0.5 * (low + high) if low > -inf else min(v - 1.0, top)
-            moved, v = abs(new - v), new
+            moved, G, v = abs(new - v), G + dG * (new - v), new
             if moved < _NEWTON_CLOSE:
                 break
         w = exp(v) if v > -700.0 else 0.0
-        rise = exp(min(self.at(v)[0] + log_flow, 600.0))
+        rise = exp(min(G + log_flow, 600.0))
         # Of two numbers that add up to `room` the smaller one is the accurate one.
         if v == self.highest < target or rise * slope > w:
             return liquid.potential(p - w) - psi, v

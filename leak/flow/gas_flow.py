@@ -27,7 +27,7 @@ from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
 from leak.standards import STANDARD_PRESSURE, STANDARD_TEMPERATURE
 
-# Nine are usual, with a vacuum ahead of wide gaps thirty.
+# Eight are usual, with a vacuum ahead of wide gaps thirty.
 _MOST_ITERATIONS = 200
 _CONVERGED = 1e-11
 # So many iterations before the last are mixed with it; plain ones would swing with a vacuum ahead of wide gaps.
@@ -310,22 +310,17 @@ class _Path:
         """Mass flow, and the gas pressure at the edges of the cells, for the pressures at both ends."""
         of = GasPotential(self.gas.real, max(first, last), self.slip_pressure)
         ends = float(of(first)), float(of(last))
-        potential = np.full(self.resistance.size, max(ends))
+        _, share = self._shares(self.resistance, ends[0] < ends[1])
+        potential = min(ends) + abs(ends[1] - ends[0]) * share
         before, found, steps = np.inf, np.empty((0, potential.size)), np.empty((0, potential.size))
         for _ in range(_MOST_ITERATIONS):
-            within, whole = self._integrals(self.resistance / self._gain(of.pressure(potential)))
+            resistance = self.resistance / self._gain(of.flow_pressure(potential))
+            whole, share = self._shares(resistance, ends[0] < ends[1])
             total = float(whole.sum())
             if abs(total / before - 1.0) < _CONVERGED:
                 break
             before = total
-            # counted from the end with the lower pressure, so that vacuum stays exact there
-            rate = abs(ends[1] - ends[0]) / total
-            if ends[0] < ends[1]:
-                share = np.repeat(np.cumsum(whole) - whole, self._points) + within
-            else:
-                behind = np.cumsum(whole[::-1])[::-1]
-                share = np.repeat(behind, self._points) - within
-            root = np.sqrt(min(ends) + rate * np.maximum(share, 0.0))
+            root = np.sqrt(min(ends) + abs(ends[1] - ends[0]) * share)
             found = np.concatenate([found[-_MIXED:], [root]])
             steps = np.concatenate([steps[-_MIXED:], [root - np.sqrt(potential)]])
             potential = np.minimum(np.maximum(_mixed(found, steps) ** 2, min(ends)), max(ends))
@@ -339,6 +334,16 @@ class _Path:
         """Integrals over the share of each stretch; infinite with a value in it."""
         parts = zip(self.used, self._by_stretch(values), strict=True)
         return np.concatenate([one @ part.quadrature[:, -1] for part, one in parts])
+
+    def _shares(self, values: FloatArray, rising: bool) -> tuple[FloatArray, FloatArray]:
+        """Integrals over each stretch, and at each point the share of what lies toward the lower gas pressure."""
+        within, whole = self._integrals(values)
+        # counted from the end with the lower pressure, so that vacuum stays exact there
+        if rising:
+            share = np.repeat(np.cumsum(whole) - whole, self._points) + within
+        else:
+            share = np.repeat(np.cumsum(whole[::-1])[::-1], self._points) - within
+        return whole, np.maximum(share, 0.0) / whole.sum()
 
     def _integrals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Integrals of finite values over the share of each stretch: up to each of its points, and over all of it."""
@@ -365,9 +370,8 @@ class _Path:
         along = np.concatenate([[0.0], np.cumsum(shares)])
         return along[self.cells.start : self.cells.stop + 1]
 
-    def _gain(self, pressure: FloatArray) -> FloatArray:
+    def _gain(self, q: FloatArray) -> FloatArray:
         """q F/(q + c), F = 12 eta sigma_eff/u_eff^3."""
-        q = self.gas.flow_pressure(pressure)
         log_q = np.log(np.maximum(q, 1e-300))
         log_D = log_q + self._log_width
         # q and the factor of free molecules, 1/q, are no numbers on their own in a perfect vacuum
@@ -391,8 +395,10 @@ def _mixed(found: FloatArray, steps: FloatArray) -> FloatArray:
 
     D. G. Anderson, J. ACM 12, 547 (1965).
     """
+    from scipy.linalg.lapack import dgelss
+
     if len(found) == 1:
         return found[0]
     change = steps[-1] - steps[:-1]
-    share = np.linalg.lstsq(change @ change.T, change @ steps[-1], rcond=1e-12)[0]
+    share = dgelss(change @ change.T, change @ steps[-1], cond=1e-12)[1]
     return np.asarray(found[-1] - share @ (found[-1] - found[:-1]))

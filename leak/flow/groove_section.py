@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -12,10 +13,14 @@ from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
 from leak.flow.rarefied import flow_factor
 from leak.fluids.properties import Gas
+from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
 from leak.numerics.gauss import gauss
 
 # Over half of the section: the flow of a gas through an ellipse to 1e-7 in the continuum, 1e-5 of free molecules.
 _NODES = 16
+# Of the table of that flow over ln D of the full depth: below it the flow is one of free molecules, above it that of a
+# continuum to 1e-9. With this step it is interpolated to 1e-8, a tenth of what the table of the slit is good to.
+_TABLE_ENDS, _TABLE_STEP = (-7.0, 24.0), 2e-3
 
 
 @runtime_checkable
@@ -137,11 +142,8 @@ class EllipticGroove:
         gas_pressure : array_like
             Absolute pressure of the gas, of a real one its `Gas.flow_pressure` [Pa].
         """
-        angle = 0.25 * np.pi * (1.0 + gauss(_NODES)[0])
-        depth = self.open_depth(pressure, effective_modulus)[..., None] * np.cos(angle)
-        # int g^3 dx over int g^3 f dx: cos^4 of the angle are three of the depth and one of dx
-        weight = np.cos(angle) ** 4 * gauss(_NODES)[1]
-        factor = _slit_factor(depth, gas, gas_pressure) @ (weight / weight.sum())
+        D = _inverse_knudsen(self.open_depth(pressure, effective_modulus), gas, gas_pressure)
+        factor = np.exp(_log_elliptic_factors().value(np.log(D)))
         return self.liquid_conductance(pressure, effective_modulus, gas.viscosity) * factor
 
 
@@ -222,7 +224,8 @@ class SinusoidalGroove:
     ) -> FloatArray:
         """K of a rarefied gas, see `EllipticGroove.gas_conductance` [m^4/(Pa s)]."""
         gap, weight = self._gaps(pressure, effective_modulus)
-        cubed = gap**3 * _slit_factor(gap, gas, gas_pressure)
+        D = _inverse_knudsen(gap, gas, np.asarray(gas_pressure, dtype=float)[..., None])
+        cubed = gap**3 * flow_factor(D)
         return np.asarray((weight * cubed).sum(axis=-1) / (12.0 * gas.viscosity))
 
     def _share(self, pressure: ArrayLike, effective_modulus: float) -> FloatArray:
@@ -247,8 +250,19 @@ def _wave_gap(t: FloatArray | np.float64, s: FloatArray) -> FloatArray:
     return np.maximum(t * root - s * np.log(t + root) + 0.5 * xlogy(s, s), 0.0)
 
 
-def _slit_factor(gap: FloatArray, gas: Gas, gas_pressure: ArrayLike) -> FloatArray:
-    """Flow of the gas over that of a continuum at gaps (..., nodes) and pressures (...)."""
-    D = np.asarray(gas_pressure, dtype=float)[..., None] * gap / (gas.viscosity * gas.molecular_speed)
+def _inverse_knudsen(gap: FloatArray, gas: Gas, gas_pressure: ArrayLike) -> FloatArray:
+    """D of the gas at gaps and pressures."""
+    D = np.asarray(gas_pressure, dtype=float) * gap / (gas.viscosity * gas.molecular_speed)
     # where the groove is shut, or in a perfect vacuum, the product with gap^3 is what counts
-    return flow_factor(np.maximum(D, 1e-100))
+    return np.maximum(D, 1e-100)
+
+
+@lru_cache(maxsize=1)
+def _log_elliptic_factors() -> MonotoneCurve:
+    """ln of the flow of a gas through an ellipse, over that of a continuum, over ln D of its full depth."""
+    angle = 0.25 * np.pi * (1.0 + gauss(_NODES)[0])
+    # int g^3 dx over int g^3 f dx: cos^4 of the angle are three of the depth and one of dx
+    weight = np.cos(angle) ** 4 * gauss(_NODES)[1]
+    log_D = np.arange(_TABLE_ENDS[0], _TABLE_ENDS[1], _TABLE_STEP)
+    factor = np.log(flow_factor(np.exp(log_D)[:, None] * np.cos(angle)) @ (weight / weight.sum()))
+    return MonotoneCurve(log_D, factor, cubic_spline_slopes(log_D, factor))

@@ -12,8 +12,9 @@ from leak.errors import ConductivityError
 # ln u_eff^3 may lie this far outside the separations given; what lies further is sealed (as in the isotropic medium).
 _BELOW_ALL = 60.0
 _INNER_STEPS, _OUTER_STEPS = 120, 60
-# Newton's error squares with each step: after a step this small it is at rounding.
-_CLOSE = 1e-9
+# Newton's error squares with each step: after a step this small it is some 1e-14, and what follows from two such roots
+# asks for the second of these.
+_CLOSE, _BOTH_CLOSE = 1e-7, 1e-9
 
 
 class DirectionalGap(NamedTuple):
@@ -151,7 +152,7 @@ def directional_medium_of_logarithms(
         following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
         step, log_m = following - log_m, following
         x, y = x + rise_x * step, y - rise_y * step
-        if np.abs(step).max() < _CLOSE:
+        if np.abs(step).max() < _BOTH_CLOSE:
             break
     sealed = ~(room > 0.0)
     return DirectionalGap(*(np.where(sealed | (s < medium.lowest + 0.6), 0.0, medium.gap(s)) for s in (x, y)))

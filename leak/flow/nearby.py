@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray, different
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable, table_abscissa
 from leak.flow.memory import LoadMemory
-from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, elastic_range, gas_conductivity_table
 from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slopes, lagrange
 from leak.surfaces.spectrum import PowerSpectrum
@@ -35,9 +34,7 @@ _LOWEST, _LEAST, _CLOSEST = 1e-9, 1e-7, 0.98
 # A spectrum with more kinks is calculated as so many power laws.
 _PIECES = 14
 # ln of the inverse Knudsen numbers of a gas at which a surface is calculated.
-_LOG_D = np.array([-9.0, -5.5, -3.0, -1.0, 1.0, 3.0, 6.5])
-# Molecules fly this share of a gap that is so wide that a gas is a liquid in it.
-_CONTINUUM = 1e-20
+_LOG_D = np.array([-9.0, -4.5, -2.0, 0.0, 2.2, 6.5])
 # A gap over the rms height that is none; a table calls it zero. Where its logarithm is half as far, nothing leaks yet.
 _NOTHING = 1e-56
 _LOG_CLOSED = 0.5 * float(np.log(_NOTHING))
@@ -58,7 +55,7 @@ class _Values(NamedTuple):
     gap: FloatArray
     """u_eff over half the rms height, as the tables are smooth in it, shape (n,)."""
     rise: FloatArray
-    """Of a gas: ln R over that of the known surface, at `_LOG_D`, shape (n, 7)."""
+    """Of a gas: ln R over that of the known surface, at `_LOG_D`, shape (n, 6)."""
 
     def first(self, number: int) -> _Values:
         return _Values(self.gap[:number], self.rise[:number])
@@ -234,22 +231,12 @@ class NearbyTables:
         if not self.of_gas or self.method != "bruggeman":
             u = np.asarray(few.effective_separation(p, self.method))
             return _Values(_logarithmic(u / _length(surface)), np.zeros((p.size, _LOG_D.size)))
-        # lengths of flight from the known gaps: of a continuum, and about those wanted
-        liquid = _liquid(self._known)
-        about = liquid.at_log_pressure(log_share + np.log(liquid.sealing_pressure))[:, None]
-        about = np.maximum(about, _NOTHING * _length(self.surface)) * (
-            _length(surface) / _length(self.surface)
-        )
-        lengths = about * np.concatenate([[_CONTINUUM], np.exp(-_LOG_D)])
-        u, *wider = np.maximum(few.effective_gas_separation(p, lengths), _NOTHING * _length(surface)).T
-        log_D = np.log(u[:, None] / lengths[:, 1:])
-        log_R = 3.0 * np.log(np.transpose(wider) / u[:, None]) - log_flow_factor(log_D)
+        u, log_R = few.rarefied_separation(p, _LOG_D)
         assert isinstance(self._known, GasConductivityTable)
-        log_p = np.broadcast_to(log_share[:, None] + np.log(liquid.sealing_pressure), log_D.shape)
-        rise = log_R - np.log(self._known.rarefaction(log_p, log_D))
+        log_p = log_share + np.log(self._known.liquid.sealing_pressure)
+        rise = log_R - np.log(self._known.rarefaction(*np.broadcast_arrays(log_p[:, None], _LOG_D)))
         rise[u <= _NOTHING * _length(surface)] = 0.0
-        even = [np.interp(_LOG_D, *row) for row in zip(log_D, rise, strict=True)]
-        return _Values(_logarithmic(u / _length(surface)), np.stack(even))
+        return _Values(_logarithmic(u / _length(surface)), rise)
 
     def _places(self, shares: FloatArray) -> FloatArray:
         """Where in the abscissa surfaces are calculated, for highest pressures over that of sealing."""

@@ -86,23 +86,23 @@ def network_flow(lines: Sequence[Line], first: float, last: float) -> NetworkFlo
     if not network.connected(most > _NOTHING * best):
         return NetworkFlow(0.0, np.clip(p, low, high))
     start = network.linear(network.secant(p) + _LEAST * best, held)
-    found, p = network.newton(np.clip(start, low, high), _LEAST * best)
+    found, p, flow = network.newton(np.clip(start, low, high), _LEAST * best)
     if not found:
         # Just before the fluid opens a closed place Newton's method loses its way: begin with a little flow everywhere,
         # and take it away in steps that it can follow.
         p, share, less = held, 1.0, _LESS
         while not found and share > _LEAST and less < _MOST_LESS:
-            close, new = network.newton(p, share * less * best)
+            close, new, _ = network.newton(p, share * less * best)
             if not close:
                 less = less**0.5
                 continue
             p, share, less = new, share * less, max(less**1.5, _LESS)
             if share * best * (high - low) < network.flow(network.secant(p), p):
-                found, new = network.newton(p, _LEAST * best)
+                found, new, flow = network.newton(p, _LEAST * best)
                 p = new if found else p
     if not found:
         raise ProfileError("the flow along the groove was not found: the groove all but closes")
-    return NetworkFlow(network.flow(network.secant(p), p), p)
+    return NetworkFlow(flow, p)
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +167,8 @@ class _Network:
 
     def connected(self, open_slices: NDArray[np.bool_]) -> bool:
         """Whether some way through open slices leads from end to end."""
+        if open_slices.all():
+            return True
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components
 
@@ -186,37 +188,55 @@ class _Network:
         p = np.where(self.inner, 0.0, held)
         return p + self.solved(c, c, -self.divergence(c * self.drops(p)))
 
-    def newton(self, p: FloatArray, least: float) -> tuple[bool, FloatArray]:
-        """Whether it converges from p, and the pressures, with a smallest conductance of all slices."""
+    def newton(self, p: FloatArray, least: float) -> tuple[bool, FloatArray, float]:
+        """Whether it converges from p, pressures and flow, with a smallest conductance of all slices."""
         ends = p[self.lines[0].nodes[[0, -1]]]
         low, high = float(ends.min()), float(ends.max())
-        c = self.secant(p) + least
+        secant = self.secant(p)
+        c = secant + least
         flow = self.flow(c, p)
         for _ in range(_MOST_STEPS):
             tail, head = self.conductance(np.stack([p[self.tail], p[self.head]])) + least
             step = self.solved(tail, head, -self.divergence(c * self.drops(p)))
             new = np.clip(p + step, low, high)
             moved, before, p = float(np.abs(new - p).max()), flow, new
-            c = self.secant(p) + least
+            secant = self.secant(p)
+            c = secant + least
             flow = self.flow(c, p)
             if moved <= _MOVED * (high - low) and abs(flow - before) <= _CONVERGED * flow:
-                return True, p
-        return False, p
+                return True, p, self.flow(secant, p)
+        return False, p, self.flow(secant, p)
 
     def solved(self, tail: FloatArray, head: FloatArray, right: FloatArray) -> FloatArray:
         """Change of the inner pressures whose flows head dp_head - tail dp_tail bring `right` out of each node."""
+        from scipy.linalg import solve_banded
+
+        order, width, kept, place = self._band
+        found = np.zeros(self.count)
+        if order.size:
+            value = np.concatenate([head, -tail, -head, tail])[kept]
+            rows = 2 * width + 1
+            band = np.bincount(place, value, rows * order.size).reshape(rows, order.size)
+            found[order] = solve_banded((width, width), band, right[order], check_finite=False)
+        return found
+
+    @cached_property
+    def _band(self) -> tuple[NDArray[np.intp], int, NDArray[np.bool_], NDArray[np.intp]]:
+        """The inner nodes in an order in which neighbours are near, how near, which values are kept, and where."""
         from scipy.sparse import coo_array
-        from scipy.sparse.linalg import spsolve
+        from scipy.sparse.csgraph import reverse_cuthill_mckee
 
         number = np.cumsum(self.inner) - 1
         i = np.concatenate([self.head, self.head, self.tail, self.tail])
         j = np.concatenate([self.head, self.tail, self.head, self.tail])
-        value = np.concatenate([head, -tail, -head, tail])
         kept = self.inner[i] & self.inner[j]
-        size = int(self.inner.sum())
-        found = np.zeros(self.count)
-        if size:
-            shape = (size, size)
-            matrix = coo_array((value[kept], (number[i[kept]], number[j[kept]])), shape=shape).tocsc()
-            found[self.inner] = spsolve(matrix, right[self.inner])
-        return found
+        i, j, nodes = number[i[kept]], number[j[kept]], np.flatnonzero(self.inner)
+        if not nodes.size:
+            return nodes, 0, kept, i
+        if len(self.lines) > 1:
+            graph = coo_array((np.ones(i.size), (i, j)), shape=(nodes.size, nodes.size)).tocsr()
+            order = np.asarray(reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.intp)
+            turn = np.argsort(order)
+            i, j, nodes = turn[i], turn[j], nodes[order]
+        width = int(np.abs(i - j).max())
+        return nodes, width, kept, (width + i - j) * nodes.size + j

@@ -522,18 +522,32 @@ class RoughContact:
             out[part] = effective_gas_gap(lost, mean, self.spectrum.rms_height, n, aspect, lengths[part])
         return out
 
-    def _with_rarefaction(self, p: FloatArray) -> FloatArray:
-        """u_eff of the effective medium [m] and ln R of a gas at `_LOG_D`, not finite if sealed, shape (n, 1 + m)."""
+    def rarefied_separation(
+        self, pressure: FloatArray, log_inverse_knudsen: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """u_eff of the effective medium [m], and ln R of `GasConductivityTable`, not finite where it is sealed.
+
+        Parameters
+        ----------
+        pressure : ndarray
+            Nominal contact pressures between zero and the hardness, shape (n,) [Pa].
+        log_inverse_knudsen : ndarray
+            ln D_eff, shape (m,).
+
+        Returns
+        -------
+        separation : ndarray, shape (n,)
+        log_rarefaction : ndarray, shape (n, m)
+        """
         n, height = medium.dimension_number(self.percolation_threshold), self.spectrum.rms_height
-        out = np.empty((p.size, 1 + _LOG_D.size))
-        for part in _parts(np.arange(p.size)):
-            acting = self.acting_pressure(p[part])
+        u, log_R = np.empty(pressure.size), np.empty((pressure.size, log_inverse_knudsen.size))
+        for part in _parts(np.arange(pressure.size)):
+            acting = self.acting_pressure(pressure[part])
             lost, mean, aspect = self._channels(acting, self._seen(acting), 1)
-            u, gas = effective_gaps(lost, mean, height, n, aspect, np.exp(_LOG_D))
+            u[part], gas = effective_gaps(lost, mean, height, n, aspect, np.exp(log_inverse_knudsen))
             with np.errstate(divide="ignore", invalid="ignore"):
-                out[part, 1:] = 3.0 * np.log(gas / u[:, None]) - log_flow_factor(_LOG_D)
-            out[part, 0] = u
-        return out
+                log_R[part] = 3.0 * np.log(gas / u[part, None]) - log_flow_factor(log_inverse_knudsen)
+        return u, log_R
 
     @cached_property
     def sealing_pressure(self) -> float:
@@ -623,8 +637,8 @@ class RoughContact:
 
     def _mean(self, p: FloatArray, seen: RoughnessSeen) -> Separations:
         """Separations at the magnification where no roughness is seen yet."""
-        M = np.zeros((p.size, 1))
-        return separations(self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=2)
+        M = np.zeros((1, 1))
+        return separations(self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=3)
 
     def _over_pressure(
         self,
@@ -1032,7 +1046,11 @@ def _table(
         liquid, log_R = _of_elastic(surface, p_min, p_max, method)
     elif method == "bruggeman" and not capped:
         within = _Range.of(surface, p_min, p_max, method)
-        liquid, log_R = _tabulated(surface, within, p_max, num, surface._with_rarefaction)
+
+        def values(p: FloatArray) -> FloatArray:
+            return np.column_stack(surface.rarefied_separation(p, _LOG_D))
+
+        liquid, log_R = _tabulated(surface, within, p_max, num, values)
     else:
         liquid = surface.conductivity_table(p_min, p_max, num, method)
         log_R = _log_rarefaction(surface, liquid.pressure, method)
@@ -1063,7 +1081,7 @@ def _log_rarefaction(surface: RoughContact, pressure: FloatArray, method: str) -
     if method == "critical-junction":
         # One junction has one gap: nothing to average over.
         return np.zeros((pressure.size, _LOG_D.size))
-    log_R = surface._with_rarefaction(pressure)[:, 1:]
+    _, log_R = surface.rarefied_separation(pressure, _LOG_D)
     if method == "threshold-law":
         # The closed law has one gap, as a junction has; the medium's many gaps fade with the medium.
         log_R *= 1.0 - percolation.closed_share(surface.corrected_contact_area(pressure))[:, None]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
-from leak.flow.conductivity import GasConductivity
+from leak.flow.conductivity import GasConductivity, GasConductivityTable
 from leak.flow.contact_profile import (
     SMALLEST_LOG_PRESSURE,
     ContactProfile,
@@ -25,7 +26,7 @@ from leak.flow.gas_flow import GasLeakResult, checked_outlet, gas_table, highest
 from leak.flow.groove_section import EllipticGroove, GrooveSection
 from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure
 from leak.flow.network import Line, NetworkFlow, network_flow
-from leak.flow.rarefied import flow_factor
+from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
@@ -35,6 +36,8 @@ from leak.numerics.gauss import gauss
 _CELLS = 100
 # Of a perfect vacuum: density times conductance of free molecules does not depend on the pressure any more [Pa].
 _VACUUM = 1e-9
+# ln of what counts as a gap times the pressure of the gas where there is none.
+_SHUT = -200.0
 # Depths between which a scratch is looked for [m].
 _SHALLOWEST, _DEEPEST = 1e-9, 1.0
 
@@ -177,16 +180,31 @@ class LeakBounds(Generic[_Flow]):
 
     without: _Flow
     """The rough contact alone."""
-    lower: _Flow
-    """No fluid passes between scratch and roughness, as far as the scratch is deeper than the rough gap is wide."""
     upper: _Flow
     """Fluid passes freely: at each x one fluid pressure all around."""
+    _cut_off: Callable[[], _Flow]
+
+    @cached_property
+    def lower(self) -> _Flow:
+        """No fluid passes between scratch and roughness, as far as the scratch is deeper than the rough gap is wide.
+
+        Calculated when it is asked for.
+        """
+        return self._cut_off()
 
     @property
     def extra(self) -> tuple[float, float]:
         """Least and largest leak rate that the scratches add [m^3/s]."""
-        alone = self.without.leak_rate
-        return self.lower.leak_rate - alone, self.upper.leak_rate - alone
+        return self.lower.leak_rate - self.without.leak_rate, self.largest_extra
+
+    @property
+    def largest_extra(self) -> float:
+        """Largest leak rate that the scratches add [m^3/s]."""
+        return self.upper.leak_rate - self.without.leak_rate
+
+    def __getstate__(self) -> dict[str, object]:
+        # what makes the lower bound cannot be pickled
+        return {name: getattr(self, name) for name in ("without", "upper", "lower")}
 
 
 def scratch_flow(
@@ -287,13 +305,12 @@ def scratch_flow(
 
     bounds = _Bounds(
         contact,
-        lambda pressure, at: rough[at] * thickens(pressure),
+        lambda pressure: np.asarray(rough * thickens(pressure)),
         tuple(along(groove) for groove in grooves),
         deeper,
         tuple(nominal - groove.section.closing_pressure(modulus) for groove in grooves),
     )
-    low, high = (0.0, drop) if pressure_side == "outer" else (drop, 0.0)
-    return LeakBounds(*(result(flow) for flow in bounds.flows(low, high)))
+    return bounds.found(result, *((0.0, drop) if pressure_side == "outer" else (drop, 0.0)))
 
 
 def gas_scratch_flow(
@@ -364,17 +381,16 @@ def gas_scratch_flow(
     profile = _profile(xs, ps, rs, ends, largest_pressure, table)
     contact, deeper = _Contact.through(profile, gap_at).cut(grooves, modulus)
     gap, nominal = contact.gap, contact.pressure
-    flight = gas.viscosity * gas.molecular_speed
     per_density = gas.specific_gas_constant * gas.temperature
+    with np.errstate(divide="ignore"):
+        log_width = np.maximum(np.log(gap / (gas.viscosity * gas.molecular_speed)), _SHUT)
+    in_continuum = 2.0 * np.pi * contact.radius * gap**3 / (12.0 * gas.viscosity * per_density)
+    rarefaction = _rarefaction(table, contact.first_loading)
 
-    def rough(pressure: FloatArray, at: slice) -> FloatArray:
-        if table is None:
-            return np.zeros(pressure.shape)
-        q = gas.flow_pressure(np.maximum(pressure, _VACUUM))
-        D = np.maximum(q * gap[at] / flight, 1e-100)
-        R = table.rarefaction(np.broadcast_to(contact.first_loading[at], D.shape), np.log(D))
-        sigma = gap[at] ** 3 * flow_factor(D) * R / (12.0 * gas.viscosity)
-        return np.asarray(2.0 * np.pi * contact.radius[at] * sigma * q / per_density)
+    def rough(pressure: FloatArray) -> FloatArray:
+        log_q = np.log(gas.flow_pressure(np.maximum(pressure, _VACUUM)))
+        log_D = log_q + log_width
+        return np.asarray(in_continuum * np.exp(log_q + log_flow_factor(log_D)) * rarefaction(log_D))
 
     def along(groove: Groove) -> Mobility:
         path = groove.path(contact.radius)
@@ -405,8 +421,7 @@ def gas_scratch_flow(
         deeper,
         tuple(p_out + nominal - groove.section.closing_pressure(modulus) for groove in grooves),
     )
-    low, high = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
-    return LeakBounds(*(result(flow) for flow in bounds.flows(low, high)))
+    return bounds.found(result, *((p_out, p_in) if pressure_side == "outer" else (p_in, p_out)))
 
 
 def deepest_scratch(
@@ -607,6 +622,17 @@ def _profile(
     return profile if conductivity is None else after_largest(profile, x, r, largest, places, conductivity)
 
 
+def _rarefaction(
+    table: GasConductivity | None, log_pressure: FloatArray
+) -> Callable[[FloatArray], FloatArray]:
+    """R over ln D_eff at contact pressures (n,), for ln D_eff of shape (k, n); one without roughness."""
+    if table is None:
+        return np.ones_like
+    if isinstance(table, GasConductivityTable):
+        return table.rarefaction_at(log_pressure)
+    return lambda log_D: table.rarefaction(np.broadcast_to(log_pressure, log_D.shape), log_D)
+
+
 def _lengths(part: Panels) -> FloatArray:
     weights = 0.5 * gauss(part.log_pressure.shape[1])[1]
     return np.broadcast_to(part.stretch, part.log_pressure.shape) * weights
@@ -617,30 +643,34 @@ class _Bounds:
     """The three networks of slices: roughness alone, with scratches cut off from it, and joined to it."""
 
     contact: _Contact
-    rough: Mobility
+    rough: Callable[[FloatArray], FloatArray]
+    """Mobility of the roughness at pressures (k, n)."""
     grooves: tuple[Mobility, ...]
     deeper: tuple[NDArray[np.bool_], ...]
     """Where each groove is deeper than the rough gap is wide, shape (n,)."""
     opens: tuple[FloatArray, ...]
     """Fluid pressure from which on each groove is open, shape (n,) [Pa]."""
 
-    def flows(self, first: float, last: float) -> tuple[NetworkFlow, NetworkFlow, NetworkFlow]:
-        """Without grooves, lower and upper bound, for the pressures at small and large x."""
-        none = tuple(np.ones_like(deep) for deep in self.deeper)
-        alone = network_flow([self._main(none)], first, last)
-        apart = network_flow([self._main(self.deeper), *self._own()], first, last)
-        joined = network_flow([self._main(tuple(~one for one in none))], first, last)
-        return alone, apart, joined
+    def found(self, result: Callable[[NetworkFlow], _Flow], first: float, last: float) -> LeakBounds[_Flow]:
+        """Bounds from the flows through networks, for the pressures at small and large x."""
+        everywhere = tuple(np.ones_like(deep) for deep in self.deeper)
+        nowhere = tuple(~one for one in everywhere)
+        return LeakBounds(
+            result(network_flow([self._main(everywhere)], first, last)),
+            result(network_flow([self._main(nowhere)], first, last)),
+            lambda: result(network_flow([self._main(self.deeper), *self._own()], first, last)),
+        )
 
     def _main(self, apart: tuple[NDArray[np.bool_], ...]) -> Line:
         """The roughness, and in it the grooves where they are not apart."""
 
         def mobility(pressure: FloatArray) -> FloatArray:
             everywhere = slice(None)
-            total = np.array(self.rough(pressure, everywhere))
+            total = self.rough(pressure)
             for groove, own in zip(self.grooves, apart, strict=True):
                 if not own.all():
-                    total += np.where(own, 0.0, groove(pressure, everywhere))
+                    along = groove(pressure, everywhere)
+                    total = total + (np.where(own, 0.0, along) if own.any() else along)
             return total
 
         count = self.contact.length.size

@@ -8,13 +8,14 @@ pressure"). It also makes the inverse Knudsen number, D = q u/(eta0 v0), since t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.fluids.pressure_law import check_table, cubic_of_logarithms
+from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
 from leak.numerics.gauss import gauss
 
 
@@ -72,12 +73,24 @@ class RealGas:
     def flow_pressure(self, pressure: ArrayLike) -> FloatArray:
         """q = (p/Z)(eta0/eta) at absolute pressures [Pa]."""
         p = np.asarray(pressure, dtype=float)
-        return np.asarray(p / (self.factor(p) * self.viscosity_ratio(p)))
+        return np.asarray(p * np.exp(-self._log_share.value(p)))
+
+    def flow_pressure_slope(self, pressure: FloatArray) -> FloatArray:
+        """dq/dp at absolute pressures [-]."""
+        log_share, slope = self._log_share.value_and_derivative(pressure)
+        return np.asarray(np.exp(-log_share) * (1.0 - pressure * slope))
+
+    @cached_property
+    def _log_share(self) -> MonotoneCurve:
+        """ln(p/q) over p: the sum of the splines of both logarithms."""
+        p = np.array(self.pressures)
+        log_share = np.log(self.compressibility) + np.log(self.viscosity_ratios)
+        return MonotoneCurve(p, log_share, cubic_spline_slopes(p, log_share))
 
 
-# Panels over the root of the pressure, between whose ends w is a cubic, good to 1e-11, and Gauss points in each.
+# Panels over the root of the pressure, between whose ends w, its inverse and q are cubics, and Gauss points in each.
+# From w follow p to 1e-10 and q to 1e-9; next to a critical point to 1e-9 and 2e-6.
 _PANELS, _POINTS = 1000, 4
-_NEWTON_STEPS, _NEWTON_CLOSE, _ROUNDING = 60, 1e-7, 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,51 +122,57 @@ class GasPotential:
         p, c = np.asarray(pressure, dtype=float), self.slip
         if self.real is None:
             return np.asarray(p * (p + 2.0 * c))
-        return self._dense(np.clip(p, 0.0, self.highest))[0] + 2.0 * c * np.clip(p, 0.0, self.highest)
+        return self._dense(np.clip(p, 0.0, self.highest)) + 2.0 * c * np.clip(p, 0.0, self.highest)
 
     def pressure(self, potential: ArrayLike) -> FloatArray:
         """p at values of w [Pa]."""
-        w, c = np.maximum(np.asarray(potential, dtype=float), 0.0), self.slip
+        ideal = self._ideal(np.maximum(np.asarray(potential, dtype=float), 0.0))
         if self.real is None:
-            root = np.sqrt(c * c + w)
-            return np.asarray(w / np.where(root > 0.0, c + root, 1.0))
-        at, dense, _ = self._table
-        # from an ideal gas between the ends of the panel, where w is nearly a square of p
-        p = np.sqrt(np.interp(w, dense + 2.0 * c * at, at**2))
-        for _ in range(_NEWTON_STEPS):
-            value, slope = self._dense(p)
-            slope = slope + 2.0 * c
-            step = (w - value - 2.0 * c * p) / np.where(slope > 0.0, slope, np.inf)
-            p = np.clip(p + step, 0.0, self.highest)
-            # the error squares with each step
-            if not np.any(np.abs(step) > _NEWTON_CLOSE * p + _ROUNDING * self.highest):
-                break
-        return np.asarray(p)
+            return ideal
+        return np.minimum(self._over_ideal[0].value(ideal), self.highest)
 
-    def _dense(self, p: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """w without c, and its slope: cubic between the ends of the panels, where both are known."""
-        at, dense, slopes = self._table
+    def flow_pressure(self, potential: ArrayLike) -> FloatArray:
+        """q at values of w [Pa]."""
+        ideal = self._ideal(np.maximum(np.asarray(potential, dtype=float), 0.0))
+        return ideal if self.real is None else self._over_ideal[1].value(ideal)
+
+    def _ideal(self, w: FloatArray) -> FloatArray:
+        """Pressure at which an ideal gas has these w >= 0 [Pa]."""
+        root = np.sqrt(self.slip**2 + w)
+        return np.asarray(w / np.where(root > 0.0, self.slip + root, 1.0))
+
+    @cached_property
+    def _over_ideal(self) -> tuple[MonotoneCurve, MonotoneCurve]:
+        """p and q over the pressure at which an ideal gas has the same w: smooth down to vacuum, with known slopes."""
+        assert self.real is not None  # who asks knows
+        at, dense, slopes, bends = _panels(self.real, self.highest)
+        ideal = self._ideal(dense + 2.0 * self.slip * at)
+        q = 0.5 * slopes
+        # 2 (p_ideal + c) dp_ideal = dw = 2 (q + c) dp
+        rise = np.divide(ideal + self.slip, q + self.slip, out=np.ones(q.shape), where=q + self.slip > 0.0)
+        return MonotoneCurve(ideal, at, rise), MonotoneCurve(ideal, q, bends * rise)
+
+    def _dense(self, p: FloatArray) -> FloatArray:
+        """w without c: cubic between the ends of the panels, where it and its slope are known."""
+        assert self.real is not None  # who asks knows
+        at, dense, slopes, _ = _panels(self.real, self.highest)
         k = np.clip((_PANELS * np.sqrt(np.nan_to_num(p) / self.highest)).astype(int), 0, _PANELS - 1)
         h = at[k + 1] - at[k]
         t, rise = (p - at[k]) / h, dense[k + 1] - dense[k]
         d0, d1 = h * slopes[k], h * slopes[k + 1]
         c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-        return dense[k] + t * (d0 + t * (c2 + t * c3)), (d0 + t * (2.0 * c2 + 3.0 * t * c3)) / h
-
-    @property
-    def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        assert self.real is not None  # who asks knows
-        return _panels(self.real, self.highest)
+        return np.asarray(dense[k] + t * (d0 + t * (c2 + t * c3)))
 
 
 @lru_cache(maxsize=64)
-def _panels(real: RealGas, highest: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Ends of the panels, and w there without c, with its slope."""
+def _panels(real: RealGas, highest: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Ends of the panels, and there w without c, its slope 2 q, and the slope of q."""
     at = highest * np.linspace(0.0, 1.0, _PANELS + 1) ** 2
     nodes, weights = gauss(_POINTS)
     half = 0.5 * np.diff(at)
     parts = 2.0 * half * (real.flow_pressure(at[:-1, None] + half[:, None] * (1.0 + nodes)) @ weights)
-    return at, np.concatenate([[0.0], np.cumsum(parts)]), 2.0 * real.flow_pressure(at)
+    dense = np.concatenate([[0.0], np.cumsum(parts)])
+    return at, dense, 2.0 * real.flow_pressure(at), real.flow_pressure_slope(at)
 
 
 def real_gas_flow_ratio(real: RealGas | None, inlet_pressure: float, outlet_pressure: float) -> float:

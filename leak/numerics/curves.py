@@ -200,23 +200,23 @@ class CubicSurface:
 
     def along(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
         """z at given x as a function of y."""
-        k = np.searchsorted(self.x[1:-1], x, side="right")
-        row, s = k * (self.y.size - 1), (x - self.x[k])[..., None]
+        k = self.x[1:-1].searchsorted(x, side="right")
+        row, s = k * (self.y.size - 1), x - self.x[k]
 
         def value(y: FloatArray) -> FloatArray:
-            j = np.searchsorted(self.y[1:-1], y, side="right")
-            c, t = self._bicubics.take(row + j, axis=0), y - self.y[j]
-            in_y = c[..., 0, :] + s * (c[..., 1, :] + s * (c[..., 2, :] + s * c[..., 3, :]))
-            return np.asarray(in_y[..., 0] + t * (in_y[..., 1] + t * (in_y[..., 2] + t * in_y[..., 3])))
+            j = self.y[1:-1].searchsorted(y, side="right")
+            c, t = self._bicubics.take(row + j, axis=-1), y - self.y[j]
+            in_y = c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+            return np.asarray(in_y[0] + t * (in_y[1] + t * (in_y[2] + t * in_y[3])))
 
         return value
 
     @cached_property
     def _bicubics(self) -> FloatArray:
-        """Coefficients of the powers of the distances from the corner of each cell, shape ((n-1)(m-1), 4, 4)."""
-        in_x = _cubics(self.x, self.z)
-        both = [_cubics(self.y, power.T) for power in in_x]
-        return np.ascontiguousarray(np.array(both).transpose(3, 2, 0, 1).reshape(-1, 4, 4))
+        """Coefficients of the powers of the distances from the corner of each cell, shape (4, 4, (n-1)(m-1))."""
+        in_y = _cubics(self.y, self.z.T)
+        both = [_cubics(self.x, power.T) for power in in_y]
+        return np.array(both).swapaxes(0, 1).reshape(4, 4, -1)
 
 
 def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:

@@ -172,15 +172,14 @@ def _line_weights(
     modes: Periodogram, groups: list[IntArray], edges: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Expected C_1D of each bin from pieces of constant C, the smearing of the window included."""
+    shift, share = (np.array(list(column)) for column in zip(*_NEIGHBOURS[modes.window].items(), strict=True))
     step = modes.step[0]
     rows = []
     for group in groups:
         q = _represented(modes.wavenumber[group], _LINE_SAMPLES)
-        row = np.zeros(edges.size - 1)
-        for shift, share in _NEIGHBOURS[modes.window].items():
-            near = q + shift * step
-            row += share * abel_weights(near[near > 0.5 * step], edges).sum(axis=0) / q.size
-        rows.append(row)
+        near, part = q[:, None] + shift * step, np.broadcast_to(share / q.size, (q.size, share.size))
+        real = near > 0.5 * step
+        rows.append(part[real] @ abel_weights(near[real], edges))
     return np.sqrt(edges[1:] * edges[:-1]), np.array(rows)
 
 

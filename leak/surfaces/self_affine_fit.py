@@ -339,8 +339,10 @@ def _likelihood(
     for basis, one in zip(bases, seen, strict=True):
         C = np.exp(np.clip(np.einsum("lks,lk->ls", basis, values), -600.0, 300.0))
         power = np.maximum(C @ one.weights.T, np.finfo(float).tiny)
-        slope = (C[:, None, :] * basis).reshape(-1, C.shape[1]) @ one.weights.T
-        slope = slope.reshape(len(values), 4, -1) / power[:, None, :]
+        # of the power's logarithm; the level raises all of it alike
+        slope = np.ones((len(values), 4, power.shape[1]))
+        bent = (C[:, None, :] * basis[:, 1:]).reshape(-1, C.shape[1]) @ one.weights.T
+        slope[:, 1:] = bent.reshape(len(values), 3, -1) / power[:, None, :]
         ratio = np.minimum(one.density / power, 1e30)
         n = one.freedom
         cost += np.sum(n * (np.log(power / one.density) + ratio - 1.0), axis=1)

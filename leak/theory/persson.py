@@ -61,6 +61,9 @@ class RoughnessSeen(Protocol):
     def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
         """Function of a rise: remaining moment between M and M + rise, and the factor there; no cancellation."""
 
+    def at_some(self, pressures: NDArray[np.intp]) -> RoughnessSeen:
+        """The same at some of the pressures, given by their numbers."""
+
 
 @dataclass(frozen=True)
 class ElasticRoughness:
@@ -89,6 +92,10 @@ class ElasticRoughness:
     def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
         """The rise itself."""
         return lambda rise: (rise, np.ones(rise.shape[-1:]))
+
+    def at_some(self, pressures: NDArray[np.intp]) -> ElasticRoughness:
+        """It is the same at all."""
+        return self
 
 
 # -------------------------------------------------------------------- contact area
@@ -174,7 +181,8 @@ def separations(
     relative_pressure : ndarray
         p/E*, shape (P,), positive [-].
     M : ndarray
-        Elastic slope moment of each magnification, shape (P, Z), zero for "no roughness seen" [-].
+        Elastic slope moment of each magnification, shape (P, Z), or (1, Z) if it is the same at all pressures; zero for
+        "no roughness seen" [-].
     gamma : float
         Yang and Persson's factor, 0.45 [-].
     refinement : int
@@ -263,12 +271,17 @@ def _steps(
     bottom = np.maximum(log_a - _LOG_KERNEL_END, _LOG_SMALLEST_STEP + np.minimum(local, top))
     bottom = np.minimum(bottom, top)[..., None]
     bounds = np.concatenate([bottom, np.maximum(edges, bottom)], axis=-1)
+    swept = np.zeros(ends.shape)
+    if len(M) < len(bounds):
+        # one set of points for all pressures: from where the first of them begins, as close as the last wants them
+        last, bounds = bounds.max(axis=0), bounds.min(axis=0, keepdims=True)
+        swept = (np.diff(bounds[0]) - np.diff(last)).max(axis=0)
     length = bounds[..., 1:] - bounds[..., :-1]
     longest = length.reshape(-1, length.shape[-1]).max(axis=0)
     log_q = np.concatenate([[point.log_wavenumber.min()], parts.log_wavenumber[first:]])
     fall = np.minimum(_POINTS * parts.kappa * np.diff(ends, prepend=least), 3.0)
-    detail = longest + 0.5 * (log_q[1:] - log_q[:-1]) + fall
-    counts = np.where(longest > 0.0, np.ceil(refinement * (1.0 + _POINTS * detail**0.7)), 0.0).astype(np.intp)
+    detail = longest + swept + 0.5 * (log_q[1:] - log_q[:-1]) + fall
+    counts = np.where(longest > 0.0, np.ceil(1.0 + refinement * _POINTS * detail**0.7), 0.0).astype(np.intp)
     if not counts.any():
         counts[-1] = 1
     rules = [gauss(count) for count in counts.tolist() if count]

@@ -7,11 +7,11 @@ Everything depends on s = p/sigma_P and t = G/sigma_P^2.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.numerics.gauss import gauss
@@ -288,12 +288,21 @@ class PlasticRoughness:
             t1 = M + rise
             t1 *= self.kappa
             unchanged = t1 <= start
-            rest1, factor = self._rest(np.maximum(t1, start, out=t1))
+            rest1, factor = self._rest(np.maximum(t1, start))
             beyond = np.subtract(rest0, rest1, out=rest1)
             beyond *= 1.0 / self.kappa
             return np.where(unchanged, rise, beyond), factor
 
         return moment_and_factor
+
+    def at_some(self, pressures: NDArray[np.intp]) -> PlasticRoughness:
+        """The same at some of the pressures, given by their numbers."""
+        if pressures.size == self.start_t.size:
+            return self
+        rest = self.rest.reshape(4, self.start_t.size, -1)[:, pressures].reshape(4, -1)
+        return replace(
+            self, start_t=self.start_t[pressures], step_log_t=self.step_log_t[pressures], rest=rest
+        )
 
     def _rest(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """R and C_pl/C at t, not below the start of the table."""

@@ -207,19 +207,18 @@ def lost_area(
     (2012)).
     """
     nodes = magnification_nodes(spectrum, seen, relative_pressure, refinement=refinement)
-    lost = np.concatenate(
-        [
-            separations(
-                spectrum, seen, relative_pressure, nodes.M[:, group], gamma, refinement=refinement
-            ).lost
-            for group in nodes.groups
-        ],
-        axis=1,
-    )
     factor, remaining = seen.factor(nodes.M), seen.moment(nodes.M)
     z = area_argument(relative_pressure[:, None], remaining)
     falling = np.where(z < FULL_CONTACT, z * np.exp(-(np.minimum(z, FULL_CONTACT) ** 2)), 0.0)
     weight = nodes.moment_weight * factor * falling / (np.sqrt(np.pi) * remaining)
+    lost = np.zeros(weight.shape)
+    for group in nodes.groups:
+        # at high pressures nothing is lost at low magnification
+        rows = np.flatnonzero((weight[:, group] > _LEAST_WEIGHT).any(axis=1))
+        if rows.size:
+            p, M = relative_pressure[rows], nodes.M[rows, group]
+            found = separations(spectrum, seen.at_some(rows), p, M, gamma, refinement=refinement)
+            lost[rows, group] = found.lost
     variance = _height_variance_above(spectrum, nodes, factor)
     if separation_width == "effective":
         variance = variance * lost**2 / np.maximum(variance + lost**2, 1e-300)

@@ -103,20 +103,18 @@ class _Graph:
 
 
 def _graph(face: Curve, name: str) -> list[_Graph]:
-    starts, ends = face.point(face.breaks[:-1]), face.point(face.breaks[1:])
+    points, tangents = face.point(face.breaks), face.tangent(face.breaks[:-1])
+    pieces = zip(points.T[:-1], points.T[1:], tangents.T, face.curvatures(face.breaks[:-1]), strict=True)
     graphs = []
-    for n, segment in enumerate(face.segments):
-        t = face.tangent(face.breaks[n])
-        angle = math.atan2(t[1], t[0])
-        last = math.sin(angle) + face.curvature(face.breaks[n]) * (ends[0, n] - starts[0, n])
-        if not (
-            ends[0, n] > starts[0, n] and abs(angle) <= math.pi / 2 * (1 + 1e-9) and abs(last) <= 1 + 1e-9
-        ):
+    for segment, ((start, z), (end, _), (along, up), curvature) in zip(face.segments, pieces, strict=True):
+        angle = math.atan2(up, along)
+        last = math.sin(angle) + curvature * (end - start)
+        if not (end > start and abs(angle) <= math.pi / 2 * (1 + 1e-9) and abs(last) <= 1 + 1e-9):
             raise GeometryError(
                 f"the face of the {name} turns back towards the axis between r = {segment.start[0]:.6g} m and "
                 f"{segment.end[0]:.6g} m; a face must run outwards all the way"
             )
-        graphs.append(_Graph(starts[0, n], ends[0, n], starts[1, n], angle, face.curvature(face.breaks[n])))
+        graphs.append(_Graph(start, end, z, angle, curvature))
     return graphs
 
 
@@ -154,10 +152,14 @@ def with_faces(closure: Outline, seat: Outline) -> tuple[Outline, Outline]:
     Raises
     ------
     GeometryError
-        If no chain of one body lies above a chain of the other.
+        If there are several chains, and none of one body lies above one of the other.
     """
+    chains = list(product(_faces_in(closure), _faces_in(seat)))
+    if len(chains) == 1:
+        # whether they meet is found by whoever asks for their first touch
+        return chains[0]
     pairs = []
-    for c, s in product(_faces_in(closure), _faces_in(seat)):
+    for c, s in chains:
         try:
             pairs.append((first_touch(c.face, s.face).drop, c, s))
         except GeometryError as error:

@@ -152,7 +152,7 @@ def _filled(name: str, result: SealSolution) -> Filled:
     return Filled(
         column,
         [column.of(row) for row in rows_of(result)],
-        [column.digits(load.digits) for load in result.loads],
+        [column.digits(load.digits, result.discretisation_error) for load in result.loads],
     )
 
 

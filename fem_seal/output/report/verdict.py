@@ -194,6 +194,10 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     return facts
 
 
+# A factor that is told in per cent: two digits would make it "1.1 times".
+_HARDLY = 1.15
+
+
 def next_class_in_words(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> str:
     """Which class would be met next, and by which factor less would have to leak; empty if none would.
 
@@ -207,13 +211,11 @@ def next_class_in_words(case: Case, load: LoadResult, ends: tuple[float, float] 
     found = next_class(case, load, ends)
     if found is None:
         return ""
-    return said(
-        "verdict.next",
-        "class",
-        standard=found.standard,
-        name=found.name,
-        factor=factor_text(found.factor),
-    )
+    if found.factor < _HARDLY:
+        less = percent(1 - 1 / found.factor, 1)
+        return said("verdict.next", "near", standard=found.standard, name=found.name, less=less)
+    factor = factor_text(found.factor)
+    return said("verdict.next", "class", standard=found.standard, name=found.name, factor=factor)
 
 
 def next_class_of(result: SealSolution) -> str:
