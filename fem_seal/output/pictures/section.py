@@ -362,7 +362,12 @@ def _bodies(axes: Axes, contact: ContactGeometry, mirrored: bool) -> None:
         r, z = np.hstack([points for _, points in pieces])
         for side in sides:
             section = Polygon(
-                np.column_stack([side * r, z]), facecolor=fill, edgecolor="#c3c9d2", hatch=hatch, lw=0, zorder=2
+                np.column_stack([side * r, z]),
+                facecolor=fill,
+                edgecolor="#c3c9d2",
+                hatch=hatch,
+                lw=0,
+                zorder=2,
             )
             # the axes reach as far as the lines around it: `add_patch` would look at each of its chords in Python
             axes.add_artist(section)
