@@ -313,7 +313,7 @@ def test_imprint_stays(pressed: tuple[LoadPath, float]) -> None:
 def test_smaller_steps_change_little_and_in_proportion() -> None:
     model, force = seal(LAW, 3e7, seat=HARDENING, refine=0.35, wider=1.5)
     std = [
-        load_path(model, LAW, [PathLoad(force)], settings=PlasticSettings(steps=steps))
+        load_path(model, LAW, [PathLoad(force)], settings=PlasticSettings(steps=steps), unload=False)
         .contacts[0]
         .profile.std
         for steps in (4, 8, 16)
@@ -325,7 +325,7 @@ def test_smaller_steps_change_little_and_in_proportion() -> None:
 def test_hard_contact_on_a_yielding_seat() -> None:
     model, force = seal(HardContact(), 3e7, seat=HARDENING, refine=0.35, wider=1.5)
     (contact,) = load_path(
-        model, HardContact(), [PathLoad(force)], settings=PlasticSettings(steps=8)
+        model, HardContact(), [PathLoad(force)], settings=PlasticSettings(steps=8), unload=False
     ).contacts
     elastic = solve(model, HardContact(), axial_force=force)
     assert contact.profile.pressure.min() >= 0
@@ -337,7 +337,7 @@ def test_hard_contact_on_a_yielding_seat() -> None:
 def test_steps_are_halved_before_giving_up() -> None:
     model, force = seal(LAW, 6e7, seat=PERFECT, refine=0.35, wider=2.0)
     few = PlasticSettings(steps=1, max_iterations=6)
-    (contact,) = load_path(model, LAW, [PathLoad(force)], settings=few).contacts
+    (contact,) = load_path(model, LAW, [PathLoad(force)], settings=few, unload=False).contacts
     assert contact.load_steps > 1
     assert abs(contact.force_error) < 1e-12
     loads = [PathLoad(0.02 * force), PathLoad(force)]

@@ -14,7 +14,7 @@ from plastic_solids import HEIGHT, INNER, NU, OUTER, E, balanced, ring_solid
 from sample_results import cone, smooth_case
 
 import fem_seal
-from fem_seal.analysis.load_solver import LoadSolver, solve_loads
+from fem_seal.analysis.load_solver import LoadSolver, solve_load
 from fem_seal.analysis.problem import SealProblem, build_mesh, condensed
 from fem_seal.bodies.elastoplastic import ElastoplasticBody
 from fem_seal.case.case import Case, load_case
@@ -196,7 +196,7 @@ def pressed(stress_strain: object, /, seat: dict[str, Any] | None = None, **tabl
 
 def contact_of(given_case: Case) -> ElastoplasticContact:
     problem = SealProblem.of(given_case)
-    found = solve_loads(LoadSolver(problem, condensed(problem, build_mesh(problem)))).contacts[0]
+    found = solve_load(LoadSolver(problem, condensed(problem, build_mesh(problem))), 0)
     assert isinstance(found, ElastoplasticContact)
     return found
 

@@ -123,6 +123,7 @@ def test_every_picture_is_there_and_has_words(page):
     assert page.text.count("Used for:") == len({a for a in re.findall(r"Used for: ([^.]+)\.", page.text)})
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_every_picture_that_is_drawn_has_a_place_on_the_page(page):
     result = rough_result()
     derived = derive(result.case)
@@ -156,6 +157,7 @@ def test_user_text_is_escaped():
     assert "example.org" not in "".join(str(a) for _, a in page.tags)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_warnings_stand_at_the_top_and_absence_is_said(page):
     warned = Page(report(replace(rough_result(), warnings=("the seat yields", "mesh too coarse")))).text
     assert warned.index("2 warnings") < warned.index("the seat yields") < warned.index("Leak rate")
@@ -251,6 +253,7 @@ def test_drawing_leaves_the_settings_of_matplotlib_alone():
     assert dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_all_result_files_are_written(tmp_path: Path):
     mine = tmp_path / "notes.txt"
     mine.write_text("mine")
@@ -304,6 +307,7 @@ def leakless(result):
     )
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_tiles_carry_the_validity_and_no_class_is_claimed_outside_the_theory():
     outside = judged(leakless(rough_result()), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)
     tiles = report_words.facts(outside)

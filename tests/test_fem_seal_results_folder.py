@@ -160,6 +160,7 @@ def test_a_full_disc_leaves_the_old_results(two_runs, tmp_path, monkeypatch):
     assert contents(folder) == contents(two_runs[0])
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_folder_of_the_user_that_is_named_like_a_result_stays(tmp_path):
     (tmp_path / "leak.csv").mkdir()
     (tmp_path / "leak.csv" / "mine.txt").write_text("mine")
@@ -190,6 +191,7 @@ def test_ctrl_c_while_files_change_places_brings_the_old_ones_back(two_runs, tmp
     assert contents(folder) == contents(two_runs[0])
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_part_of_another_calculation_is_marked(two_runs, tmp_path, capsys):
     """`mesh` and `leak` write into the folder of a run what does not belong to it."""
     folder = tmp_path / "out"
@@ -280,6 +282,7 @@ def test_without_locks_nobody_is_kept_out(tmp_path, monkeypatch, reason):
         pass
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_folder_that_is_deleted_during_the_run_is_made_again(tmp_path, monkeypatch):
     from fem_seal import result as seal_result
 

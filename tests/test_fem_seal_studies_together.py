@@ -174,3 +174,29 @@ def test_cubics_are_the_same_by_place_and_by_cell():
     assert cells == pytest.approx(np.diff(x), rel=1e-12)
     assert len(asked) == len(weight)
     assert replace(profile, x=x[::2]).panels[1].log_pressure.shape[0] == 29
+
+
+def test_workers_come_to_where_their_shares_meet():
+    from fem_seal.studies.pools import _Shares
+
+    chunks = [object() for _ in range(12)]
+    shares, place = _Shares(chunks, ["a", "b"]), {id(chunk): n for n, chunk in enumerate(chunks)}
+    # b is twice as fast
+    order = [(worker, place[id(shares.next(worker))]) for worker in "abb" * 4]
+    assert sorted(n for _, n in order) == list(range(12))
+    assert [n for worker, n in order if worker == "b"] == [11, 10, 9, 8, 7, 6, 5, 4]
+    assert [n for worker, n in order if worker == "a"] == [0, 1, 2, 3]
+    assert shares.next("c") is None
+
+
+def test_points_that_follow_explicitly_cost_no_steps(model, laws, monkeypatch):
+    from fem_seal.contact import newton
+
+    settings = [fem_seal.ContactSettings(), fem_seal.ContactSettings(1e-6, 1e-6)]
+    asked = [(law, one) for law in laws for one in settings]
+    found = [solve(model, law, axial_force=1257.0, settings=one) for law, one in asked]
+    monkeypatch.setattr(newton, "_MOST", newton._LEAST)
+    for (law, one), fewer in zip(asked, found, strict=True):
+        coupled = solve(model, law, axial_force=1257.0, settings=one)
+        assert fewer.iterations <= coupled.iterations
+        assert fewer.pressure.max() == pytest.approx(coupled.pressure.max(), rel=10 * one.gap_tolerance)

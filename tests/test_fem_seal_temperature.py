@@ -18,7 +18,7 @@ import fem_seal
 import leak
 import meshes
 from fem_seal.analysis.heating import Heating
-from fem_seal.analysis.load_solver import LoadSolver, solve_loads
+from fem_seal.analysis.load_solver import LoadSolver, solve_load
 from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.bodies.condensed import body_field
 from fem_seal.bodies.elasticity import (
@@ -65,7 +65,7 @@ def contact_of(given: Case) -> Any:
     """Its only load, solved on the mesh that is made for it."""
     problem = SealProblem.of(given)
     model = condensed(problem, meshes.build_contact(problem.contact, sizing(problem)))
-    return solve_loads(LoadSolver(problem, model)).contacts[0]
+    return solve_load(LoadSolver(problem, model), 0)
 
 
 # ---------------------------------------------------------------- bodies

@@ -232,6 +232,7 @@ def test_spectrum_between_scans(tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("unrendered")
+@pytest.mark.usefixtures("unrendered")
 def test_the_length_of_one_scan_widens_the_interval(tmp_path):
     """Two wavelengths of the roll-off instead of thirteen; no other input is needed."""
     spectrum = leak.PowerSpectrum.self_affine(

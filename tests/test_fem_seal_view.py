@@ -194,6 +194,7 @@ def test_a_display_that_does_not_answer_is_none(draws, folder, call, monkeypatch
     assert code == 1 and "there is no display for a window" in err
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_where_vtk_dies_the_program_lives(folder, tmp_path, call, monkeypatch):
     for name, value in NOT_HERE.items():
         monkeypatch.setenv(name, value)
@@ -255,6 +256,7 @@ print(before, "|", text())
     assert before.startswith("20 bar") and after.startswith("2 bar")
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_full_disc_costs_the_picture_and_not_the_report(monkeypatch):
     def full(*arguments):
         raise OutputError("contact_000.vtu: cannot be written (no space left on device)")

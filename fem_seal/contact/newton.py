@@ -23,9 +23,9 @@ from fem_seal.errors import ConvergenceError
 _FLOOR = 1e-6
 _ROUND_OFF = 64 * np.finfo(float).eps
 # Compliance of the bodies at a point over that of the law below which it carries next to nothing: leaving it out of
-# the coupling leaves such a share of the residual. It may be a hundredth of what is left anyway: the tolerance, or what
-# Newton's step leaves, not less than the square of a hundredth of the residual.
-_LEAST, _MOST, _SPARED, _SQUARED = 1e-8, 1e-4, 1e-2, 1e-4
+# the coupling leaves such a share of the residual. It may be a thousandth of what is left anyway: of the tolerance, or
+# of what Newton's step leaves, a thousandth of the square of the residual. No seal takes more steps by that.
+_LEAST, _MOST, _SPARED, _SQUARED = 1e-8, 1e-4, 1e-3, 1e-3
 # ... of the largest, where all of them are smaller than this.
 _SOFT = 1e-3
 
@@ -310,7 +310,7 @@ def _newton(
                 rows, there = rows.chosen(left), there[left]
                 v, d, decay, gap_residual = v[left], d[left], decay[left], gap_residual[left]
                 missing_force, worst = missing_force[left], worst[left]
-            least = _least_carrying(worst, settings.gap_tolerance)
+            least = _least_carrying(worst, min(settings.gap_tolerance, settings.force_tolerance))
             v, d, failed = _newton_step(rows.model, v, d, decay, gap_residual, missing_force, least)
             if failed.any():
                 for number in there[failed].tolist():
@@ -369,7 +369,7 @@ def _unbalanced(
 
 
 def _least_carrying(worst: FloatArray, tolerance: float) -> FloatArray:
-    """What a point has to carry to take part in a step from such residuals, shape (rows,) both."""
+    """What a point has to carry to take part in a step from such residuals to a tolerance, shape (rows,) both."""
     left_anyway = np.maximum(tolerance / np.maximum(worst, tolerance), _SQUARED * worst)
     return np.minimum(np.maximum(_SPARED * left_anyway, _LEAST), _MOST)
 

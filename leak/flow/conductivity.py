@@ -369,10 +369,10 @@ class GasConductivityTable:
 
     def rarefaction(self, log_pressure: ArrayLike, log_inverse_knudsen: ArrayLike) -> FloatArray:
         """R at contact pressure p and inverse Knudsen number D_eff; beyond the table R - 1 falls like 1/D_eff."""
-        return self.rarefaction_at(log_pressure)(np.asarray(log_inverse_knudsen, dtype=float))
+        return np.exp(self.log_rarefaction_at(log_pressure)(np.asarray(log_inverse_knudsen, dtype=float)))
 
-    def rarefaction_at(self, log_pressure: ArrayLike) -> Callable[[FloatArray], FloatArray]:
-        """`rarefaction` at given contact pressures, a function of ln D_eff, for many pressures of the gas.
+    def log_rarefaction_at(self, log_pressure: ArrayLike) -> Callable[[FloatArray], FloatArray]:
+        """ln of `rarefaction` at given contact pressures, a function of ln D_eff, for many pressures of the gas.
 
         Parameters
         ----------
@@ -384,8 +384,12 @@ class GasConductivityTable:
         along = self._spline.along(self._abscissa(np.minimum(np.maximum(asked, low), high)))
         first, last = self.log_inverse_knudsen[0], self.log_inverse_knudsen[-1]
 
-        def rarefaction(log_D: FloatArray) -> FloatArray:
-            inside = np.minimum(np.maximum(log_D, first), last)
-            return np.exp(along(inside) * np.exp(-np.maximum(log_D - last, 0.0)))
+        def log_rarefaction(log_D: FloatArray) -> FloatArray:
+            log_R = along(np.minimum(np.maximum(log_D, first), last))
+            return (
+                log_R
+                if log_D.max(initial=-np.inf) <= last
+                else log_R * np.exp(-np.maximum(log_D - last, 0.0))
+            )
 
-        return rarefaction
+        return log_rarefaction

@@ -27,7 +27,7 @@ def effective_gap(
     n: float,
     aspect: float | FloatArray = 1.0,
     *,
-    refinement: int = 1,
+    refinement: float = 1.0,
 ) -> FloatArray:
     """u_eff of Bruggeman's effective medium over P(u), shape (P,) [m].
 
@@ -66,9 +66,11 @@ def effective_gaps(
     n: float,
     aspect: float | FloatArray,
     inverse_knudsen: FloatArray,
+    *,
+    refinement: float = 1.0,
 ) -> tuple[FloatArray, FloatArray]:
     """`effective_gap`, shape (P,), and `effective_gas_gap` at given D = u_eff/l, of shape (m,), shape (P, m) [m]."""
-    gaps = _gaps(lost, mean_separation, rms_height, 1)
+    gaps = _gaps(lost, mean_separation, rms_height, refinement)
     continuum = _continuum(gaps, n, aspect)
     flight = np.maximum(continuum.along, gaps.separation[:, 0])[:, None] / inverse_knudsen
     return continuum.along, _gas_gap(gaps, continuum, n, aspect, flight)
@@ -117,9 +119,9 @@ class _Gaps(NamedTuple):
     wide_open: FloatArray
 
 
-def _gaps(lost: LostArea, mean_separation: FloatArray, rms_height: float, refinement: int) -> _Gaps:
+def _gaps(lost: LostArea, mean_separation: FloatArray, rms_height: float, refinement: float) -> _Gaps:
     height = _grid_height(lost, mean_separation, rms_height)
-    grid = SeparationGrid.around(mean_separation, height, count=_GRID_POINTS * refinement)
+    grid = SeparationGrid.around(mean_separation, height, count=round(_GRID_POINTS * refinement))
     weight = density(lost, grid.separation) * grid.weight
     # What the grid misses is wide open above it; below it is too narrow to matter and counts as contact.
     beyond = folded_above(lost, grid.separation[:, -1])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,7 +31,7 @@ from leak.standards import STANDARD_PRESSURE, STANDARD_TEMPERATURE
 _MOST_ITERATIONS = 200
 _CONVERGED = 1e-11
 # So many iterations before the last are mixed with it; plain ones would swing with a vacuum ahead of wide gaps.
-_MIXED = 2
+_MIXED = 4
 # First-order slip of `poiseuille_flow_rate`.
 _SLIP = 1.0162
 # The gas pressure bends even where the contact pressure does not: 1e-6 of the flow with so many cells.
@@ -375,14 +375,17 @@ class _Path:
         log_q = np.log(np.maximum(q, 1e-300))
         log_D = log_q + self._log_width
         # q and the factor of free molecules, 1/q, are no numbers on their own in a perfect vacuum
-        return np.exp(log_q + log_flow_factor(log_D)) * self._rarefaction(log_D) / (q + self.slip_pressure)
+        return np.exp(log_q + log_flow_factor(log_D) + self._log_rarefaction(log_D)) / (
+            q + self.slip_pressure
+        )
 
     @cached_property
-    def _rarefaction(self) -> Callable[[FloatArray], FloatArray]:
-        """R over ln D_eff."""
-        if isinstance(self.table, GasConductivityTable):
-            return self.table.rarefaction_at(self.log_contact)
-        return partial(self.table.rarefaction, self.log_contact)
+    def _log_rarefaction(self) -> Callable[[FloatArray], FloatArray]:
+        """ln R over ln D_eff."""
+        table, log_contact = self.table, self.log_contact
+        if isinstance(table, GasConductivityTable):
+            return table.log_rarefaction_at(log_contact)
+        return lambda log_D: np.log(table.rarefaction(log_contact, log_D))
 
     @cached_property
     def _log_width(self) -> FloatArray:

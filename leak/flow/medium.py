@@ -209,9 +209,11 @@ class _Medium(NamedTuple):
             guess = np.where(open_row, np.minimum(np.maximum(guess, low), high), low)
             for _ in range(_INNER_STEPS):
                 ks = k * np.exp(guess)
-                inverse = 1.0 / (self.sigma + ks[:, None])
+                inverse = self.sigma + ks[:, None]
+                np.reciprocal(inverse, out=inverse)
                 A, B = ks * np.vecdot(weight, inverse), np.vecdot(flowing, inverse)
-                X = ks * np.vecdot(flowing, inverse**2)
+                squares = np.square(inverse, out=inverse)
+                X = ks * np.vecdot(flowing, squares)
                 excess = np.log(A / B) - target
                 newton = guess - excess / (X * (1.0 / A + 1.0 / B))
                 low, high = np.where(excess < 0.0, guess, low), np.where(excess < 0.0, high, guess)
@@ -221,8 +223,7 @@ class _Medium(NamedTuple):
                 guess = following
                 if moved < _CLOSE:
                     break
-        s = ks / k
-        by_k = self.contact / k**2 - s * np.vecdot(flowing, inverse**2 * (1.0 - s[:, None] / self.sigma))
+        by_k = (self.contact + ks**2 * np.vecdot(weight, squares)) / k**2 - X / k
         return guess, np.maximum(by_k / np.maximum((1.0 + k) / k * X, 1e-300), 0.0)
 
 

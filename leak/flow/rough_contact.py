@@ -420,23 +420,23 @@ class RoughContact:
             u = np.atleast_1d(np.asarray(separation, dtype=float))[None, :]
         return u[0], density(lost, u)[0]
 
-    def lost_area(self, pressure: FloatArray, refinement: int = 1) -> tuple[LostArea, FloatArray]:
+    def lost_area(self, pressure: FloatArray, refinement: float = 1.0) -> tuple[LostArea, FloatArray]:
         """Area that loses contact from one magnification to the next, and the mean separation [m].
 
         Parameters
         ----------
         pressure : ndarray, shape (P,)
             Nominal pressures, positive and below the hardness [Pa].
-        refinement : int
+        refinement : float
             So many times more magnifications.
         """
         return self._lost_area(self.acting_pressure(pressure), refinement)
 
-    def _lost_area(self, p: FloatArray, refinement: int) -> tuple[LostArea, FloatArray]:
+    def _lost_area(self, p: FloatArray, refinement: float) -> tuple[LostArea, FloatArray]:
         return self._lost_area_of(p, self._seen(p), refinement)
 
     def _lost_area_of(
-        self, p: FloatArray, seen: RoughnessSeen, refinement: int
+        self, p: FloatArray, seen: RoughnessSeen, refinement: float
     ) -> tuple[LostArea, FloatArray]:
         relative = p / self.effective_modulus
         lost = lost_area(
@@ -467,7 +467,7 @@ class RoughContact:
         pressure: ArrayLike,
         method: str = "bruggeman",
         *,
-        refinement: int = 1,
+        refinement: float = 1.0,
         largest: ArrayLike | None = None,
     ) -> FloatArray | float:
         """u_eff = (12 eta sigma_eff)^(1/3) along the flow [m]; independent of the fluid, zero where sealed.
@@ -480,7 +480,7 @@ class RoughContact:
             Effective medium over all channels, the critical junction alone (u_eff = u_c), or the effective medium that
             goes over into the closed law of `leak.flow.percolation` from A/A0 = 0.15 on. The last two know no direction
             and are refused unless peklenik = 1.
-        refinement : int
+        refinement : float
             Every grid of the effective medium has so many times more points, which shows its error.
         largest : array_like, optional
             Largest nominal pressure that the place has carried, counting where it exceeds `pressure`; broadcast
@@ -523,7 +523,7 @@ class RoughContact:
         return out
 
     def rarefied_separation(
-        self, pressure: FloatArray, log_inverse_knudsen: FloatArray
+        self, pressure: FloatArray, log_inverse_knudsen: FloatArray, *, refinement: float = 1.0
     ) -> tuple[FloatArray, FloatArray]:
         """u_eff of the effective medium [m], and ln R of `GasConductivityTable`, not finite where it is sealed.
 
@@ -533,6 +533,8 @@ class RoughContact:
             Nominal contact pressures between zero and the hardness, shape (n,) [Pa].
         log_inverse_knudsen : ndarray
             ln D_eff, shape (m,).
+        refinement : float
+            See `effective_separation`.
 
         Returns
         -------
@@ -543,8 +545,10 @@ class RoughContact:
         u, log_R = np.empty(pressure.size), np.empty((pressure.size, log_inverse_knudsen.size))
         for part in _parts(np.arange(pressure.size)):
             acting = self.acting_pressure(pressure[part])
-            lost, mean, aspect = self._channels(acting, self._seen(acting), 1)
-            u[part], gas = effective_gaps(lost, mean, height, n, aspect, np.exp(log_inverse_knudsen))
+            lost, mean, aspect = self._channels(acting, self._seen(acting), refinement)
+            u[part], gas = effective_gaps(
+                lost, mean, height, n, aspect, np.exp(log_inverse_knudsen), refinement=refinement
+            )
             with np.errstate(divide="ignore", invalid="ignore"):
                 log_R[part] = 3.0 * np.log(gas / u[part, None]) - log_flow_factor(log_inverse_knudsen)
         return u, log_R
@@ -678,13 +682,13 @@ class RoughContact:
                 f"method = {method!r} with peklenik = {self.peklenik}: {why} has no direction; use 'bruggeman'"
             )
 
-    def _effective_separation(self, p: FloatArray, seen: RoughnessSeen, refinement: int) -> FloatArray:
+    def _effective_separation(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
         lost, mean, aspect = self._channels(p, seen, refinement)
         n = medium.dimension_number(self.percolation_threshold)
         return effective_gap(lost, mean, self.spectrum.rms_height, n, aspect, refinement=refinement)
 
     def _channels(
-        self, p: FloatArray, seen: RoughnessSeen, refinement: int
+        self, p: FloatArray, seen: RoughnessSeen, refinement: float
     ) -> tuple[LostArea, FloatArray, float | FloatArray]:
         """Area lost, mean separation and aspect of the inclusions of the effective medium, at acting pressures."""
         if self.peklenik == 1.0:
@@ -694,7 +698,7 @@ class RoughContact:
         more = lay.touching_pressure(self.peklenik, share)
         return *self._lost_area_of(p * more, seen, refinement), lay.inclusion_aspect(self.peklenik, share)
 
-    def _near_threshold(self, p: FloatArray, seen: RoughnessSeen, refinement: int) -> FloatArray:
+    def _near_threshold(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
         lost, mean = self._lost_area_of(p, seen, refinement)
         n = medium.dimension_number(self.percolation_threshold)
         u = effective_gap(lost, mean, self.spectrum.rms_height, n, refinement=refinement)

@@ -385,12 +385,12 @@ def gas_scratch_flow(
     with np.errstate(divide="ignore"):
         log_width = np.maximum(np.log(gap / (gas.viscosity * gas.molecular_speed)), _SHUT)
     in_continuum = 2.0 * np.pi * contact.radius * gap**3 / (12.0 * gas.viscosity * per_density)
-    rarefaction = _rarefaction(table, contact.first_loading)
+    log_rarefaction = _log_rarefaction(table, contact.first_loading)
 
     def rough(pressure: FloatArray) -> FloatArray:
         log_q = np.log(gas.flow_pressure(np.maximum(pressure, _VACUUM)))
         log_D = log_q + log_width
-        return np.asarray(in_continuum * np.exp(log_q + log_flow_factor(log_D)) * rarefaction(log_D))
+        return np.asarray(in_continuum * np.exp(log_q + log_flow_factor(log_D) + log_rarefaction(log_D)))
 
     def along(groove: Groove) -> Mobility:
         path = groove.path(contact.radius)
@@ -622,15 +622,15 @@ def _profile(
     return profile if conductivity is None else after_largest(profile, x, r, largest, places, conductivity)
 
 
-def _rarefaction(
+def _log_rarefaction(
     table: GasConductivity | None, log_pressure: FloatArray
 ) -> Callable[[FloatArray], FloatArray]:
-    """R over ln D_eff at contact pressures (n,), for ln D_eff of shape (k, n); one without roughness."""
+    """ln R over ln D_eff at contact pressures (n,), for ln D_eff of shape (k, n); of none without roughness."""
     if table is None:
-        return np.ones_like
+        return np.zeros_like
     if isinstance(table, GasConductivityTable):
-        return table.rarefaction_at(log_pressure)
-    return lambda log_D: table.rarefaction(np.broadcast_to(log_pressure, log_D.shape), log_D)
+        return table.log_rarefaction_at(log_pressure)
+    return lambda log_D: np.log(table.rarefaction(np.broadcast_to(log_pressure, log_D.shape), log_D))
 
 
 def _lengths(part: Panels) -> FloatArray:

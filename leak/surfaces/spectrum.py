@@ -380,10 +380,17 @@ class PowerSpectrum:
 
     def on_piece(self, piece: NDArray[np.intp] | int, moment: FloatArray) -> SpectrumPoint:
         """The same as `at_slope_moment` where the piece of the spectrum is already known."""
-        grown = (moment - self._slope_moment[piece]) * self._growth_rate[piece]
-        step = np.log1p(np.maximum(grown, _LEAST_GROWN)) * self._inverse_exponent[piece]
-        step = np.minimum(np.maximum(step, 0.0), self._length[piece])
-        return SpectrumPoint(self._log_q[piece] + step, self._log_C[piece] + self._slope[piece] * step)
+        # in the same place: arrays are large here
+        step = moment - self._slope_moment[piece]
+        step *= self._growth_rate[piece]
+        step = np.maximum(step, _LEAST_GROWN)
+        step = np.log1p(step, out=step)
+        step *= self._inverse_exponent[piece]
+        step = np.minimum(np.maximum(step, 0.0, out=step), self._length[piece], out=step)
+        log_C = self._slope[piece] * step
+        log_C += self._log_C[piece]
+        step += self._log_q[piece]
+        return SpectrumPoint(step, log_C)
 
     @cached_property
     def last_moment(self) -> float:

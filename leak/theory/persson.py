@@ -164,7 +164,7 @@ def separations(
     M: FloatArray,
     gamma: float,
     *,
-    refinement: int = 1,
+    refinement: float = 1.0,
 ) -> Separations:
     """Mean separation and separation where contact is lost, at given magnifications.
 
@@ -185,7 +185,7 @@ def separations(
         "no roughness seen" [-].
     gamma : float
         Yang and Persson's factor, 0.45 [-].
-    refinement : int
+    refinement : float
         Factor on the number of quadrature points.
 
     References
@@ -198,22 +198,31 @@ def separations(
     log_a = np.log(relative_pressure[:, None] / (np.sqrt(np.pi) * A))
     parts = _parts(spectrum, seen.kappa, seen.end)
     log_v, weight, piece = _steps(spectrum, parts, M, log_a, refinement)
-    v2 = np.exp(2.0 * log_v)
+    v2 = 2.0 * log_v
+    v2 = np.exp(v2, out=v2)
     log_q, log_C = _point(spectrum, piece, M[..., None] + v2)
     above = seen.above(M[..., None])
     y2, factor = above(v2)
+    # arrays are large here: what has served is written over
     if y2 is v2:
         log_y = log_v
-        common = np.exp(log_v - log_q)
+        common = log_v - log_q
+        common = np.exp(common, out=common)
     else:
-        log_y = 0.5 * np.log(np.maximum(y2, _NOTHING))
-        common = v2 * np.exp(-log_q - log_y)
+        log_y = np.maximum(y2, _NOTHING)
+        log_y = np.log(log_y, out=log_y)
+        log_y *= 0.5
+        common = np.negative(log_q) - log_y
+        common = np.exp(common, out=common)
+        common *= v2
     F, f = kernel(gamma)(log_a[..., None] - log_y)
+    weight *= 2.0
     common *= weight
-    common *= 2.0
     F *= common
     f *= common
-    tail = np.vecdot(F, np.exp(-4.0 * log_q - log_C))
+    log_q *= -4.0
+    log_q -= log_C
+    tail = np.vecdot(F, np.exp(log_q, out=log_q))
     mean, decay = np.vecdot(F, factor), np.vecdot(f, factor)
     # (A/|dA/dM|) int F/(y q^2) dq, with the part beyond the end of the spectrum in closed form
     to_end = np.sqrt(np.maximum(above((seen.end - M)[..., None])[0][..., 0], _NOTHING))
@@ -254,7 +263,7 @@ def _parts(spectrum: PowerSpectrum, kappa: float, end: float) -> _Parts:
 
 
 def _steps(
-    spectrum: PowerSpectrum, parts: _Parts, M: FloatArray, log_a: FloatArray, refinement: int
+    spectrum: PowerSpectrum, parts: _Parts, M: FloatArray, log_a: FloatArray, refinement: float
 ) -> tuple[FloatArray, FloatArray, NDArray[np.intp] | None]:
     """Gauss points in ln v between the smallest step that counts and the end.
 

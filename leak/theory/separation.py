@@ -76,7 +76,7 @@ class LostArea(NamedTuple):
 
 
 def magnification_nodes(
-    spectrum: PowerSpectrum, seen: RoughnessSeen, relative_pressure: FloatArray, *, refinement: int = 1
+    spectrum: PowerSpectrum, seen: RoughnessSeen, relative_pressure: FloatArray, *, refinement: float = 1.0
 ) -> MagnificationNodes:
     """Quadrature over magnification, from where the first contact is lost to where the last is."""
     upper = _panels(spectrum, seen.last_loss, seen.kappa, refinement)
@@ -84,7 +84,7 @@ def magnification_nodes(
     top = np.log(upper.first)
     bottom = np.minimum(2.0 * np.log(relative_pressure) - np.log(np.pi * FULL_CONTACT**2), top)
     length = np.minimum(top - bottom, _FIRST_RANGE)
-    t, w = gauss(_FIRST_NODES * refinement)
+    t, w = gauss(round(_FIRST_NODES * refinement))
     start = np.cumsum(_FIRST_PANELS) - _FIRST_PANELS
     u = (start[:, None] + 0.5 * _FIRST_PANELS[:, None] * (1.0 + t)).ravel()
     M = np.exp(bottom[:, None] + length[:, None] * u)
@@ -102,7 +102,7 @@ def magnification_nodes(
 
 
 @lru_cache(maxsize=16)
-def _panels(spectrum: PowerSpectrum, end: float, kappa: float, refinement: int) -> _Panels:
+def _panels(spectrum: PowerSpectrum, end: float, kappa: float, refinement: float) -> _Panels:
     """Gauss panels from the first magnifications to `end`, split at the kinks of the spectrum."""
     breaks = spectrum.break_moments
     first = min(
@@ -112,7 +112,7 @@ def _panels(spectrum: PowerSpectrum, end: float, kappa: float, refinement: int) 
     )
     stops = np.concatenate([[first], breaks[(breaks > first) & (breaks < end)], [end]])
     ends, detail, count = _panel_ends(spectrum, stops, kappa)
-    sizes = refinement * np.ceil(1.6 + _PANEL_POINTS * detail).astype(np.intp).repeat(count)
+    sizes = np.ceil(refinement * np.ceil(1.6 + _PANEL_POINTS * detail)).astype(np.intp).repeat(count)
     M, q, weight = _panel_nodes(spectrum, ends, sizes)
     groups: list[slice] = []
     for stop in sizes.cumsum()[count.cumsum() - 1].tolist():
@@ -121,7 +121,7 @@ def _panels(spectrum: PowerSpectrum, end: float, kappa: float, refinement: int) 
             start = groups.pop().start
         groups.append(slice(start, stop))
     to_end = _integral_to_end(
-        [_FIRST_NODES * refinement] * _FIRST_PANELS.size + sizes.tolist() if kappa else []
+        [round(_FIRST_NODES * refinement)] * _FIRST_PANELS.size + sizes.tolist() if kappa else []
     )
     return _Panels(first, M, q, weight, tuple(groups), to_end)
 
@@ -198,7 +198,7 @@ def lost_area(
     gamma: float,
     separation_width: str,
     *,
-    refinement: int = 1,
+    refinement: float = 1.0,
 ) -> LostArea:
     """Area lost, u1 and Gaussian width over all magnifications.
 

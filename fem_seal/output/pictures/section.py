@@ -354,12 +354,23 @@ def _list(axes: Axes, case: Case) -> None:
 
 
 def _bodies(axes: Axes, contact: ContactGeometry, mirrored: bool) -> None:
+    from matplotlib.patches import Polygon
+
     sides = (1, -1) if mirrored else (1,)
     for outline, fill, hatch in ((contact.seat, _SEAT_FILL, "////"), (contact.closure, FILL, "\\\\\\\\")):
         pieces = list(_pieces(outline, _CHORDS if mirrored else _FINE_CHORDS))
         r, z = np.hstack([points for _, points in pieces])
         for side in sides:
-            axes.fill(side * r, z, facecolor=fill, edgecolor="#c3c9d2", hatch=hatch, lw=0, zorder=2)
+            section = Polygon(
+                np.column_stack([side * r, z]),
+                facecolor=fill,
+                edgecolor="#c3c9d2",
+                hatch=hatch,
+                lw=0,
+                zorder=2,
+            )
+            # the axes reach as far as the lines around it: `add_patch` would look at each of its chords in Python
+            axes.add_artist(section)
         for s, points in pieces:
             # beyond the axis the body goes on
             if not s.start[0] == s.end[0] == 0.0:
