@@ -436,9 +436,10 @@ class _Study:
 
     def leak_rates(self, samples: Sequence[int]) -> FloatArray:
         """Leak rates at the case's own viscosity, calculated, shape (samples, readings times loads) [m^3/s]."""
-        # the first makes what all share
-        first, *rest = samples
-        return np.array([self._leak_rates(first), *in_copies(self._leak_rates, rest)])
+        # the first makes the tables that all share, if they do not have their own
+        shared = 0 if self.exact else 1
+        first = [self._leak_rates(number) for number in samples[:shared]]
+        return np.array(first + in_copies(self._leak_rates, samples[shared:]))
 
     def _leak_rates(self, sample: int) -> list[float]:
         factors = {
