@@ -35,7 +35,7 @@ _PERIODS, _HARMONICS, _STRONG = 3, 12, 0.05
 # Leak rates are interpolated over ln f, in a range whose ends are multiples of the first number and which is no wider
 # than the second: by a polynomial through so many line loads and one, if that through every other of them gives the
 # same to the last numbers (of the leak rate itself, and of its ratio to the conductivity). Mostly that leaves 3e-6, of
-# 160 samples 2e-4 at most, next to sealing 2e-3 (tests/test_fem_seal_around.py asks every angle on its own).
+# 160 leak rates 2e-4 at most, next to sealing 2e-3, and what all but seals may count as sealed (asked at every angle).
 _ENDS, _WIDEST, _PARTS, _AGREE, _AGREE_OF_RATIO = 0.125, 2.0, (4, 8, 16), 2e-3, 5e-4
 # Else, and where places are sealed: between line loads with these steps in ln f, the coarse one far below the mean,
 # where the surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
