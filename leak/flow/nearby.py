@@ -33,11 +33,10 @@ _ABOVE = 1.02
 _LOWEST, _LEAST, _CLOSEST = 1e-9, 1e-7, 0.98
 # A spectrum with more kinks is calculated as so many power laws.
 _PIECES = 14
-# Both surfaces are calculated with so many times the usual points of quadrature. What that changes is mostly the same
-# for both; the rest is 4e-5 of a leak rate in the median, 3e-4 at most away from sealing, a tenth of its error.
-_DETAIL = 0.75
+# Both surfaces are calculated with so many times the usual points: what that changes is the same for both.
+_DETAIL = 0.9
 # ln of the inverse Knudsen numbers of a gas at which a surface is calculated.
-_LOG_D = np.array([-9.0, -4.5, -2.0, 0.0, 2.2, 6.5])
+_LOG_D = np.array([-9.0, -5.5, -3.0, -1.0, 1.2, 3.7, 6.5])
 # A gap over the rms height that is none; a table calls it zero. Where its logarithm is half as far, nothing leaks yet.
 _NOTHING = 1e-56
 _LOG_CLOSED = 0.5 * float(np.log(_NOTHING))
@@ -58,7 +57,7 @@ class _Values(NamedTuple):
     gap: FloatArray
     """u_eff over half the rms height, as the tables are smooth in it, shape (n,)."""
     rise: FloatArray
-    """Of a gas: ln R over that of the known surface, at `_LOG_D`, shape (n, 6)."""
+    """Of a gas: ln R over that of the known surface, at `_LOG_D`, shape (n, 7)."""
 
     def first(self, number: int) -> _Values:
         return _Values(self.gap[:number], self.rise[:number])
