@@ -140,7 +140,7 @@ def theory(settings: Settings) -> Iterator[Figure]:
 def uncertainty(settings: Settings) -> Iterator[Figure]:
     """Samples of every kind of fluid and spectrum: processor time of one, and what a user waits."""
     if settings.quick:
-        return of_pytest("bench_uncertainty.py", "-k", "per_sample", SAMPLES="32")
+        return of_pytest("bench_uncertainty.py", "-k", "per_sample", SAMPLES="32", ASKED="64")
     return of_pytest("bench_uncertainty.py")
 
 

@@ -362,6 +362,20 @@ def test_mean_spectrum_keeps_the_mean_height_variance():
 # -------------------------------------------------------------------- polynomial
 
 
+def test_samples_that_one_load_seals_count_at_the_others():
+    """They may be off by a share of their scatter there; with no scatter at all the smallest bound stands."""
+    spread = np.exp(np.linspace(-10.0, 0.0, 101))
+    sealed = np.zeros(101)
+    # nine tenths of the samples lie within e^9
+    assert module._allowed(np.stack([spread, sealed], axis=1), 0.01, 0.02) == pytest.approx(0.18, rel=1e-12)
+    assert module._allowed(np.stack([spread, np.where(spread < 1e-2, 0.0, 1.0)], axis=1), 0.01, 0.02) == (
+        pytest.approx(0.18, rel=1e-12)
+    )
+    opened = np.where(spread > 0.5, np.inf, 1e-9)
+    for rates in (sealed, opened, np.full(101, np.inf)):
+        assert module._allowed(rates[:, None], 0.01, 0.02) == 0.01
+
+
 def test_response_surface_is_exact_for_a_polynomial_and_knows_its_variances():
     rng = np.random.default_rng(5)
     z = rng.normal(size=(4000, 3))

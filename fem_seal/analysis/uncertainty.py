@@ -265,14 +265,13 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
 
 
 def _allowed(leak_rate: FloatArray, least: float, share: float) -> float:
-    """How far samples that scatter like these may be off, from shares of one and of their scatter in ln Q."""
-    with np.errstate(divide="ignore"):
-        found = np.log(leak_rate)
-    found = found[np.isfinite(found).all(axis=1)]
-    if not len(found):
-        return least
-    low, high = np.quantile(found, (0.05, 0.95), axis=0)
-    return max(least, share * float((high - low).max()))
+    """How far samples that scatter like these may be off, from shares of one and of their scatter in ln Q.
+
+    At each load the samples that leak count, also where it seals or opens others, or all at another load.
+    """
+    leaking = [one[(one > 0) & np.isfinite(one)] for one in leak_rate.T]
+    widths = [np.diff(np.quantile(np.log(one), (0.05, 0.95))) for one in leaking if one.size]
+    return max(least, share * float(np.max(widths, initial=0.0)))
 
 
 def _runs(study: _Study, progress: Callable[[str], None]) -> tuple[int, FloatArray, ResponseSurface | None]:
