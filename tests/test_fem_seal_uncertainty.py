@@ -376,6 +376,20 @@ def test_samples_that_one_load_seals_count_at_the_others():
         assert module._allowed(rates[:, None], 0.01, 0.02) == 0.01
 
 
+def test_next_to_nothing_is_no_difference():
+    """A sample that leaks a billionth of a billionth of the case, whatever the seal's size, and one that is sealed."""
+    found = np.array([[2e-23, 1.02, 0.0, np.inf], [1.0, 1.0, 0.0, 5.0]])
+    truth = np.array([[1e-23, 1.00, 0.0, np.inf], [1.0, 1.0, 0.0, np.nan]])
+    for size in (1e-20, 1e-8, 1.0):
+        of_case = [size, size, 0.0, np.inf]
+        off = module._largest_difference(found * size, truth * size, of_case)
+        assert off == pytest.approx(0.02, rel=1e-6)
+    # what a sealed case does not leak, a sample may
+    assert module._largest_difference(found[:1, :1], truth[:1, :1], [0.0]) == pytest.approx(1.0, rel=1e-6)
+    # sealed or not is a difference
+    assert module._largest_difference(np.array([[1e-9]]), np.array([[0.0]]), [1e-9]) > 1e6
+
+
 def test_response_surface_is_exact_for_a_polynomial_and_knows_its_variances():
     rng = np.random.default_rng(5)
     z = rng.normal(size=(4000, 3))

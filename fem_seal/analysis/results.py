@@ -794,8 +794,8 @@ class LeakInterval:
         together. NaN where a sample is sealed or blown open.
     error : float or None
         Largest relative error of samples that were calculated anew beside them, at both ends of the interval, with
-        conductivity tables of their own: of the polynomial and of tables from that of the case. None if every sample
-        was calculated so.
+        conductivity tables of their own: of the polynomial and of tables from that of the case; a billionth of what the
+        case itself leaks counts as nothing. None if every sample was calculated so.
     capped : ndarray, shape (loads, samples), or None
         The same samples with yielding asperities that change the surface only where it touches [m^3/s]; None where
         none yields.
