@@ -16,20 +16,8 @@ from fem_seal.bodies.held_body import HeldBody
 _SYMMETRIC = {"SymmetricMode": True}
 
 
-def _elimination_order(matrix: csc_matrix, places: ArrayLike) -> NDArray[np.intp]:
-    """Order that eliminates a symmetric matrix with little fill, some places last; the pattern alone matters.
-
-    Parameters
-    ----------
-    matrix : csc_matrix, shape (n, n)
-    places : array_like of int, shape (m,)
-        All different.
-
-    Returns
-    -------
-    ndarray of int, shape (n,)
-    """
-    places = np.asarray(places, dtype=np.intp)
+def _elimination_order(matrix: csc_matrix, places: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Order that eliminates a symmetric matrix with little fill, some places last; the pattern alone matters."""
     # SuperLU tells its fill-reducing order only after a factorisation; one that drops nearly everything is cheap.
     ordered = spilu(
         matrix,

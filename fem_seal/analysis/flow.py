@@ -172,10 +172,15 @@ class Flow:
         Parameters
         ----------
         table : ConductivityTable or GasConductivityTable
-        pressure : ndarray
+        pressure : ndarray, shape (n,)
             [Pa]
         fluid_pressure : float
             Pressure difference [Pa].
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Zero where sealed.
         """
         log_pressure = np.log(pressure)
         if isinstance(table, leak.ConductivityTable):
