@@ -74,7 +74,7 @@ def _rate(load: LoadResult, *rates: float | None) -> str:
     known = [rate for rate in rates if rate is not None]
     low, high = min(known), max(known)
     told = low if high <= AGREE * low else (low, high)
-    return leak_range_text(told, min(load.digits, 3), claimed=not load.validity.outside)
+    return leak_range_text(told, load.leak_digits, claimed=not load.validity.outside)
 
 
 def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
