@@ -607,15 +607,28 @@ def leak_range_text(
         digits = min(digits, _RANGE_DIGITS)
     if high == math.inf:
         return f"at least {quantity_worth('flow', low, digits)}"
-    unit = _unit_of_all((low, high, *beside)) or _unit_of_all((low, high))
+    unit = flow_unit((low, high, *beside)) or flow_unit((low, high))
     if unit is None:
         return f"{quantity_worth('flow', low, digits)} to {quantity_worth('flow', high, digits)}"
     return f"{range_text(*(_in_sentence(unit.of(one), digits) for one in (low, high)))} {unit.name}"
 
 
-def _unit_of_all(leak_rates: Collection[float]) -> Unit | None:
-    """The largest unit in which all leak rates can be read [m^3/s]; None if they are too far apart for any."""
+def flow_unit(leak_rates: Collection[float]) -> Unit | None:
+    """The unit for leak rates that stand together, the largest in which all can be read.
+
+    Parameters
+    ----------
+    leak_rates : collection of float
+        [m^3/s]
+
+    Returns
+    -------
+    Unit or None
+        None if they are too far apart for any.
+    """
     known = [one for one in leak_rates if 0 < one < math.inf]
+    if not known:
+        return None
     smallest, largest = min(known), max(known)
     if smallest < _TOGETHER * largest:
         return None

@@ -192,12 +192,12 @@ def comparison_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> Readab
     measures = {"peak_pressure": "peak", "fwhm": "FWHM", "std": "std. dev."}
     headings = [f"{text} over {name} − 1 [%]" for name in names.values() for text in measures.values()]
     columns = [
-        getattr(sizes["calculated"], measure) / getattr(sizes[key], measure) - 1
+        (measure, getattr(sizes["calculated"], measure) / getattr(sizes[key], measure) - 1)
         for key in names
         for measure in measures
     ]
     rows = tuple(
-        (load_name(load, result.loads), *(_difference(column[n]) for column in columns))
+        (load_name(load, result.loads), *(_difference(of[n], load, measure) for measure, of in columns))
         for n, load in enumerate(result.loads)
     )
     return ReadableTable(("load", *headings), rows)
@@ -213,9 +213,13 @@ def comparison_note(result: SealSolution) -> str:
     return said("notes.comparison", law)
 
 
-def _difference(share: float) -> str:
-    digits = 3 if abs(share) < 0.1 else 0
-    return f"{100 * share:+.{digits}f}".replace("-", "−")
+def _difference(share: float, load: LoadResult, measure: str) -> str:
+    """In per cent, with as many decimals as the mesh leaves."""
+    error = 0.0 if load.mesh_error is None else getattr(load.mesh_error, measure)
+    decimals = 3 if abs(share) < 0.1 else 0
+    if error > 0:
+        decimals = min(decimals, max(0, math.ceil(-math.log10(200 * error))))
+    return f"{100 * share:+.{decimals}f}".replace("-", "−")
 
 
 def variant_table(result: SealSolution) -> ReadableTable:
@@ -403,7 +407,7 @@ def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, s
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
         both = [
-            quantity("force", force, _DIGITS)
+            _target_force(load, force)
             for force in (load.force_for_target, load.force_for_target_capped)
             if force is not None
         ]
@@ -435,13 +439,20 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
         compared,
         "fluid" if force < 0 else "",
         "capped" if load.force_for_target_capped is not None else "",
-        capped=quantity("force", load.force_for_target_capped, _DIGITS),
+        capped=_target_force(load, load.force_for_target_capped),
         target=given("flow", target),
         pressure=given("fluid pressure", load.fluid_pressure),
-        force=quantity("force", force, _DIGITS),
-        difference=quantity("force", abs(force - acting)),
+        force=_target_force(load, force),
+        difference=quantity_worth("force", abs(force - acting), load.mesh_digits("leak_rate")),
         acting=given("force", acting),
     )
+
+
+def _target_force(load: LoadResult, force: float | None) -> str:
+    if force is None:
+        return "–"
+    unit = unit_for("force", force)
+    return f"{worth(unit.of(force), load.mesh_digits('leak_rate'))} {unit.name}"
 
 
 def valve_table(result: SealSolution) -> ReadableTable:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.caution import Level
@@ -15,11 +15,11 @@ from fem_seal.case.fields import Throughput
 from fem_seal.output.prose import said
 from fem_seal.units import (
     digits_beside,
+    flow_unit,
     given,
     leak_range_text,
     number,
     percent,
-    quantity,
     range_text,
     rounded,
     unit_for,
@@ -106,8 +106,8 @@ def _verdict(found: SealJudgement, load: str, digits: int) -> str:
         load=load,
         low=_amount(low, digits, limit.leak_rate),
         high=_amount(high, digits, limit.leak_rate),
-        range=_range(low, high, digits),
-        allowed=_limit_text(limit.leak_rate),
+        range=_range(low, high, digits, limit.leak_rate),
+        allowed=_limit_text(limit.leak_rate, beside=judged.ends),
         limit="required" if limit.name == OF_LEAK_RATE else limit.name,
         factor=factor_text(judged.margin),
         times_low=factor_text(over[0]),
@@ -158,7 +158,7 @@ def _amount(leak_rate: float, digits: int, limit: float) -> str:
     if isinstance(leak_rate, Throughput) and isinstance(limit, Throughput):
         name, value, allowed = "mbar l/s", _mbar_litres(leak_rate), _mbar_litres(limit)
     else:
-        unit = unit_for("flow", leak_rate)
+        unit = flow_unit((leak_rate, limit)) or unit_for("flow", leak_rate)
         name, value, allowed = unit.name, unit.of(leak_rate), unit.of(limit)
     return f"{worth(value, digits_beside(value, rounded(allowed, 2), digits))} {name}"
 
@@ -167,17 +167,17 @@ def _mbar_litres(leak_rate: Throughput) -> float:
     return millibar_litres_per_second(leak_rate.pressure_volume)
 
 
-def _range(low: float, high: float, digits: int) -> str:
+def _range(low: float, high: float, digits: int, limit: float) -> str:
     if isinstance(low, Throughput) and isinstance(high, Throughput) and math.isfinite(high):
         told = (worth(_mbar_litres(one), digits) for one in (low, high))
         return f"{range_text(*told)} mbar l/s"
-    return leak_range_text((low, high), digits)
+    return leak_range_text((low, high), digits, beside=(limit,))
 
 
-def _limit_text(leak_rate: float) -> str:
+def _limit_text(leak_rate: float, beside: Collection[float] = ()) -> str:
     if isinstance(leak_rate, Throughput):
-        return _range(leak_rate, leak_rate, 2)
-    return "no visible leakage" if leak_rate == 0 else quantity("flow", leak_rate, 2)
+        return f"{worth(_mbar_litres(leak_rate), 2)} mbar l/s"
+    return "no visible leakage" if leak_rate == 0 else leak_range_text(leak_rate, 2, beside=beside)
 
 
 def used_in_words(result: SealSolution, shares: Shares) -> str:

@@ -28,7 +28,6 @@ from fem_seal.output.report.tables import (
 )
 from fem_seal.units import (
     leak_range_text,
-    leak_rate_text,
     number,
     percent,
     quantity,
@@ -188,10 +187,8 @@ def readings_in_words(load: LoadResult) -> str:
     if not _told_apart(load):
         return said("readings.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
-    conserved, capped = (
-        leak_rate_text(one.leak_rate, digits, claimed=claimed)
-        for one in (load.leak_conserved, load.leak_capped)
-    )
+    rates = load.leak_conserved.leak_rate, load.leak_capped.leak_rate
+    conserved, capped = (leak_range_text(one, digits, claimed=claimed, beside=rates) for one in rates)
     return said("readings.load", "both", conserved=conserved, capped=capped)
 
 
@@ -237,7 +234,7 @@ def per_day(leak_rate: float | tuple[float, float], digits: int = 2) -> str:
     for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
         if litres[-1] >= size:
             shown = (one / size for one in litres)
-            told = [worth(one, 1) if digits < 2 else number(one, 2) for one in shown]
+            told = [worth(one, min(digits, 2)) for one in shown]
             return f"{range_text(told[0], told[-1])} {unit} per day"
     return "" if ends[-1] == 0 else "less than 1 µl per day"
 
@@ -459,10 +456,10 @@ def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
     low, high = (math.nan if one is None else one.leak_rate for one in ends)
     if load.leak_elastic is None or not high > 0:
         return "", ""
-    elastic = load.leak_elastic.leak_rate
+    elastic, digits = load.leak_elastic.leak_rate, min(load.leak_digits, 2)
     if low == 0:
-        return number(elastic / high, 2), "never_sealed"
-    factor = range_text(number(elastic / high, 2), number(elastic / low, 2))
+        return worth(elastic / high, digits), "never_sealed"
+    factor = range_text(worth(elastic / high, digits), worth(elastic / low, digits))
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
