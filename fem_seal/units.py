@@ -642,6 +642,28 @@ def percent(share: float | None, digits: int = 2) -> str:
     return "–" if share is None or not math.isfinite(share) else f"{number(100 * share, digits)} %"
 
 
+def per_cent(share: float) -> str:
+    """A share with two digits and no zeros at its end.
+
+    Examples
+    --------
+    >>> per_cent(0.05), per_cent(0.0123), per_cent(0.997)
+    ('5 %', '1.2 %', '100 %')
+    """
+    return f"{rounded(100 * share, 2):g} %"
+
+
+def briefly(kind: str, value: float) -> str:
+    """An SI value with four digits and no zeros at its end: "43.29 kN".
+
+    Examples
+    --------
+    >>> briefly("force", 43294.3), briefly("force", 250.0)
+    ('43.29 kN', '250 N')
+    """
+    return given(kind, rounded(value, 4))
+
+
 # Endings of these columns and their SI units, as `fem_seal.units.DIMENSIONS` writes them; longer endings come first.
 _SI_UNITS = {
     "_Pa_m3_per_s": "Pa m^3/s",

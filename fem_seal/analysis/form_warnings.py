@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_seal.analysis.caution import Caution, Level
 from fem_seal.analysis.load_names import load_name
-from fem_seal.units import beside
+from fem_seal.units import beside, per_cent
 
 if TYPE_CHECKING:
     from fem_seal.analysis.around import Around
@@ -96,8 +96,8 @@ def _open(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
         yield Caution(
             "open in part",
             Level.DOUBTFUL,
-            f"open over {100 * share:.2g} % of the circumference",
-            f"at {load_name(load, loads)} {100 * share:.2g} % of the circumference carry less than {100 * _OPEN:g} % "
+            f"open over {per_cent(share)} of the circumference",
+            f"at {load_name(load, loads)} {per_cent(share)} of the circumference carry less than {100 * _OPEN:g} % "
             "of the mean line load: the seal is open there, and what leaks follows from the width of the open gap, and "
             "so from the form error itself",
         )

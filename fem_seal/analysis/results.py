@@ -94,7 +94,7 @@ class LoadResult(Lazy):
         profile = self.contact.profile
         parts = [
             f"peak {quantity_worth('contact pressure', profile.peak_pressure, self.pressure_digits)}",
-            f"FWHM {quantity_worth('length', profile.fwhm, self.mesh_digits('fwhm'))}",
+            f"FWHM {quantity_worth('length', profile.fwhm, self.digits_of('fwhm'))}",
         ]
         # a line is not worth working the leak rate out
         leak: LeakResult | None = vars(self).get("leak")
@@ -111,31 +111,32 @@ class LoadResult(Lazy):
         """Significant digits that numbers which follow from the contact force are worth, four at most."""
         return DIGITS if self.opening is None else self.opening.digits
 
-    def mesh_digits(self, name: str) -> int:
-        """Significant digits that the mesh leaves of one of its numbers, four at most.
+    def digits_of(self, name: str) -> int:
+        """Significant digits that known errors leave of one of its numbers, four at most: the mesh's and the theory's.
 
         Parameters
         ----------
-        name : {"peak_pressure", "fwhm", "std", "leak_rate"}
-            What a `DiscretisationError` calls it. Stresses in the bodies are as good as the peak pressure.
+        name : {"peak_pressure", "fwhm", "std", "leak_rate", "force_for_target"}
+            Stresses in the bodies are as good as the peak pressure.
         """
+        of_theory = {"leak_rate": self.validity, "force_for_target": self.target_validity}.get(name)
+        theory = DIGITS if of_theory is None else digits_within(of_theory.leak_error)
         if self.mesh_error is None:
-            return DIGITS
+            return theory
         # where the strongest load is sealed, nothing is known of what the others leak but the contact that it follows
-        known = getattr(self.mesh_error, name)
-        return digits_within(
-            max(self.mesh_error.peak_pressure, self.mesh_error.std) if known is None else known
-        )
+        known = getattr(self.mesh_error, "leak_rate" if name == "force_for_target" else name)
+        share = max(self.mesh_error.peak_pressure, self.mesh_error.std) if known is None else known
+        return min(theory, digits_within(share))
 
     @property
     def pressure_digits(self) -> int:
-        """Significant digits of contact pressures and stresses: what the mesh and the distance from opening leave."""
-        return min(self.digits, self.mesh_digits("peak_pressure"))
+        """Significant digits of contact pressures and stresses: what errors and the distance from opening leave."""
+        return min(self.digits, self.digits_of("peak_pressure"))
 
     @property
     def leak_digits(self) -> int:
         """The same of leak rates."""
-        return min(self.digits, self.mesh_digits("leak_rate"))
+        return min(self.digits, self.digits_of("leak_rate"))
 
     @property
     def verdict(self) -> Verdict | None:

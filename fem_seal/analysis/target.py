@@ -8,7 +8,7 @@ from fem_seal.analysis.problem import SealProblem, largest_force
 from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import closing_force
-from fem_seal.units import given, quantity
+from fem_seal.units import briefly, given, quantity
 
 # Step of the force while a target is looked for, and how far down from the largest sensible force.
 _STEP = 4.0
@@ -53,7 +53,8 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
             least = flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate
             raise target_problem(
                 problem,
-                f"even a contact force of {largest_force(problem):.4g} N, the largest for small strains, leaves "
+                f"even a contact force of {briefly('force', largest_force(problem))}, the largest for small "
+                "strains, leaves "
                 f"{quantity('flow', least)} at {fluid_pressure / 1e5:.4g} bar; give a larger target or a "
                 "smoother surface",
                 target,

@@ -19,7 +19,7 @@ from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
-from fem_seal.units import DIGITS, beside, number, rounded
+from fem_seal.units import DIGITS, beside, briefly, number, per_cent, rounded
 
 if TYPE_CHECKING:
     from fem_seal.analysis.direct import DirectTable
@@ -240,7 +240,9 @@ def target_cautions(
         At least one.
     """
     ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
-    named = dict.fromkeys(f"{one.applied_force:.4g} N at {one.fluid_pressure / 1e5:.4g} bar" for one in ends)
+    named = dict.fromkeys(
+        f"{briefly('force', one.applied_force)} at {one.fluid_pressure / 1e5:.4g} bar" for one in ends
+    )
     for caution in _at_target(problem, surface, answers):
         text = f"at the force for the target leak rate, {' to '.join(named)}: {caution.text}"
         yield replace(caution, text=text)
@@ -278,6 +280,7 @@ def _of_surface(problem: SealProblem) -> Iterator[Caution]:
             'conductivity = "direct", for given pressure profiles, or for designs of a study without '
             "leak_rate_high_m3_per_s among their responses: the leak rate is that of the usual surface and may be off "
             "by a factor of ten",
+            leak_error=9.0,
         )
     for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)
@@ -301,12 +304,12 @@ def _near_opening(
         others = f" ({len(close)} loads are closer than {100 * _NEAR_OPENING:g} %)" if len(close) > 1 else ""
         counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
         text = (
-            f"{load_name(load, loads)} is {100 * share:.2g} % from opening the seal: {number(margin.force, 2)} N of "
+            f"{load_name(load, loads)} is {per_cent(share)} from opening the seal: {number(margin.force, 2)} N of "
             f"the applied {load.applied_force:.6g} N, or {number(margin.pressure / 1e5, 2)} bar{others}. The contact "
             "force is the small difference of applied force and fluid force: a relative error of either counts "
             f"{counts} in it, in the peak pressure and in the leak rate"
         )
-        yield Caution("near opening", Level.DOUBTFUL, f"{100 * share:.2g} % from opening the seal", text)
+        yield Caution("near opening", Level.DOUBTFUL, f"{per_cent(share)} from opening the seal", text)
 
 
 def _yielding_of(problem: SealProblem, load: LoadResult) -> Mapping[str, YieldedZone | PlasticZone]:
@@ -506,7 +509,7 @@ def _times(share: float, load: LoadResult, most: int = 2) -> str:
 
 def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
     """A length that is as good as the width of the contact, in um."""
-    return f"{rounded(1e6 * length, min(load.mesh_digits('std'), most)):g} um"
+    return f"{rounded(1e6 * length, min(load.digits_of('std'), most)):g} um"
 
 
 def _highest_pressure(load: LoadResult) -> float:
@@ -588,6 +591,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. The roughness "
             f"has a lay (peklenik = {surface.peklenik:.3g}), for which the theory's flow conductivity differs from "
             f"direct numerical results with elastic asperities by up to a factor {lay:.2g} either way{beyond}",
+            leak_error=lay - 1.0,
         )
     elif area > _DIRECT_END:
         yield Caution(
@@ -598,6 +602,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}, close to "
             f"{surface.percolation_threshold:.2g}, where no leak path is open. The leak rate falls there by orders of "
             f"magnitude. Direct numerical results end at {_DIRECT_END:g}: no bound on the error is known",
+            leak_error=math.inf,
         )
     elif area > _FEW_CHANNELS:
         yield Caution(
@@ -607,6 +612,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. "
             f"Above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
             f"numerical results by up to a factor {factor:g} either way",
+            leak_error=factor - 1.0,
         )
 
 
@@ -651,6 +657,7 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
             f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
             f"a factor {down:.2g} smaller or {up:.2g} larger: {_samples(row.samples)}, and waves too short for the "
             f"grid, of which the last octave that it holds {octave}",
+            leak_error=max(down, up) - 1.0,
         )
 
 
@@ -700,8 +707,8 @@ def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResu
         yield Caution(
             "long waves",
             Level.DOUBTFUL,
-            f"{100 * (1 - above):.2g} % of the height variance in waves longer than the contact is wide",
-            f"{100 * (1 - above):.2g} % of the height variance is in waves longer than 2 pi times the standard "
+            f"{per_cent(1 - above)} of the height variance in waves longer than the contact is wide",
+            f"{per_cent(1 - above)} of the height variance is in waves longer than 2 pi times the standard "
             f"deviation of the contact, {_um(std, load)} at {load_name(load, loads)}. They are waviness "
             "along the contact rather than roughness inside it, and the contact pressure follows them",
         )
@@ -726,6 +733,7 @@ def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadRes
             f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure. "
             'How far it opens the gap is not calculated here. [load] closing = "penetration" calculates it; the '
             f'upper bound, [leak] fluid_in_gap = "local", is {most}',
+            leak_error=1.7 * share if share < _FLUID_LIFTS else math.inf,
         )
 
 
@@ -755,8 +763,8 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
             yield Caution(
                 "mesh",
                 Level.DOUBTFUL,
-                f"estimated error of elements and load steps {100 * worst:.2g} %",
-                f"the estimated error of elements and load steps is {100 * worst:.2g} %; further loads between zero "
+                f"estimated error of elements and load steps {per_cent(worst)}",
+                f"the estimated error of elements and load steps is {per_cent(worst)}; further loads between zero "
                 "and the highest one, and a smaller [mesh] contact_size, reduce it",
             )
     elif worst > _LARGEST_ERROR:
@@ -764,7 +772,7 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
         yield Caution(
             "mesh",
             Level.DOUBTFUL,
-            f"estimated discretisation error {100 * worst:.2g} %",
-            f"the estimated discretisation error (of the mesh alone) is {100 * worst:.2g} %; a [mesh] "
+            f"estimated discretisation error {per_cent(worst)}",
+            f"the estimated discretisation error (of the mesh alone) is {per_cent(worst)}; a [mesh] "
             f"contact_size below the present {1e6 * size:.3g} um reduces it",
         )

@@ -127,7 +127,7 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
             load=load_name(load, result.loads),
             largest=largest,
             body=body,
-            depth=quantity_worth("length", abs(depth), load.mesh_digits("fwhm")),
+            depth=quantity_worth("length", abs(depth), load.digits_of("fwhm")),
             side="below" if depth < 0 else "above",
         ),
     )
@@ -272,7 +272,7 @@ def imprint_picture(result: SealSolution) -> Picture | None:
             "one",
             body=name,
             **{
-                what: quantity_worth("length", value, result.strongest.mesh_digits("fwhm"))
+                what: quantity_worth("length", value, result.strongest.digits_of("fwhm"))
                 for what, value in (
                     ("depth", imprint.deepest),
                     ("width", imprint.width),
@@ -341,7 +341,7 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
             body=name,
             strain=percent(zone.strain),
             **{
-                what: quantity_worth("length", value, result.strongest.mesh_digits("fwhm"))
+                what: quantity_worth("length", value, result.strongest.digits_of("fwhm"))
                 for what, value in (("depth", zone.depth), ("deepest", zone.deepest))
             },
         )

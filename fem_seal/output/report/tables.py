@@ -233,8 +233,8 @@ def variant_table(result: SealSolution) -> ReadableTable:
             variant.name
             + (" (used)" if ("plastic" in variant.name) == result.case.interface.plastic else ""),
             quantity_worth("contact pressure", variant.peak_pressure, load.pressure_digits),
-            quantity_worth("length", variant.fwhm, load.mesh_digits("fwhm")),
-            quantity_worth("length", variant.std, load.mesh_digits("std")),
+            quantity_worth("length", variant.fwhm, load.digits_of("fwhm")),
+            quantity_worth("length", variant.std, load.digits_of("std")),
             _both_readings(variant, unit, load),
         )
         for variant in result.interface_variants
@@ -443,7 +443,7 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
         target=given("flow", target),
         pressure=given("fluid pressure", load.fluid_pressure),
         force=_target_force(load, force),
-        difference=quantity_worth("force", abs(force - acting), load.mesh_digits("leak_rate")),
+        difference=quantity_worth("force", abs(force - acting), load.digits_of("force_for_target")),
         acting=given("force", acting),
     )
 
@@ -452,7 +452,7 @@ def _target_force(load: LoadResult, force: float | None) -> str:
     if force is None:
         return "–"
     unit = unit_for("force", force)
-    return f"{worth(unit.of(force), load.mesh_digits('leak_rate'))} {unit.name}"
+    return f"{worth(unit.of(force), load.digits_of('force_for_target'))} {unit.name}"
 
 
 def valve_table(result: SealSolution) -> ReadableTable:
@@ -476,7 +476,7 @@ def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
     if not imprints:
         return None
     name, imprint = max(imprints.items(), key=lambda item: item[1].deepest)
-    digits = result.strongest.mesh_digits("fwhm")  # as good as the width of the contact that made it
+    digits = result.strongest.digits_of("fwhm")  # as good as the width of the contact that made it
     return (
         quantity_worth("length", imprint.deepest, digits),
         f"in the {name}, {quantity_worth('length', imprint.width, digits)} wide at half depth",
@@ -492,7 +492,7 @@ def what_yielded(result: SealSolution, load: LoadResult) -> Iterator[str]:
         yield said("reasons.yielding", "none")
     for zone in zones:
         deepest, strain = (
-            quantity_worth("length", zone.deepest, load.mesh_digits("fwhm")),
+            quantity_worth("length", zone.deepest, load.digits_of("fwhm")),
             percent(zone.strain),
         )
         yield said("reasons.yielding", "zone", body=zone.body, deepest=deepest, strain=strain)
@@ -510,7 +510,7 @@ def yielding_table(result: SealSolution) -> ReadableTable:
         for name in load.contact.bodies:
             zone = zones.get(name)
             told = (
-                (percent(zone.strain), *_depths(zone, load.mesh_digits("fwhm")))
+                (percent(zone.strain), *_depths(zone, load.digits_of("fwhm")))
                 if isinstance(zone, PlasticZone)
                 else ("none", "–", "–")
             )

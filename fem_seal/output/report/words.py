@@ -28,6 +28,7 @@ from fem_seal.output.report.tables import (
 )
 from fem_seal.units import (
     leak_range_text,
+    leak_rate_text,
     number,
     percent,
     quantity,
@@ -48,9 +49,12 @@ if TYPE_CHECKING:
     from fem_seal.analysis.closed_forms import Derived
     from fem_seal.case.case import Case
     from leak import LeakageClass
+    from leak.theory.line_contact import HertzLine
 
 # Share of the pressure drop whose place is called the seal proper: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
+# Peak over that of Hertz from which on mesh and curved faces do not explain it.
+_ABOVE_HERTZ = 1.05
 # Ratio of leak rates that two digits tell from one.
 _NOTICED = 1.05
 
@@ -394,6 +398,8 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
     bulk = min((hertz.std / profile.std) ** 2, 1.0)
     if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
         parts = ["yielding" if smooth else "rough_yielding"]
+    elif _leaves_curvature(result, hertz, profile.peak_pressure):
+        parts = ["other_curvature"]
     elif smooth:
         parts = ["smooth"]
     else:
@@ -409,6 +415,12 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
     )
 
 
+def _leaves_curvature(result: SealSolution, hertz: HertzLine, peak: float) -> bool:
+    """Whether it is none of Hertz's: wider than its faces are round, or with a peak that no roughness makes."""
+    breaks = np.abs(result.case.contact.breaks)
+    return bool((breaks < 2 * hertz.std).any()) or peak > _ABOVE_HERTZ * hertz.peak_pressure
+
+
 def _what_throttles(load: LoadResult) -> Iterator[str]:
     if load.leak is None or load.leak.leak_rate == 0:
         return
@@ -419,7 +431,7 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
     # as good as the width of the contact
-    middle = quantity_worth("length", float(ends[1] - ends[0]), load.mesh_digits("fwhm"))
+    middle = quantity_worth("length", float(ends[1] - ends[0]), load.digits_of("fwhm"))
     yield said("reasons.fluid", "middle", share=percent(_MIDDLE[1] - _MIDDLE[0]), width=middle)
     ratio = load.fluid_pressure / load.contact.profile.peak_pressure
     if isinstance(load.leak, CoupledLeakResult):
@@ -474,6 +486,8 @@ def leakage_text(load: LoadResult, interval: tuple[float, float] | None = None) 
         Its ends [m^3/s]; those of both readings of yielding asperities unless given.
     """
     assert load.leak is not None
+    if interval is None and rate_of(load) in (0, (0, 0)):
+        return leak_rate_text(0.0, claimed=not load.validity.outside)
     if interval is not None and load.leak.leak_rate == 0:
         # of what is sealed no mass is known that could be scaled
         return leak_range_text(interval, load.leak_digits)
