@@ -104,6 +104,7 @@ def _show(found: LeakMap) -> None:
     from rich.table import Table
 
     from fem_seal.analysis.caution import Level
+    from fem_seal.units import digits_within, rounded
 
     # a volume too small to be seen in ml is read in its power of ten
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
@@ -113,8 +114,12 @@ def _show(found: LeakMap) -> None:
     for m, pressure in enumerate(found.fluid_pressure.tolist()):
         cells = []
         for n, one in enumerate(found.validity[m]):
-            mark = "" if one is None else Level(one.level).mark
-            cells.append("-" if one is None else f"{found.leak_rate[m, n] * 6e7:.3g}{mark}")
+            if one is None:
+                cells.append("-")
+                continue
+            # as in the tables of a run: no more digits than the theory leaves
+            digits = min(3, digits_within(one.leak_error))
+            cells.append(f"{rounded(float(found.leak_rate[m, n]) * 6e7, digits):.3g}{Level(one.level).mark}")
         table.add_row(f"{pressure / 1e5:.4g}", *cells)
     console = Console(highlight=False)
     console.print(f"Leak rate of {found.fluid}: {found.title}", markup=False, soft_wrap=True)

@@ -331,3 +331,20 @@ def test_command_writes_the_files_and_says_what_is_missing(capsys, tmp_path):
 def test_a_grid_that_is_none_is_refused(text):
     with pytest.raises((InputError, ValueError)):
         grid(text, "pressure")
+
+
+def test_the_terminal_shows_of_a_leak_rate_what_its_theory_leaves(capsys):
+    from fem_seal import cli_table
+    from fem_seal.analysis.caution import VALID, Caution, Level, Validity
+
+    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", leak_error=2.3)])
+    found = SimpleNamespace(
+        axial_force=np.array([100.0, 200.0]),
+        fluid_pressure=np.array([5e5]),
+        validity=((VALID, few),),
+        leak_rate=np.array([[1.2345e-6, 1.2345e-7]]) / 60,
+        fluid="water",
+        title="seal",
+    )
+    cli_table._show(found)
+    assert {"1.23", "0.1?"} <= set(capsys.readouterr().out.split())

@@ -68,6 +68,7 @@ def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Cauti
             f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
             f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm. "
             "The theory treats the fluid as a continuum; in reality the seal is tight there",
+            leak_error=math.inf,
         )
 
 
