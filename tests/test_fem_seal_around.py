@@ -322,8 +322,8 @@ def smooth() -> LocalContact:
 
 @pytest.mark.parametrize("share", [1e-12, 1e-6, 1e-3, 0.03, 0.41, 1.0, 1.13, 3.3, 9.0])
 def test_between_and_below_the_rungs_of_a_rough_contact(rough: LocalContact, share: float) -> None:
-    """Against the contact solved there: approach to 2e-6 of its slope over ln f on the ladder and for each e-fold below,
-    peak to 5e-7, pressure to 2e-6 of it, width, which the nodes make uneven, to 2e-5."""
+    """Against the contact solved there: approach to 2e-6 of its slope over ln f, for each e-fold
+    below the ladder, peak to 5e-7, pressure to 2e-6 of it, width, which the nodes make uneven, to 2e-5."""
     model, f = rough.mean.model, np.array([share * rough.mean.line_load])
     solved = solve(model, LAW, axial_force=share * rough.mean.axial_force)
     approach, slope = rough.approach(f)

@@ -28,7 +28,7 @@ from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by
 from leak.flow.network import Line, NetworkFlow, network_flow
 from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact
-from leak.fluids.pressure_law import FlowPotential, PressureLaw
+from leak.fluids.pressure_law import PressureLaw, flow_potential
 from leak.fluids.properties import Gas
 from leak.numerics.gauss import gauss
 
@@ -257,7 +257,7 @@ def scratch_flow(
         Q = [2 pi r sigma_eff(p) + sum of K(p - p_f) dx/ds] m(p_f) dp_f/dx
 
     is solved for p_f (upper bound; s runs along the scratch, and m = (rho/rho0)(eta0/eta) is one without
-    `pressure_law`). For the lower bound every scratch has a p_f of its own
+    `pressure_law`), with its potential psi = int m dp_f as the unknown. For the lower bound every scratch has a p_f of its own
     where it is deeper than the rough gap, u_eff = (12 eta sigma_eff)^(1/3); elsewhere the gap is so wide that the
     scratch is lost in it. A network whose links are cut carries less: the lower bound never exceeds the upper one.
 
@@ -286,31 +286,33 @@ def scratch_flow(
     profile = _profile(xs, ps, rs, ends, largest_pressure, conductivity)
     contact, deeper = _Contact.through(profile, _liquid_gap(conductivity, eta)).cut(grooves, modulus)
     rough = 2.0 * np.pi * contact.radius * contact.gap**3 / (12.0 * eta)
+    potential = flow_potential(pressure_law, drop)
     nominal = contact.pressure
-    thickens = FlowPotential(pressure_law, drop).mobility
 
     def along(groove: Groove) -> Mobility:
         path = groove.path(contact.radius)
 
-        def mobility(pressure: FloatArray, at: slice) -> FloatArray:
-            K = groove.section.liquid_conductance(nominal[at] - pressure, modulus, eta)
-            return np.asarray(K * thickens(pressure) / path[at])
+        def mobility(psi: FloatArray, pressure: FloatArray, at: slice) -> FloatArray:
+            return groove.section.liquid_conductance(nominal[at] - pressure, modulus, eta) / path[at]
 
         return mobility
 
     def result(flow: NetworkFlow) -> LeakResult:
         rate = flow.flow
         resistance = drop / rate if rate > 0.0 else float("inf")
-        return LeakResult(rate, resistance, np.interp(xs, contact.x, flow.pressure[contact.nodes]))
+        psi = np.interp(xs, contact.x, flow.potential[contact.nodes])
+        return LeakResult(rate, resistance, potential.pressure(psi))
 
     bounds = _Bounds(
         contact,
-        lambda pressure: np.asarray(rough * thickens(pressure)),
+        potential.pressure,
+        lambda pressure: np.broadcast_to(rough, pressure.shape),
         tuple(along(groove) for groove in grooves),
         deeper,
-        tuple(nominal - groove.section.closing_pressure(modulus) for groove in grooves),
+        tuple(potential(nominal - groove.section.closing_pressure(modulus)) for groove in grooves),
     )
-    return bounds.found(result, *((0.0, drop) if pressure_side == "outer" else (drop, 0.0)))
+    whole = potential.whole
+    return bounds.found(result, *((0.0, whole) if pressure_side == "outer" else (whole, 0.0)))
 
 
 def gas_scratch_flow(
@@ -387,16 +389,18 @@ def gas_scratch_flow(
     in_continuum = 2.0 * np.pi * contact.radius * gap**3 / (12.0 * gas.viscosity * per_density)
     log_rarefaction = _log_rarefaction(table, contact.first_loading)
 
-    def rough(pressure: FloatArray) -> FloatArray:
-        log_q = np.log(gas.flow_pressure(np.maximum(pressure, _VACUUM)))
+    def flow_pressure(pressure: FloatArray) -> FloatArray:
+        return np.asarray(gas.flow_pressure(np.maximum(pressure, _VACUUM)))
+
+    def rough(q: FloatArray) -> FloatArray:
+        log_q = np.log(q)
         log_D = log_q + log_width
         return np.asarray(in_continuum * np.exp(log_q + log_flow_factor(log_D) + log_rarefaction(log_D)))
 
     def along(groove: Groove) -> Mobility:
         path = groove.path(contact.radius)
 
-        def mobility(pressure: FloatArray, at: slice) -> FloatArray:
-            q = gas.flow_pressure(np.maximum(pressure, _VACUUM))
+        def mobility(pressure: FloatArray, q: FloatArray, at: slice) -> FloatArray:
             K = groove.section.gas_conductance(nominal[at] - (pressure - p_out), modulus, gas, q)
             return np.asarray(K * q / (per_density * path[at]))
 
@@ -409,13 +413,14 @@ def gas_scratch_flow(
         narrowest = max(float(groove.section.open_depth(ps[peak], modulus)) for groove in grooves)
 
     def result(flow: NetworkFlow) -> GasLeakResult:
-        pressure = np.interp(xs, contact.x, flow.pressure[contact.nodes])
+        pressure = np.interp(xs, contact.x, flow.potential[contact.nodes])
         free_path = gas.mean_free_path(max(float(pressure[peak]), 1e-300))
         knudsen = free_path / narrowest if narrowest > 0.0 else float("inf")
         return GasLeakResult(gas, p_in, p_out, flow.flow, pressure, knudsen)
 
     bounds = _Bounds(
         contact,
+        flow_pressure,
         rough,
         tuple(along(groove) for groove in grooves),
         deeper,
@@ -507,7 +512,7 @@ def deepest_scratch(
 
 # -------------------------------------------------------------------- the contact in slices
 
-Mobility = Callable[[FloatArray, slice], FloatArray]
+Mobility = Callable[[FloatArray, FloatArray, slice], FloatArray]
 GapOfLogPressure = Callable[[FloatArray], FloatArray]
 
 
@@ -643,16 +648,19 @@ class _Bounds:
     """The three networks of slices: roughness alone, with scratches cut off from it, and joined to it."""
 
     contact: _Contact
+    of_fluid: Callable[[FloatArray], FloatArray]
+    """Of potentials (k, n): for psi of a liquid the pressure, for the pressure of a gas q."""
     rough: Callable[[FloatArray], FloatArray]
-    """Mobility of the roughness at pressures (k, n)."""
+    """Mobility of the roughness with such a fluid, (k, n)."""
     grooves: tuple[Mobility, ...]
+    """Mobility along each groove at potentials with such a fluid, both (k, n)."""
     deeper: tuple[NDArray[np.bool_], ...]
     """Where each groove is deeper than the rough gap is wide, shape (n,)."""
     opens: tuple[FloatArray, ...]
-    """Fluid pressure from which on each groove is open, shape (n,) [Pa]."""
+    """Potential from which on each groove is open, shape (n,) [Pa]."""
 
     def found(self, result: Callable[[NetworkFlow], _Flow], first: float, last: float) -> LeakBounds[_Flow]:
-        """Bounds from the flows through networks, for the pressures at small and large x."""
+        """Bounds from the flows through networks, for the potentials at small and large x."""
         everywhere = tuple(np.ones_like(deep) for deep in self.deeper)
         nowhere = tuple(~one for one in everywhere)
         return LeakBounds(
@@ -664,12 +672,12 @@ class _Bounds:
     def _main(self, apart: tuple[NDArray[np.bool_], ...]) -> Line:
         """The roughness, and in it the grooves where they are not apart."""
 
-        def mobility(pressure: FloatArray) -> FloatArray:
-            everywhere = slice(None)
-            total = self.rough(pressure)
+        def mobility(potential: FloatArray) -> FloatArray:
+            everywhere, fluid = slice(None), self.of_fluid(potential)
+            total = self.rough(fluid)
             for groove, own in zip(self.grooves, apart, strict=True):
                 if not own.all():
-                    along = groove(pressure, everywhere)
+                    along = groove(potential, fluid, everywhere)
                     total = total + (np.where(own, 0.0, along) if own.any() else along)
             return total
 
@@ -689,12 +697,11 @@ class _Bounds:
                 nodes = np.concatenate([[begin], following + np.arange(end - begin - 1), [end]])
                 following += end - begin - 1
                 at = slice(int(begin), int(end))
-                lines.append(Line(nodes, self.contact.length[at], _within(groove, at), opens[at]))
+                lines.append(Line(nodes, self.contact.length[at], self._within(groove, at), opens[at]))
         return lines
 
-
-def _within(groove: Mobility, at: slice) -> Callable[[FloatArray], FloatArray]:
-    return lambda pressure: groove(pressure, at)
+    def _within(self, groove: Mobility, at: slice) -> Callable[[FloatArray], FloatArray]:
+        return lambda potential: groove(potential, self.of_fluid(potential), at)
 
 
 def _checked_grooves(scratches: Groove | Sequence[Groove]) -> tuple[Groove, ...]:
