@@ -257,9 +257,9 @@ def scratch_flow(
         Q = [2 pi r sigma_eff(p) + sum of K(p - p_f) dx/ds] m(p_f) dp_f/dx
 
     is solved for p_f (upper bound; s runs along the scratch, and m = (rho/rho0)(eta0/eta) is one without
-    `pressure_law`), with its potential psi = int m dp_f as the unknown. For the lower bound every scratch has a p_f of its own
-    where it is deeper than the rough gap, u_eff = (12 eta sigma_eff)^(1/3); elsewhere the gap is so wide that the
-    scratch is lost in it. A network whose links are cut carries less: the lower bound never exceeds the upper one.
+    `pressure_law`), with its potential psi = int m dp_f as the unknown. For the lower
+    bound every scratch has a p_f of its own where it is deeper than the rough gap, u_eff = (12 eta sigma_eff)^(1/3);
+    elsewhere the gap is so wide that the scratch is lost in it. A network whose links are cut carries less: the lower bound never exceeds the upper one.
 
     Examples
     --------
