@@ -1,6 +1,6 @@
 """Flow along lines that meet in nodes, with a mobility that depends on the fluid pressure itself.
 
-Pressure is here what drives the flow: that of the fluid, or the potential psi of a liquid.
+Pressure is here what drives the flow: that of the fluid or a potential of it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from leak.errors import ProfileError
 # Simpson's rule is exact for the third power of a depth that is linear in the fluid pressure, and knows both ends.
 _PLACES, _WEIGHTS = np.array([[0.0], [0.5], [1.0]]), np.array([1.0, 4.0, 1.0]) / 6.0
 _MOST_STEPS = 40
-_CONVERGED, _MOVED = 1e-8, 1e-5
+# Newton's method has arrived when a step is so small that the next would not be seen, or this one is not.
+_CONVERGED, _MOVED, _STILL = 1e-8, 1e-5, 1e-10
 # Of the best conductance: less than this is none, but the equations stay solvable.
 _LEAST, _NOTHING = 1e-60, 1e-50
 # From one stage to the next, where a little flow everywhere helps to find the way.
@@ -46,7 +47,7 @@ class NetworkFlow:
     flow: float
     """Between the ends of the first line, not negative; zero where no way is open."""
     potential: FloatArray
-    """What drives it, in the nodes, shape (nodes,) [Pa]."""
+    """What drives it, in the nodes, shape (nodes,)."""
 
 
 def network_flow(lines: Sequence[Line], first: float, last: float) -> NetworkFlow:
@@ -87,8 +88,7 @@ def network_flow(lines: Sequence[Line], first: float, last: float) -> NetworkFlo
     p = network.linear(most + _LEAST * best, held)
     if not network.connected(most > _NOTHING * best):
         return NetworkFlow(0.0, np.clip(p, low, high))
-    start = network.linear(network.conductances(p)[0] + _LEAST * best, held)
-    found, p, flow = network.newton(np.clip(start, low, high), _LEAST * best)
+    found, p, flow = network.newton(np.clip(p, low, high), _LEAST * best)
     if not found:
         # Just before the fluid opens a closed place Newton's method loses its way: begin with a little flow everywhere,
         # and take it away in steps that it can follow.
@@ -199,24 +199,32 @@ class _Network:
             mean, tail, head = c + least
             step = self.solved(tail, head, -self.divergence(mean * self.drops(p)))
             new = np.clip(p + step, low, high)
-            moved, before, p = float(np.abs(new - p).max()), flow, new
+            moved, before = float(np.abs(new - p).max()), flow
+            if moved <= _STILL * (high - low):
+                break
+            p = new
             c = self.conductances(p)
             flow = self.flow(c[0] + least, p)
             if moved <= _MOVED * (high - low) and abs(flow - before) <= _CONVERGED * flow:
-                return True, p, self.flow(c[0], p)
-        return False, p, self.flow(c[0], p)
+                break
+        else:
+            return False, p, self.flow(c[0], p)
+        return True, p, self.flow(c[0], p)
 
     def solved(self, tail: FloatArray, head: FloatArray, right: FloatArray) -> FloatArray:
         """Change of the inner pressures whose flows head dp_head - tail dp_tail bring `right` out of each node."""
-        from scipy.linalg import solve_banded
+        from scipy.linalg.lapack import dgbsv
 
         order, width, kept, place = self._band
         found = np.zeros(self.count)
         if order.size:
             value = np.concatenate([head, -tail, -head, tail])[kept]
-            rows = 2 * width + 1
+            # LAPACK wants as many rows more as there are diagonals below
+            rows = 3 * width + 1
             band = np.bincount(place, value, rows * order.size).reshape(rows, order.size)
-            found[order] = solve_banded((width, width), band, right[order], check_finite=False)
+            _, _, found[order], singular = dgbsv(width, width, band, right[order])
+            if singular:
+                raise ProfileError("the flow along the groove was not found: its way is cut")
         return found
 
     @cached_property
@@ -238,4 +246,4 @@ class _Network:
             turn = np.argsort(order)
             i, j, nodes = turn[i], turn[j], nodes[order]
         width = int(np.abs(i - j).max())
-        return nodes, width, kept, (width + i - j) * nodes.size + j
+        return nodes, width, kept, (2 * width + i - j) * nodes.size + j
