@@ -30,7 +30,7 @@ from fem_seal.version import __version__
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from fem_seal.analysis.results import DiscretisationError, LoadResult, SealSolution
+    from fem_seal.analysis.results import LoadResult, SealSolution
     from fem_seal.case.case import Case
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
@@ -114,7 +114,7 @@ def run(
     if json:
         typer.echo(as_json({"folder": str(folder), "loads": rows, "warnings": warnings}))
     elif not quiet:
-        show_leak_table(rows, case.title, result.discretisation_error)
+        show_leak_table(rows, case.title, result.loads)
         show_leakage(case, result.loads, result.leak_ranges)
         show_memory(result)
         show_form(result)
@@ -266,7 +266,7 @@ def leak(
     if json:
         typer.echo(as_json({"folder": str(folder), "loads": rows}))
     elif not quiet:
-        show_leak_table(rows, f"{profile_file.name}: {case.title}")
+        show_leak_table(rows, f"{profile_file.name}: {case.title}", loads)
         show_leakage(case, loads)
         _list_files(folder)
 
@@ -562,25 +562,23 @@ def _said_by_system(error: OSError) -> str:
 _ENDLESS = 100_000
 
 
-def show_leak_table(
-    rows: Sequence[Mapping[str, Any]], title: str, error: DiscretisationError | None = None
-) -> None:
+def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str, loads: Sequence[LoadResult]) -> None:
     """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks.
 
     Parameters
     ----------
     rows : sequence of mapping
     title : str
-    error : DiscretisationError, optional
-        Of the mesh: no number has more digits than it leaves.
+    loads : sequence of LoadResult
+        Of the rows: they know how many digits a number is worth.
     """
     from fem_seal.analysis.caution import Level
-    from fem_seal.output.columns import LEAK_ON_TERMINAL
+    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL
 
     columns = [column for column in LEAK_ON_TERMINAL if any(_filled(row.get(column.name)) for row in rows)]
     cells = [
-        [_cell(row.get(column.name), column.unit, _digits(row, column.name, error)) for column in columns]
-        for row in rows
+        [_cell(row.get(column.name), column.unit, COLUMNS[column.name].digits(load)) for column in columns]
+        for row, load in zip(rows, loads, strict=True)
     ]
     headings = [f"{column.heading}\n{column.unit.name}" for column in columns]
     levels = [Level(row["validity"]) for row in rows]
@@ -602,15 +600,6 @@ def show_leak_table(
         if level.mark and level in levels:
             what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
             print(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")  # noqa: T201
-
-
-def _digits(row: Mapping[str, Any], name: str, error: DiscretisationError | None) -> int:
-    """Significant digits that a number of a row is worth."""
-    from fem_seal.analysis.results import digits_near_opening
-    from fem_seal.output.columns import COLUMNS
-
-    share = row.get("opening_margin", math.nan)
-    return COLUMNS[name].digits(DIGITS if math.isnan(share) else digits_near_opening(share), error)
 
 
 def show_leakage(

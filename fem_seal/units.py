@@ -8,6 +8,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, lru_cache
@@ -99,6 +100,8 @@ DIMENSIONS = {
 
 # Significant digits of numbers in tables.
 DIGITS = 4
+# ... and of those that are as good as the limit beside which they stand.
+_MOST_DIGITS = 9
 
 # Number first, then a product of units with single-digit powers: no arithmetic, so no "9**9**9".
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?"
@@ -451,7 +454,9 @@ def digits_within(error: float) -> int:
     >>> digits_within(0.004), digits_within(0.04), digits_within(0.4), digits_within(4.0)
     (4, 3, 2, 1)
     """
-    return min(max(1 + math.ceil(-math.log10(2 * error)), 1), DIGITS) if error > 0 else DIGITS
+    if not error > 0:
+        return DIGITS
+    return min(max(1 + math.ceil(-math.log10(2 * error)), 1), DIGITS) if math.isfinite(error) else 1
 
 
 def worth(value: float, digits: int) -> str:
@@ -461,9 +466,47 @@ def worth(value: float, digits: int) -> str:
     ----------
     value : float
     digits : int
-        Three and more leave every digit before the point.
+        Four leave every digit before the point.
     """
-    return number(rounded(value, digits) if digits < 3 and math.isfinite(value) else value, digits)
+    return number(rounded(value, digits) if digits < DIGITS and math.isfinite(value) else value, digits)
+
+
+def digits_beside(value: float, limit: float, digits: int) -> int:
+    """Significant digits of a number beside its limit: as many as it is worth, more if they show on which side it is.
+
+    Parameters
+    ----------
+    value : float
+    limit : float
+        As it is written.
+    digits : int
+
+    Examples
+    --------
+    >>> [digits_beside(7213.0, limit, 2) for limit in (6800.0, 7200.0, 7210.0)]
+    [2, 3, 4]
+    """
+    if not math.isfinite(value):
+        return digits
+    shown = ((more, rounded(value, more)) for more in range(digits, _MOST_DIGITS))
+    sides = (more for more, one in shown if (one > limit, one < limit) == (value > limit, value < limit))
+    return next(sides, _MOST_DIGITS)
+
+
+def beside(value: float, limit: float, digits: int) -> str:
+    """A number with `digits_beside` its limit, without zeros at its end.
+
+    Parameters
+    ----------
+    value, limit : float
+    digits : int
+
+    Examples
+    --------
+    >>> beside(7213.0, 6800.0, 2), beside(7213.0, 7200.0, 2), beside(1.004, 1.0, 2)
+    ('7200', '7210', '1.004')
+    """
+    return f"{rounded(value, digits_beside(value, limit, digits)):.{_MOST_DIGITS}g}"
 
 
 def superscript(power: int) -> str:
@@ -492,11 +535,15 @@ def trimmed(value: float) -> str:
 
 
 def quantity_worth(kind: str, value: float, digits: int) -> str:
-    """The same with no more significant digits than it is worth, see `worth`; three at most."""
+    """The same with no more significant digits than it is worth; of those behind the point three at most."""
     if not math.isfinite(value):
         return "–"
     unit = unit_for(kind, value)
-    return f"{worth(unit.of(value), min(digits, 3))} {unit.name}"
+    return f"{_in_sentence(unit.of(value), digits)} {unit.name}"
+
+
+def _in_sentence(value: float, digits: int) -> str:
+    return worth(value, digits) if digits < DIGITS else number(value)
 
 
 def leak_rate_text(leak_rate: float, digits: int = 3, *, claimed: bool = True) -> str:
@@ -511,8 +558,8 @@ def leak_rate_text(leak_rate: float, digits: int = 3, *, claimed: bool = True) -
 
 # Digits of the ends of an interval: it says how little the others would be worth.
 _RANGE_DIGITS = 2
-# Smallest figure of a lower end beside the unit of the upper one.
-_READABLE = 0.01
+# Smallest figure of a leak rate in the unit of a larger one beside it, and how far apart they may be for one unit.
+_READABLE, _TOGETHER = 0.01, 1e-4
 
 
 def range_text(low: str, high: str) -> str:
@@ -527,9 +574,13 @@ def range_text(low: str, high: str) -> str:
 
 
 def leak_range_text(
-    leak_rate: float | tuple[float, float], digits: int = 3, *, claimed: bool = True, beside: float = 0.0
+    leak_rate: float | tuple[float, float],
+    digits: int = 3,
+    *,
+    claimed: bool = True,
+    beside: Collection[float] = (),
 ) -> str:
-    """A leak rate, or both ends of its interval, with the unit that suits the larger one.
+    """A leak rate, or both ends of its interval, in one unit unless the ends are too far apart to be read in it.
 
     Parameters
     ----------
@@ -539,33 +590,78 @@ def leak_range_text(
         That they are worth; two at most of an interval.
     claimed : bool
         See `leak_rate_text`.
-    beside : float, optional
-        Larger leak rate beside which it stands, for the unit [m^3/s].
+    beside : collection of float, optional
+        Leak rates in the same sentence, for one unit of all [m^3/s].
 
     Examples
     --------
     >>> leak_range_text((2e-9, 5.61e-9))
     '0.12 to 0.34 ml/min'
+    >>> [leak_range_text(one, beside=(1e-8, 2e-5)) for one in (1e-8, 2e-5)]
+    ['0.600 ml/min', '1200 ml/min']
     """
     low, high = leak_rate if isinstance(leak_rate, tuple) else (leak_rate, leak_rate)
-    unit = unit_for("flow", max(high, beside) if math.isfinite(max(high, beside)) else low)
-    if high == 0 or (low == high and not _READABLE <= unit.of(low) < math.inf):
-        return leak_rate_text(low, digits, claimed=claimed)
-    if low == high:
-        return f"{worth(unit.of(low), min(digits, 3))} {unit.name}"
-    digits = min(digits, _RANGE_DIGITS)
-    if not math.isfinite(high):
+    if math.isnan(high) or high == 0 or low == math.inf:
+        return leak_rate_text(high, digits, claimed=claimed)
+    if low < high:
+        digits = min(digits, _RANGE_DIGITS)
+    if high == math.inf:
         return f"at least {quantity_worth('flow', low, digits)}"
-    if low and unit.of(low) < _READABLE:
-        if beside > high:
-            return leak_range_text((low, high), digits, claimed=claimed)
+    unit = flow_unit((low, high, *beside)) or flow_unit((low, high))
+    if unit is None:
         return f"{quantity_worth('flow', low, digits)} to {quantity_worth('flow', high, digits)}"
-    return f"{range_text(worth(unit.of(low), digits), worth(unit.of(high), digits))} {unit.name}"
+    return f"{range_text(*(_in_sentence(unit.of(one), digits) for one in (low, high)))} {unit.name}"
+
+
+def flow_unit(leak_rates: Collection[float]) -> Unit | None:
+    """The unit for leak rates that stand together, the largest in which all can be read.
+
+    Parameters
+    ----------
+    leak_rates : collection of float
+        [m^3/s]
+
+    Returns
+    -------
+    Unit or None
+        None if they are too far apart for any.
+    """
+    known = [one for one in leak_rates if 0 < one < math.inf]
+    if not known:
+        return None
+    smallest, largest = min(known), max(known)
+    if smallest < _TOGETHER * largest:
+        return None
+    units = _UNITS["flow"]
+    at_most = units[units.index(unit_for("flow", largest)) :]
+    return next((unit for unit in at_most if unit.of(smallest) >= _READABLE), units[-1])
 
 
 def percent(share: float | None, digits: int = 2) -> str:
     """A share in per cent."""
     return "–" if share is None or not math.isfinite(share) else f"{number(100 * share, digits)} %"
+
+
+def per_cent(share: float) -> str:
+    """A share with two digits and no zeros at its end.
+
+    Examples
+    --------
+    >>> per_cent(0.05), per_cent(0.0123), per_cent(0.997)
+    ('5 %', '1.2 %', '100 %')
+    """
+    return f"{rounded(100 * share, 2):g} %"
+
+
+def briefly(kind: str, value: float) -> str:
+    """An SI value with four digits and no zeros at its end: "43.29 kN".
+
+    Examples
+    --------
+    >>> briefly("force", 43294.3), briefly("force", 250.0)
+    ('43.29 kN', '250 N')
+    """
+    return given(kind, rounded(value, 4))
 
 
 # Endings of these columns and their SI units, as `fem_seal.units.DIMENSIONS` writes them; longer endings come first.

@@ -129,3 +129,20 @@ def positive(error: type[LeakError], name: str, value: float, unit: str) -> floa
     if not 0.0 < number < float("inf"):
         raise error(f"{name} = {value!r}: must be a positive finite number [{unit}]")
     return number
+
+
+def um(length: float, digits: int = 4) -> str:
+    """A length [m] for a message, in the unit of roughness.
+
+    Parameters
+    ----------
+    length : float
+    digits : int, optional
+        Significant ones.
+
+    Examples
+    --------
+    >>> um(2.5e-5)
+    '25 um'
+    """
+    return f"{1e6 * length:.{digits}g} um"

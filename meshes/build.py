@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.drawings.meshed_body import MeshedOutline
-from meshes.errors import GeometryError, MeshingError
+from meshes.errors import GeometryError, MeshingError, mm
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
 from meshes.gmsh_session import gmsh_session
@@ -159,8 +159,8 @@ def _check_zone(contact: ContactGeometry, sizing: Sizing) -> None:
     if sizing.zone[0] < start - slack or sizing.zone[1] > end + slack:
         r = contact.radius(np.array([*sizing.zone, start, end]))
         raise GeometryError(
-            f"the contact zone from r = {r[0]:.6g} m to {r[1]:.6g} m does not fit where the faces of closure and seat "
-            f"stand in front of each other, from r = {r[2]:.6g} m to {r[3]:.6g} m"
+            f"the contact zone from r = {mm(r[0])} to {mm(r[1])} does not fit where the faces of closure and seat "
+            f"stand in front of each other, from r = {mm(r[2])} to {mm(r[3])}"
         )
 
 

@@ -1,6 +1,21 @@
 """Everything that can go wrong while a geometry or a mesh is made."""
 
 
+def mm(length: float) -> str:
+    """A length [m] for a message, in the unit of drawings.
+
+    Parameters
+    ----------
+    length : float
+
+    Examples
+    --------
+    >>> mm(0.0199)
+    '19.9 mm'
+    """
+    return f"{1e3 * length:.6g} mm"
+
+
 class MeshesError(Exception):
     """Base of all errors that this package raises on purpose.
 
@@ -21,7 +36,7 @@ class GeometryError(MeshesError, ValueError):
     >>> meshes.Ball(-0.02)
     Traceback (most recent call last):
         ...
-    meshes.errors.GeometryError: closure radius = -0.02 m: must be positive and finite
+    meshes.errors.GeometryError: closure radius = -20 mm: must be positive and finite
     """
 
 

@@ -11,6 +11,7 @@ from sample_results import case
 
 from fem_seal.analysis.caution import Caution
 from fem_seal.analysis.problem import SealProblem
+from fem_seal.analysis.results import LoadResult
 from fem_seal.analysis.warnings import load_cautions
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.case.case import Case
@@ -54,16 +55,8 @@ def load(
         model=SimpleNamespace(closure=None, seat=None),
         stays_below=lambda name, stress: False,
     )
-    return SimpleNamespace(
-        fluid_pressure=fluid_pressure,
-        applied_force=applied_force,
-        point=(fluid_pressure, applied_force),
-        opening=None,
-        critical_separation=critical_separation,
-        leak=SimpleNamespace(leak_rate=leak_rate),
-        contact=contact,
-        formed=None,
-    )
+    found: Any = LoadResult(fluid_pressure, applied_force, contact)  # type: ignore[arg-type]
+    return found.knowing(critical_separation=critical_separation, leak=SimpleNamespace(leak_rate=leak_rate))
 
 
 def judged(

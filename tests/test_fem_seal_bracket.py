@@ -187,7 +187,7 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
         assert (row[LOW], row[HIGH]) == load.leak_range == (row[CONSERVED], row[CAPPED])
         assert row[LOW] <= row[DEFAULT] <= row[HIGH] <= row[ELASTIC]
     assert table[HIGH].tolist() == [row[HIGH] for row in rows]
-    show_leak_table(rows, "")
+    show_leak_table(rows, "", result.loads)
     show_leakage(result.case, result.loads, result.leak_ranges)
     terminal = capsys.readouterr().out
     for row in rows:
@@ -201,7 +201,9 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
     assert sentence in terminal and sentence in headline(result)
     (tile,) = [fact for fact in facts(result) if fact.name == "Leak rate"]
     assert tile.value == leak_range_text((rows[-1][LOW], rows[-1][HIGH]))
-    assert f"{tile.value} at 20 bar" in headline(result)
+    # a sentence has one unit, that of its smallest number
+    ends = [end for load in result.loads for end in load.leak_range]
+    assert f"{leak_range_text(result.highest.leak_range, beside=ends)} at 20 bar" in headline(result)
     # another mesh, and a conductivity interpolated between surfaces
     names = (DEFAULT, LOW, HIGH, CONSERVED, CAPPED)
     design = evaluate(case(load={"fluid_pressure": "20 bar"}), names).values
@@ -334,8 +336,19 @@ def test_an_interval_in_words(rates, told):
 
 
 def test_an_interval_has_the_unit_of_what_it_stands_beside_as_long_as_it_is_readable():
-    assert leak_range_text((1e-10, 3e-10), beside=1e-8) == "6.0 to 18 µl/min"
-    assert leak_range_text((1e-8, 3e-8), beside=1e-6) == "0.60 to 1.8 ml/min"
+    assert leak_range_text((1e-10, 3e-10), beside=(1e-8,)) == "6.0 to 18 µl/min"
+    assert leak_range_text((1e-8, 3e-8), beside=(1e-6,)) == "0.60 to 1.8 ml/min"
+    assert leak_range_text((1e-8, 3e-8), beside=(1e-3,)) == "0.60 to 1.8 ml/min"
+
+
+@given(rates=st.lists(st.floats(1e-14, 1e-3), min_size=1, max_size=4))
+def test_leak_rates_of_a_sentence_have_one_unit_and_all_can_be_read(rates):
+    """Unless they lie more than four decades apart; then each has the unit that suits it."""
+    told = [leak_range_text(one, beside=rates) for one in rates]
+    units, numbers = {text.split()[1] for text in told}, [float(text.split()[0]) for text in told]
+    together = max(rates) <= 0.99e4 * min(rates)
+    assert not together or len(units) == 1
+    assert all(0.0099 <= one < 1e6 for one in numbers)
 
 
 def test_a_zero_that_may_not_be_claimed_is_not_called_sealed():

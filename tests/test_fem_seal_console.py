@@ -38,12 +38,17 @@ def row(pressure=20e5, level=Level.VALID, **entries):
 ROWS = [row(5e5), row(20e5, Level.DOUBTFUL), row(1800e5, Level.OUTSIDE)]
 
 
+def load(error=None):
+    """What a row of the table is of, as far as its numbers of digits go."""
+    return LoadResult(20e5, 0.0, None, mesh_error=error)
+
+
 def shown(capsys, monkeypatch, rows, width=None):
     """The table on a terminal of some width; without one, what a file gets."""
     monkeypatch.setattr(sys.stdout, "isatty", lambda: width is not None)
     if width is not None:
         monkeypatch.setenv("COLUMNS", str(width))
-    cli.show_leak_table(rows, "Title")
+    cli.show_leak_table(rows, "Title", [load()] * len(rows))
     return re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
 
 
@@ -95,7 +100,9 @@ def test_no_number_has_more_digits_than_the_mesh_leaves(capsys):
     """An error of four per cent leaves three digits of a pressure; what the mesh does not touch keeps its four."""
     error = DiscretisationError(peak_pressure=0.04, fwhm=0.2, std=0.004, leak_rate=None)
     cli.show_leak_table(
-        [{**ROWS[0], "peak_pressure_Pa": 51.389e6, "fwhm_m": 0.12344e-3, "std_m": 0.56784e-3}], "", error
+        [{**ROWS[0], "peak_pressure_Pa": 51.389e6, "fwhm_m": 0.12344e-3, "std_m": 0.56784e-3}],
+        "",
+        [load(error)],
     )
     told = capsys.readouterr().out.split()
     assert {"51.4", "0.12", "0.5678", "5.000"} <= set(told)

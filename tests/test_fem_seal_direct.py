@@ -350,7 +350,7 @@ def test_what_is_wrong_with_the_simulation_is_said_before_the_bodies_are_solved(
     with pytest.raises(InputError, match="tight at all of them"):
         fem_seal.run(tight, progress=said.append)
     assert said[-1] == "direct simulation: 6 of 6 pieces"
-    with pytest.raises(InputError, match=r"direct: size = 1e-09 m"):
+    with pytest.raises(InputError, match=r"direct: size = 0.001 um"):
         fem_seal.run(case(leak={"conductivity": "direct"}, direct={**SMALL, "size": "1 nm"}))
 
 

@@ -139,7 +139,7 @@ def test_an_impossible_dimension_is_reported_in_the_words_of_the_case() -> None:
         Case(**tables(seat, {"shape": "disc", "diameter": "40 mm"}))
     (one,) = caught.value.problems
     assert (one.key, one.value) == ("seat.land_outer_diameter", '"28 mm"')
-    assert "land_outer_radius = 0.014 m: must exceed land_inner_radius = 0.015 m" in one.message
+    assert "land_outer_radius = 14 mm: must exceed land_inner_radius = 15 mm" in one.message
 
 
 def test_a_typo_in_shape_is_one_line() -> None:

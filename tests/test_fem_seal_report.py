@@ -169,7 +169,8 @@ def test_warnings_stand_at_the_top_and_absence_is_said(page):
 def test_headline_and_table_say_the_same_as_the_result(page):
     result = rough_result()
     highest = result.loads[-1]
-    assert f"{leak_range_text(highest.leak_range)} at 20 bar" in page.text
+    ends = [end for load in result.loads for end in load.leak_range]
+    assert f"{leak_range_text(highest.leak_range, beside=ends)} at 20 bar" in page.text
     assert f"{highest.leak.leak_rate * 6e7:.4g}" in page.text
     assert f"{highest.contact.profile.peak_pressure / 1e6:.1f} MPa" in page.text
     least, most = (highest.leak_elastic.leak_rate / rate for rate in reversed(highest.leak_range))

@@ -447,7 +447,7 @@ def test_form_left_in_a_scan_is_said():
 def test_a_turned_surface_is_said():
     x, h = noisy_scan()
     surface = leak.measure(leak.line_scan(x, 0.3 * h + 2e-6 * np.sin(2 * np.pi * x / 1e-4)))
-    assert any("one wave of 0.0001 m" in remark for remark in surface.warnings)
+    assert any("one wave of 100 um" in remark for remark in surface.warnings)
 
 
 def test_nothing_reliable_is_said():

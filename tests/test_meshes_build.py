@@ -168,7 +168,7 @@ def test_msh_file_survives_the_round_trip_through_scikit_fem(seal_mesh: SealMesh
 def test_ball_that_falls_through_or_sits_on_the_edge_is_refused() -> None:
     seat = ConicalSeat(math.radians(45), 0.016, 0.02, 0.05, 0.03)
     with pytest.raises(
-        GeometryError, match=r"would touch first at r = 0\.016 m, where the face of the seat ends"
+        GeometryError, match=r"would touch first at r = 16 mm, where the face of the seat ends"
     ):
         meshes.build(Ball(0.02), seat, SIZING)
 

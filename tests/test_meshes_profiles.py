@@ -100,7 +100,7 @@ def polygon(points: list[tuple[float, float]], name: str = "closure", closed: bo
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: polygon([*SQUARE[:3], (0.2, 1.0)], closed=False), "is open, 1.02 m are missing"),
+        (lambda: polygon([*SQUARE[:3], (0.2, 1.0)], closed=False), "is open, 1019.8 mm are missing"),
         (lambda: polygon([(0, 0), (1, 1), (1, 0), (0, 1)]), "crosses itself"),
         (lambda: polygon([(-0.5, 0), (1, 0), (1, 1), (-0.5, 1)]), "crosses the axis"),
         (lambda: polygon([(r + 0.5, z) for r, z in SQUARE]), "straight piece on the axis"),

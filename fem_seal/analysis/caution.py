@@ -38,12 +38,15 @@ class Caution:
         A clause with the number behind it, about one load that need not be named.
     text : str
         The whole sentence: which load, where, what to do.
+    leak_error : float, optional
+        Relative error of the leak rate, where it is known how far that may be off; infinite if by orders of magnitude.
     """
 
     kind: str
     level: Level
     reason: str
     text: str
+    leak_error: float = 0.0
 
 
 def worst_first(cautions: Iterable[Caution]) -> tuple[Caution, ...]:
@@ -93,6 +96,11 @@ class Validity:
     def reasons(self) -> tuple[str, ...]:
         """Why the numbers are not simply valid, the worst reason first."""
         return tuple(one.reason for one in self.cautions)
+
+    @property
+    def leak_error(self) -> float:
+        """The largest known relative error of the leak rate; zero where none is known."""
+        return max((one.leak_error for one in self.cautions), default=0.0)
 
     @property
     def outside(self) -> bool:

@@ -125,6 +125,7 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
             _settled(after, _settled(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
     error, far = _on_coarser_elements(problem, seal_mesh, loads, clock, after)
+    loads = tuple(load.knowing(mesh_error=error) for load in loads)
     solver = LoadSolver(problem, model)
     with clock.step("questions", "blow-off and force for the target leak rate"):
         loads, of_answers = with_answers(solver, loads, after)
@@ -148,7 +149,7 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
         variants = after.get("comparison of elastic and plastic interface law", compare, ())
     check = partial(contact_cautions, problem, model, loads, error, problem.surface)
     before = after.get(
-        "checks of the largest earlier load", partial(_of_earlier, problem, solved.earlier), ()
+        "checks of the largest earlier load", partial(_of_earlier, problem, solved.earlier, error), ()
     )
     found = (*remarks, *after.get("checks of what the theory allows", check, ()), *before, *of_answers)
     result = SealSolution(
@@ -196,10 +197,13 @@ def _on_coarser_elements(
         return error, after.get("influence of the far field", partial(far_field, coarser), ())
 
 
-def _of_earlier(problem: SealProblem, earlier: ContactSolution | None) -> tuple[Caution, ...]:
+def _of_earlier(
+    problem: SealProblem, earlier: ContactSolution | None, error: DiscretisationError
+) -> tuple[Caution, ...]:
     if earlier is None or problem.loads.earlier is None:
         return ()
-    return tuple(earlier_cautions(problem, LoadResult(*problem.loads.earlier, earlier)))
+    load = LoadResult(*problem.loads.earlier, earlier, mesh_error=error)
+    return tuple(earlier_cautions(problem, load))
 
 
 def _judged(

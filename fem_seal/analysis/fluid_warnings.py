@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.analysis.caution import Caution, Level
 from fem_seal.analysis.load_names import load_name
+from fem_seal.units import per_cent
 
 if TYPE_CHECKING:
     from fem_seal.analysis.flow import Flow
@@ -91,10 +92,11 @@ def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
         yield Caution(
             "thickening",
             Level.DOUBTFUL,
-            f"leak rate uncertain by {100 * share:.2g} % because of how the liquid thickens",
+            f"leak rate uncertain by {per_cent(share)} because of how the liquid thickens",
             f"at {load_name(load, loads)} how much {flow.fluid} thickens under pressure is known to "
-            f"{100 * law.uncertainty:.2g} % of the logarithm of its viscosity: the leak rate is uncertain by "
-            f"{100 * share:.2g} %. [fluid] pressure_viscosity or roelands_z takes a measured coefficient",
+            f"{per_cent(law.uncertainty)} of the logarithm of its viscosity: the leak rate is uncertain by "
+            f"{per_cent(share)}. [fluid] pressure_viscosity or roelands_z takes a measured coefficient",
+            leak_error=share,
         )
 
 
@@ -120,6 +122,7 @@ def _unknown_thickening(flow: Flow, load: LoadResult, loads: Sequence[LoadResult
         f"pressure is used. Liquids thicken by {1e9 * little.coefficient:.2g} (with water) to "
         f"{1e9 * much.coefficient:.2g} 1/GPa (oils as viscous as this): in truth {share} times as much "
         "leaks. Give [fluid] pressure_viscosity or roelands_z",
+        leak_error=1.0 - least,
     )
 
 
@@ -160,7 +163,7 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
     from leak.fluids.names import coolprop_name
 
     real, other = estimated_real_gas(gas, highest), coolprop_name(gas.name)
-    said = ""
+    said, ratio = "", 1.0
     if real is not None:
         ratio = real_gas_flow_ratio(real, highest, flow.outlet_pressure)
         said = (
@@ -177,6 +180,7 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
         f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas: above "
         f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
         f"which the leak rate does not take into account{said}{remedy}",
+        leak_error=abs(ratio - 1.0),
     )
 
 
@@ -199,7 +203,7 @@ def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
         f"gas flow with Mach number {numbers.mach:.2g} and Reynolds number {numbers.reynolds:.2g}",
         f"at {load_name(load, loads)} the gas would flow with a Mach number of {numbers.mach:.2g} and a Reynolds "
         f"number of {numbers.reynolds:.2g} through the effective gap; inertia takes about "
-        f"{100 * numbers.acceleration:.2g} % of what drives the flow (limit {100 * _ACCELERATED:.0f} %), and inertia "
+        f"{per_cent(numbers.acceleration)} of what drives the flow (limit {100 * _ACCELERATED:.0f} %), and inertia "
         f"over friction along the gap is {reduced:.2g} (limit {_REDUCED:g}). Viscous flow is assumed: in truth "
         f"{chokes}less leaks",
     )

@@ -10,6 +10,7 @@ import numpy as np
 
 from fem_seal.analysis.caution import Caution, Level
 from fem_seal.analysis.load_names import load_name
+from fem_seal.units import beside, per_cent
 
 if TYPE_CHECKING:
     from fem_seal.analysis.around import Around
@@ -95,8 +96,8 @@ def _open(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
         yield Caution(
             "open in part",
             Level.DOUBTFUL,
-            f"open over {100 * share:.2g} % of the circumference",
-            f"at {load_name(load, loads)} {100 * share:.2g} % of the circumference carry less than {100 * _OPEN:g} % "
+            f"open over {per_cent(share)} of the circumference",
+            f"at {load_name(load, loads)} {per_cent(share)} of the circumference carry less than {100 * _OPEN:g} % "
             "of the mean line load: the seal is open there, and what leaks follows from the width of the open gap, and "
             "so from the form error itself",
         )
@@ -128,13 +129,16 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
     ratio = float(around.peak_pressure.max()) / load.contact.profile.peak_pressure
     stress = ratio * load.max_von_mises
     if load.max_von_mises <= min(limits) < stress:
+        limit = float(f"{min(limits) / 1e6:.4g}")
+        told = beside(stress / 1e6, limit, min(load.pressure_digits, 3))
+        times = beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
         yield Caution(
             "yield stress",
             Level.OUTSIDE if stress > LARGEST_EXCESS * min(limits) else Level.DOUBTFUL,
-            f"von Mises stress about {stress / min(limits):.2g} times the yield stress where the line load is largest",
+            f"von Mises stress about {times} times the yield stress where the line load is largest",
             f"at {load_name(load, loads)} the contact pressure reaches {ratio:.3g} times that at the mean line load; "
-            f"the von Mises stress there is about {stress / 1e6:.3g} MPa, above the yield stress "
-            f"{min(limits) / 1e6:.4g} MPa. A body that yields evens out its form error, so that less leaks",
+            f"the von Mises stress there is about {told} MPa, above the yield stress "
+            f"{limit:g} MPa. A body that yields evens out its form error, so that less leaks",
         )
 
 

@@ -15,6 +15,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.tables import curves
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import expected_force
+from fem_seal.units import briefly, given
 
 if TYPE_CHECKING:
     from fem_seal.analysis.load_solver import Progress
@@ -180,7 +181,11 @@ def leak_map(
     forces = _forces(case) if axial_force is None else _increasing("forces", axial_force)
     if not pressures[0] > 0:
         raise InputError(
-            Problem("pressures", "must be above zero; at zero nothing leaks", f"{pressures[0]:g} Pa")
+            Problem(
+                "pressures",
+                "must be above zero; at zero nothing leaks",
+                given("fluid pressure", pressures[0]),
+            )
         )
     if len(pressures) * len(forces) > _MOST:
         raise InputError(
@@ -226,7 +231,8 @@ def _check_formed(case: Case) -> None:
         raise InputError(
             Problem(
                 load.earlier_key,
-                f"closes with {formed:.4g} N, and the largest contact force here is {largest:.4g} N; {why}. Raise it, "
+                f"closes with {briefly('force', formed)}, and the largest contact force here is "
+                f"{briefly('force', largest)}; {why}. Raise it, "
                 "or ask for smaller pressures and forces",
             )
         )

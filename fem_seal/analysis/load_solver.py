@@ -43,6 +43,7 @@ from fem_seal.errors import (
     SealError,
 )
 from fem_seal.loads import blow_off_of_sealed_area, closing_force
+from fem_seal.units import briefly
 from meshes import SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -130,7 +131,7 @@ class LoadSolver:
         self, seal: FluidAndContact, fluid_pressure: float, axial_force: float, error: OpenSealError
     ) -> InputError:
         least = least_closing_force(seal, fluid_pressure)
-        allowed = "" if least is None else f"; give an axial_force above {least:.5g} N"
+        allowed = "" if least is None else f"; give an axial_force above {briefly('force', least)}"
         problem = Problem(
             "load.axial_force",
             f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem, QuantityError, TextTableError
 from fem_seal.files import TextTable, column, find_columns, read_text_table
+from fem_seal.units import given
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -102,7 +103,7 @@ def _profiles(table: TextTable, columns: dict[str, FloatArray]) -> Iterator[Impo
                 f"radius must be positive; line {table.lines[own[int(np.argmin(radius > 0))]]} is not"
             )
         if load is not None and not load > 0:
-            raise TextTableError(f"fluid pressure must be positive, it holds {load:g} Pa")
+            raise TextTableError(f"fluid pressure must be positive, it holds {given('fluid pressure', load)}")
         yield ImportedProfile(x, pressure, radius, load)
 
 
@@ -132,7 +133,7 @@ def _check(x: FloatArray, pressure: FloatArray, lines: list[int]) -> None:
         row = int(np.argmin(inside))
         raise TextTableError(
             f"contact pressure must lie between 0 and 1 TPa (compression is positive); line {lines[row]} has "
-            f"{pressure[row]:g} Pa"
+            f"{given('contact pressure', float(pressure[row]))}"
         )
     if not pressure.max() > 0:
         raise TextTableError("contact pressure is zero in every row: the bodies do not touch")

@@ -24,6 +24,7 @@ from fem_seal.contact.refit import solve_fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.loads import blow_off_of_sealed_area
+from fem_seal.units import briefly
 from meshes import Sizing, build_contact
 
 # Relative accuracy of the force.
@@ -229,7 +230,7 @@ def _on_model(
     if root is None:
         raise target_problem(
             solver.problem,
-            f"no contact force up to {largest_force(solver.problem):.4g} N leaks as little at "
+            f"no contact force up to {briefly('force', largest_force(solver.problem))} leaks as little at "
             f"{fluid_pressure / 1e5:.4g} bar",
             target,
         )

@@ -12,7 +12,7 @@ import numpy as np
 from fem_seal.analysis.caution import VALID, Validity
 from fem_seal.analysis.flow import Conductivity, RoughFlow
 from fem_seal.analysis.lazy import Lazy
-from fem_seal.units import DIGITS, given, leak_range_text, quantity, quantity_worth
+from fem_seal.units import DIGITS, digits_within, given, leak_range_text, quantity_worth
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -65,6 +65,8 @@ class LoadResult(Lazy):
         How far the load is from opening the seal; None where neither fluid nor spring opens it, or it is not known.
     judgement : Judgement or None
         Whether it keeps what [requirement] asks of it; None where nothing is asked.
+    mesh_error : DiscretisationError or None
+        What the mesh leaves uncertain; None where nobody asked.
     """
 
     fluid_pressure: float
@@ -80,6 +82,7 @@ class LoadResult(Lazy):
     opening: OpeningMargin | None = None
     force_for_target_capped: float | None = None
     judgement: Judgement | None = None
+    mesh_error: DiscretisationError | None = None
 
     def __repr__(self) -> str:
         at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
@@ -90,8 +93,8 @@ class LoadResult(Lazy):
         """Peak pressure, width, leak rate and validity in a line, with units and no more digits than they are worth."""
         profile = self.contact.profile
         parts = [
-            f"peak {quantity_worth('contact pressure', profile.peak_pressure, self.digits)}",
-            f"FWHM {quantity('length', profile.fwhm)}",
+            f"peak {quantity_worth('contact pressure', profile.peak_pressure, self.pressure_digits)}",
+            f"FWHM {quantity_worth('length', profile.fwhm, self.digits_of('fwhm'))}",
         ]
         # a line is not worth working the leak rate out
         leak: LeakResult | None = vars(self).get("leak")
@@ -99,7 +102,7 @@ class LoadResult(Lazy):
             known = self.leak_range if vars(self).get("leak_capped") is not None else None
             claimed = not self.validity.outside
             parts.append(
-                f"leak rate {leak_range_text(known or leak.leak_rate, min(self.digits, 3), claimed=claimed)}"
+                f"leak rate {leak_range_text(known or leak.leak_rate, self.leak_digits, claimed=claimed)}"
             )
         return ", ".join([*parts, str(self.validity.level)])
 
@@ -107,6 +110,33 @@ class LoadResult(Lazy):
     def digits(self) -> int:
         """Significant digits that numbers which follow from the contact force are worth, four at most."""
         return DIGITS if self.opening is None else self.opening.digits
+
+    def digits_of(self, name: str) -> int:
+        """Significant digits that known errors leave of one of its numbers, four at most: the mesh's and the theory's.
+
+        Parameters
+        ----------
+        name : {"peak_pressure", "fwhm", "std", "leak_rate", "force_for_target"}
+            Stresses in the bodies are as good as the peak pressure.
+        """
+        of_theory = {"leak_rate": self.validity, "force_for_target": self.target_validity}.get(name)
+        theory = DIGITS if of_theory is None else digits_within(of_theory.leak_error)
+        if self.mesh_error is None:
+            return theory
+        # where the strongest load is sealed, nothing is known of what the others leak but the contact that it follows
+        known = getattr(self.mesh_error, "leak_rate" if name == "force_for_target" else name)
+        share = max(self.mesh_error.peak_pressure, self.mesh_error.std) if known is None else known
+        return min(theory, digits_within(share))
+
+    @property
+    def pressure_digits(self) -> int:
+        """Significant digits of contact pressures and stresses: what errors and the distance from opening leave."""
+        return min(self.digits, self.digits_of("peak_pressure"))
+
+    @property
+    def leak_digits(self) -> int:
+        """The same of leak rates."""
+        return min(self.digits, self.digits_of("leak_rate"))
 
     @property
     def verdict(self) -> Verdict | None:

@@ -8,6 +8,7 @@ from fem_seal.analysis.problem import SealProblem, largest_force
 from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import closing_force
+from fem_seal.units import briefly, given, quantity
 
 # Step of the force while a target is looked for, and how far down from the largest sensible force.
 _STEP = 4.0
@@ -49,11 +50,13 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
         if excess(ahead) * step <= 0:
             return math.exp(float(brentq(excess, at, ahead, xtol=1e-3)))
         if ahead == highest:
+            least = flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate
             raise target_problem(
                 problem,
-                f"even a contact force of {largest_force(problem):.4g} N, the largest for small strains, leaves "
-                f"{flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate:.4g} m^3/s at "
-                f"{fluid_pressure / 1e5:.4g} bar; give a larger target or a smoother surface",
+                f"even a contact force of {briefly('force', largest_force(problem))}, the largest for small "
+                "strains, leaves "
+                f"{quantity('flow', least)} at {fluid_pressure / 1e5:.4g} bar; give a larger target or a "
+                "smoother surface",
                 target,
             )
         if ahead < highest + math.log(_LEAST):
@@ -92,5 +95,5 @@ def log_excess(leak_rate: float, target: float) -> float:
 
 def target_problem(problem: SealProblem, message: str, target: float | None) -> InputError:
     """What is wrong with a target leak rate."""
-    shown = None if target is None else f"{target:.4g} m^3/s"
+    shown = None if target is None else given("flow", target)
     return InputError(Problem("load.target_leak_rate", message, shown), file=problem.file)

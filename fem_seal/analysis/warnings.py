@@ -19,7 +19,7 @@ from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
-from fem_seal.units import number
+from fem_seal.units import DIGITS, beside, briefly, number, per_cent, rounded
 
 if TYPE_CHECKING:
     from fem_seal.analysis.direct import DirectTable
@@ -240,7 +240,9 @@ def target_cautions(
         At least one.
     """
     ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
-    named = dict.fromkeys(f"{one.applied_force:.4g} N at {one.fluid_pressure / 1e5:.4g} bar" for one in ends)
+    named = dict.fromkeys(
+        f"{briefly('force', one.applied_force)} at {one.fluid_pressure / 1e5:.4g} bar" for one in ends
+    )
     for caution in _at_target(problem, surface, answers):
         text = f"at the force for the target leak rate, {' to '.join(named)}: {caution.text}"
         yield replace(caution, text=text)
@@ -278,6 +280,7 @@ def _of_surface(problem: SealProblem) -> Iterator[Caution]:
             'conductivity = "direct", for given pressure profiles, or for designs of a study without '
             "leak_rate_high_m3_per_s among their responses: the leak rate is that of the usual surface and may be off "
             "by a factor of ten",
+            leak_error=9.0,
         )
     for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)
@@ -301,12 +304,12 @@ def _near_opening(
         others = f" ({len(close)} loads are closer than {100 * _NEAR_OPENING:g} %)" if len(close) > 1 else ""
         counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
         text = (
-            f"{load_name(load, loads)} is {100 * share:.2g} % from opening the seal: {number(margin.force, 2)} N of "
+            f"{load_name(load, loads)} is {per_cent(share)} from opening the seal: {number(margin.force, 2)} N of "
             f"the applied {load.applied_force:.6g} N, or {number(margin.pressure / 1e5, 2)} bar{others}. The contact "
             "force is the small difference of applied force and fluid force: a relative error of either counts "
             f"{counts} in it, in the peak pressure and in the leak rate"
         )
-        yield Caution("near opening", Level.DOUBTFUL, f"{100 * share:.2g} % from opening the seal", text)
+        yield Caution("near opening", Level.DOUBTFUL, f"{per_cent(share)} from opening the seal", text)
 
 
 def _yielding_of(problem: SealProblem, load: LoadResult) -> Mapping[str, YieldedZone | PlasticZone]:
@@ -323,15 +326,17 @@ def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadRes
         first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
         r, z = zone.place
         level = Level.OUTSIDE if zone.excess > LARGEST_EXCESS else Level.DOUBTFUL
+        limit, excess = float(f"{zone.yield_stress / 1e6:.4g}"), _times(zone.excess, load, 3)
+        stress = _mpa(zone.von_mises, load, limit)
         yield Caution(
             "yield stress",
             level,
-            f"{name}: von Mises stress {zone.excess:.3g} times its yield stress",
-            f"{name}: von Mises stress {zone.von_mises / 1e6:.4g} MPa at {load_name(load, loads)} is "
-            f"{zone.excess:.3g} times the yield stress {zone.yield_stress / 1e6:.4g} MPa, at r = {r * 1e3:.4g} mm, "
-            f"z = {z * 1e3:.4g} mm, {zone.depth * 1e6:.3g} um from the contact line; it is exceeded to a depth of "
-            f"{zone.deepest * 1e6:.3g} um (from {first} on). The body is solved as elastic: the true "
-            "contact is wider and its peak pressure lower. A stress_strain curve in its material"
+            f"{name}: von Mises stress {excess} times its yield stress",
+            f"{name}: von Mises stress {stress} MPa at {load_name(load, loads)} is {excess} times the yield stress "
+            f"{limit:g} MPa, at r = {r * 1e3:.4g} mm, z = {z * 1e3:.4g} mm, {_um(zone.depth, load, 3)} from the "
+            f"contact line; it is exceeded to a depth of {_um(zone.deepest, load, 3)} (from {first} on). The body is "
+            "solved as elastic: the true contact is wider and its peak pressure lower. A stress_strain curve in its "
+            "material"
             + (
                 ' together with [load] closing = "sealed-area"'
                 if problem.loads.closing == "penetration"
@@ -492,6 +497,21 @@ def _creeps(
         yield Caution("creep", Level.DOUBTFUL, f"{name}: {problem.materials[name].name} creeps", text)
 
 
+def _mpa(pressure: float, load: LoadResult, limit: float) -> str:
+    """A pressure or stress of a load [Pa] in MPa, beside what it is compared with [MPa]."""
+    return beside(pressure / 1e6, limit, load.pressure_digits)
+
+
+def _times(share: float, load: LoadResult, most: int = 2) -> str:
+    """A pressure or stress over its limit."""
+    return beside(share, 1.0, min(load.pressure_digits, most))
+
+
+def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
+    """A length that is as good as the width of the contact, in um."""
+    return f"{rounded(1e6 * length, min(load.digits_of('std'), most)):g} um"
+
+
 def _highest_pressure(load: LoadResult) -> float:
     """Of a seal that is not round the highest around its axis [Pa]."""
     return (
@@ -506,7 +526,7 @@ def _above_hardness(
     peak, hardness = _highest_pressure(load), problem.hardness
     if hardness is None or peak <= (_NEAR_HARDNESS if problem.asperities_yield else 1.0) * hardness:
         return
-    share = peak / hardness
+    share, told, limit = peak / hardness, _times(peak / hardness, load), float(f"{hardness / 1e6:.4g}")
     why = (
         "no body carries a mean pressure above its hardness"
         if share > 1
@@ -515,8 +535,8 @@ def _above_hardness(
     yield Caution(
         "hardness",
         Level.OUTSIDE if share > 1 else Level.DOUBTFUL,
-        f"peak pressure {share:.2g} of the hardness",
-        f"peak pressure {peak / 1e6:.4g} MPa at {load_name(load, loads)} is {share:.2g} of the hardness; {why}",
+        f"peak pressure {told} of the hardness",
+        f"peak pressure {_mpa(peak, load, limit)} MPa at {load_name(load, loads)} is {told} of the hardness; {why}",
     )
 
 
@@ -531,12 +551,13 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
         peak = load.contact.profile.peak_pressure
         first = load_name(min(tight, key=lambda load: load.point), loads)
+        limit = float(f"{sealing / 1e6:.4g}")
         yield Caution(
             "sealed",
             Level.DOUBTFUL,
             f"sealed by the percolation threshold, A/A0 = {surface.percolation_threshold:.2g}",
-            f"sealed: at {load_name(load, loads)} the peak pressure {peak / 1e6:.4g} MPa is above "
-            f"{sealing / 1e6:.4g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
+            f"sealed: at {load_name(load, loads)} the peak pressure {_mpa(peak, load, limit)} MPa is above "
+            f"{limit:g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
             f"touches and no leak path is open (from {first} on, of the loads calculated). A leak rate of "
             "zero is only as certain as this percolation threshold",
         )
@@ -570,6 +591,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. The roughness "
             f"has a lay (peklenik = {surface.peklenik:.3g}), for which the theory's flow conductivity differs from "
             f"direct numerical results with elastic asperities by up to a factor {lay:.2g} either way{beyond}",
+            leak_error=lay - 1.0,
         )
     elif area > _DIRECT_END:
         yield Caution(
@@ -580,6 +602,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}, close to "
             f"{surface.percolation_threshold:.2g}, where no leak path is open. The leak rate falls there by orders of "
             f"magnitude. Direct numerical results end at {_DIRECT_END:g}: no bound on the error is known",
+            leak_error=math.inf,
         )
     elif area > _FEW_CHANNELS:
         yield Caution(
@@ -589,13 +612,16 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. "
             f"Above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
             f"numerical results by up to a factor {factor:g} either way",
+            leak_error=factor - 1.0,
         )
 
 
 def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     """What a direct simulation says against the conductivity that was taken from it."""
     peak, (low, high) = load.contact.profile.peak_pressure, table.range
-    at, simulated = f"{peak / 1e6:.4g} MPa", f"{low / 1e6:.4g} to {high / 1e6:.4g} MPa"
+    ends = [float(f"{one / 1e6:.4g}") for one in (low, high)]
+    at = f"{_mpa(peak, load, min(ends, key=lambda end: abs(end - peak / 1e6)))} MPa"
+    simulated = f"{ends[0]:g} to {ends[1]:g} MPa"
     if not low <= peak <= high:
         side = "above" if peak > high else "below"
         yield Caution(
@@ -631,6 +657,7 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
             f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
             f"a factor {down:.2g} smaller or {up:.2g} larger: {_samples(row.samples)}, and waves too short for the "
             f"grid, of which the last octave that it holds {octave}",
+            leak_error=max(down, up) - 1.0,
         )
 
 
@@ -655,9 +682,9 @@ def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) 
             Level.DOUBTFUL,
             "the drawing's roughness value says nothing of waves as long as the contact is wide",
             f"the roughness value of a drawing leaves out all waves longer than the cutoff lambda_c, here "
-            f"{problem.cutoff * 1e6:.4g} um, but waves up to {2 * np.pi * std * 1e6:.4g} um fit into the contact at "
-            f"{load_name(load, loads)}. Waviness and flatness of the faces come on top: give them in [form], a larger "
-            "lambda_c at which the value was measured, or scans of the faces",
+            f"{problem.cutoff * 1e6:.4g} um, but waves up to {_um(2 * np.pi * std, load)} fit into the contact "
+            f"at {load_name(load, loads)}. Waviness and flatness of the faces come on top: give them in [form], a "
+            "larger lambda_c at which the value was measured, or scans of the faces",
         )
     elif q_low * std > 1:
         yield Caution(
@@ -665,7 +692,7 @@ def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) 
             Level.DOUBTFUL,
             "spectrum starts at too short a wave for the width of the contact",
             f"the spectrum starts at too short a wave: 2 pi/q_low = {2 * np.pi / q_low * 1e6:.4g} um is "
-            f"less than 2 pi times the standard deviation of the contact, {std * 1e6:.4g} um at "
+            f"less than 2 pi times the standard deviation of the contact, {_um(std, load)} at "
             f"{load_name(load, loads)}. Longer waves fit into the contact, and if the surface has them it "
             "leaks more. Start the spectrum below "
             f"q = {1 / std:.3g} 1/m",
@@ -680,9 +707,9 @@ def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResu
         yield Caution(
             "long waves",
             Level.DOUBTFUL,
-            f"{100 * (1 - above):.2g} % of the height variance in waves longer than the contact is wide",
-            f"{100 * (1 - above):.2g} % of the height variance is in waves longer than 2 pi times the standard "
-            f"deviation of the contact, {std * 1e6:.4g} um at {load_name(load, loads)}. They are waviness "
+            f"{per_cent(1 - above)} of the height variance in waves longer than the contact is wide",
+            f"{per_cent(1 - above)} of the height variance is in waves longer than 2 pi times the standard "
+            f"deviation of the contact, {_um(std, load)} at {load_name(load, loads)}. They are waviness "
             "along the contact rather than roughness inside it, and the contact pressure follows them",
         )
 
@@ -706,6 +733,7 @@ def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadRes
             f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure. "
             'How far it opens the gap is not calculated here. [load] closing = "penetration" calculates it; the '
             f'upper bound, [leak] fluid_in_gap = "local", is {most}',
+            leak_error=1.7 * share if share < _FLUID_LIFTS else math.inf,
         )
 
 
@@ -713,13 +741,13 @@ def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
     blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
     if blown:
         load = min(blown, key=lambda load: load.point)
+        peak = _mpa(load.contact.profile.peak_pressure, load, load.fluid_pressure / 1e6)
         yield Caution(
             "lifted open",
             Level.OUTSIDE,
             "lifted open: fluid pressure not below the peak contact pressure",
             f"at {load_name(load, loads)} the fluid pressure is not below the peak contact pressure, "
-            f"{load.contact.profile.peak_pressure / 1e6:.4g} MPa: the fluid lifts the seal open and there is no "
-            "finite leak rate",
+            f"{peak} MPa: the fluid lifts the seal open and there is no finite leak rate",
         )
 
 
@@ -735,8 +763,8 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
             yield Caution(
                 "mesh",
                 Level.DOUBTFUL,
-                f"estimated error of elements and load steps {100 * worst:.2g} %",
-                f"the estimated error of elements and load steps is {100 * worst:.2g} %; further loads between zero "
+                f"estimated error of elements and load steps {per_cent(worst)}",
+                f"the estimated error of elements and load steps is {per_cent(worst)}; further loads between zero "
                 "and the highest one, and a smaller [mesh] contact_size, reduce it",
             )
     elif worst > _LARGEST_ERROR:
@@ -744,7 +772,7 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
         yield Caution(
             "mesh",
             Level.DOUBTFUL,
-            f"estimated discretisation error {100 * worst:.2g} %",
-            f"the estimated discretisation error (of the mesh alone) is {100 * worst:.2g} %; a [mesh] "
+            f"estimated discretisation error {per_cent(worst)}",
+            f"the estimated discretisation error (of the mesh alone) is {per_cent(worst)}; a [mesh] "
             f"contact_size below the present {1e6 * size:.3g} um reduces it",
         )

@@ -57,41 +57,53 @@ class _Part:
     def joined(self, halves: tuple[FloatArray, ...]) -> FloatArray:
         """The same from what the halves hand on."""
         size = len(self.inner) + len(self.outer)
-        front = np.zeros((size, size), order="F")
-        (first, second), (one, other) = self.places, halves
-        front[first[:, None], first] = one
-        front[second[:, None], second] += other
-        return front
+        front = np.zeros((size, size))
+        for place, half in zip(self.places, halves, strict=True):
+            # columns first: whole rows are added much faster than single numbers
+            rows = np.zeros((len(place), size))
+            rows[:, place] = half.T
+            front[place] += rows
+        return front.T
 
 
 @dataclass(frozen=True, eq=False)
 class _Eliminated:
-    """A part after its elimination: L L^T of the inner stiffness, L^-1 times the coupling, and what is handed on."""
+    """A part after its elimination: U^T U of the inner stiffness, U^-T times the coupling, and what is handed on.
 
-    lower: FloatArray
+    Of what is handed on the upper triangle alone: parts have their unknowns in the order of elimination, so that it is
+    added to the upper triangle of the next part.
+    """
+
+    upper: FloatArray
     coupling: FloatArray
     handed_on: FloatArray
 
     @classmethod
     def of(cls, front: FloatArray, inner: int) -> _Eliminated:
+        from scipy.linalg.blas import dsyrk
         from scipy.linalg.lapack import dtrtrs
 
-        lower = _cholesky(front[:inner, :inner])
-        coupling = front[:inner, inner:]
-        if inner and coupling.size:
-            coupling, _ = dtrtrs(lower, coupling, lower=1)
-        return cls(lower, coupling, front[inner:, inner:] - coupling.T @ coupling)
+        upper, coupling, handed_on = (
+            _cholesky(front[:inner, :inner]),
+            front[:inner, inner:],
+            front[inner:, inner:],
+        )
+        if coupling.size:
+            coupling, _ = dtrtrs(upper, coupling, trans=1)
+            handed_on = dsyrk(-1.0, coupling, 1.0, handed_on, trans=1)
+        return cls(upper, coupling, handed_on)
 
 
 def _cholesky(matrix: FloatArray) -> FloatArray:
+    """U of U^T U, from the upper triangle."""
     from scipy.linalg.lapack import dpotrf
 
     if not matrix.size:
         return matrix
-    lower, failed = dpotrf(matrix, lower=1)
+    upper, failed = dpotrf(matrix)
     if failed:
         raise RuntimeError("the matrix is not positive definite")
-    return np.asarray(lower)
+    return np.asarray(upper)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,9 +155,8 @@ class Dissection:
             Nodes of each element, or some of them: halves that share few of them share few unknowns.
         """
         places = np.asarray(places, dtype=np.int64)
-        shared = unknowns + 1 if nodes is None else nodes
-        dissecting = _Dissecting(unknowns, shared, coordinates, places, size)
-        return cls(tuple(dissecting.parts()), places, size, elastic)
+        levels = _halved(unknowns + 1 if nodes is None else nodes, coordinates)
+        return cls(_parts(levels, unknowns, places, size), places, size, elastic)
 
     def condensed(
         self, changed: NDArray[np.bool_], stiffness: Callable[[NDArray[np.int64]], FloatArray]
@@ -181,32 +192,32 @@ class Dissection:
         from scipy.linalg.lapack import dpotri
 
         last = _cholesky(found[-1].handed_on)
-        inverse, _ = dpotri(last, lower=1)
-        inverse = np.tril(inverse)
+        inverse, _ = dpotri(last)
+        inverse = np.triu(inverse)
         order, places = self._order
         # what a part hands on is not needed any more, and need not be kept
-        kept = [(one.lower, one.coupling) for one in found if len(one.lower)]
+        kept = [(one.upper, one.coupling) for one in found if len(one.upper)]
         steps = [(*place, *one) for place, one in zip(places, kept, strict=True)]
 
         def solve(right: FloatArray) -> FloatArray:
             from scipy.linalg.lapack import dpotrs, dtrtrs
 
             turned = right.reshape(len(right), -1)[order]
-            for span, outer, lower, coupling in steps:
+            for span, outer, upper, coupling in steps:
                 inner = turned[span]
                 # forces stand on few parts
                 if inner.any():
-                    turned[span], _ = dtrtrs(lower, inner, lower=1)
+                    turned[span], _ = dtrtrs(upper, inner, trans=1)
                     turned[outer] -= coupling.T @ inner
             rest = turned[-len(last) :]
-            rest[:], _ = dpotrs(last, rest, lower=1)
-            for span, outer, lower, coupling in reversed(steps):
-                turned[span], _ = dtrtrs(lower, turned[span] - coupling @ turned[outer], lower=1, trans=1)
+            rest[:], _ = dpotrs(last, rest)
+            for span, outer, upper, coupling in reversed(steps):
+                turned[span], _ = dtrtrs(upper, turned[span] - coupling @ turned[outer])
             solution = np.empty_like(turned)
             solution[order] = turned
             return solution.reshape(right.shape)
 
-        return inverse + np.tril(inverse, -1).T, solve
+        return inverse + np.triu(inverse, 1).T, solve
 
     @cached_property
     def _order(self) -> tuple[NDArray[np.int64], list[tuple[slice, NDArray[np.int64]]]]:
@@ -245,71 +256,126 @@ class Dissection:
         return found
 
 
-@dataclass(frozen=True, eq=False)
-class _Dissecting:
-    """How the elements of a mesh are halved."""
+def _halved(nodes: NDArray[np.int64], coordinates: FloatArray) -> list[NDArray[np.int64]]:
+    """In which part each element is: of the whole, of its halves, of theirs and so on, each of shape (elements,).
 
-    unknowns: NDArray[np.int64]
-    nodes: NDArray[np.int64]
-    coordinates: FloatArray
-    places: NDArray[np.int64]
-    size: int
+    The halves of the n-th part are 2n and 2n + 1 of the next level; -1 where a part is not halved again. They lie along
+    one of the coordinates, that along which they share fewer nodes.
+    """
+    part = np.zeros(len(nodes), dtype=np.int64)
+    levels, orders = [part], list(np.argsort(coordinates.T, axis=1, kind="stable"))
+    # each part counts its nodes anew; in which part each of them is
+    node = np.unique(nodes, return_inverse=True)[1].reshape(nodes.shape)
+    owner = np.zeros(node.max() + 1, dtype=np.int64)
+    while True:
+        size = np.bincount(part[part >= 0])
+        # and last of what is in none of the parts, whose number is -1
+        size = np.append(np.where(size > _SMALLEST, size, 0), 0)
+        if not size.any():
+            return levels
+        # elements by the part that is halved, and in it along each coordinate
+        orders = [one[size[part[one]] > 0] for one in orders]
+        orders = [one[_sorted(part[one])] for one in orders]
+        halved = part[orders[0]]
+        behind = np.arange(len(halved)) - (np.cumsum(size) - size)[halved] >= size[halved] // 2
+        shared, halves = [], np.zeros((len(orders), len(part)), dtype=np.int64)
+        for half, order in zip(halves, orders, strict=True):
+            half[order] = behind
+            have = _have(node[order], half[order], len(owner))
+            shared.append(np.bincount(owner[have.all(axis=1)], minlength=len(size)))
+        order, half = orders[0], halves[np.argmin(shared, axis=0)[part], np.arange(len(part))]
+        have = _have(node[order], half[order], len(owner))
+        node[order] = (np.cumsum(have) - 1)[2 * node[order] + half[order, None]]
+        owner = (2 * owner[:, None] + [0, 1])[have]
+        part = np.where(size[part] > 0, 2 * part + half, -1)
+        levels.append(part)
 
-    def parts(self) -> list[_Part]:
-        """All parts, halves before what they are halves of."""
-        found: list[_Part] = []
-        self._add(np.arange(len(self.unknowns)), found)
-        *others, last = found
-        # what is handed on by the whole is left to the last, in the order in which it is asked for
-        return [*others, self._part(last.elements, last.halves, found, self.places)]
 
-    def _add(self, elements: NDArray[np.int64], found: list[_Part]) -> int:
-        halves: tuple[int, ...] = ()
-        if len(elements) > _SMALLEST:
-            halves = tuple(self._add(half, found) for half in self._halves(elements))
-        found.append(self._part(elements, halves, found))
+def _have(node: NDArray[np.int64], half: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    """Which nodes each half has, shape (nodes, 2)."""
+    have = np.zeros((count, 2), dtype=bool)
+    have[node, half[:, None]] = True
+    return have
+
+
+def _parts(
+    levels: list[NDArray[np.int64]], unknowns: NDArray[np.int64], places: NDArray[np.int64], size: int
+) -> tuple[_Part, ...]:
+    """All parts, halves before what they are halves of; `levels` as from `_halved`."""
+    level_of, ordered = _elimination(levels, unknowns, places, size)
+    rank = np.full(size + 1, -1)
+    rank[ordered] = np.arange(size)
+    rank, level_of = rank[unknowns], level_of[ordered]
+    pieces = []
+    # what the parts of the level below hand on: which part, and what
+    giver, given = np.empty((2, 0), dtype=np.int64)
+    below = np.full(len(unknowns), -1)
+    for level, part in reversed([*enumerate(levels)]):
+        count = 1 + int(part.max())
+        inside = np.flatnonzero(part >= 0)
+        inside = inside[_sorted(part[inside])]
+        smallest = inside[below[inside] < 0]
+        free = rank[smallest] >= 0
+        own = (part[smallest, None] * size + rank[smallest])[free]
+        known, which = np.unique(np.append(own, giver // 2 * size + given), return_inverse=True)
+        owner, unknown = np.divmod(known, size)
+        outer = level_of[unknown] < level
+        sizes = np.bincount(owner, minlength=count)
+        # in a part what it eliminates comes before what it hands on
+        place = np.arange(len(known)) - (np.cumsum(sizes) - sizes)[owner]
+        of_elements = np.repeat(sizes[part[smallest], None], free.shape[1], axis=1)
+        of_elements[free] = place[which[: len(own)]]
+        of_halves = _cut(place[which[len(own) :]], giver, 2 * count)
+        pieces.append(
+            list(
+                zip(
+                    _cut(inside, part[inside], count),
+                    _cut(ordered[unknown[~outer]], owner[~outer], count),
+                    _cut(ordered[unknown[outer]], owner[outer], count),
+                    _cut(of_elements, part[smallest], count),
+                    zip(of_halves[::2], of_halves[1::2], strict=True),
+                    strict=True,
+                )
+            )
+        )
+        giver, given, below = owner[outer], unknown[outer], part
+    found: list[_Part] = []
+
+    def add(level: int, number: int) -> int:
+        elements, inner, outer, of_elements, of_halves = pieces[level][number]
+        halves = () if len(of_elements) else (add(level - 1, 2 * number), add(level - 1, 2 * number + 1))
+        found.append(_Part(elements, halves, inner, outer, of_halves if halves else (of_elements,)))
         return len(found) - 1
 
-    def _part(
-        self,
-        elements: NDArray[np.int64],
-        halves: tuple[int, ...],
-        found: list[_Part],
-        outer: NDArray[np.int64] | None = None,
-    ) -> _Part:
-        here = np.bincount(self.unknowns[elements].ravel() + 1, minlength=self.size + 1)[1:]
-        handed = [found[half].outer for half in halves]
-        known = np.unique(np.concatenate(handed)) if halves else np.flatnonzero(here)
-        whole = (here[known] == self._uses[known]) & ~self._last[known]
-        inner = known[whole]
-        outer = known[~whole] if outer is None else outer
-        place = np.full(self.size + 1, len(inner) + len(outer))
-        place[np.concatenate([inner, outer])] = np.arange(len(inner) + len(outer))
-        of = [place[one] for one in handed] if halves else [place[self.unknowns[elements]]]
-        return _Part(elements, halves, inner, outer, tuple(of))
+    add(len(pieces) - 1, 0)
+    return tuple(found)
 
-    def _halves(self, elements: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Two halves along one of the coordinates, that along which they share fewer nodes."""
-        order = elements[np.argsort(self.coordinates[elements], axis=0, kind="stable").T]
-        halves = order[:, : len(elements) // 2], order[:, len(elements) // 2 :]
-        # for each coordinate, which nodes each half has
-        have = np.zeros((2, len(order), self._count), dtype=bool)
-        for which, half in zip(have, halves, strict=True):
-            which[np.arange(len(order))[:, None], self.nodes[half].reshape(len(order), -1)] = True
-        best = int(np.argmin(np.count_nonzero(have[0] & have[1], axis=1)))
-        return np.sort(halves[0][best]), np.sort(halves[1][best])
 
-    @cached_property
-    def _count(self) -> int:
-        return int(self.nodes.max()) + 1
+def _elimination(
+    levels: list[NDArray[np.int64]], unknowns: NDArray[np.int64], places: NDArray[np.int64], size: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """On which level each unknown is eliminated, -1 if it is left to the last, and unknowns in the order of that."""
+    # the smallest part that has all elements of an unknown; the held ones come behind all others
+    level_of, part_of = np.zeros((2, size + 1), dtype=np.int64)
+    for level, part in enumerate(levels):
+        found = np.empty(size + 1, dtype=np.int64)
+        found[unknowns] = part[:, None]
+        whole = found >= 0
+        whole[unknowns[found[unknowns] != part[:, None]]] = False
+        level_of[whole], part_of[whole] = level, found[whole]
+    # halves one after the other, and then what they are halves of
+    end = (part_of + 1) << (len(levels) - level_of)
+    level_of[places] = -1
+    order = np.lexsort((-level_of[:-1], end[:-1]))
+    return level_of[:-1], np.append(order[level_of[order] >= 0], places)
 
-    @cached_property
-    def _uses(self) -> NDArray[np.int64]:
-        """How many elements have each unknown."""
-        return np.bincount(self.unknowns.ravel() + 1, minlength=self.size + 1)[1:]
 
-    @cached_property
-    def _last(self) -> NDArray[np.bool_]:
-        last = np.zeros(self.size, dtype=bool)
-        last[self.places] = True
-        return last
+def _sorted(part: NDArray[np.int64]) -> NDArray[np.int64]:
+    """What sorts numbers of parts, of which there are few: they are not compared, but counted."""
+    return np.argsort(part.astype(np.min_scalar_type(part.max())), kind="stable")
+
+
+def _cut(values: NDArray[np.int64], group: NDArray[np.int64], count: int) -> list[NDArray[np.int64]]:
+    """Values by the group that each is in, which do not fall."""
+    ends = np.searchsorted(group, np.arange(count + 1)).tolist()
+    return [values[begin:end] for begin, end in pairwise(ends)]

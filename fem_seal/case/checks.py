@@ -14,6 +14,7 @@ from fem_seal.case.tables import CaseTables, curves
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.errors import InputError, Problem
+from fem_seal.units import given as written
 from meshes import GeometryError
 
 # Interference of a press fit over the radius of the wall, up to which strains are small.
@@ -314,7 +315,7 @@ def _load(case: CaseTables) -> Iterator[Problem]:
         yield Problem(
             "load.target_leak_rate",
             f"needs a leak rate, and there is none without [{missing}]; add it",
-            f"{load.target_leak_rate:.4g} m^3/s",
+            written("flow", load.target_leak_rate),
         )
 
 
@@ -324,12 +325,12 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
     if load.earlier is None:
         return
     key, given = load.earlier_key, load.largest_earlier_pressure
-    value = f"{load.earlier[1]:.6g} N" if given is None else f"{given:.6g} Pa"
+    value = written("force", load.earlier[1]) if given is None else written("fluid pressure", given)
     if load.largest_earlier_force is not None and given is not None:
         yield Problem(
             "load.largest_earlier_pressure",
             "largest_earlier_force is given as well, and the largest earlier load is one of them; remove the other",
-            f"{given:.6g} Pa",
+            written("fluid pressure", given),
         )
     elif given is not None:
         yield from _earlier_pressure(case, given)
@@ -367,14 +368,14 @@ def _earlier_pressure(case: CaseTables, pressure: float) -> Iterator[Problem]:
             "load.largest_earlier_pressure",
             'with pressure_side = "inner" the fluid lifts the closure, and a higher pressure has pressed nothing '
             "harder; give the largest_earlier_force of spring or actuator instead",
-            f"{pressure:.6g} Pa",
+            written("fluid pressure", pressure),
         )
     elif len({force for _, force in load.points}) > 1:
         yield Problem(
             "load.largest_earlier_pressure",
             "axial_force has several values, and which of them acted with it is not said; give largest_earlier_force "
             "instead, spring and fluid force on the sealed area together",
-            f"{pressure:.6g} Pa",
+            written("fluid pressure", pressure),
         )
 
 
@@ -387,7 +388,7 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
             "fluid.outlet_pressure",
             f"only for a gas; the leak of a liquid ({shown(fluid.name)}) depends on the pressure difference alone, "
             "remove it",
-            f"{fluid.outlet_pressure:.6g} Pa",
+            written("fluid pressure", fluid.outlet_pressure),
         )
     given = [name for name in ("pressure_viscosity", "roelands_z") if getattr(fluid, name) is not None]
     if fluid.gas is not None:

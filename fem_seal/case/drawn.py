@@ -17,6 +17,7 @@ from fem_seal.case.seats import Held
 from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
 from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
+from meshes.errors import mm
 
 _PLACE = Place(Quantity("length", "-10 m", "10 m"))
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
@@ -194,7 +195,7 @@ def _written(name: str, pieces: list[Piece]) -> Profile:
             first, last = math.dist(centre, before.to), math.dist(centre, piece.to)
             if abs(first - last) > 1e-6 * max(first, last):
                 raise GeometryError(
-                    f"{name} outline: entry {n} begins {first:.6g} m from its centre, but ends {last:.6g} m from it"
+                    f"{name} outline: entry {n} begins {mm(first)} from its centre, but ends {mm(last)} from it"
                 )
         segments.append(Segment(before.to, piece.to, piece.name or "", centre))
     return Profile(name, tuple(segments))
@@ -206,8 +207,8 @@ def _centre(
     chord = math.dist(start, end)
     if abs(radius) <= 0.5 * chord:
         raise GeometryError(
-            f"{name} outline: entry {entry} has radius = {radius:.6g} m, but an arc of less than 180 deg between "
-            f"points {chord:.6g} m apart has more than {0.5 * chord:.6g} m"
+            f"{name} outline: entry {entry} has radius = {mm(radius)}, but an arc of less than 180 deg between "
+            f"points {mm(chord)} apart has more than {mm(0.5 * chord)}"
         )
     height = math.copysign(math.sqrt(radius**2 - 0.25 * chord**2), radius)
     left = (start[1] - end[1]) / chord, (end[0] - start[0]) / chord

@@ -8,6 +8,7 @@ from dataclasses import replace
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.errors import LoadProblem
 from fem_seal.loads import CONSTRAINT, closing_force, expected_force, line_load
+from fem_seal.units import briefly
 
 # Pressure over effective modulus that the whole face would have to carry in the mean, above which the contact runs over
 # the ends of the faces whatever their shape: even of an edge pressed flat over all of its radius it is less.
@@ -89,7 +90,8 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
         return LoadProblem(
             "load.axial_force",
             f"the fluid lifts the closure at {fluid_pressure / 1e5:.6g} bar and no applied force holds it; give an "
-            f"axial_force above about {needed:.4g} N, the fluid force on the circle of first touch, radius {_mm(r0)}",
+            f"axial_force above about {briefly('force', needed)}, the fluid force on the circle of first "
+            f"touch, radius {_mm(r0)}",
             f"{applied_force:.6g} N",
         )
     if _force(case, fluid_pressure, applied_force) > 0:
@@ -97,7 +99,8 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
     how = "lifts the closure with" if lifts else "closes with"
     return LoadProblem(
         "load.axial_force",
-        f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: the fluid {how} {abs(needed):.4g} N "
+        f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: the fluid {how} "
+        f"{briefly('force', abs(needed))} "
         f"on the sealed area of radius {_mm(r0)}; give an axial_force above {needed:.6g} N",
         f"{applied_force:.6g} N",
     )
@@ -122,8 +125,10 @@ def _too_large(
         if f > most:
             yield LoadProblem(
                 "load",
-                f"a contact force of {force:.4g} N is more than the body that yields can carry with all of its face, "
-                f"{_mm(length)} long: {force * most / f:.4g} N at {CONSTRAINT:g} times the last stress of its curve "
+                f"a contact force of {briefly('force', force)} is more than the body that yields can carry "
+                "with all of its face, "
+                f"{_mm(length)} long: {briefly('force', force * most / f)} at {CONSTRAINT:g} times the last "
+                "stress of its curve "
                 f"(full plasticity). Lower {lower}, or take a harder body",
                 kind="strain",
             )
@@ -131,9 +136,10 @@ def _too_large(
     if f > most:
         yield LoadProblem(
             "load",
-            f"a contact force of {force:.4g} N, spread evenly over all of the face, {_mm(length)} long, is a pressure "
+            f"a contact force of {briefly('force', force)}, spread evenly over all of the face, {_mm(length)} "
+            "long, is a pressure "
             f"above {_CRUSHED:g} of the effective modulus: no contact on these faces carries it. The largest that can "
-            f"be calculated is {force * most / f:.4g} N. Lower {lower}, or take stiffer materials",
+            f"be calculated is {briefly('force', force * most / f)}. Lower {lower}, or take stiffer materials",
             kind="strain",
         )
 

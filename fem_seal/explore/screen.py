@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,8 +53,8 @@ class ShownLoad:
         Why no further.
     classes : tuple of str
         Leakage classes that are met.
-    digits : int
-        That the numbers are worth.
+    digits : dict
+        Significant digits that each of the values is worth.
     """
 
     values: dict[str, float]
@@ -62,7 +62,7 @@ class ShownLoad:
     level: str = str(Level.VALID)
     reasons: tuple[str, ...] = ()
     classes: tuple[str, ...] = ()
-    digits: int = 4
+    digits: dict[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -276,7 +276,7 @@ def shown_load(case: Case, load: LoadResult, ends: tuple[float, float] | None = 
         str(load.validity.level),
         load.validity.reasons,
         tuple(str(one) for one in leakage_classes(case, load, ends)),
-        load.digits,
+        _digits(load),
     )
 
 
@@ -300,7 +300,11 @@ def without_leak(load: LoadResult) -> ShownLoad:
     """
     row = Row(load)
     values = {name: math.nan if name in LEAK else float(COLUMNS[name].number(row)) for name in SHOWN}
-    return ShownLoad(values, load.applied_force, digits=load.digits)
+    return ShownLoad(values, load.applied_force, digits=_digits(load))
+
+
+def _digits(load: LoadResult) -> dict[str, int]:
+    return {name: COLUMNS[name].digits(load) for name in SHOWN}
 
 
 def profile_of(load: LoadResult) -> ShownProfile:

@@ -14,8 +14,6 @@ from fem_seal.units import given, leak_range_text, leak_rate_text, quantity_wort
 if TYPE_CHECKING:
     from fem_seal.explore.factors import Factors
 
-_DIGITS = 3
-
 
 @dataclass(frozen=True)
 class Number:
@@ -47,7 +45,7 @@ def leak_words(load: ShownLoad) -> str:
     rate, low, high = (load.values[f"leak_rate_{end}m3_per_s"] for end in ("", "low_", "high_"))
     if not math.isfinite(rate) and not math.isfinite(low):
         return "–"
-    digits, claimed = min(load.digits, _DIGITS), load.level != str(Level.OUTSIDE)
+    digits, claimed = load.digits["leak_rate_m3_per_s"], load.level != str(Level.OUTSIDE)
     if math.isfinite(low) and math.isfinite(high):
         return leak_range_text((low, high), digits, claimed=claimed)
     return leak_rate_text(rate, digits, claimed=claimed)
@@ -63,10 +61,12 @@ def numbers_of(screen: Screen) -> list[Number]:
     load = screen.load
     if load is None:
         return []
-    values, digits = load.values, min(load.digits, _DIGITS)
+    values = load.values
 
     def number(name: str, what: str, kind: str, column: str, more: str = "") -> Number:
-        return Number(name, what, quantity_worth(kind, values[column], digits), more, values[column])
+        return Number(
+            name, what, quantity_worth(kind, values[column], load.digits[column]), more, values[column]
+        )
 
     wider = "; what is not known widens it when the sliders rest" if screen.widens else ""
     wider = "; that of the round seal until the sliders rest" + wider if screen.round else wider

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.caution import VALIDITY_COLUMNS
-from fem_seal.units import DIGITS, Unit, digits_within, fixed_unit, split_unit
+from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import DiscretisationError, LoadResult
+    from fem_seal.analysis.results import LoadResult
     from leak import CoupledLeakResult, LeakResult
 
 
@@ -87,8 +87,8 @@ class Column:
         Tables of the case without which the column stays empty.
     most_digits : int
         Significant digits that are shown at most.
-    mesh_error : str
-        What a `DiscretisationError` calls the error of this number, empty where it tells none.
+    error_of : str
+        What `LoadResult.digits_of` calls it or what it is as good as, empty where errors hardly matter.
     """
 
     name: str
@@ -103,7 +103,7 @@ class Column:
     spare_digits: int | None = None
     needs: tuple[str, ...] = ()
     most_digits: int = DIGITS
-    mesh_error: str = ""
+    error_of: str = ""
 
     @property
     def unit(self) -> str:
@@ -125,11 +125,11 @@ class Column:
         value = self.of(row)
         return math.nan if value is None else float(value)
 
-    def digits(self, of_force: int, error: DiscretisationError | None = None) -> int:
-        """Significant digits that it is worth where the contact force is worth `of_force`, on a mesh this good."""
-        of_this = DIGITS if self.spare_digits is None else of_force + self.spare_digits
-        share = getattr(error, self.mesh_error) if error is not None and self.mesh_error else None
-        return min(of_this, self.most_digits, DIGITS if share is None else digits_within(share))
+    def digits(self, load: LoadResult) -> int:
+        """Significant digits that it is worth at a load."""
+        of_force = DIGITS if self.spare_digits is None else load.digits + self.spare_digits
+        of_error = load.digits_of(self.error_of) if self.error_of else DIGITS
+        return min(of_force, of_error, self.most_digits)
 
 
 def _rate(leak: LeakResult | None) -> float | None:
@@ -233,7 +233,7 @@ COLUMNS = {
             short="p peak",
             shown_in="MPa",
             spare_digits=0,
-            mesh_error="peak_pressure",
+            error_of="peak_pressure",
         ),
         Column(
             "contact_radius_m",
@@ -250,7 +250,7 @@ COLUMNS = {
             title="width at half maximum",
             short="FWHM",
             shown_in="mm",
-            mesh_error="fwhm",
+            error_of="fwhm",
         ),
         Column(
             "std_m",
@@ -262,7 +262,7 @@ COLUMNS = {
             short="std dev",
             shown_in="mm",
             unit_like="fwhm_m",
-            mesh_error="std",
+            error_of="std",
         ),
         Column(
             "leak_rate_m3_per_s",
@@ -275,7 +275,7 @@ COLUMNS = {
             shown_in="mm³/s",
             spare_digits=0,
             needs=_FLOW,
-            mesh_error="leak_rate",
+            error_of="leak_rate",
         ),
         Column(
             "leak_rate_elastic_m3_per_s",
@@ -288,7 +288,7 @@ COLUMNS = {
             unit_like="leak_rate_m3_per_s",
             spare_digits=0,
             needs=_FLOW,
-            mesh_error="leak_rate",
+            error_of="leak_rate",
         ),
         Column(
             "critical_separation_m",
@@ -300,6 +300,7 @@ COLUMNS = {
             shown_in="um",
             # the narrowest gap follows the force only like its logarithm
             spare_digits=1,
+            error_of="peak_pressure",
             needs=("roughness",),
         ),
         Column(
@@ -310,6 +311,7 @@ COLUMNS = {
             heading="u_c, elastic",
             unit_like="critical_separation_m",
             spare_digits=1,
+            error_of="peak_pressure",
             needs=("roughness",),
         ),
         Column(
@@ -324,6 +326,8 @@ COLUMNS = {
             shown_in="MPa",
             # its error would be in the fourth
             most_digits=3,
+            spare_digits=0,
+            error_of="peak_pressure",
         ),
         Column(
             "leak_rate_low_m3_per_s",
@@ -336,7 +340,7 @@ COLUMNS = {
             shown_in="mm³/s",
             spare_digits=0,
             needs=_FLOW,
-            mesh_error="leak_rate",
+            error_of="leak_rate",
         ),
         Column(
             "leak_rate_high_m3_per_s",
@@ -347,7 +351,7 @@ COLUMNS = {
             shown_in="mm³/s",
             spare_digits=0,
             needs=_FLOW,
-            mesh_error="leak_rate",
+            error_of="leak_rate",
         ),
         Column(
             "leak_rate_kg_per_s",
@@ -355,6 +359,7 @@ COLUMNS = {
             "leak rate by mass; nan if the density is unknown",
             lambda row: None if row.load.leak is None else row.load.leak.mass_flow,
             title="leak rate by mass",
+            error_of="leak_rate",
             needs=_FLOW,
         ),
         Column(
@@ -367,7 +372,7 @@ COLUMNS = {
             shown_in="mbar l/s",
             spare_digits=0,
             needs=_FLOW,
-            mesh_error="leak_rate",
+            error_of="leak_rate",
         ),
         Column(
             "leak_rate_standard_m3_per_s",
@@ -375,6 +380,7 @@ COLUMNS = {
             "volume of a gas per time at 0 degC and 101325 Pa",
             lambda row: None if row.load.leak is None else row.load.leak.standard_leak_rate,
             title="leak rate at 0 °C, 1 atm",
+            error_of="leak_rate",
             needs=_FLOW,
         ),
         Column(
@@ -422,6 +428,7 @@ COLUMNS = {
             "force",
             "smallest applied force for which the leak rate stays below load.target_leak_rate",
             lambda row: row.load.force_for_target,
+            error_of="force_for_target",
             heading="applied force for the target",
             short="target force",
             shown_in="N",
@@ -475,6 +482,7 @@ COLUMNS = {
             shown_in="MPa",
             unit_like="peak_pressure_Pa",
             spare_digits=0,
+            error_of="peak_pressure",
         ),
         Column(
             "line_load_min_over_mean",
@@ -494,6 +502,7 @@ COLUMNS = {
             shown_in="mm³/s",
             unit_like="leak_rate_m3_per_s",
             spare_digits=0,
+            error_of="leak_rate",
             needs=_FLOW,
         ),
         Column(
@@ -513,6 +522,7 @@ COLUMNS = {
             shown_in="mm³/s",
             unit_like="leak_rate_m3_per_s",
             spare_digits=0,
+            error_of="leak_rate",
             needs=_FLOW,
         ),
         Column(
@@ -522,6 +532,7 @@ COLUMNS = {
             lambda row: _rate(row.load.leak_conserved) if row.load.yields else None,
             title="leak rate, volume conserved",
             spare_digits=0,
+            error_of="leak_rate",
             needs=_FLOW,
         ),
         Column(
@@ -534,6 +545,7 @@ COLUMNS = {
             title="leak rate, changed only where it touches",
             unit_like="leak_rate_m3_per_s",
             spare_digits=0,
+            error_of="leak_rate",
             needs=_FLOW,
         ),
         Column(
@@ -541,6 +553,7 @@ COLUMNS = {
             "force",
             "where asperities yield: `force_for_target_leak_N` if the surface changes only where it touches",
             lambda row: row.load.force_for_target_capped,
+            error_of="force_for_target",
             heading="for the target, capped",
             short="capped",
             shown_in="N",
@@ -572,12 +585,27 @@ COLUMNS = {
             heading="margin",
             short="margin",
             spare_digits=0,
+            error_of="leak_rate",
             needs=("requirement",),
             # of an interval, as its ends are
             most_digits=2,
         ),
     )
 }
+
+
+def in_words(load: LoadResult, name: str) -> str:
+    """A number of a load for a sentence: with its unit, and no more digits than in the tables.
+
+    Parameters
+    ----------
+    load : LoadResult
+    name : str
+        Of a column that is a quantity.
+    """
+    column = COLUMNS[name]
+    return quantity_worth(column.kind, column.number(Row(load)), column.digits(load))
+
 
 LEAK_COLUMNS = tuple(COLUMNS)
 # What is known of the pressure profile of another program.

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from leak.arrays import FloatArray
-from leak.errors import DirectError, positive
+from leak.errors import DirectError, positive, um
 from leak.surfaces.random import random_map
 from leak.surfaces.scans import HeightMap
 from leak.surfaces.spectrum import PowerSpectrum
@@ -65,9 +65,9 @@ class Patch:
         low, high = self.band
         if not low < high:
             raise DirectError(
-                f"size = {self.size:.4g} m with {self.points} points holds waves of {self.shortest_wavelength:.4g} to "
-                f"{self.size:.4g} m; the spectrum has {2.0 * np.pi / self.spectrum.q_high:.4g} to "
-                f"{2.0 * np.pi / self.spectrum.q_low:.4g} m"
+                f"size = {um(self.size)} with {self.points} points holds waves of {um(self.shortest_wavelength)} to "
+                f"{um(self.size)}; the spectrum has {um(2.0 * np.pi / self.spectrum.q_high)} to "
+                f"{um(2.0 * np.pi / self.spectrum.q_low)}"
             )
 
     @classmethod

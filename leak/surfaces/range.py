@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from leak.errors import ScanError
+from leak.errors import ScanError, um
 from leak.surfaces.periodogram import Periodogram
 from leak.surfaces.scans import Topography
 from leak.surfaces.settings import ScanSettings
@@ -45,8 +45,8 @@ def reliable_range(scan: Topography, modes: Periodogram, settings: ScanSettings)
     low, high = max(2.0 * np.pi / scan.length, modes.wavenumber[present[0]]), limits[limit]
     if high < _LEAST_RANGE * low:
         raise ScanError(
-            f"{scan.name or 'scan'}: nothing reliable is left between its length, {scan.length:.3g} m, and the "
-            f"shortest wave, {2 * np.pi / high:.3g} m ({limit})"
+            f"{scan.name or 'scan'}: nothing reliable is left between its length, {um(scan.length)}, and the "
+            f"shortest wave, {um(2 * np.pi / high)} ({limit})"
         )
     return ReliableRange(low, high, limit)
 

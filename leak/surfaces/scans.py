@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
-from leak.errors import ScanError
+from leak.errors import ScanError, um
 
 Detrend = Literal["mean", "tilt", "curvature"]
 DETRENDS: tuple[str, ...] = get_args(Detrend)
@@ -167,7 +167,7 @@ def line_scan(x: ArrayLike, h: ArrayLike, *, name: str = "", tip_radius: float |
     steps = np.diff(x)
     if steps.min() < _CLOSE * length:
         raise ScanError(
-            f"two positions x lie only {steps.min():.3g} m apart in a length of {length:.4g} m: that is round-off, no "
+            f"two positions x lie only {um(steps.min())} apart in a length of {um(length)}: that is round-off, no "
             "step of a scan"
         )
     # the widest gaps left aside, as long as they are a small part of the length
@@ -176,7 +176,7 @@ def line_scan(x: ArrayLike, h: ArrayLike, *, name: str = "", tip_radius: float |
     resolution = float(widest[np.searchsorted(bridged, _NARROW * length)])
     if widest[0] > _WIDE * length:
         raise ScanError(
-            f"x has a gap of {widest[0]:.4g} m in a length of {length:.4g} m: allowed is a fifth of it"
+            f"x has a gap of {um(widest[0])} in a length of {um(length)}: allowed is a fifth of it"
         )
     spacing = length / (n - 1)
     if _is_even(x, spacing):
@@ -185,10 +185,12 @@ def line_scan(x: ArrayLike, h: ArrayLike, *, name: str = "", tip_radius: float |
     count = round(length / spacing) + 1
     if count > 20 * n:
         raise ScanError(
-            f"x is too uneven: half of its steps are below {spacing:.3g} m, their mean is {length / n:.3g} m"
+            f"x is too uneven: half of its steps are below {um(spacing)}, their mean is {um(length / n)}"
         )
     grid = np.linspace(x[0], x[-1], count)
-    remark = f"x is not evenly spaced (up to {widest[0]:.3g} m): interpolated on {count} points {spacing:.3g} m apart"
+    remark = (
+        f"x is not evenly spaced (up to {um(widest[0])}): interpolated on {count} points {um(spacing)} apart"
+    )
     return LineScan(
         np.interp(grid, x, h), length / (count - 1), max(resolution, spacing), tip_radius, name, (remark,)
     )
@@ -263,16 +265,14 @@ def _checked(x: ArrayLike, h: ArrayLike) -> tuple[FloatArray, FloatArray]:
     back = np.flatnonzero(np.diff(x) <= 0.0)
     if back.size:
         i = int(back[0])
-        raise ScanError(f"x is not monotonic: {x[i]:.9g} m and {x[i + 1]:.9g} m follow each other")
+        raise ScanError(f"x is not monotonic: {um(x[i], 9)} and {um(x[i + 1], 9)} follow each other")
     _not_flat(h)
     return x, h
 
 
 def _not_flat(h: FloatArray) -> None:
     if np.ptp(h) <= 1e-14 * np.abs(h).max() or not np.ptp(h) < 1e100:
-        raise ScanError(
-            f"heights from {h.min():.4g} m to {h.max():.4g} m: no roughness to make a spectrum of"
-        )
+        raise ScanError(f"heights from {um(h.min())} to {um(h.max())}: no roughness to make a spectrum of")
 
 
 def _is_even(x: FloatArray, spacing: float) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from leak.errors import um
 from leak.surfaces.outliers import FoundOutliers
 from leak.surfaces.periodogram import Periodogram
 from leak.surfaces.range import ReliableRange
@@ -113,7 +114,7 @@ def remarks_on_shape(
         strongest = int(np.argmax(together))
         if together[strongest] > _ONE_WAVE:
             remarks.append(
-                f"{scan.name or 'scan'}: one wave of {2 * np.pi / one.wavenumber[strongest]:.3g} m carries "
+                f"{scan.name or 'scan'}: one wave of {um(2 * np.pi / one.wavenumber[strongest])} carries "
                 f"{together[strongest]:.0%} of the variance: a turned or ground lay, not an isotropic surface"
             )
     if lay is not None and lay.ratio > max(_LAY, lay.chance):

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Point, Segment
@@ -103,7 +103,7 @@ def _closed(name: str, pieces: list[Segment]) -> list[Segment]:
         apart = math.dist(s.end, after.start)
         if apart > _CLOSED * size:
             raise GeometryError(
-                f"{name} outline: is open, {apart:.4g} m are missing between {_place(s.end)} and {_place(after.start)}"
+                f"{name} outline: is open, {mm(apart)} are missing between {_place(s.end)} and {_place(after.start)}"
             )
         joined.append(replace(s, end=after.start))
     # Points on the axis are exactly there, so that the mesh's are.
@@ -113,14 +113,14 @@ def _closed(name: str, pieces: list[Segment]) -> list[Segment]:
         lowest = min(s.start[0], s.end[0], *(p[0] for p in _upright_points(s)))
         if lowest < -_CLOSED * size:
             raise GeometryError(
-                f"{name} outline: crosses the axis near {_place(s.start)}, down to r = {lowest:.4g} m; draw the half "
+                f"{name} outline: crosses the axis near {_place(s.start)}, down to r = {mm(lowest)}; draw the half "
                 "at r >= 0 alone"
             )
     return fixed
 
 
 def _place(p: Point) -> str:
-    return f"(r, z) = ({p[0]:.6g}, {p[1]:.6g}) m"
+    return f"(r, z) = ({mm(p[0])}, {mm(p[1])})"
 
 
 def _check_crossings(name: str, pieces: list[Segment]) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes.drawings.profile import Profile
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Point, Segment
 from meshes.own_process import OwnProcessError, TimeLimitError, call_apart
@@ -118,7 +118,7 @@ def _check_pieces(pieces: list[Segment], path: Path) -> None:
             # not a number is not smaller, either
             if not math.hypot(r, z) < _LARGEST:
                 raise GeometryError(
-                    f"{path.name}: holds a point at ({r:.6g}, {z:.6g}) m, which is no place of a seal; a number of the "
+                    f"{path.name}: holds a point at ({mm(r)}, {mm(z)}), which is no place of a seal; a number of the "
                     "file is damaged, or its unit is wrong"
                 )
 
@@ -141,8 +141,8 @@ def _loop(pieces: list[Segment], path: Path) -> list[Segment]:
                     "body alone, on a layer of its own"
                 )
             raise GeometryError(
-                f"{path.name}: the outline is open, nothing continues within {_JOINED * size:.3g} m of (r, z) = "
-                f"({at[0]:.6g}, {at[1]:.6g}) m"
+                f"{path.name}: the outline is open, nothing continues within {mm(_JOINED * size)} of (r, z) = "
+                f"({mm(at[0])}, {mm(at[1])})"
             )
         rest.remove(near)
         if math.dist(at, near.start) > math.dist(at, near.end):

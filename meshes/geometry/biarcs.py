@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Point, Segment
 
@@ -107,7 +107,7 @@ def _fitted(
             return list(chain.segments)
     if depth == _DEEPEST:
         raise GeometryError(
-            f"a curve near ({p[0, 0]:.6g}, {p[0, 1]:.6g}) m cannot be followed by arcs within {tolerance:.3g} m; it "
+            f"a curve near ({mm(p[0, 0])}, {mm(p[0, 1])}) cannot be followed by arcs within {mm(tolerance)}; it "
             "may have a cusp or a damaged number"
         )
     middle = 0.5 * (start + end)

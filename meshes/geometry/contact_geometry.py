@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshes.arrays import different
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.touch import at_a_corner, first_touch, with_faces
@@ -82,13 +82,13 @@ class ContactGeometry:
             if min(s, face.length - s) < 1e-9 * face.length:
                 edge = face.point(np.array([0.0, face.length]))[0]
                 raise GeometryError(
-                    f"closure and seat would touch first at r = {self.touch_radius:.6g} m, where the face of the "
-                    f"{name} ends: it reaches from {edge[0]:.6g} m to {edge[1]:.6g} m; change the radii, the angle or "
+                    f"closure and seat would touch first at r = {mm(self.touch_radius)}, where the face of the "
+                    f"{name} ends: it reaches from {mm(edge[0])} to {mm(edge[1])}; change the radii, the angle or "
                     "the bore, or round the edge"
                 )
             if at_a_corner(face, s):
                 raise GeometryError(
-                    f"closure and seat touch first at r = {self.touch_radius:.6g} m at a sharp corner of the {name}; "
+                    f"closure and seat touch first at r = {mm(self.touch_radius)} at a sharp corner of the {name}; "
                     "give it an edge radius"
                 )
 

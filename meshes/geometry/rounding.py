@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Point, Segment
 
@@ -88,8 +88,8 @@ def _round_corner(before: Segment, after: Segment, radius: float) -> list[Segmen
             middle = 0.5 * (low + high)
             low, high = (middle, high) if _with_arc(before, after, middle) else (low, middle)
         raise GeometryError(
-            f"an edge radius of {radius:.6g} m does not fit at the corner r = {r:.6g} m, z = {z:.6g} m: allowed is up "
-            f"to {low:.4g} m between the faces beside it; make the edge sharper or the faces wider"
+            f"an edge radius of {mm(radius)} does not fit at the corner r = {mm(r)}, z = {mm(z)}: allowed is up "
+            f"to {mm(low)} between the faces beside it; make the edge sharper or the faces wider"
         )
     return pieces
 

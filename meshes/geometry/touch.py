@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
@@ -65,8 +65,8 @@ def first_touch(closure: Curve, seat: Curve) -> Touch:
     places = [(r, c.height(r) - s.height(r)) for c in upper for s in lower for r in _candidates(c, s)]
     if not places:
         raise GeometryError(
-            f"closure and seat do not meet: the closure's face reaches from r = {upper[0].start:.6g} m to "
-            f"{upper[-1].end:.6g} m, the seat's from {lower[0].start:.6g} m to {lower[-1].end:.6g} m"
+            f"closure and seat do not meet: the closure's face reaches from r = {mm(upper[0].start)} to "
+            f"{mm(upper[-1].end)}, the seat's from {mm(lower[0].start)} to {mm(lower[-1].end)}"
         )
     drop = min(distance for _, distance in places)
     slack = 1e-13 * max(closure.length, seat.length)
@@ -111,8 +111,8 @@ def _graph(face: Curve, name: str) -> list[_Graph]:
         last = math.sin(angle) + curvature * (end - start)
         if not (end > start and abs(angle) <= math.pi / 2 * (1 + 1e-9) and abs(last) <= 1 + 1e-9):
             raise GeometryError(
-                f"the face of the {name} turns back towards the axis between r = {segment.start[0]:.6g} m and "
-                f"{segment.end[0]:.6g} m; a face must run outwards all the way"
+                f"the face of the {name} turns back towards the axis between r = {mm(segment.start[0])} and "
+                f"{mm(segment.end[0])}; a face must run outwards all the way"
             )
         graphs.append(_Graph(start, end, z, angle, curvature))
     return graphs

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from meshes.errors import GeometryError, MeshingError
+from meshes.errors import GeometryError, MeshingError, mm
 
 if TYPE_CHECKING:
     from meshes.arrays import FloatArray
@@ -68,12 +68,14 @@ class Sizing:
         for key in ("contact_size", "growth_along", "growth_deep", "far_size"):
             value = getattr(self, key)
             if not (math.isfinite(value) and value > 0):
-                raise GeometryError(f"mesh {key} = {value!r}: must be positive and finite")
+                raise GeometryError(f"mesh {key} = {mm(value)}: must be positive and finite")
         if not self.zone[0] < 0 < self.zone[1]:
-            raise GeometryError(f"mesh zone = {self.zone!r} m: must start below and end above zero")
+            raise GeometryError(
+                f"mesh zone = {mm(self.zone[0])} to {mm(self.zone[1])}: must start below and end above zero"
+            )
         if self.contact_size > self.far_size:
             raise GeometryError(
-                f"mesh contact_size = {self.contact_size:.4g} m: must not exceed far_size = {self.far_size:.4g} m"
+                f"mesh contact_size = {mm(self.contact_size)}: must not exceed far_size = {mm(self.far_size)}"
             )
 
     def contact_vertices(self, breaks: FloatArray | None = None) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Point, Segment
 
@@ -37,10 +37,10 @@ class Ball:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.radius) and self.radius > 0):
-            raise GeometryError(f"closure radius = {self.radius!r} m: must be positive and finite")
+            raise GeometryError(f"closure radius = {mm(self.radius)}: must be positive and finite")
         if not 0 <= self.cavity_radius < self.radius:
             raise GeometryError(
-                f"closure cavity_radius = {self.cavity_radius!r} m: must be below the radius {self.radius:.6g} m"
+                f"closure cavity_radius = {mm(self.cavity_radius)}: must be below the radius {mm(self.radius)}"
             )
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.shapes.shape import Partner, Shape, check_angle, check_positive, housing
@@ -60,7 +60,7 @@ class ConicalLand:
         check_angle("seat", "angle", self.angle)
         check_positive("seat", land_radius=self.land_radius, land_width=self.land_width, height=self.height)
         if not (math.isfinite(self.edge_radius) and self.edge_radius >= 0):
-            raise GeometryError(f"seat edge_radius = {self.edge_radius!r} m: must not be negative")
+            raise GeometryError(f"seat edge_radius = {mm(self.edge_radius)}: must not be negative")
         if not 0 <= self.relief_angle < self.angle:
             raise GeometryError(
                 f"seat relief_angle = {math.degrees(self.relief_angle):.6g} deg: must be at least 0 and below the "
@@ -69,13 +69,13 @@ class ConicalLand:
         if not self.bore_radius > 0:
             widest = 2 * self.land_radius / math.cos(self.angle)
             raise GeometryError(
-                f"seat land_width = {self.land_width:.6g} m: the land around r = {self.land_radius:.6g} m would reach "
-                f"to the axis; allowed is below {widest:.6g} m"
+                f"seat land_width = {mm(self.land_width)}: the land around r = {mm(self.land_radius)} would reach "
+                f"to the axis; allowed is below {mm(widest)}"
             )
         if not (math.isfinite(self.outer_radius) and self.outer_radius > self.land_end):
             raise GeometryError(
-                f"seat outer_radius = {self.outer_radius:.6g} m: must exceed the radius of the upper edge of the land, "
-                f"{self.land_end:.6g} m"
+                f"seat outer_radius = {mm(self.outer_radius)}: must exceed the radius of the upper edge of the land, "
+                f"{mm(self.land_end)}"
             )
 
     @classmethod

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.shapes.shape import Partner, Shape, check_angle, housing
@@ -53,11 +53,11 @@ class ConicalSeat:
         if not 0 < self.bore_radius < self.face_radius <= self.outer_radius:
             raise GeometryError(
                 "seat radii must increase from the bore over the upper edge of the face to the housing, got "
-                f"{self.bore_radius:.6g} m, {self.face_radius:.6g} m, {self.outer_radius:.6g} m; make the bore "
+                f"{mm(self.bore_radius)}, {mm(self.face_radius)}, {mm(self.outer_radius)}; make the bore "
                 "smaller, or the upper edge or the housing larger (bore_radius, face_radius, outer_radius)"
             )
         if not (math.isfinite(self.height) and self.height > 0):
-            raise GeometryError(f"seat height = {self.height!r} m: must be positive and finite")
+            raise GeometryError(f"seat height = {mm(self.height)}: must be positive and finite")
 
     @classmethod
     def around(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.shapes.shape import check_positive
 from meshes.shapes.toroidal_edge import ToroidalEdge
@@ -48,7 +48,7 @@ class Disc:
         for key, whole in (("radius", self.radius), ("height", self.height)):
             if not self.edge_radius < whole:
                 raise GeometryError(
-                    f"closure edge_radius = {self.edge_radius:.6g} m: must be below the disc's {key} = {whole:.6g} m"
+                    f"closure edge_radius = {mm(self.edge_radius)}: must be below the disc's {key} = {mm(whole)}"
                 )
 
     @classmethod

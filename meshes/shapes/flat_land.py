@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.shapes.shape import Partner, Shape, check_positive, housing
@@ -62,22 +62,22 @@ class FlatLand:
         )
         if not (math.isfinite(self.land_outer_radius) and self.land_outer_radius > self.land_inner_radius):
             raise GeometryError(
-                f"seat land_outer_radius = {self.land_outer_radius:.6g} m: must exceed land_inner_radius = "
-                f"{self.land_inner_radius:.6g} m"
+                f"seat land_outer_radius = {mm(self.land_outer_radius)}: must exceed land_inner_radius = "
+                f"{mm(self.land_inner_radius)}"
             )
         if not 2 * self.edge_radius < self.land_outer_radius - self.land_inner_radius:
             raise GeometryError(
-                f"seat edge_radius = {self.edge_radius:.6g} m: the roundings of both edges leave nothing flat of a "
-                f"land {self.land_outer_radius - self.land_inner_radius:.6g} m wide; allowed is below half of it"
+                f"seat edge_radius = {mm(self.edge_radius)}: the roundings of both edges leave nothing flat of a "
+                f"land {mm(self.land_outer_radius - self.land_inner_radius)} wide; allowed is below half of it"
             )
         if not self.land_height >= self.edge_radius:
             raise GeometryError(
-                f"seat land_height = {self.land_height:.6g} m: must be at least edge_radius = {self.edge_radius:.6g} m"
+                f"seat land_height = {mm(self.land_height)}: must be at least edge_radius = {mm(self.edge_radius)}"
             )
         if not (math.isfinite(self.outer_radius) and self.outer_radius >= self.land_outer_radius):
             raise GeometryError(
-                f"seat outer_radius = {self.outer_radius:.6g} m: must be at least land_outer_radius = "
-                f"{self.land_outer_radius:.6g} m"
+                f"seat outer_radius = {mm(self.outer_radius)}: must be at least land_outer_radius = "
+                f"{mm(self.land_outer_radius)}"
             )
 
     @classmethod
@@ -110,8 +110,8 @@ class FlatLand:
         width = land_outer_radius - land_inner_radius
         if not width > 0:
             raise GeometryError(
-                f"seat land_outer_radius = {land_outer_radius:.6g} m: must exceed land_inner_radius = "
-                f"{land_inner_radius:.6g} m"
+                f"seat land_outer_radius = {mm(land_outer_radius)}: must exceed land_inner_radius = "
+                f"{mm(land_inner_radius)}"
             )
         partner = Partner.of(closure)
         edge = 0.05 * width if edge_radius is None else edge_radius

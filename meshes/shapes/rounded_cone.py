@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.shapes.shape import check_angle, check_positive, plunger
@@ -55,11 +55,11 @@ class RoundedCone:
         check_positive("closure", inner_radius=self.inner_radius, height=self.height)
         if not (math.isfinite(self.outer_radius) and self.inner_radius < self.outer_radius):
             raise GeometryError(
-                f"closure outer_radius = {self.outer_radius:.6g} m: must exceed inner_radius = "
-                f"{self.inner_radius:.6g} m"
+                f"closure outer_radius = {mm(self.outer_radius)}: must exceed inner_radius = "
+                f"{mm(self.inner_radius)}"
             )
         if not (math.isfinite(self.edge_radius) and self.edge_radius >= 0):
-            raise GeometryError(f"closure edge_radius = {self.edge_radius!r} m: must not be negative")
+            raise GeometryError(f"closure edge_radius = {mm(self.edge_radius)}: must not be negative")
 
     @classmethod
     def of(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Protocol
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
@@ -60,16 +60,16 @@ def housing(face: Curve, outer_radius: float, height: float, step: float = 0.0) 
     start, end = face.segments[0].start, face.segments[-1].end
     if not outer_radius >= end[0] * (1 - 1e-12):
         raise GeometryError(
-            f"seat outer_radius = {outer_radius:.6g} m: the face reaches to {end[0]:.6g} m, the housing must be wider"
+            f"seat outer_radius = {mm(outer_radius)}: the face reaches to {mm(end[0])}, the housing must be wider"
         )
     if not height > 0:
-        raise GeometryError(f"seat height = {height:.6g} m: must be positive")
+        raise GeometryError(f"seat height = {mm(height)}: must be positive")
     bottom = start[1] - height
     top = end[1] - step
     lowest = min(top, *(p[1] for s in face.segments for p in (s.start, s.end)))
     if not bottom < lowest:
         raise GeometryError(
-            f"seat height = {height:.6g} m: the face goes {start[1] - lowest:.6g} m deep, the housing must be higher"
+            f"seat height = {mm(height)}: the face goes {mm(start[1] - lowest)} deep, the housing must be higher"
         )
     around: list[tuple[Point, str]] = [
         (start, "seat_inner"),
@@ -110,7 +110,7 @@ def plunger(face: Curve, height: float) -> Outline:
     highest = max(p[1] for s in face.segments for p in (s.start, s.end))
     if not top > max(highest, start[1]) + 1e-12 * end[0]:
         raise GeometryError(
-            f"closure height: the top would lie {top - highest:.6g} m above the highest point of the face; the closure "
+            f"closure height: the top would lie {mm(top - highest)} above the highest point of the face; the closure "
             "must be higher"
         )
     around: list[tuple[Point, str]] = [
@@ -144,7 +144,7 @@ def check_positive(body: str, **lengths: float) -> None:
     """
     for key, value in lengths.items():
         if not (math.isfinite(value) and value > 0):
-            raise GeometryError(f"{body} {key} = {value!r} m: must be positive and finite")
+            raise GeometryError(f"{body} {key} = {mm(value)}: must be positive and finite")
 
 
 def check_angle(body: str, key: str, angle: float, low: float = 0.0, high: float = math.pi / 2) -> None:

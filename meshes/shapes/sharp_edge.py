@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.shapes.shape import Partner, Shape, check_angle, check_positive, housing
@@ -55,7 +55,7 @@ class SharpEdge:
         check_angle("seat", "top_angle", self.top_angle, -math.pi / 2)
         if not (math.isfinite(self.outer_radius) and self.outer_radius > self.bore_radius):
             raise GeometryError(
-                f"seat outer_radius = {self.outer_radius:.6g} m: must exceed bore_radius = {self.bore_radius:.6g} m"
+                f"seat outer_radius = {mm(self.outer_radius)}: must exceed bore_radius = {mm(self.bore_radius)}"
             )
 
     @classmethod

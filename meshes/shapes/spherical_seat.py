@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import rounded
@@ -61,22 +61,22 @@ class SphericalSeat:
     def __post_init__(self) -> None:
         check_positive("seat", radius=self.radius, bore_radius=self.bore_radius, height=self.height)
         if not (math.isfinite(self.edge_radius) and self.edge_radius >= 0):
-            raise GeometryError(f"seat edge_radius = {self.edge_radius!r} m: must not be negative")
+            raise GeometryError(f"seat edge_radius = {mm(self.edge_radius)}: must not be negative")
         widest = self.radius + self.centre_offset
         if not max(self.bore_radius, self.centre_offset) < self.face_radius < widest:
             raise GeometryError(
-                f"seat face_radius = {self.face_radius:.6g} m: must lie between bore_radius = "
-                f"{self.bore_radius:.6g} m and {widest:.6g} m, where the hollow face of radius {self.radius:.6g} m "
+                f"seat face_radius = {mm(self.face_radius)}: must lie between bore_radius = "
+                f"{mm(self.bore_radius)} and {mm(widest)}, where the hollow face of radius {mm(self.radius)} "
                 "stands upright"
             )
         if not self.bore_radius >= self.centre_offset:
             raise GeometryError(
-                f"seat bore_radius = {self.bore_radius:.6g} m: must not be below {self.centre_offset:.6g} m, where the "
+                f"seat bore_radius = {mm(self.bore_radius)}: must not be below {mm(self.centre_offset)}, where the "
                 "hollow face is lowest"
             )
         if not (math.isfinite(self.outer_radius) and self.outer_radius > self.face_radius):
             raise GeometryError(
-                f"seat outer_radius = {self.outer_radius:.6g} m: must exceed face_radius = {self.face_radius:.6g} m"
+                f"seat outer_radius = {mm(self.outer_radius)}: must exceed face_radius = {mm(self.face_radius)}"
             )
 
     @classmethod
@@ -152,12 +152,12 @@ class SphericalSeat:
             same_centre = abs(self.centre_offset) < 1e-6 * self.radius
             remedy = "leave contact_angle out, or make" if same_centre else "make"
             raise GeometryError(
-                f"{given}: the closure has the radius of the face, {self.radius:.6g} m, so that they fit each other "
+                f"{given}: the closure has the radius of the face, {mm(self.radius)}, so that they fit each other "
                 f"and touch nowhere first; {remedy} the radius of the seat larger"
             )
         raise GeometryError(
-            f"{given}: at that angle, r = {touch:.6g} m, the closure does not touch the face of radius "
-            f"{self.radius:.6g} m first, but at r = {found:.6g} m; make the radius of the seat larger than that of "
+            f"{given}: at that angle, r = {mm(touch)}, the closure does not touch the face of radius "
+            f"{mm(self.radius)} first, but at r = {mm(found)}; make the radius of the seat larger than that of "
             "the closure there, or the face wider"
         )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import rounded
@@ -51,11 +51,11 @@ class SphericalTip:
         check_positive("closure", radius=self.radius, stem_radius=self.stem_radius, height=self.height)
         if not self.stem_radius < self.radius:
             raise GeometryError(
-                f"closure stem_radius = {self.stem_radius:.6g} m: must be below the radius of the tip, "
-                f"{self.radius:.6g} m; a full half sphere is a ball"
+                f"closure stem_radius = {mm(self.stem_radius)}: must be below the radius of the tip, "
+                f"{mm(self.radius)}; a full half sphere is a ball"
             )
         if not (math.isfinite(self.edge_radius) and self.edge_radius >= 0):
-            raise GeometryError(f"closure edge_radius = {self.edge_radius!r} m: must not be negative")
+            raise GeometryError(f"closure edge_radius = {mm(self.edge_radius)}: must not be negative")
 
     @classmethod
     def of(

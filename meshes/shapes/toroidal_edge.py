@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
@@ -53,8 +53,8 @@ class ToroidalEdge:
         check_positive("closure", centre_radius=self.centre_radius, radius=self.radius, height=self.height)
         if not 0 <= self.recess <= self.deepest_recess(self.centre_radius, self.radius) * (1 + 1e-12):
             raise GeometryError(
-                f"closure recess = {self.recess!r} m: must lie between 0 and "
-                f"{self.deepest_recess(self.centre_radius, self.radius):.6g} m, where the rim reaches the axis or "
+                f"closure recess = {mm(self.recess)}: must lie between 0 and "
+                f"{mm(self.deepest_recess(self.centre_radius, self.radius))}, where the rim reaches the axis or "
                 "stands upright"
             )
 

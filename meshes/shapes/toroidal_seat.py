@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
@@ -66,18 +66,18 @@ class ToroidalSeat:
         lowest = self.centre_radius - self.radius
         if not lowest * (1 - 1e-12) <= self.bore_radius < self.centre_radius:
             raise GeometryError(
-                f"seat bore_radius = {self.bore_radius:.6g} m: must lie between {max(lowest, 0):.6g} m, the innermost "
-                f"circle of the ring, and its centre_radius = {self.centre_radius:.6g} m"
+                f"seat bore_radius = {mm(self.bore_radius)}: must lie between {mm(max(lowest, 0))}, the innermost "
+                f"circle of the ring, and its centre_radius = {mm(self.centre_radius)}"
             )
         if not 0 <= self.recess < self.radius:
             raise GeometryError(
-                f"seat recess = {self.recess!r} m: must be at least 0 and below the radius of the ring, "
-                f"{self.radius:.6g} m"
+                f"seat recess = {mm(self.recess)}: must be at least 0 and below the radius of the ring, "
+                f"{mm(self.radius)}"
             )
         if not (math.isfinite(self.outer_radius) and self.outer_radius > self.ring_end):
             raise GeometryError(
-                f"seat outer_radius = {self.outer_radius:.6g} m: must exceed the outer end of the ring, "
-                f"{self.ring_end:.6g} m"
+                f"seat outer_radius = {mm(self.outer_radius)}: must exceed the outer end of the ring, "
+                f"{mm(self.ring_end)}"
             )
 
     @classmethod

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from fem_seal.analysis.load_names import load_name
 from fem_seal.bodies.fields import ElastoplasticField
 from fem_seal.contact.yielding import plastic_zone
+from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, label, panels, svg
 from fem_seal.output.prose import said
-from fem_seal.units import percent, quantity, unit_for
+from fem_seal.units import percent, quantity, quantity_worth, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -115,7 +116,7 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
     _mark_largest(axes[1], result, load)
     body, r, z = load.max_von_mises_at
     depth = float(turned(result.seal_mesh, np.array([[r, z]]))[0, 1])
-    largest = quantity("contact pressure", load.max_von_mises)
+    largest = in_words(load, "max_von_mises_Pa")
     return Picture(
         "stress",
         svg(figure),
@@ -126,7 +127,7 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
             load=load_name(load, result.loads),
             largest=largest,
             body=body,
-            depth=quantity("length", abs(depth)),
+            depth=quantity_worth("length", abs(depth), load.digits_of("fwhm")),
             side="below" if depth < 0 else "above",
         ),
     )
@@ -270,9 +271,14 @@ def imprint_picture(result: SealSolution) -> Picture | None:
             "captions.imprint",
             "one",
             body=name,
-            depth=quantity("length", imprint.deepest),
-            width=quantity("length", imprint.width),
-            rim=quantity("length", imprint.rim),
+            **{
+                what: quantity_worth("length", value, result.strongest.digits_of("fwhm"))
+                for what, value in (
+                    ("depth", imprint.deepest),
+                    ("width", imprint.width),
+                    ("rim", imprint.rim),
+                )
+            },
         )
         for name, imprint in unloaded.imprints.items()
     )
@@ -334,8 +340,10 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
             "zone",
             body=name,
             strain=percent(zone.strain),
-            depth=quantity("length", zone.depth),
-            deepest=quantity("length", zone.deepest),
+            **{
+                what: quantity_worth("length", value, result.strongest.digits_of("fwhm"))
+                for what, value in (("depth", zone.depth), ("deepest", zone.deepest))
+            },
         )
         for name, zone in zones.items()
     )

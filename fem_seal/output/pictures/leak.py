@@ -23,7 +23,7 @@ from fem_seal.output.pictures.style import (
     svg,
 )
 from fem_seal.output.prose import said
-from fem_seal.units import Unit, number, percent, quantity, unit_for
+from fem_seal.units import Unit, percent, unit_for, worth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,6 +66,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
             load_name(loads[0], result.loads) + (", outside the theory" if outside[0] else ""),
             [(name, float(values[0]), colour) for name, values, colour, _ in series],
             unit,
+            loads[0].leak_digits,
             "zero" if outside[0] else "sealed",
         )
     both = plastic and bool(((rates > 0) & (elastic > 0)).any())
@@ -109,13 +110,16 @@ def leak_picture(result: SealSolution) -> Picture | None:
     )
 
 
-def _single_leak(load: str, series: list[tuple[str, float, str]], unit: Unit, zero: str) -> Picture:
-    """Bars for a case with one load; `zero` is what a leak rate of zero is called."""
+def _single_leak(
+    load: str, series: list[tuple[str, float, str]], unit: Unit, digits: int, zero: str
+) -> Picture:
+    """Bars for a case with one load, with so many digits; `zero` is what a leak rate of zero is called."""
     figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
     names = [name for name, _, _ in series]
     values = [unit.of(rate) for _, rate, _ in series]
     bars = axes.barh(range(len(series)), values, color=[colour for _, _, colour in series], height=0.55)
-    axes.bar_label(bars, [f"{number(value)} {unit.name}" if value else zero for value in values], padding=4)
+    told = [f"{worth(value, min(digits, 3))} {unit.name}" if value else zero for value in values]
+    axes.bar_label(bars, told, padding=4)
     axes.set_xlim(0.0, 1.25 * max(*values, 1e-30))
     axes.set_yticks([])
     for n, name in enumerate(names):
@@ -125,7 +129,7 @@ def _single_leak(load: str, series: list[tuple[str, float, str]], unit: Unit, ze
     return Picture(
         "leak",
         svg(figure),
-        f"Leak rate at {load}: " + ", ".join(f"{name} {quantity('flow', rate)}" for name, rate, _ in series),
+        f"Leak rate at {load}: " + ", ".join(f"{name} {one}" for name, one in zip(names, told, strict=True)),
         said("captions.leak", "single"),
     )
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.load_names import load_name
+from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.style import (
     BLUE,
     FILL,
@@ -23,7 +24,7 @@ from fem_seal.output.pictures.style import (
     svg,
 )
 from fem_seal.output.prose import said
-from fem_seal.units import number, percent, quantity, unit_for
+from fem_seal.units import number, percent, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -135,7 +136,7 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
             "all",
             "plastic" if plastic else "elastic",
             load=load_name(load, result.loads),
-            peak=quantity("contact pressure", peak),
+            peak=in_words(load, "peak_pressure_Pa"),
             share=_nearly_all(share),
         ),
     )

@@ -23,7 +23,6 @@ from fem_seal.units import given, leak_range_text, number, percent, quantity
 
 if TYPE_CHECKING:
     from fem_seal.case.form import BodyForm, Form
-    from leak import LeakResult
 
 _DIRECTIONS = {"radial": "roundness", "axial": "flatness"}
 
@@ -38,12 +37,16 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
     load = result.highest
     at = load_name(load, result.loads)
     if load.leak is not None and load.leak_round is not None:
+        own, as_round = (
+            [leak.leak_rate for leak in leaks if leak is not None]
+            for leaks in zip(*((one.leak, one.leak_round) for one in _readings(load)), strict=True)
+        )
         yield said(
             "form.leak",
             "round",
             load=at,
-            rate=_range(load, [one.leak for one in _readings(load)]),
-            round=_range(load, [one.leak_round for one in _readings(load)]),
+            rate=_rate(load, *own, beside=(*own, *as_round)),
+            round=_rate(load, *as_round, beside=(*own, *as_round)),
         )
     if answers.tolerance_waves is not None:
         yield said("form.tolerance", "worst", waves=answers.tolerance_waves)
@@ -65,16 +68,12 @@ def _readings(load: LoadResult) -> list[LoadResult]:
     return [load.conserved, load.capped] if load.yields else [load]
 
 
-def _range(load: LoadResult, leaks: Sequence[LeakResult | None]) -> str:
-    return _rate(load, *(one.leak_rate for one in leaks if one is not None))
-
-
-def _rate(load: LoadResult, *rates: float | None) -> str:
-    """One leak rate, or the ends of several."""
+def _rate(load: LoadResult, *rates: float | None, beside: Sequence[float] = ()) -> str:
+    """One leak rate, or the ends of several, in the unit of what stands beside them."""
     known = [rate for rate in rates if rate is not None]
     low, high = min(known), max(known)
     told = low if high <= AGREE * low else (low, high)
-    return leak_range_text(told, min(load.digits, 3), claimed=not load.validity.outside)
+    return leak_range_text(told, load.leak_digits, claimed=not load.validity.outside, beside=beside)
 
 
 def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
@@ -148,7 +147,8 @@ def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
     known = [bounds for bounds in added if bounds is not None]
     if not known:
         return
-    low, high = (_rate(load, *ends) for ends in zip(*known, strict=True))
+    every = [end for ends in known for end in ends]
+    low, high = (_rate(load, *ends, beside=every) for ends in zip(*known, strict=True))
     yield said("form.scratches", "both", low=low, high=high)
     if answers.deepest_scratch is not None:
         depth, width = answers.deepest_scratch

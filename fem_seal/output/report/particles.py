@@ -107,12 +107,13 @@ def particle_table(result: SealSolution) -> ReadableTable:
     answers = answers_of_highest(result)
     if answers is None:
         return ReadableTable((), ())
+    digits = min(result.highest.leak_digits, 2)
     rows = [
         (
             quantity("length", one.size, 2),
             _span(*(worth(count * _PER_ML, 2) for count in one.particles)),
             _span(*map(percent, one.gaps_below)),
-            _span(*(quantity("flow", rate, 2) for rate in one.leak_rate)),
+            _span(*(quantity_worth("flow", rate, digits) for rate in one.leak_rate)),
             _span(*map(percent, one.remaining)),
         )
         for one in answers.curve

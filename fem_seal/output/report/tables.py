@@ -152,7 +152,7 @@ def _filled(name: str, result: SealSolution) -> Filled:
     return Filled(
         column,
         [column.of(row) for row in rows_of(result)],
-        [column.digits(load.digits, result.discretisation_error) for load in result.loads],
+        [column.digits(load) for load in result.loads],
     )
 
 
@@ -192,12 +192,12 @@ def comparison_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> Readab
     measures = {"peak_pressure": "peak", "fwhm": "FWHM", "std": "std. dev."}
     headings = [f"{text} over {name} − 1 [%]" for name in names.values() for text in measures.values()]
     columns = [
-        getattr(sizes["calculated"], measure) / getattr(sizes[key], measure) - 1
+        (measure, getattr(sizes["calculated"], measure) / getattr(sizes[key], measure) - 1)
         for key in names
         for measure in measures
     ]
     rows = tuple(
-        (load_name(load, result.loads), *(_difference(column[n]) for column in columns))
+        (load_name(load, result.loads), *(_difference(of[n], load, measure) for measure, of in columns))
         for n, load in enumerate(result.loads)
     )
     return ReadableTable(("load", *headings), rows)
@@ -213,9 +213,13 @@ def comparison_note(result: SealSolution) -> str:
     return said("notes.comparison", law)
 
 
-def _difference(share: float) -> str:
-    digits = 3 if abs(share) < 0.1 else 0
-    return f"{100 * share:+.{digits}f}".replace("-", "−")
+def _difference(share: float, load: LoadResult, measure: str) -> str:
+    """In per cent, with as many decimals as the mesh leaves."""
+    error = 0.0 if load.mesh_error is None else getattr(load.mesh_error, measure)
+    decimals = 3 if abs(share) < 0.1 else 0
+    if error > 0:
+        decimals = min(decimals, max(0, math.ceil(-math.log10(200 * error))))
+    return f"{100 * share:+.{decimals}f}".replace("-", "−")
 
 
 def variant_table(result: SealSolution) -> ReadableTable:
@@ -223,15 +227,15 @@ def variant_table(result: SealSolution) -> ReadableTable:
     ends = [rate for one in result.interface_variants for rate in (one.leak_rate, one.leak_rate_capped)]
     rates = [rate for rate in ends if rate is not None]
     unit = unit_for("flow", max(rates, default=0.0))
-    claimed = not result.strongest.validity.outside
+    load = result.strongest
     rows = [
         (
             variant.name
             + (" (used)" if ("plastic" in variant.name) == result.case.interface.plastic else ""),
-            quantity("contact pressure", variant.peak_pressure),
-            quantity("length", variant.fwhm),
-            quantity("length", variant.std),
-            _both_readings(variant, unit, claimed),
+            quantity_worth("contact pressure", variant.peak_pressure, load.pressure_digits),
+            quantity_worth("length", variant.fwhm, load.digits_of("fwhm")),
+            quantity_worth("length", variant.std, load.digits_of("std")),
+            _both_readings(variant, unit, load),
         )
         for variant in result.interface_variants
     ]
@@ -239,13 +243,14 @@ def variant_table(result: SealSolution) -> ReadableTable:
     return ReadableTable(("interface law", "peak pressure", "FWHM", "std. deviation", leak_rate), tuple(rows))
 
 
-def _both_readings(variant: Comparison, unit: Unit, claimed: bool) -> str:
+def _both_readings(variant: Comparison, unit: Unit, load: LoadResult) -> str:
     """The leak rate in both readings of yielding asperities, or the only one."""
+    claimed = not load.validity.outside
     if variant.leak_rate is None:
         return "–"
     other = variant.leak_rate if variant.leak_rate_capped is None else variant.leak_rate_capped
     low, high = sorted((variant.leak_rate, other))
-    digits = 3 if high <= AGREE * low else 2
+    digits = min(load.leak_digits, 3 if high <= AGREE * low else 2)
     told = [
         worth(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed) for one in (low, high)
     ]
@@ -297,8 +302,11 @@ def interval_table(result: SealSolution) -> ReadableTable:
         (
             load_name(load, result.loads),
             *(
-                number(unit.of(rate))
-                for rate in (load.leak.leak_rate if load.leak else None, *ends[n])
+                worth(unit.of(rate), min(load.leak_digits, digits))
+                for rate, digits in (
+                    (load.leak.leak_rate if load.leak else None, 3),
+                    *((end, 2) for end in ends[n]),
+                )
                 if rate is not None
             ),
             *("–" if np.isnan(share) else f"{100 * share:.0f}" for share in interval.shares[n]),
@@ -356,7 +364,8 @@ def theory_table(result: SealSolution) -> ReadableTable:
         ]
         for n in shown:
             rate = variant.leak_rate[n]
-            cells += [number(unit.of(rate)), number(ratio_to_case(rate, of_case[n]), 2)]
+            digits = min(result.loads[n].leak_digits, 3)
+            cells += [worth(unit.of(rate), digits), number(ratio_to_case(rate, of_case[n]), 2)]
         rows.append(tuple(cells))
     return ReadableTable(tuple(headings), tuple(rows))
 
@@ -398,7 +407,7 @@ def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, s
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
         both = [
-            quantity("force", force, _DIGITS)
+            _target_force(load, force)
             for force in (load.force_for_target, load.force_for_target_capped)
             if force is not None
         ]
@@ -430,13 +439,20 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
         compared,
         "fluid" if force < 0 else "",
         "capped" if load.force_for_target_capped is not None else "",
-        capped=quantity("force", load.force_for_target_capped, _DIGITS),
+        capped=_target_force(load, load.force_for_target_capped),
         target=given("flow", target),
         pressure=given("fluid pressure", load.fluid_pressure),
-        force=quantity("force", force, _DIGITS),
-        difference=quantity("force", abs(force - acting)),
+        force=_target_force(load, force),
+        difference=quantity_worth("force", abs(force - acting), load.digits_of("force_for_target")),
         acting=given("force", acting),
     )
+
+
+def _target_force(load: LoadResult, force: float | None) -> str:
+    if force is None:
+        return "–"
+    unit = unit_for("force", force)
+    return f"{worth(unit.of(force), load.digits_of('force_for_target'))} {unit.name}"
 
 
 def valve_table(result: SealSolution) -> ReadableTable:
@@ -460,9 +476,10 @@ def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
     if not imprints:
         return None
     name, imprint = max(imprints.items(), key=lambda item: item[1].deepest)
+    digits = result.strongest.digits_of("fwhm")  # as good as the width of the contact that made it
     return (
-        quantity("length", imprint.deepest),
-        f"in the {name}, {quantity('length', imprint.width)} wide at half depth",
+        quantity_worth("length", imprint.deepest, digits),
+        f"in the {name}, {quantity_worth('length', imprint.width, digits)} wide at half depth",
     )
 
 
@@ -474,7 +491,10 @@ def what_yielded(result: SealSolution, load: LoadResult) -> Iterator[str]:
     if not zones:
         yield said("reasons.yielding", "none")
     for zone in zones:
-        deepest, strain = quantity("length", zone.deepest), percent(zone.strain)
+        deepest, strain = (
+            quantity_worth("length", zone.deepest, load.digits_of("fwhm")),
+            percent(zone.strain),
+        )
         yield said("reasons.yielding", "zone", body=zone.body, deepest=deepest, strain=strain)
 
 
@@ -490,7 +510,7 @@ def yielding_table(result: SealSolution) -> ReadableTable:
         for name in load.contact.bodies:
             zone = zones.get(name)
             told = (
-                (percent(zone.strain), _depth(zone.depth), quantity("length", zone.deepest))
+                (percent(zone.strain), *_depths(zone, load.digits_of("fwhm")))
                 if isinstance(zone, PlasticZone)
                 else ("none", "–", "–")
             )
@@ -498,8 +518,10 @@ def yielding_table(result: SealSolution) -> ReadableTable:
     return ReadableTable(headings, tuple(rows))
 
 
-def _depth(depth: float) -> str:
-    return "the surface" if depth == 0 else f"{quantity('length', depth)} depth"
+def _depths(zone: PlasticZone, digits: int) -> tuple[str, str]:
+    """Where the plastic strain is largest, and how deep it reaches."""
+    largest, deepest = (quantity_worth("length", one, digits) for one in (zone.depth, zone.deepest))
+    return "the surface" if zone.depth == 0 else f"{largest} depth", deepest
 
 
 def curve_in_words(curve: HardeningCurve) -> str:

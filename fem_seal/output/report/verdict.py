@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.caution import Level
@@ -13,7 +13,18 @@ from fem_seal.analysis.load_names import load_name
 from fem_seal.analysis.verdict import OF_LEAK_RATE, limits
 from fem_seal.case.fields import Throughput
 from fem_seal.output.prose import said
-from fem_seal.units import given, leak_range_text, number, percent, quantity, range_text, worth
+from fem_seal.units import (
+    digits_beside,
+    flow_unit,
+    given,
+    leak_range_text,
+    number,
+    percent,
+    range_text,
+    rounded,
+    unit_for,
+    worth,
+)
 from leak import millibar_litres_per_second
 
 if TYPE_CHECKING:
@@ -36,7 +47,7 @@ _SENTENCES = {
 
 
 def factor_text(factor: float) -> str:
-    """A factor with the two digits that it is worth.
+    """A factor with the two digits that it is worth, and more where they tell it from one.
 
     Parameters
     ----------
@@ -46,10 +57,12 @@ def factor_text(factor: float) -> str:
     --------
     >>> factor_text(3.1415), factor_text(43210.0), factor_text(0.99)
     ('3.1', 'more than 1000', '0.99')
+    >>> factor_text(1.004)
+    '1.004'
     """
     if factor > _FAR:
         return f"more than {_FAR:.0f}"
-    return worth(factor, 2)
+    return worth(factor, digits_beside(factor, 1.0, 2))
 
 
 def verdict_sentences(result: SealSolution) -> list[str]:
@@ -64,7 +77,8 @@ def verdict_sentences(result: SealSolution) -> list[str]:
         return []
     place = _place(result, found)
     doubted = found.worst.verdict != "undecided" and _doubt(result, found)
-    return [_verdict(found, f"{place}, with doubt" if doubted else place), *_besides(result, found)]
+    digits = 2 if found.number is None else min(result.loads[found.number].leak_digits, 2)
+    return [_verdict(found, f"{place}, with doubt" if doubted else place, digits), *_besides(result, found)]
 
 
 def _doubt(result: SealSolution, found: SealJudgement) -> str:
@@ -82,7 +96,7 @@ def _place(result: SealSolution, found: SealJudgement) -> str:
     return f"{pressure} with {given('force', found.applied_force)}" if found.applied_force else pressure
 
 
-def _verdict(found: SealJudgement, load: str) -> str:
+def _verdict(found: SealJudgement, load: str, digits: int) -> str:
     judged, limit = found.worst, found.worst.limit
     low, high = (_like(limit, end) for end in judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in judged.ends]
@@ -90,10 +104,10 @@ def _verdict(found: SealJudgement, load: str) -> str:
         "verdict.said",
         _sentence(found),
         load=load,
-        low=_amount(low),
-        high=_amount(high),
-        range=_amount(low, high),
-        allowed=_limit_text(limit.leak_rate),
+        low=_amount(low, digits, limit.leak_rate),
+        high=_amount(high, digits, limit.leak_rate),
+        range=_range(low, high, digits, limit.leak_rate),
+        allowed=_limit_text(limit.leak_rate, beside=judged.ends),
         limit="required" if limit.name == OF_LEAK_RATE else limit.name,
         factor=factor_text(judged.margin),
         times_low=factor_text(over[0]),
@@ -137,33 +151,62 @@ def _like(limit: Limit, leak_rate: float) -> float:
     return Throughput(leak_rate) if isinstance(limit.leak_rate, Throughput) else leak_rate
 
 
-def _amount(low: float, high: float | None = None) -> str:
-    high = low if high is None else high
+def _amount(leak_rate: float, digits: int, limit: float) -> str:
+    """A leak rate, which stands on its side of the limit that is told with it."""
+    if not 0 < leak_rate < math.inf:
+        return leak_range_text(leak_rate)
+    if isinstance(leak_rate, Throughput) and isinstance(limit, Throughput):
+        name, value, allowed = "mbar l/s", _mbar_litres(leak_rate), _mbar_litres(limit)
+    else:
+        unit = flow_unit((leak_rate, limit)) or unit_for("flow", leak_rate)
+        name, value, allowed = unit.name, unit.of(leak_rate), unit.of(limit)
+    return f"{worth(value, digits_beside(value, rounded(allowed, 2), digits))} {name}"
+
+
+def _mbar_litres(leak_rate: Throughput) -> float:
+    return millibar_litres_per_second(leak_rate.pressure_volume)
+
+
+def _range(low: float, high: float, digits: int, limit: float) -> str:
     if isinstance(low, Throughput) and isinstance(high, Throughput) and math.isfinite(high):
-        told = (worth(millibar_litres_per_second(one.pressure_volume), 2) for one in (low, high))
+        told = (worth(_mbar_litres(one), digits) for one in (low, high))
         return f"{range_text(*told)} mbar l/s"
-    return leak_range_text((low, high), 2)
+    return leak_range_text((low, high), digits, beside=(limit,))
 
 
-def _limit_text(leak_rate: float) -> str:
+def _limit_text(leak_rate: float, beside: Collection[float] = ()) -> str:
     if isinstance(leak_rate, Throughput):
-        return _amount(leak_rate)
-    return "no visible leakage" if leak_rate == 0 else quantity("flow", leak_rate, 2)
+        return f"{worth(_mbar_litres(leak_rate), 2)} mbar l/s"
+    return "no visible leakage" if leak_rate == 0 else leak_range_text(leak_rate, 2, beside=beside)
 
 
-def used_in_words(shares: Shares) -> str:
+def used_in_words(result: SealSolution, shares: Shares) -> str:
     """Shares of yield stress and hardness, and the margin to opening: "12 % of the hardness, ..."; empty if unknown.
 
     Parameters
     ----------
+    result : SealSolution
     shares : Shares
     """
-    told = {"yield": shares.yield_stress, "hardness": shares.hardness, "opening": shares.opening}
     return ", ".join(
-        said("verdict.used", name, share=percent(share), body=shares.body)
+        said("verdict.used", name, share=share, body=shares.body)
+        for name, share in _shares(result, shares).items()
+    )
+
+
+def _shares(result: SealSolution, shares: Shares) -> dict[str, str]:
+    """What is known of them, in per cent."""
+    digits = min(2, *(load.pressure_digits for load in result.loads))
+    told = {"yield": shares.yield_stress, "hardness": shares.hardness}
+    used = {
+        name: f"{worth(100 * share, digits_beside(100 * share, 100, digits))} %"
         for name, share in told.items()
         if share is not None
-    )
+    }
+    return used if shares.opening is None else {**used, "opening": percent(shares.opening)}
+
+
+_USED = {"yield": "Of the yield stress", "hardness": "Of the hardness", "opening": "Left to opening"}
 
 
 def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
@@ -179,18 +222,8 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     shares, margin = found.shares, found.margin
     told = "sealed" if math.isinf(margin) else "–" if math.isnan(margin) else factor_text(margin)
     facts = [("Margin", told, said("verdict.facts", "margin"))]
-    if shares.yield_stress is not None:
-        facts.append(
-            (
-                "Of the yield stress",
-                percent(shares.yield_stress),
-                said("verdict.facts", "yield", body=shares.body),
-            )
-        )
-    if shares.hardness is not None:
-        facts.append(("Of the hardness", percent(shares.hardness), said("verdict.facts", "hardness")))
-    if shares.opening is not None:
-        facts.append(("Left to opening", percent(shares.opening), said("verdict.facts", "opening")))
+    for name, share in _shares(result, shares).items():
+        facts.append((_USED[name], share, said("verdict.facts", name, body=shares.body)))
     return facts
 
 
@@ -243,7 +276,7 @@ def verdict_lines(result: SealSolution) -> list[str]:
         told = next_class_of(result)
         return [f"  {told}"] if told else []
     first, *others = verdict_sentences(result)
-    used = used_in_words(found.shares)
+    used = used_in_words(result, found.shares)
     return [f"Verdict: {first}", *(f"  {one}" for one in others), *([f"  Used: {used}"] if used else [])]
 
 

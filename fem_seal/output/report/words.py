@@ -16,6 +16,7 @@ from fem_seal.analysis.results import AGREE, LoadResult, SealSolution, highest_l
 from fem_seal.analysis.warnings import FLUID_OPENS
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.case_words import earlier_load
+from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.prose import said
 from fem_seal.output.report.tables import (
     TARGET_FORCE,
@@ -48,9 +49,12 @@ if TYPE_CHECKING:
     from fem_seal.analysis.closed_forms import Derived
     from fem_seal.case.case import Case
     from leak import LeakageClass
+    from leak.theory.line_contact import HertzLine
 
 # Share of the pressure drop whose place is called the seal proper: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
+# Peak over that of Hertz from which on mesh and curved faces do not explain it.
+_ABOVE_HERTZ = 1.05
 # Ratio of leak rates that two digits tell from one.
 _NOTICED = 1.05
 
@@ -83,13 +87,12 @@ def facts(result: SealSolution) -> list[Fact]:
 
 
 def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
-    profile = load.contact.profile
     found = [
         *(Fact(*told) for told in valve_facts(result, load)),
         Fact("Peak contact pressure", *_peak_fact(load)),
         Fact(
             "Width of the contact",
-            quantity("length", profile.fwhm),
+            in_words(load, "fwhm_m"),
             "full width at half of the peak pressure",
         ),
     ]
@@ -99,7 +102,7 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     found.append(
         Fact(
             "Largest stress in the bodies",
-            quantity("contact pressure", load.max_von_mises),
+            in_words(load, "max_von_mises_Pa"),
             f"von Mises, in the {load.max_von_mises_at[0]}"
             + ("" if load.formed is None or not load.formed.form.felt else ", at the mean line load"),
         )
@@ -107,9 +110,9 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     if imprint := imprint_in_words(result):
         found.append(Fact("Permanent imprint", *imprint))
     if load.leak is not None:
-        told = leak_range_text(rate_of(load), load.digits, claimed=not load.validity.outside)
+        told = leak_range_text(rate_of(load), load.leak_digits, claimed=not load.validity.outside)
         one = rate_of(load) if _told_apart(load) else load.leak.leak_rate
-        remarks = [_least(load) or per_day(one, load.digits), readings_in_words(load)]
+        remarks = [_least(load) or per_day(one, load.leak_digits), readings_in_words(load)]
         ends = result.leak_ranges[result.loads.index(load)]
         sampled = was_sampled(load, ends)
         name = said(
@@ -119,7 +122,7 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
         if load.leak.leak_rate > 0:
             # the first of these units may be the one that stands there already
             widest = leakage_text(load, ends if sampled else None)
-            lead = leak_range_text(ends, claimed=not load.validity.outside) if sampled and ends else told
+            lead = leak_range_text(ends, load.leak_digits) if sampled and ends else told
             others = [part for part in widest.split(" = ") if part != lead]
             found.insert(0 if sampled else 1, Fact("In other units", others[0], " = ".join(others[1:])))
         found.append(_class_fact(result.case, load, ends))
@@ -135,8 +138,8 @@ def _narrowest(load: LoadResult) -> tuple[str, str]:
     ends = sorted((load.critical_separation, load.critical_separation if other is None else other))
     closed = "calculated as zero" if load.validity.outside else "sealed"
     unit = unit_for("length", ends[1])
-    digits = 3 if ends[0] == ends[1] else 2
-    low, high = (number(unit.of(one), digits) if one else closed for one in ends)
+    digits = min(COLUMNS["critical_separation_m"].digits(load), 3 if ends[0] == ends[1] else 2)
+    low, high = (worth(unit.of(one), digits) if one else closed for one in ends)
     told = f"{range_text(low, high)} {unit.name}" if ends[1] else closed
     both = "" if low == high else ", in both readings of asperities that yield"
     return told, f"critical separation at the peak pressure{both}"
@@ -149,7 +152,7 @@ def _least(load: LoadResult) -> str:
     read = [load.conserved, load.capped] if load.yields else [load]
     rates = [least_with_scratches(one) for one in read]
     ends = rates[0] if max(rates) <= AGREE * min(rates) else (min(rates), max(rates))
-    told = leak_range_text(ends, min(load.digits, 3), claimed=not load.validity.outside)
+    told = leak_range_text(ends, load.leak_digits, claimed=not load.validity.outside)
     return f"upper bound of what scratches add; the lower one gives {told}"
 
 
@@ -170,7 +173,7 @@ def ends_told(load: LoadResult) -> tuple[LeakResult, LeakResult] | None:
 def _told_apart(load: LoadResult) -> bool:
     """Whether both readings of yielding asperities are read as two numbers."""
     ends = ends_told(load)
-    return ends is not None and len({worth(one.leak_rate, min(load.digits, 2)) for one in ends}) == 2
+    return ends is not None and len({worth(one.leak_rate, min(load.leak_digits, 2)) for one in ends}) == 2
 
 
 def rate_of(load: LoadResult) -> float | tuple[float, float]:
@@ -187,11 +190,9 @@ def readings_in_words(load: LoadResult) -> str:
         return ""
     if not _told_apart(load):
         return said("readings.load", "same")
-    digits, claimed = min(load.digits, 2), not load.validity.outside
-    conserved, capped = (
-        leak_rate_text(one.leak_rate, digits, claimed=claimed)
-        for one in (load.leak_conserved, load.leak_capped)
-    )
+    digits, claimed = min(load.leak_digits, 2), not load.validity.outside
+    rates = load.leak_conserved.leak_rate, load.leak_capped.leak_rate
+    conserved, capped = (leak_range_text(one, digits, claimed=claimed, beside=rates) for one in rates)
     return said("readings.load", "both", conserved=conserved, capped=capped)
 
 
@@ -199,8 +200,7 @@ def _peak_fact(load: LoadResult) -> tuple[str, str]:
     """The peak around the axis, and that of the mean line load beside it."""
     if load.formed is None or not load.formed.form.felt:
         return _peak(load), ""
-    highest = quantity_worth("contact pressure", float(load.formed.peak_pressure.max()), load.digits)
-    return highest, f"around the axis; {_peak(load)} at the mean line load"
+    return in_words(load, "peak_pressure_max_Pa"), f"around the axis; {_peak(load)} at the mean line load"
 
 
 def _class_fact(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> Fact:
@@ -221,7 +221,7 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     assert ends is not None  # uncertain inputs make one
     return Fact(
         f"{percent(result.uncertainty.confidence)} interval of the leak rate",
-        leak_range_text(ends, claimed=not load.validity.outside),
+        leak_range_text(ends, load.leak_digits, claimed=not load.validity.outside),
         (
             "from what the drawing's finish leaves open"
             if has_finish(result.case)
@@ -238,7 +238,7 @@ def per_day(leak_rate: float | tuple[float, float], digits: int = 2) -> str:
     for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
         if litres[-1] >= size:
             shown = (one / size for one in litres)
-            told = [worth(one, 1) if digits < 2 else number(one, 2) for one in shown]
+            told = [worth(one, min(digits, 2)) for one in shown]
             return f"{range_text(told[0], told[-1])} {unit} per day"
     return "" if ends[-1] == 0 else "less than 1 µl per day"
 
@@ -309,14 +309,14 @@ def _what_leaks(result: SealSolution) -> str:
         return said("notes.headline", "not_claimed", load=span)
     if all(load.leak and rate_of(load) in (0, (0, 0)) and not load.validity.outside for load in loads):
         return said("notes.headline", "sealed", load=span)
-    largest = max(rate[1] if isinstance(rate, tuple) else rate for rate in rates)
+    ends = [end for rate in rates for end in (rate if isinstance(rate, tuple) else (rate,))]
     told = [
         (
             "at an unknown rate"
             if load.validity.outside
             else "nothing"
             if rate in (0, (0, 0))
-            else leak_range_text(rate, load.digits, beside=largest)
+            else leak_range_text(rate, load.leak_digits, beside=ends)
         )
         + f" at {load_values(load, loads)}"
         for rate, load in zip(rates, shown, strict=True)
@@ -369,12 +369,11 @@ def ends_in_words(load: LoadResult) -> str:
 
 
 def _contact(load: LoadResult) -> str:
-    profile = load.contact.profile
-    return f"{quantity('length', profile.fwhm)} wide under {_peak(load)} peak pressure"
+    return f"{in_words(load, 'fwhm_m')} wide under {_peak(load)} peak pressure"
 
 
 def _peak(load: LoadResult) -> str:
-    return quantity_worth("contact pressure", load.contact.profile.peak_pressure, load.digits)
+    return in_words(load, "peak_pressure_Pa")
 
 
 def reasons(result: SealSolution, derived: Derived) -> list[str]:
@@ -399,6 +398,8 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
     bulk = min((hertz.std / profile.std) ** 2, 1.0)
     if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
         parts = ["yielding" if smooth else "rough_yielding"]
+    elif _leaves_curvature(result, hertz, profile.peak_pressure):
+        parts = ["other_curvature"]
     elif smooth:
         parts = ["smooth"]
     else:
@@ -410,8 +411,14 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
         hertz_peak=quantity("contact pressure", hertz.peak_pressure),
         hertz_width=quantity("length", hertz.fwhm),
         peak=_peak(load),
-        width=quantity("length", profile.fwhm),
+        width=in_words(load, "fwhm_m"),
     )
+
+
+def _leaves_curvature(result: SealSolution, hertz: HertzLine, peak: float) -> bool:
+    """Whether it is none of Hertz's: wider than its faces are round, or with a peak that no roughness makes."""
+    breaks = np.abs(result.case.contact.breaks)
+    return bool((breaks < 2 * hertz.std).any()) or peak > _ABOVE_HERTZ * hertz.peak_pressure
 
 
 def _what_throttles(load: LoadResult) -> Iterator[str]:
@@ -423,7 +430,8 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     x, share = load.contact.profile.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
-    middle = quantity("length", float(ends[1] - ends[0]))
+    # as good as the width of the contact
+    middle = quantity_worth("length", float(ends[1] - ends[0]), load.digits_of("fwhm"))
     yield said("reasons.fluid", "middle", share=percent(_MIDDLE[1] - _MIDDLE[0]), width=middle)
     ratio = load.fluid_pressure / load.contact.profile.peak_pressure
     if isinstance(load.leak, CoupledLeakResult):
@@ -460,10 +468,10 @@ def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
     low, high = (math.nan if one is None else one.leak_rate for one in ends)
     if load.leak_elastic is None or not high > 0:
         return "", ""
-    elastic = load.leak_elastic.leak_rate
+    elastic, digits = load.leak_elastic.leak_rate, min(load.leak_digits, 2)
     if low == 0:
-        return number(elastic / high, 2), "never_sealed"
-    factor = range_text(number(elastic / high, 2), number(elastic / low, 2))
+        return worth(elastic / high, digits), "never_sealed"
+    factor = range_text(worth(elastic / high, digits), worth(elastic / low, digits))
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
@@ -478,14 +486,16 @@ def leakage_text(load: LoadResult, interval: tuple[float, float] | None = None) 
         Its ends [m^3/s]; those of both readings of yielding asperities unless given.
     """
     assert load.leak is not None
+    if interval is None and rate_of(load) in (0, (0, 0)):
+        return leak_rate_text(0.0, claimed=not load.validity.outside)
     if interval is not None and load.leak.leak_rate == 0:
         # of what is sealed no mass is known that could be scaled
-        return leak_range_text(interval, min(load.digits, 2))
+        return leak_range_text(interval, load.leak_digits)
     if interval is not None:
         ends = load.leak.scaled(interval[0]), load.leak.scaled(interval[1])
     else:
         ends = ends_told(load) or (load.leak, load.leak)
-    digits = min(load.digits, 3 if ends[0] is ends[1] else 2)
+    digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
     columns = zip(*(_in_units(one) for one in ends), strict=True)
     return " = ".join(
         f"{range_text(worth(low, digits), worth(high, digits))} {unit}" for (low, unit), (high, _) in columns
@@ -566,9 +576,7 @@ def _as_given(case: Case, load: LoadResult) -> str:
     """The leak rate without what is uncertain, in both readings of yielding asperities."""
     # in the unit of the line above
     known = load.leak is not None and load.leak.leak_rate > 0
-    rate = (
-        leakage_text(load).split(" = ")[0] if known else leak_range_text(rate_of(load), min(load.digits, 2))
-    )
+    rate = leakage_text(load).split(" = ")[0] if known else leak_range_text(rate_of(load), load.leak_digits)
     return said("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)
 
 
