@@ -15,7 +15,7 @@ from fem_seal.analysis.results import LoadResult
 from fem_seal.analysis.warnings import load_cautions
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.case.case import Case
-from leak import RoughContact
+from leak import LeakResult, RoughContact
 
 SURFACE = surface()
 _POINTS = np.array([[0.013, 0.0], [0.014, -1e-5], [0.015, 0.0]])
@@ -46,7 +46,7 @@ def load(
     """What the checks look at in a load."""
     pressure = np.array([end_share * peak, peak, 0.0])
     contact = SimpleNamespace(
-        profile=SimpleNamespace(peak_pressure=peak, std=std),
+        profile=SimpleNamespace(peak_pressure=peak, std=std, pressure=pressure, radius=_POINTS[:, 0]),
         pressure=pressure,
         point_forces=pressure,
         gap=np.zeros(3),
@@ -56,7 +56,9 @@ def load(
         stays_below=lambda name, stress: False,
     )
     found: Any = LoadResult(fluid_pressure, applied_force, contact)  # type: ignore[arg-type]
-    return found.knowing(critical_separation=critical_separation, leak=SimpleNamespace(leak_rate=leak_rate))
+    return found.knowing(
+        critical_separation=critical_separation, leak=LeakResult(leak_rate, 1.0, np.zeros(3))
+    )
 
 
 def judged(

@@ -181,7 +181,7 @@ def test_designs_of_before_are_shown_without_a_verdict(calculated, tmp_path):
 
 def test_the_page_says_why_designs_are_doubtful(tmp_path):
     """A roughness value that is unusual for its process is doubtful at any load."""
-    changes = {"load.fluid_pressure": "20 bar", "roughness": "ground Ra 12 um"}
+    changes = {"load.fluid_pressure": "20 bar", "roughness": "ground Ra 6.4 um"}
     result = run_study(springs(changes=changes), folder=tmp_path, workers=0)
     assert set(result.table["validity"]) == {"doubtful"}
     page = result.report(tmp_path / "report.html").read_text(encoding="utf-8")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.analysis.caution import Caution, Level
 from fem_seal.analysis.load_names import load_name
-from fem_seal.units import per_cent
+from fem_seal.units import per_cent, rounded
 
 if TYPE_CHECKING:
     from fem_seal.analysis.flow import Flow
@@ -28,6 +28,8 @@ _UNCERTAIN, _SLIGHTLY = 0.2, 1.05
 _ACCELERATED, _CHOKED, _CHOKES = 0.05, 0.3, 0.8
 # Reynolds numbers: of the hydraulic diameter, where flow becomes turbulent, and of the gap times gap over width.
 _TURBULENT, _REDUCED = 2000.0, 1.0
+# Of a liquid of which none is given [kg/m^3].
+_DENSITY = 1000.0
 # Contact pressure below which the gap is as good as open [Pa].
 _NO_PRESSURE = 1e-200
 
@@ -41,7 +43,7 @@ def fluid_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]
     loads : sequence of LoadResult
         What is said is about the worst of them.
     """
-    own = (_thickening,) if flow.gas is None else (_dense_gas, _inertia)
+    own = (_thickening, _liquid_inertia) if flow.gas is None else (_dense_gas, _inertia)
     yield from (caution for check in (molecule_cautions, *own) for caution in check(flow, loads))
 
 
@@ -186,27 +188,103 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
 
 def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     # seals that are not round have a check of their own, at the angle where most leaks
-    found = [
-        (inertia, load) for load in loads if load.formed is None and (inertia := _inertia_of(flow, load))
-    ]
+    round_ones = [load for load in loads if load.formed is None]
+    found = _fastest(flow, loads, [(load, load) for load in round_ones])
+    if found is None:
+        # where the result is slow enough, the other reading may not be
+        found = _fastest(flow, loads, _other_reading(round_ones), end=True)
+    if found is not None:
+        yield found
+
+
+def _fastest(
+    flow: Flow,
+    loads: Sequence[LoadResult],
+    readings: Sequence[tuple[LoadResult, LoadResult]],
+    *,
+    end: bool = False,
+) -> Caution | None:
+    """What inertia says against the loads in some reading; None if nothing. `end`: only against one end of the leak."""
+    found = [(inertia, load) for load, read in readings if (inertia := _inertia_of(flow, read))]
     if not found:
-        return
+        return None
     (numbers, reduced), load = max(found, key=lambda one: (one[0][0].acceleration, one[0][1]))
     worst_reynolds = max(one[0][0].reynolds for one in found)
     outside = numbers.acceleration > _CHOKED or worst_reynolds > _TURBULENT
     if not outside and numbers.acceleration <= _ACCELERATED and reduced <= _REDUCED:
-        return
+        return None
     chokes = "it chokes, and " if numbers.mach > _CHOKES else ""
-    yield Caution(
+    fast = f"Mach number {_two(numbers.mach)} and Reynolds number {_two(numbers.reynolds)}"
+    at = f"at {load_name(load, loads)}"
+    return Caution(
         "inertia",
-        Level.OUTSIDE if outside else Level.DOUBTFUL,
-        f"gas flow with Mach number {numbers.mach:.2g} and Reynolds number {numbers.reynolds:.2g}",
-        f"at {load_name(load, loads)} the gas would flow with a Mach number of {numbers.mach:.2g} and a Reynolds "
-        f"number of {numbers.reynolds:.2g} through the effective gap; inertia takes about "
-        f"{per_cent(numbers.acceleration)} of what drives the flow (limit {100 * _ACCELERATED:.0f} %), and inertia "
-        f"over friction along the gap is {reduced:.2g} (limit {_REDUCED:g}). Viscous flow is assumed: in truth "
-        f"{chokes}less leaks",
+        Level.OUTSIDE if outside and not end else Level.DOUBTFUL,
+        f"gas flow with {fast}"
+        + (" where the surface changes only where it touches: upper end too high" if end else ""),
+        (
+            f"{at}, if yielding asperities change the surface only where it touches, the gas would flow with {fast}"
+            if end
+            else f"{at} the gas would flow with {fast}"
+        )
+        + f" through the effective gap; inertia takes about {per_cent(numbers.acceleration)} of what drives the flow "
+        f"(limit {100 * _ACCELERATED:.0f} %), and inertia over friction along the gap is {_two(reduced)} (limit "
+        f"{_REDUCED:g}). Viscous flow is assumed: in truth {chokes}less leaks"
+        + (" than the upper end says" if end else ""),
     )
+
+
+def _liquid_inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    """Where a liquid goes too fast through the gap for viscous flow, in the result or else in its upper end."""
+    round_ones = [load for load in loads if load.formed is None]
+    for end, readings in ((False, [(load, load) for load in round_ones]), (True, _other_reading(round_ones))):
+        found = [(*numbers, load) for load, read in readings if (numbers := _of_liquid(flow, read))]
+        reynolds, reduced, load = max(found, key=lambda one: one[1], default=(0.0, 0.0, None))
+        if load is None or (reduced <= _REDUCED and reynolds <= _TURBULENT):
+            continue
+        where = ", if yielding asperities change the surface only where it touches," if end else ""
+        yield Caution(
+            "inertia",
+            Level.OUTSIDE if reynolds > _TURBULENT and not end else Level.DOUBTFUL,
+            f"Reynolds number {_two(reynolds)} in the gap"
+            + (" where the surface changes only where it touches: upper end too high" if end else ""),
+            f"at {load_name(load, loads)}{where} {flow.fluid} would flow with a Reynolds number of {_two(reynolds)} "
+            f"through the effective gap (limit {_TURBULENT:g}), and inertia over friction along the gap is "
+            f"{_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth less leaks"
+            + (" than the upper end says" if end else ""),
+        )
+        return
+
+
+def _of_liquid(flow: Flow, load: LoadResult) -> tuple[float, float] | None:
+    """Reynolds number of the hydraulic diameter, and of the gap times gap over width; None where nothing flows.
+
+    The gap is the uniform one over the width of the contact that lets as much through.
+    """
+    leak, profile = load.leak if _leak_known(load) else None, load.contact.profile
+    viscosity = load.effective_viscosity or flow.viscosity
+    if leak is None or not 0 < leak.leak_rate < math.inf or not load.fluid_pressure > 0:
+        return None
+    density = leak.mass_flow / leak.leak_rate if leak.mass_flow else _DENSITY
+    radius = float(profile.radius[int(profile.pressure.argmax())])
+    per_length, width = leak.leak_rate / (2 * math.pi * radius), 2.0 * profile.std
+    gap = (12 * viscosity * per_length * width / load.fluid_pressure) ** (1 / 3)
+    reynolds = density * per_length / viscosity
+    return 2 * reynolds, reynolds * gap / width
+
+
+def _other_reading(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, LoadResult]]:
+    """Loads with their other reading of yielding asperities, as far as somebody has asked for its leak."""
+    return [(load, load.capped) for load in loads if load.yields and _leak_known(load.capped)]
+
+
+def _leak_known(load: LoadResult) -> bool:
+    """Whether the leak is worked out, which is not worth doing for a check alone."""
+    return not vars(load).keys().isdisjoint({"leak", "leak_round"})
+
+
+def _two(value: float) -> str:
+    """A number with two digits, written out."""
+    return f"{rounded(value, 2):g}"
 
 
 def _inertia_of(flow: Flow, load: LoadResult) -> tuple[GasInertia, float] | None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_seal.analysis.caution import Caution, Level
 from fem_seal.analysis.load_names import load_name
-from fem_seal.units import beside, per_cent
+from fem_seal.units import beside, per_cent, rounded
 
 if TYPE_CHECKING:
     from fem_seal.analysis.around import Around
@@ -158,9 +158,9 @@ def _inertia(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed)
         yield Caution(
             "inertia",
             Level.OUTSIDE if reynolds > _TURBULENT else Level.DOUBTFUL,
-            f"Reynolds number {reynolds:.2g} in the widest gap",
+            f"Reynolds number {rounded(reynolds, 2):g} in the widest gap",
             f"at {load_name(load, loads)} the flow through the widest gap, {1e6 * gap:.3g} um, has the Reynolds number "
-            f"{reynolds:.2g}; viscous flow is assumed, in truth less leaks",
+            f"{rounded(reynolds, 2):g}; viscous flow is assumed, in truth less leaks",
         )
 
 
