@@ -322,17 +322,18 @@ def smooth() -> LocalContact:
 
 @pytest.mark.parametrize("share", [1e-12, 1e-6, 1e-3, 0.03, 0.41, 1.0, 1.13, 3.3, 9.0])
 def test_between_and_below_the_rungs_of_a_rough_contact(rough: LocalContact, share: float) -> None:
-    """Against the contact solved there: approach to 5e-5 of its slope over ln f, pressure to 5e-6 of its peak,
-    width to 2e-5."""
+    """Against the contact solved there: approach to 2e-6 of its slope over ln f, for each e-fold
+    below the ladder, peak to 5e-7, pressure to 2e-6 of it, width, which the nodes make uneven, to 2e-5."""
     model, f = rough.mean.model, np.array([share * rough.mean.line_load])
     solved = solve(model, LAW, axial_force=share * rough.mean.axial_force)
     approach, slope = rough.approach(f)
-    assert approach[0] == pytest.approx(solved.approach * model.touch_normal_z, abs=5e-5 * slope[0])
-    assert rough.peak_pressure(f)[0] == pytest.approx(solved.profile.peak_pressure, rel=5e-6)
+    off = 2e-6 * slope[0] * max(-math.log(share), 1.0)
+    assert approach[0] == pytest.approx(solved.approach * model.touch_normal_z, abs=off)
+    assert rough.peak_pressure(f)[0] == pytest.approx(solved.profile.peak_pressure, rel=5e-7)
     assert rough.fwhm(f)[0] == pytest.approx(solved.profile.fwhm, rel=2e-5)
     pressure, gap = rough.pressure_and_gap(f, approach)
-    np.testing.assert_allclose(pressure[0], solved.pressure, atol=5e-6 * solved.pressure.max())
-    np.testing.assert_allclose(gap[0], solved.gap, atol=1e-4 * U0)
+    np.testing.assert_allclose(pressure[0], solved.pressure, atol=2e-6 * solved.pressure.max())
+    np.testing.assert_allclose(gap[0], solved.gap, atol=5e-5 * U0)
     assert rough.line_load(approach)[0][0] == pytest.approx(f[0], rel=1e-9)
 
 
@@ -343,7 +344,7 @@ def test_the_mean_line_load_needs_no_ladder() -> None:
     assert len(local._rungs) == 1
     # a little beside it the ladder is climbed and interpolated: the same but for that little
     beside = local.profile(f * (1 + 1e-9))
-    assert len(local._rungs) > 8
+    assert len(local._rungs) > 6
     assert np.allclose(profile.pressure, beside.pressure, rtol=1e-7, atol=1e-7 * profile.peak_pressure)
     assert np.allclose(profile.gap, beside.gap, rtol=1e-7)
     assert local.mean_approach == pytest.approx(float(local.approach(np.array([f]))[0][0]), rel=1e-12)
@@ -399,6 +400,26 @@ def test_a_first_question_below_the_mean(rough: LocalContact) -> None:
     f = np.array([1e-3 * rough.mean.line_load])
     assert fresh.approach(f)[0][0] == pytest.approx(rough.approach(f)[0][0], abs=1e-5 * U0)
     assert LocalContact(rough.mean, LAW).at(5e3).line_load == pytest.approx(5e3)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.2])
+def test_what_is_looked_for_near_a_neighbour_is_the_same(rough: LocalContact, share: float) -> None:
+    """Contact and line load from those of another force and form error, against a start from nothing.
+
+    Contacts to what their tolerance leaves; line loads to what a spline does, which may have fewer rungs: 3e-6.
+    """
+    neighbour = around(one_wave(2, 1e-6), rough)
+    mean = solve(rough.mean.model, LAW, axial_force=share * rough.mean.axial_force)
+    form = one_wave(2, share**2 * 1e-6)
+    alone = around(form, LocalContact(mean, LAW))
+    beside = around(form, LocalContact(mean, LAW, rough), neighbour)
+    np.testing.assert_allclose(beside.line_load, alone.line_load, rtol=3e-6)
+    rungs = alone.local._rungs.keys() & beside.local._rungs.keys()
+    assert len(rungs) > 6
+    for k in rungs:
+        one, other = (found.local._rungs[k] for found in (alone, beside))
+        np.testing.assert_allclose(one.pressure, other.pressure, atol=1e-9 * one.pressure.max())
+    assert np.ptp(alone.line_load) > 0.1 * alone.line_load.mean()
 
 
 def test_further_loads_act_at_every_line_load(rough: LocalContact) -> None:

@@ -14,6 +14,8 @@ from io import BytesIO
 from pathlib import Path
 
 import pytest
+from matplotlib.axes import Axes
+from matplotlib.axis import Tick
 from matplotlib.textpath import TextToPath
 from sample_results import case, cone, rough_result, single_result, smooth_result
 
@@ -426,3 +428,22 @@ def test_pictures_are_written_as_matplotlib_writes_them_and_texts_measured_once(
         assert asked == []
         monkeypatch.delattr(Renderer, "_get_font_height_metrics")
         assert written_svg(_figure()).endswith(written)
+
+
+def test_axes_that_make_no_ticks_before_they_are_asked_for_look_as_those_of_matplotlib(monkeypatch):
+    """With matplotlib's own ticks on them, and with those of the report, for which none is made."""
+
+    def drawn():
+        out = BytesIO()
+        _figure().savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+        return out.getvalue(), written_svg(_figure())
+
+    with style():
+        found = drawn()
+        made = []
+        monkeypatch.setattr(Tick, "__init__", lambda tick, *given, **named: made.append(tick))
+        written_svg(_figure())
+        monkeypatch.undo()
+        monkeypatch.setattr("fem_seal.output.pictures.axes.BareAxes", Axes)
+        assert found == drawn()
+    assert made == []

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
+import pickle
 import shutil
 import signal
 import subprocess
@@ -62,26 +64,59 @@ def test_every_file_that_a_run_writes_is_known_as_one(two_runs):
     assert all(folders._OF_A_RUN.fullmatch(name) for name in written)
 
 
+@pytest.fixture
+def dying(two_runs):
+    """Writes a result into a folder and is killed before it does the n-th thing to a file; gives the exit code.
+
+    Copies of a process that has nothing but the result: to copy one that has run other tests takes longer than all that
+    a copy does.
+    """
+    after = two_runs[1]
+    ready = single_result(), *(after.joinpath(name).read_text() for name in ("report.html", "summary.json"))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", "from test_fem_seal_results_folder import _killed; _killed()"]
+    with subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        pickle.dump(ready, process.stdin)
+
+        def killed(moment, folder):
+            process.stdin.write(f"{moment} {folder}\n".encode())
+            process.stdin.flush()
+            return int(process.stdout.readline())
+
+        yield killed
+    assert process.returncode == 0
+
+
+def _killed():
+    """Answers `dying`."""
+    result, drawn, said = pickle.load(sys.stdin.buffer)
+    # drawing takes seconds; what is killed here are the files
+    files.write_report = lambda result, path: write_text(path, drawn)
+    files.write_summary = lambda result, path, folder: write_text(path, said)
+    gc.freeze()
+    for line in sys.stdin.buffer:
+        moment, folder = line.decode().rstrip("\n").split(maxsplit=1)
+        child = os.fork()
+        if child == 0:
+            _die_at(int(moment), Path(folder))
+            result.write(Path(folder))
+            os._exit(0)
+        print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+
+
 @posix
-@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
-def test_killed_at_any_moment_it_mixes_nothing_silently(two_runs, tmp_path, monkeypatch):
+def test_killed_at_any_moment_it_mixes_nothing_silently(two_runs, dying, tmp_path, monkeypatch):
     """A process is killed, by SIGKILL, before each thing that it does to a file, from the first to the last."""
     before, after = map(contents, two_runs)
-    # drawing takes seconds; what is killed here are the files
-    drawn = after["report.html"].decode()
+    drawn, said = after["report.html"].decode(), after["summary.json"].decode()
     monkeypatch.setattr(files, "write_report", lambda result, path: write_text(path, drawn))
-    monkeypatch.setattr(files, "write_summary", _said(after["summary.json"].decode()))
+    monkeypatch.setattr(files, "write_summary", lambda result, path, folder: write_text(path, said))
     seen = {"before": 0, "after": 0, "marked": 0}
     moment = 0
     while True:
         folder = tmp_path / f"{moment}"
         shutil.copytree(two_runs[0], folder)
-        child = os.fork()
-        if child == 0:
-            _die_at(moment, folder)
-            single_result().write(folder)
-            os._exit(0)
-        killed = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        killed = dying(moment, folder)
         found = contents(folder)
         if killed == 0:
             assert found == after
@@ -103,13 +138,6 @@ def test_killed_at_any_moment_it_mixes_nothing_silently(two_runs, tmp_path, monk
     # all three were met, so the moments were fine enough
     assert min(seen.values()) > 0
     assert seen["before"] > 20 and seen["marked"] > 20
-
-
-def _said(text):
-    def write_summary(result, path, folder):
-        return write_text(path, text)
-
-    return write_summary
 
 
 def _die_at(moment, folder):

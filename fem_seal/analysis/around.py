@@ -115,6 +115,11 @@ class Around:
         return self.local.at(float(self.line_load.max()))
 
     @property
+    def over_mean(self) -> FloatArray:
+        """Line load over its mean, shape (m,)."""
+        return self.line_load / self.line_load.mean()
+
+    @property
     def least_over_mean(self) -> float:
         """Least line load over the mean."""
         return float(self.line_load.min() / self.line_load.mean())
@@ -360,7 +365,9 @@ def _above_outlet(flow: LeakResult | GasLeakResult) -> LeakResult:
     return flow.above_outlet if isinstance(flow, GasLeakResult) else flow
 
 
-def around_after(form: FormError, local: LocalContact, before: LocalContact | None) -> Around:
+def around_after(
+    form: FormError, local: LocalContact, before: LocalContact | None, near: Around | None = None
+) -> Around:
     """`around`, and with it the same form under the largest load before.
 
     Parameters
@@ -369,16 +376,22 @@ def around_after(form: FormError, local: LocalContact, before: LocalContact | No
     local : LocalContact
     before : LocalContact or None
         Under the larger load; None where none is known.
+    near : Around, optional
+        See `around`.
 
     Raises
     ------
     ConvergenceError
     """
-    found = around(form, local)
-    return found if before is None else replace(found, before=around(found.form, before))
+    found = around(form, local, near)
+    if before is None:
+        return found
+    # the waves that fill a tolerance are not known beforehand
+    near_before = near.before if near is not None and form.tolerance is None else None
+    return replace(found, before=around(found.form, before, near_before))
 
 
-def around(form: FormError, local: LocalContact) -> Around:
+def around(form: FormError, local: LocalContact, near: Around | None = None) -> Around:
     """Line load around the axis of a seal with a form error.
 
     Parameters
@@ -387,6 +400,8 @@ def around(form: FormError, local: LocalContact) -> Around:
         A tolerance is filled by the number of waves that hurts most.
     local : LocalContact
         At the mean line load, and at any other.
+    near : Around, optional
+        Of a form error with the same waves, whose line load is close: where this one is looked for.
 
     Raises
     ------
@@ -413,6 +428,7 @@ def around(form: FormError, local: LocalContact) -> Around:
         mean.line_load,
         symmetry=repeats,
         guided=form.guided,
+        start=None if near is None else mean.line_load * near.over_mean[:size],
     )
     modes = np.fft.rfft(f)
     felt = range(2 if repeats == 1 and not form.guided else 1, stiffening.highest // repeats + 1)

@@ -321,7 +321,9 @@ class SealProblem:
         """Hardening curves of the bodies that yield; empty if both are elastic."""
         return [material.hardening for material in self.materials.values() if material.hardening is not None]
 
-    def around(self, contact: ContactSolution, law: Law | None = None) -> Around | None:
+    def around(
+        self, contact: ContactSolution, law: Law | None = None, near: Around | None = None
+    ) -> Around | None:
         """Line load around the axis where one of the problem's contacts carries the mean; None for a round seal.
 
         Parameters
@@ -329,6 +331,8 @@ class SealProblem:
         contact : ContactSolution
         law : Law, optional
             With which it was solved; the problem's own unless given.
+        near : Around, optional
+            Of a contact between the same points and a form error of the same waves, both close to these.
 
         Raises
         ------
@@ -340,8 +344,11 @@ class SealProblem:
         from fem_seal.contact.local_contact import LocalContact
 
         own = law or self.law
-        before = None if contact.earlier is None else LocalContact(contact.earlier, own)
-        return around_after(self.form, LocalContact(contact, own), before)
+        local = LocalContact(contact, own, None if near is None else near.local)
+        if contact.earlier is None:
+            return around_after(self.form, local, None, near)
+        known = None if near is None or near.before is None else near.before.local
+        return around_after(self.form, local, LocalContact(contact.earlier, own, known), near)
 
     @property
     def leaks(self) -> bool:

@@ -523,11 +523,13 @@ class _Study:
         if stiffness == 1 and law is problem.law:
             if problem.form is result.problem.form:
                 return result.loads
-            return [replace(load, formed=problem.around(load.contact)) for load in result.loads]
+            return [
+                replace(load, formed=problem.around(load.contact, near=load.formed)) for load in result.loads
+            ]
         try:
             contacts = self._contacts(problem, surface, law, stiffness)
             return [
-                LoadResult(*load.point, contact, formed=problem.around(contact, law))
+                LoadResult(*load.point, contact, formed=problem.around(contact, law, load.formed))
                 for load, contact in zip(result.loads, contacts, strict=True)
             ]
         except ConvergenceError as error:

@@ -58,6 +58,7 @@ def line_load_around(
     *,
     symmetry: int = 1,
     guided: bool = False,
+    start: FloatArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Line load and approach at uniform angles of one period of the form error.
 
@@ -74,6 +75,8 @@ def line_load_around(
         How often the form error repeats itself around the axis.
     guided : bool
         Whether the closure takes a lateral force and a moment.
+    start : ndarray, shape (m,), optional
+        Line load from which it is looked for; even unless given [N/m].
 
     Returns
     -------
@@ -88,9 +91,10 @@ def line_load_around(
     """
     ring = _Ring.of(len(gap), stiffening, symmetry, guided)
     ways = (_in_line_loads,) if local.opens else (_in_logarithms, _in_line_loads)
+    even = np.full(len(gap), mean)
     for iterate in ways:
-        for shares in ((1.0,), _SHARES):
-            f = np.full(len(gap), mean)
+        for shares, first in (((1.0,), even if start is None else start), (_SHARES, even)):
+            f = first
             for share in shares:
                 found = _tried(iterate, local, ring, share * gap, mean, f)
                 if found is None:

@@ -86,8 +86,12 @@ class LawOfRows:
     @classmethod
     def of(cls, laws: Sequence[InterfaceLaw]) -> LawOfRows:
         """Of one law, or of several `alike`."""
-        scaled = [(one.height, math.log(one.pressure)) for one in laws if isinstance(one, ScaledLaw)]
-        ratios = np.array(scaled or [(1.0, 0.0)])
+        ratios = np.array(
+            [
+                (one.height, math.log(one.pressure)) if isinstance(one, ScaledLaw) else (1.0, 0.0)
+                for one in laws
+            ]
+        )
         return cls(shape_of(laws[0]), ratios[:, :1], ratios[:, 1:])
 
     @property

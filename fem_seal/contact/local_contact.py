@@ -9,29 +9,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.newton import solve
+from fem_seal.contact.newton import Pressing, solve, solve_together
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
 
 if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import BSpline
 
     from fem_seal.arrays import FloatArray
     from fem_seal.profile import PressureProfile
 
-# Step of the ladder in ln f. A cubic spline over it is good to 1e-5 of the decay length
-# (tests/test_fem_seal_around.py compares it with contacts in between).
-_STEP = 0.3
+# Step of the ladder in ln f, and degree of the spline over it: of the slope of the approach it leaves 1e-6, a cubic one
+# left 2e-5 (tests/test_fem_seal_around.py compares it with contacts in between). What is uneven from node to node, the
+# width of a contact and all of smooth surfaces, has a cubic one.
+_STEP, _DEGREE, _DEGREE_UNEVEN = 0.3, 5, 3
 # Where the next rung is looked for: a polynomial through one to three rungs, the nearest first.
 _AHEAD = ((1.0,), (2.0, -1.0), (3.0, -3.0, 1.0))
-# Rungs beyond what is asked for, so that a spline has no end there, and the fewest a spline is made of.
-_BEYOND, _FEWEST = 3, 4
+# Rungs beyond what is asked for, so that a spline has no end there, and the fewest below the mean.
+_BEYOND, _FEWEST = 2, 3
 # Highest line load over the mean, and lowest of a smooth interface, where the contact gets narrower than its mesh.
 _HIGHEST, _LOWEST_SMOOTH = math.log(60.0), math.log(1e-2)
 # A contact whose approach over ln f changes its slope by less than this share from rung to rung only fades.
@@ -55,13 +57,16 @@ class LocalContact:
     mean : ContactSolution
         At the mean line load. Fluid and press fit act everywhere as they do there.
     law : Law
+    near : LocalContact, optional
+        The same of another contact between the same points that is close to this one: where its rungs are looked for.
     """
 
     mean: ContactSolution
     law: Law
+    near: LocalContact | None = field(default=None, repr=False)
     _rungs: dict[int, ContactSolution] = field(default_factory=dict, repr=False)
     _fades_below: float = field(default=-math.inf, repr=False)
-    _splines: dict[str, CubicSpline] = field(default_factory=dict, repr=False)
+    _splines: dict[str, BSpline] = field(default_factory=dict, repr=False)
     _profiles: dict[float, PressureProfile] = field(default_factory=dict, repr=False)
 
     @property
@@ -295,26 +300,52 @@ class LocalContact:
                 "carries on a small part of its circumference only; make the form error smaller"
             )
         known = len(self._rungs)
-        for k in range(max(math.ceil(highest / _STEP), 0) + _BEYOND + 1):
+        top = max(math.ceil(highest / _STEP), 0) + _BEYOND
+        down = min(math.floor(lowest / _STEP) - (0 if self.opens else _BEYOND), -_FEWEST)
+        if self.near is not None:
+            # what it cannot bear this one may
+            with suppress(ConvergenceError):
+                self.near._climb(lowest, highest)
+            self._solve(*(k for k in self.near._rungs if down <= k <= top))
+        for k in range(top + 1):
             self._solve(k)
         k, last = 0, -math.inf if self.opens else self._fades_below
-        down = math.floor(lowest / _STEP) - (0 if self.opens else _BEYOND)
-        while k > min(down, -_FEWEST) and _STEP * k > last:
+        while k > down and (_STEP * k > last or k > -_FEWEST):
             k -= 1
             self._solve(k)
-            if not self.opens and self._fades(k):
-                self._fades_below = _STEP * (k + 1)
-                break
+            if not self.opens and _STEP * k > last and self._fades(k):
+                self._fades_below = last = _STEP * (k + 1)
         if len(self._rungs) > known:
             self._splines.clear()
 
-    def _solve(self, k: int) -> None:
-        if k in self._rungs:
+    def _solve(self, *rungs: int) -> None:
+        new = [k for k in rungs if k not in self._rungs]
+        if not new:
             return
-        self._rungs[k] = self._solved(self.mean.axial_force * math.exp(_STEP * k), self._ahead(k))
+        model, loads = self.mean.model, self.mean.loads
+        found = solve_together(
+            [Pressing(model, self.law, self.mean.axial_force * math.exp(_STEP * k), loads) for k in new],
+            _SETTINGS,
+            [self._ahead(k) for k in new],
+        )
+        for k, contact in zip(new, found, strict=True):
+            if isinstance(contact, ConvergenceError):
+                raise contact
+            self._rungs[k] = contact
 
     def _ahead(self, k: int) -> ContactSolution:
-        """Where the solution of a rung is looked for: where a polynomial through the rungs before it goes."""
+        """Where the solution of a rung is looked for.
+
+        As far from the mean as the rung of a contact near this one, or where a polynomial through the rungs before it
+        goes.
+        """
+        if self.near is not None and k in self.near._rungs and not self.opens:
+            there, mean = self.near._rungs[k], self.near.mean
+            return replace(
+                self.mean,
+                log_pressure=self.mean.log_pressure + (there.log_pressure - mean.log_pressure),
+                approach=self.mean.approach + (there.approach - mean.approach),
+            )
         inwards = -1 if k > 0 else 1
         places = [k + n * inwards for n in range(1, len(_AHEAD) + 1)]
         near = [self._rungs[place] for place in places if place in self._rungs]
@@ -347,12 +378,14 @@ class LocalContact:
     def _rung_approach(self, k: int) -> float:
         return self._along_normal(self._rungs[k])
 
-    def _spline(self, name: str, of: Callable[[ContactSolution], float | FloatArray]) -> CubicSpline:
+    def _spline(self, name: str, of: Callable[[ContactSolution], float | FloatArray]) -> BSpline:
         if name not in self._splines:
-            from scipy.interpolate import CubicSpline
+            from scipy.interpolate import make_interp_spline
 
             rungs = sorted(self._rungs)
-            self._splines[name] = CubicSpline(
-                _STEP * np.array(rungs), np.array([of(self._rungs[k]) for k in rungs])
+            self._splines[name] = make_interp_spline(
+                _STEP * np.array(rungs),
+                np.array([of(self._rungs[k]) for k in rungs]),
+                _DEGREE_UNEVEN if self.opens or name == "fwhm" else _DEGREE,
             )
         return self._splines[name]

@@ -13,7 +13,7 @@ from scipy.linalg.lapack import dpotrf, dpotrs
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.contact.hard import solve_hard
-from fem_seal.contact.laws import HardContact, Law, LawOfRows, ScaledLaw
+from fem_seal.contact.laws import HardContact, Law, LawOfRows, shape_of
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.contact.solution import ContactSettings, ContactSolution
@@ -82,7 +82,8 @@ def solve(
     >>> print(f"{contact.profile.peak_pressure / 1e6:.0f} MPa over {contact.profile.fwhm * 1e3:.3f} mm")
     195 MPa over 0.106 mm
     """
-    (found,) = solve_together([Pressing(model, law, axial_force, loads)], settings, start)
+    starts = None if start is None else [start]
+    (found,) = solve_together([Pressing(model, law, axial_force, loads)], settings, starts)
     if isinstance(found, ConvergenceError):
         raise found
     return found
@@ -116,7 +117,7 @@ class Pressing:
 def solve_together(
     pressings: Sequence[Pressing],
     settings: ContactSettings | None = None,
-    start: ContactSolution | None = None,
+    starts: Sequence[ContactSolution] | None = None,
 ) -> list[ContactSolution | ConvergenceError]:
     """`solve` of several: the same to the last digit, in less time where bodies and the shape of the law are the same.
 
@@ -124,8 +125,8 @@ def solve_together(
     ----------
     pressings : sequence of Pressing
     settings : ContactSettings, optional
-    start : ContactSolution, optional
-        Solution of a load that is near all of them.
+    starts : sequence of ContactSolution, optional
+        For each the solution of a neighbouring load to start from.
 
     Returns
     -------
@@ -134,17 +135,19 @@ def solve_together(
     """
     alike: dict[tuple[int, ...], list[int]] = {}
     for number, one in enumerate(pressings):
-        kind = (id(one.model), id(one.law.law)) if isinstance(one.law, ScaledLaw) else (number,)
+        law = None if isinstance(one.law, HardContact) else shape_of(one.law)
+        kind = (number,) if law is None else (id(one.model), id(law))
         alike.setdefault(kind, []).append(number)
     found: dict[int, ContactSolution | ConvergenceError] = {}
     for numbers in alike.values():
         some = [pressings[number] for number in numbers]
-        found.update(zip(numbers, _solve_alike(some, settings or ContactSettings(), start), strict=True))
+        near = None if starts is None else [starts[number] for number in numbers]
+        found.update(zip(numbers, _solve_alike(some, settings or ContactSettings(), near), strict=True))
     return [found[number] for number in range(len(pressings))]
 
 
 def _solve_alike(
-    pressings: Sequence[Pressing], settings: ContactSettings, start: ContactSolution | None
+    pressings: Sequence[Pressing], settings: ContactSettings, starts: Sequence[ContactSolution] | None
 ) -> list[ContactSolution | ConvergenceError]:
     """Of one model, and, if they are several, of laws of one shape."""
     first = pressings[0]
@@ -154,20 +157,21 @@ def _solve_alike(
         except ConvergenceError as error:
             return [error]
     rows = _Rows.of(pressings)
-    guess = None if start is None else [(start.log_pressure, start.approach)] * len(pressings)
+    guesses = None if starts is None else [(one.log_pressure, one.approach) for one in starts]
     try:
-        found = _newton(rows, _FLOOR, settings, guess)
+        found = _newton(rows, _FLOOR, settings, guesses)
     except FloatingPointError:
         # of one of them, whose own affair it is
         if len(pressings) > 1:
-            return [own for one in pressings for own in _solve_alike([one], settings, start)]
+            alone = [(n, None if starts is None else [starts[n]]) for n in range(len(pressings))]
+            return [own for n, near in alone for own in _solve_alike([pressings[n]], settings, near)]
         found = [(None, [np.inf])]
     gaps = iter(_gaps(rows, [state for state, _ in found]))
     return [
-        _softened_first(one, settings, guess)
+        _softened_first(one, settings, None if guesses is None else [guesses[n]])
         if state is None
         else _solution(one, state, residuals, next(gaps))
-        for one, (state, residuals) in zip(pressings, found, strict=True)
+        for n, (one, (state, residuals)) in enumerate(zip(pressings, found, strict=True))
     ]
 
 

@@ -255,6 +255,11 @@ def gas_table(surface: RoughContact, p: FloatArray, method: str) -> GasConductiv
     return gas_conductivity_table(surface, 10.0**low, 10.0**high, method=method)
 
 
+def slip_pressure(gas: Gas, gap: float) -> float:
+    """Pressure c = 6 (1.0162) eta v0/u at which slip carries as much through a gap [m] as viscous flow does [Pa]."""
+    return 6.0 * _SLIP * gas.viscosity * gas.molecular_speed / gap
+
+
 @dataclass(frozen=True, eq=False)
 class _Path:
     """The way through the contact, in stretches; what a uniform gap u_eff without rarefaction would resist.
@@ -295,7 +300,7 @@ class _Path:
     @cached_property
     def slip_pressure(self) -> float:
         """c at the narrowest place [Pa]."""
-        return 6.0 * _SLIP * self.flight_pressure / float(self.separation.min())
+        return slip_pressure(self.gas, float(self.separation.min()))
 
     @property
     def total(self) -> float:

@@ -1,4 +1,7 @@
-"""Flow along lines that meet in nodes, with a mobility that depends on the fluid pressure itself."""
+"""Flow along lines that meet in nodes, with a mobility that depends on the fluid pressure itself.
+
+Pressure is here what drives the flow: that of the fluid or a potential of it.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +14,12 @@ from numpy.typing import NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError
-from leak.numerics.gauss import gauss
 
-# Exact for the third power of a depth that is linear in the fluid pressure.
-_NODES = 3
+# Simpson's rule is exact for the third power of a depth that is linear in the fluid pressure, and knows both ends.
+_PLACES, _WEIGHTS = np.array([[0.0], [0.5], [1.0]]), np.array([1.0, 4.0, 1.0]) / 6.0
 _MOST_STEPS = 40
-_CONVERGED, _MOVED = 1e-11, 1e-7
+# Newton's method has arrived when a step is so small that the next would not be seen, or this one is not.
+_CONVERGED, _MOVED, _STILL = 1e-8, 1e-5, 1e-10
 # Of the best conductance: less than this is none, but the equations stay solvable.
 _LEAST, _NOTHING = 1e-60, 1e-50
 # From one stage to the next, where a little flow everywhere helps to find the way.
@@ -43,8 +46,8 @@ class NetworkFlow:
 
     flow: float
     """Between the ends of the first line, not negative; zero where no way is open."""
-    pressure: FloatArray
-    """In the nodes, shape (nodes,) [Pa]."""
+    potential: FloatArray
+    """What drives it, in the nodes, shape (nodes,)."""
 
 
 def network_flow(lines: Sequence[Line], first: float, last: float) -> NetworkFlow:
@@ -85,8 +88,7 @@ def network_flow(lines: Sequence[Line], first: float, last: float) -> NetworkFlo
     p = network.linear(most + _LEAST * best, held)
     if not network.connected(most > _NOTHING * best):
         return NetworkFlow(0.0, np.clip(p, low, high))
-    start = network.linear(network.secant(p) + _LEAST * best, held)
-    found, p, flow = network.newton(np.clip(start, low, high), _LEAST * best)
+    found, p, flow = network.newton(np.clip(p, low, high), _LEAST * best)
     if not found:
         # Just before the fluid opens a closed place Newton's method loses its way: begin with a little flow everywhere,
         # and take it away in steps that it can follow.
@@ -97,7 +99,7 @@ def network_flow(lines: Sequence[Line], first: float, last: float) -> NetworkFlo
                 less = less**0.5
                 continue
             p, share, less = new, share * less, max(less**1.5, _LESS)
-            if share * best * (high - low) < network.flow(network.secant(p), p):
+            if share * best * (high - low) < network.flow(network.conductances(p)[0], p):
                 found, new, flow = network.newton(p, _LEAST * best)
                 p = new if found else p
     if not found:
@@ -142,19 +144,18 @@ class _Network:
     def opens(self) -> FloatArray:
         return np.concatenate([line.opens for line in self.lines])
 
-    def secant(self, p: FloatArray) -> FloatArray:
-        """Flow over drop of each slice, shape (slices,)."""
-        start, drop = p[self.tail], self.drops(p)
-        kink = np.clip(self.opens, np.minimum(start, p[self.head]), np.maximum(start, p[self.head]))
-        first = np.abs(kink - start) / np.where(drop == 0.0, 1.0, np.abs(drop))
+    def conductances(self, p: FloatArray) -> FloatArray:
+        """Of each slice flow over drop, and m over its length at its tail and its head, shape (3, slices)."""
+        start, end = p[self.tail], p[self.head]
+        kink = np.clip(self.opens, np.minimum(start, end), np.maximum(start, end))
+        first = np.abs(kink - start) / np.where(end == start, 1.0, np.abs(end - start))
         if not np.any((first > 0.0) & (first < 1.0)):
-            return self._mean(start, drop)
-        return first * self._mean(start, kink - start) + (1.0 - first) * self._mean(kink, p[self.head] - kink)
-
-    def _mean(self, start: FloatArray, step: FloatArray) -> FloatArray:
-        """Mean conductance over a step of the pressure."""
-        nodes, weights = gauss(_NODES)
-        return 0.5 * weights @ self.conductance(start + 0.5 * (1.0 + nodes)[:, None] * step)
+            c = self.conductance(start + _PLACES * (end - start))
+            return np.stack([_WEIGHTS @ c, c[0], c[-1]])
+        parts = [low + _PLACES * (high - low) for low, high in ((start, kink), (kink, end))]
+        c = self.conductance(np.concatenate(parts))
+        before, after = np.split(c, 2)
+        return np.stack([first * (_WEIGHTS @ before) + (1.0 - first) * (_WEIGHTS @ after), c[0], c[-1]])
 
     def drops(self, p: FloatArray) -> FloatArray:
         """From tail to head of each slice."""
@@ -192,32 +193,38 @@ class _Network:
         """Whether it converges from p, pressures and flow, with a smallest conductance of all slices."""
         ends = p[self.lines[0].nodes[[0, -1]]]
         low, high = float(ends.min()), float(ends.max())
-        secant = self.secant(p)
-        c = secant + least
-        flow = self.flow(c, p)
+        c = self.conductances(p)
+        flow = self.flow(c[0] + least, p)
         for _ in range(_MOST_STEPS):
-            tail, head = self.conductance(np.stack([p[self.tail], p[self.head]])) + least
-            step = self.solved(tail, head, -self.divergence(c * self.drops(p)))
+            mean, tail, head = c + least
+            step = self.solved(tail, head, -self.divergence(mean * self.drops(p)))
             new = np.clip(p + step, low, high)
-            moved, before, p = float(np.abs(new - p).max()), flow, new
-            secant = self.secant(p)
-            c = secant + least
-            flow = self.flow(c, p)
+            moved, before = float(np.abs(new - p).max()), flow
+            if moved <= _STILL * (high - low):
+                break
+            p = new
+            c = self.conductances(p)
+            flow = self.flow(c[0] + least, p)
             if moved <= _MOVED * (high - low) and abs(flow - before) <= _CONVERGED * flow:
-                return True, p, self.flow(secant, p)
-        return False, p, self.flow(secant, p)
+                break
+        else:
+            return False, p, self.flow(c[0], p)
+        return True, p, self.flow(c[0], p)
 
     def solved(self, tail: FloatArray, head: FloatArray, right: FloatArray) -> FloatArray:
         """Change of the inner pressures whose flows head dp_head - tail dp_tail bring `right` out of each node."""
-        from scipy.linalg import solve_banded
+        from scipy.linalg.lapack import dgbsv
 
         order, width, kept, place = self._band
         found = np.zeros(self.count)
         if order.size:
             value = np.concatenate([head, -tail, -head, tail])[kept]
-            rows = 2 * width + 1
+            # LAPACK wants as many rows more as there are diagonals below
+            rows = 3 * width + 1
             band = np.bincount(place, value, rows * order.size).reshape(rows, order.size)
-            found[order] = solve_banded((width, width), band, right[order], check_finite=False)
+            _, _, found[order], singular = dgbsv(width, width, band, right[order])
+            if singular:
+                raise ProfileError("the flow along the groove was not found: its way is cut")
         return found
 
     @cached_property
@@ -239,4 +246,4 @@ class _Network:
             turn = np.argsort(order)
             i, j, nodes = turn[i], turn[j], nodes[order]
         width = int(np.abs(i - j).max())
-        return nodes, width, kept, (width + i - j) * nodes.size + j
+        return nodes, width, kept, (2 * width + i - j) * nodes.size + j

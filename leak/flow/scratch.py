@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, Protocol, TypeVar, runtime_checkable
+from typing import Generic, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,20 +22,23 @@ from leak.flow.contact_profile import (
     checked_profile,
     checked_side,
 )
-from leak.flow.gas_flow import GasLeakResult, checked_outlet, gas_table, highest_pressures
+from leak.flow.gas_flow import GasLeakResult, checked_outlet, gas_table, highest_pressures, slip_pressure
 from leak.flow.groove_section import EllipticGroove, GrooveSection
 from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure
 from leak.flow.network import Line, NetworkFlow, network_flow
 from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact
-from leak.fluids.pressure_law import FlowPotential, PressureLaw
+from leak.fluids.pressure_law import PressureLaw, flow_potential
 from leak.fluids.properties import Gas
+from leak.fluids.real_gas import GasPotential
 from leak.numerics.gauss import gauss
 
 # The fluid pressure bends even where the contact pressure does not.
 _CELLS = 100
 # Of a perfect vacuum: density times conductance of free molecules does not depend on the pressure any more [Pa].
 _VACUUM = 1e-9
+# Of the slip pressure in the potential of a gas, over its highest pressure: where no gap is left w is linear in p_f.
+_MOST_SLIP = 1e3
 # ln of what counts as a gap times the pressure of the gas where there is none.
 _SHUT = -200.0
 # Depths between which a scratch is looked for [m].
@@ -257,9 +260,10 @@ def scratch_flow(
         Q = [2 pi r sigma_eff(p) + sum of K(p - p_f) dx/ds] m(p_f) dp_f/dx
 
     is solved for p_f (upper bound; s runs along the scratch, and m = (rho/rho0)(eta0/eta) is one without
-    `pressure_law`). For the lower bound every scratch has a p_f of its own
-    where it is deeper than the rough gap, u_eff = (12 eta sigma_eff)^(1/3); elsewhere the gap is so wide that the
-    scratch is lost in it. A network whose links are cut carries less: the lower bound never exceeds the upper one.
+    `pressure_law`), with its potential psi = int m dp_f as the unknown. For the lower bound
+    every scratch has a p_f of its own where it is deeper than the rough gap, u_eff = (12 eta sigma_eff)^(1/3);
+    elsewhere the gap is so wide that the scratch is lost in it. A network whose links are cut carries less: the lower
+    bound never exceeds the upper one.
 
     Examples
     --------
@@ -286,31 +290,33 @@ def scratch_flow(
     profile = _profile(xs, ps, rs, ends, largest_pressure, conductivity)
     contact, deeper = _Contact.through(profile, _liquid_gap(conductivity, eta)).cut(grooves, modulus)
     rough = 2.0 * np.pi * contact.radius * contact.gap**3 / (12.0 * eta)
+    potential = flow_potential(pressure_law, drop)
     nominal = contact.pressure
-    thickens = FlowPotential(pressure_law, drop).mobility
 
     def along(groove: Groove) -> Mobility:
         path = groove.path(contact.radius)
 
-        def mobility(pressure: FloatArray, at: slice) -> FloatArray:
-            K = groove.section.liquid_conductance(nominal[at] - pressure, modulus, eta)
-            return np.asarray(K * thickens(pressure) / path[at])
+        def mobility(fluid: _Fluid, at: slice) -> FloatArray:
+            return groove.section.liquid_conductance(nominal[at] - fluid.pressure, modulus, eta) / path[at]
 
         return mobility
 
     def result(flow: NetworkFlow) -> LeakResult:
         rate = flow.flow
         resistance = drop / rate if rate > 0.0 else float("inf")
-        return LeakResult(rate, resistance, np.interp(xs, contact.x, flow.pressure[contact.nodes]))
+        psi = np.interp(xs, contact.x, flow.potential[contact.nodes])
+        return LeakResult(rate, resistance, potential.pressure(psi))
 
     bounds = _Bounds(
         contact,
-        lambda pressure: np.asarray(rough * thickens(pressure)),
+        lambda psi: _Fluid(potential.pressure(psi), psi),
+        lambda fluid: np.broadcast_to(rough, fluid.pressure.shape),
         tuple(along(groove) for groove in grooves),
         deeper,
-        tuple(nominal - groove.section.closing_pressure(modulus) for groove in grooves),
+        tuple(potential(nominal - groove.section.closing_pressure(modulus)) for groove in grooves),
     )
-    return bounds.found(result, *((0.0, drop) if pressure_side == "outer" else (drop, 0.0)))
+    whole = potential.whole
+    return bounds.found(result, *((0.0, whole) if pressure_side == "outer" else (whole, 0.0)))
 
 
 def gas_scratch_flow(
@@ -354,7 +360,8 @@ def gas_scratch_flow(
     -----
     As `scratch_flow`, for the mass flow: every conductance carries the density p_f/(R_s T), or that of a real gas, and
     the factor of the rarefied gas, in a scratch that of a slit as wide as each place of the section is deep. p_f less
-    the outlet pressure holds the scratch open.
+    the outlet pressure holds the scratch open. The unknown is w of `leak.gas_leak_flow`, in which the roughness hardly
+    depends on p_f.
 
     Examples
     --------
@@ -387,41 +394,53 @@ def gas_scratch_flow(
     in_continuum = 2.0 * np.pi * contact.radius * gap**3 / (12.0 * gas.viscosity * per_density)
     log_rarefaction = _log_rarefaction(table, contact.first_loading)
 
-    def rough(pressure: FloatArray) -> FloatArray:
-        log_q = np.log(gas.flow_pressure(np.maximum(pressure, _VACUUM)))
-        log_D = log_q + log_width
-        return np.asarray(in_continuum * np.exp(log_q + log_flow_factor(log_D) + log_rarefaction(log_D)))
-
-    def along(groove: Groove) -> Mobility:
-        path = groove.path(contact.radius)
-
-        def mobility(pressure: FloatArray, at: slice) -> FloatArray:
-            q = gas.flow_pressure(np.maximum(pressure, _VACUUM))
-            K = groove.section.gas_conductance(nominal[at] - (pressure - p_out), modulus, gas, q)
-            return np.asarray(K * q / (per_density * path[at]))
-
-        return mobility
-
     peak = int(np.argmax(ps))
     if table is not None:
         narrowest = float(table.at_log_pressure(profile.first_loading(xs[peak], np.log(ps[peak]))))
     else:
         narrowest = max(float(groove.section.open_depth(ps[peak], modulus)) for groove in grooves)
+    slip = min(slip_pressure(gas, max(narrowest, 1e-300)), _MOST_SLIP * p_in)
+    potential = GasPotential(gas.real, p_in, slip)
+
+    def fluid_at(w: FloatArray) -> _Fluid:
+        return _Fluid(potential.pressure(w), np.maximum(potential.flow_pressure(w), _VACUUM))
+
+    def rough(fluid: _Fluid) -> FloatArray:
+        log_q = np.log(fluid.flow_pressure)
+        log_D = log_q + log_width
+        factor = np.exp(log_q + log_flow_factor(log_D) + log_rarefaction(log_D))
+        return np.asarray(in_continuum * factor / (2.0 * (fluid.flow_pressure + slip)))
+
+    def along(groove: Groove) -> Mobility:
+        path = per_density * groove.path(contact.radius)
+
+        def mobility(fluid: _Fluid, at: slice) -> FloatArray:
+            q = fluid.flow_pressure
+            K = groove.section.gas_conductance(nominal[at] - (fluid.pressure - p_out), modulus, gas, q)
+            return np.asarray(K * (0.5 * q / (q + slip)) / path[at])
+
+        return mobility
+
+    def opens(groove: Groove) -> FloatArray:
+        closing = groove.section.closing_pressure(modulus)
+        return potential(np.clip(p_out + nominal - closing, 0.0, p_in))
 
     def result(flow: NetworkFlow) -> GasLeakResult:
-        pressure = np.interp(xs, contact.x, flow.pressure[contact.nodes])
+        pressure = potential.pressure(np.interp(xs, contact.x, flow.potential[contact.nodes]))
         free_path = gas.mean_free_path(max(float(pressure[peak]), 1e-300))
         knudsen = free_path / narrowest if narrowest > 0.0 else float("inf")
         return GasLeakResult(gas, p_in, p_out, flow.flow, pressure, knudsen)
 
     bounds = _Bounds(
         contact,
+        fluid_at,
         rough,
         tuple(along(groove) for groove in grooves),
         deeper,
-        tuple(p_out + nominal - groove.section.closing_pressure(modulus) for groove in grooves),
+        tuple(opens(groove) for groove in grooves),
     )
-    return bounds.found(result, *((p_out, p_in) if pressure_side == "outer" else (p_in, p_out)))
+    low, high = float(potential(p_out)), float(potential(p_in))
+    return bounds.found(result, *((low, high) if pressure_side == "outer" else (high, low)))
 
 
 def deepest_scratch(
@@ -507,7 +526,16 @@ def deepest_scratch(
 
 # -------------------------------------------------------------------- the contact in slices
 
-Mobility = Callable[[FloatArray, slice], FloatArray]
+
+class _Fluid(NamedTuple):
+    """The fluid where a potential has some values, both (k, n) [Pa]."""
+
+    pressure: FloatArray
+    flow_pressure: FloatArray
+    """q of a gas; of a liquid psi."""
+
+
+Mobility = Callable[[_Fluid, slice], FloatArray]
 GapOfLogPressure = Callable[[FloatArray], FloatArray]
 
 
@@ -643,16 +671,19 @@ class _Bounds:
     """The three networks of slices: roughness alone, with scratches cut off from it, and joined to it."""
 
     contact: _Contact
-    rough: Callable[[FloatArray], FloatArray]
-    """Mobility of the roughness at pressures (k, n)."""
+    fluid_at: Callable[[FloatArray], _Fluid]
+    """Fluid at potentials (k, n): psi of a liquid [Pa], w of a gas [Pa^2]."""
+    rough: Callable[[_Fluid], FloatArray]
+    """Mobility of the roughness, (k, n): flow over the slope of the potential."""
     grooves: tuple[Mobility, ...]
+    """Mobility along each groove, (k, n)."""
     deeper: tuple[NDArray[np.bool_], ...]
     """Where each groove is deeper than the rough gap is wide, shape (n,)."""
     opens: tuple[FloatArray, ...]
-    """Fluid pressure from which on each groove is open, shape (n,) [Pa]."""
+    """Potential from which on each groove is open, shape (n,)."""
 
     def found(self, result: Callable[[NetworkFlow], _Flow], first: float, last: float) -> LeakBounds[_Flow]:
-        """Bounds from the flows through networks, for the pressures at small and large x."""
+        """Bounds from the flows through networks, for the potentials at small and large x."""
         everywhere = tuple(np.ones_like(deep) for deep in self.deeper)
         nowhere = tuple(~one for one in everywhere)
         return LeakBounds(
@@ -664,12 +695,12 @@ class _Bounds:
     def _main(self, apart: tuple[NDArray[np.bool_], ...]) -> Line:
         """The roughness, and in it the grooves where they are not apart."""
 
-        def mobility(pressure: FloatArray) -> FloatArray:
-            everywhere = slice(None)
-            total = self.rough(pressure)
+        def mobility(potential: FloatArray) -> FloatArray:
+            everywhere, fluid = slice(None), self.fluid_at(potential)
+            total = self.rough(fluid)
             for groove, own in zip(self.grooves, apart, strict=True):
                 if not own.all():
-                    along = groove(pressure, everywhere)
+                    along = groove(fluid, everywhere)
                     total = total + (np.where(own, 0.0, along) if own.any() else along)
             return total
 
@@ -689,12 +720,11 @@ class _Bounds:
                 nodes = np.concatenate([[begin], following + np.arange(end - begin - 1), [end]])
                 following += end - begin - 1
                 at = slice(int(begin), int(end))
-                lines.append(Line(nodes, self.contact.length[at], _within(groove, at), opens[at]))
+                lines.append(Line(nodes, self.contact.length[at], self._within(groove, at), opens[at]))
         return lines
 
-
-def _within(groove: Mobility, at: slice) -> Callable[[FloatArray], FloatArray]:
-    return lambda pressure: groove(pressure, at)
+    def _within(self, groove: Mobility, at: slice) -> Callable[[FloatArray], FloatArray]:
+        return lambda potential: groove(self.fluid_at(potential), at)
 
 
 def _checked_grooves(scratches: Groove | Sequence[Groove]) -> tuple[Groove, ...]:

@@ -11,7 +11,7 @@ from leak.arrays import FloatArray
 from leak.errors import ScanError
 from leak.surfaces.fit import VarianceShare, fit_spectrum
 from leak.surfaces.outliers import find_outliers, without_outliers
-from leak.surfaces.periodogram import Periodogram, evidence, periodogram
+from leak.surfaces.periodogram import Periodogram, evidence, periodogram, pooled
 from leak.surfaces.range import ReliableRange, reliable_range, share_above
 from leak.surfaces.scans import Topography
 from leak.surfaces.self_affine_fit import RollOff, fit_rolloff
@@ -231,7 +231,7 @@ def _spectrum(
     )
     within = np.mean([_overlap(edges, reliable) for reliable in ranges], axis=0)
     share = VarianceShare(float(held.mean()), np.sqrt(edges[1:] * edges[:-1]), 2.0 * np.pi * within)
-    fit = fit_spectrum(nodes, seen, share)
+    fit = fit_spectrum(nodes, pooled(seen), share)
     shape = PowerSpectrum(nodes[: count + 1], np.exp(fit.log_density[: count + 1]))
     now = 2.0 * np.pi * np.mean([shape.moment(1, one.q_low, one.q_high) for one in ranges])
     measured = PowerSpectrum(shape.wavenumber, shape.density * held.mean() / now)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -168,19 +170,51 @@ def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evide
     )
 
 
+def pooled(evidence: Sequence[Evidence]) -> list[Evidence]:
+    """Scans of the same length and spacing as one scan: as likely for every spectrum, but for a constant."""
+    found: list[Evidence] = []
+    for one in evidence:
+        same = (
+            n
+            for n, other in enumerate(found)
+            if other.weights.shape == one.weights.shape and np.allclose(other.weights, one.weights, rtol=1e-9)
+        )
+        n = next(same, None)
+        if n is None:
+            found.append(one)
+            continue
+        other = found[n]
+        freedom = other.freedom + one.freedom
+        mean = (other.density * other.freedom + one.density * one.freedom) / freedom
+        found[n] = replace(other, density=mean, freedom=freedom)
+    return found
+
+
 def _line_weights(
     modes: Periodogram, groups: list[IntArray], edges: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Expected C_1D of each bin from pieces of constant C, the smearing of the window included."""
-    shift, share = (np.array(list(column)) for column in zip(*_NEIGHBOURS[modes.window].items(), strict=True))
-    step = modes.step[0]
+    spans = tuple((int(group[0]), int(group[-1]) + 1) for group in groups)
+    rows = _rows_of_spans(float(modes.step[0]), modes.window, spans, tuple(edges.tolist()))
+    return np.sqrt(edges[1:] * edges[:-1]), rows
+
+
+# of as many lengths of scans as one surface is measured with
+@lru_cache(maxsize=16)
+def _rows_of_spans(
+    step: float, window: Window, spans: tuple[tuple[int, int], ...], edges: tuple[float, ...]
+) -> FloatArray:
+    """The same of all scans of one length: bins by the first mode and that behind the last one; not to be changed."""
+    shift, share = (np.array(list(column)) for column in zip(*_NEIGHBOURS[window].items(), strict=True))
     rows = []
-    for group in groups:
-        q = _represented(modes.wavenumber[group], _LINE_SAMPLES)
+    for first, behind in spans:
+        q = _represented(step * np.arange(first + 1.0, behind + 1.0), _LINE_SAMPLES)
         near, part = q[:, None] + shift * step, np.broadcast_to(share / q.size, (q.size, share.size))
         real = near > 0.5 * step
-        rows.append(part[real] @ abel_weights(near[real], edges))
-    return np.sqrt(edges[1:] * edges[:-1]), np.array(rows)
+        rows.append(part[real] @ abel_weights(near[real], np.array(edges)))
+    found = np.array(rows)
+    found.flags.writeable = False
+    return found
 
 
 def _represented(q: FloatArray, most: int) -> FloatArray:

@@ -10,13 +10,13 @@ ends of that part are uncertain.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from leak.arrays import FloatArray
-from leak.surfaces.periodogram import Evidence
+from leak.surfaces.periodogram import Evidence, pooled
 
 CONFIDENCE = 0.9
 """Share of scans whose interval contains the truth."""
@@ -123,7 +123,7 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
     P. Whittle, J. Royal Stat. Soc. B 15, 125 (1953): likelihood of Fourier power; L. Tierney, J. B. Kadane,
     J. Am. Stat. Assoc. 81, 82 (1986): probability of each line by Laplace's approximation.
     """
-    seen = _pooled([_trusted(one, _TRUSTED * nodes[-1]) for one in evidence])
+    seen = pooled([_trusted(one, _TRUSTED * nodes[-1]) for one in evidence])
     lines = _Lines.through(np.log(nodes), seen)
     waves = _scatter_of_waves(evidence)
     if lines is None:
@@ -168,26 +168,6 @@ def _trusted(one: Evidence, last: float) -> Evidence:
         np.exp(np.add.reduceat(np.log(one.samples), firsts) / count),
         np.add.reduceat(one.weights[keep], firsts, axis=1),
     )
-
-
-def _pooled(evidence: Sequence[Evidence]) -> list[Evidence]:
-    """Scans of the same length and spacing as one scan."""
-    pooled: list[Evidence] = []
-    for one in evidence:
-        same = (
-            n
-            for n, other in enumerate(pooled)
-            if other.weights.shape == one.weights.shape and np.allclose(other.weights, one.weights, rtol=1e-9)
-        )
-        n = next(same, None)
-        if n is None:
-            pooled.append(one)
-            continue
-        other = pooled[n]
-        freedom = other.freedom + one.freedom
-        mean = (other.density * other.freedom + one.density * one.freedom) / freedom
-        pooled[n] = replace(other, density=mean, freedom=freedom)
-    return pooled
 
 
 @dataclass(frozen=True, eq=False)

@@ -122,11 +122,15 @@ def panels(
     """A figure with `count` axes side by side, `head` inches of room above them and `side` on the right."""
     from matplotlib.figure import Figure
 
+    from fem_seal.output.pictures.axes import BareAxes
+
     figure = (kind or Figure)(figsize=(width, height))
     axes = figure.subplots(
         1,
         count,
         squeeze=False,
+        # whoever is shown a figure may draw it himself
+        subplot_kw=None if kind else {"axes_class": BareAxes},
         gridspec_kw={
             "left": _LEFT / width,
             "right": 1 - side / width,
