@@ -33,11 +33,15 @@ ANGLES_PER_WAVE = 64
 # as half-spaces do (two waves: 5e-5 of the line load, 50 random ones: 3e-4). A wave is strong with this share of all
 # amplitudes.
 _PERIODS, _HARMONICS, _STRONG = 3, 12, 0.05
-# Leak rates are interpolated over ln f, in a range whose ends are multiples of the first number and which is no wider
-# than the second: by a polynomial through so many line loads and one, if that through every other of them gives the
-# same to the last numbers (of the leak rate itself, and of its ratio to the conductivity). Mostly that leaves 3e-6, of
-# 160 leak rates 2e-4 at most, next to sealing 2e-3, and what all but seals may count as sealed (asked at every angle).
-_ENDS, _WIDEST, _PARTS, _AGREE, _AGREE_OF_RATIO = 0.125, 2.0, (4, 8, 16), 2e-3, 5e-4
+# Leak rates are interpolated in a range of ln f whose ends are multiples of the first number and which is no wider than
+# the second: by a polynomial through so many line loads and one, if it gives the same to the last numbers (of the leak
+# rate itself, and of its ratio to the conductivity) without its highest degree, and to five times as much without the
+# highest two, of which one may be none by chance. Mostly that leaves 1e-6, of 196 leak rates 4e-5 at most, also next to
+# sealing; what all but seals may count as sealed (asked at every angle).
+_ENDS, _WIDEST, _PARTS, _AGREE, _AGREE_OF_RATIO = 0.125, 2.0, (4, 8, 16), 4e-4, 1e-4
+_OF_TWO = 0.2
+# Their variable is this power of f, over which ln Q bends least.
+_POWER = 0.25
 # Else, and where places are sealed: between line loads with these steps in ln f, the coarse one far below the mean,
 # where the surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
 _STEP, _COARSE_STEP, _FINE, _BEYOND = 0.125, 2.0, 48, 2
@@ -279,22 +283,24 @@ class LeakCurve:
         return _between(np.array(rungs), rates, v), max(flows, key=lambda flow: flow.leak_rate)
 
     def _smooth(self, low: float, high: float, v: FloatArray) -> FloatArray | None:
-        """Leak rates at v by a polynomial over a range of ln f; None if there is none that is good enough.
+        """Leak rates at v by a polynomial in a range of ln f; None if there is none that is good enough.
 
         What is interpolated is the leak rate, or next to sealing its ratio to sigma_eff at the highest pressure, which
         knows where it would be sealed.
         """
         if high - low > _WIDEST or not self._at(high).leak_rate > 0:
             return None
+        first, last, at = (np.exp(_POWER * one) for one in (low, high, v))
         for parts in _PARTS:
-            rungs = np.array([low + (high - low) * share for share in _shares(parts)])
+            places = first + (last - first) * np.array(_shares(parts))
+            rungs = np.array([low, *np.log(places[1:-1]) / _POWER, high])
             log_rates = np.log([flow.leak_rate for flow in self._of(rungs.tolist())])
-            off, found = _polynomials(rungs, log_rates, v)
+            off, found = _polynomials(places, log_rates, at)
             if off < _AGREE:
                 return found
             at_rungs, at_v = self._at_peak(rungs), self._at_peak(v)
             if np.isfinite(at_rungs).all():
-                off, found = _polynomials(rungs, log_rates - at_rungs, v, at_v)
+                off, found = _polynomials(places, log_rates - at_rungs, at, at_v)
                 if off < _AGREE_OF_RATIO:
                     return found
         return None
@@ -322,15 +328,15 @@ def _after(now: PressureProfile, before: PressureProfile) -> PressureProfile:
 
 
 def _polynomials(
-    rungs: FloatArray, y: FloatArray, v: FloatArray, known: FloatArray | float = 0.0
+    places: FloatArray, y: FloatArray, at: FloatArray, known: FloatArray | float = 0.0
 ) -> tuple[float, FloatArray]:
-    """exp of a polynomial plus what is known at v, and how far off its mean is through every other rung."""
-    ends = float(rungs[0]), float(rungs[-1])
-    found, coarser = (
-        np.exp(known + Chebyshev.fit(rungs[::every], y[::every], (len(rungs) - 1) // every, ends)(v))
-        for every in (1, 2)
-    )
-    return abs(float(coarser.mean() / found.mean()) - 1.0), found
+    """exp of the polynomial through y plus what is known, and its mean change without the highest degrees."""
+    degree = len(places) - 1
+    through = Chebyshev.fit(places, y, degree, (float(places[0]), float(places[-1])))
+    found = np.exp(known + through(at))
+    less = (np.exp(known + through.truncate(degree + 1 - n)(at)) for n in (1, 2))
+    one, two = (float(np.abs(rates - found).mean() / found.mean()) for rates in less)
+    return max(one, _OF_TWO * two), found
 
 
 @lru_cache(maxsize=len(_PARTS))
