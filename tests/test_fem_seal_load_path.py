@@ -132,7 +132,8 @@ def test_an_open_seal_names_the_force_that_closes_it(side, too_little, tables, b
 
     with pytest.raises(InputError) as failure:
         under(too_little)
-    needed = float(re.search(r"give an axial_force above (-?[\d.]+) N", str(failure.value)).group(1))
+    said = re.search(r"give an axial_force above ([-\u2212]?[\d.]+) N", str(failure.value)).group(1)
+    needed = float(said.replace("\u2212", "-"))
     lifted = math.pi * case().touch_radius ** 2 * 20e5 * (1 if side == "inner" else -1)
     assert needed == pytest.approx(lifted, rel=3e-3)
     assert under(f"{needed + 2e-4 * abs(needed)} N").loads[0].axial_force > 0
@@ -196,9 +197,8 @@ def test_a_target_that_only_an_extrapolation_reaches_is_warned_of():
     soft = {**STEEL_TABLE, "yield_stress": "250 MPa"}
     result = fem_seal.run(case(seat=cone(soft), load=load))
     forces = [one.force_for_target for one in result.loads]
-    prefix = (
-        f"at the force for the target leak rate, {forces[0]:.4g} N at 20 bar to {forces[1]:.4g} N at 40 bar: "
-    )
+    low, high = (f"{force / 1e3:.4g} kN" for force in forces)
+    prefix = f"at the force for the target leak rate, {low} at 20 bar to {high} at 40 bar: "
     assert all(text.startswith(prefix) for text in result.warnings)
     told = [text.removeprefix(prefix) for text in result.warnings]
     again = fem_seal.run(
