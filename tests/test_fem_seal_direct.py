@@ -227,8 +227,8 @@ def test_finished_pieces_are_not_done_again(tmp_path):
 
 
 def test_interruption_does_not_wait_for_what_is_left(tmp_path):
-    """Ctrl-C while two processes are busy with a minute of pieces: they end, and what is done stays."""
-    settings, surface = simulated(points=256, samples=60)
+    """Ctrl-C while two processes are busy with more than a minute of pieces: they end, and what is done stays."""
+    settings, surface = simulated(points=128, samples=200)
     settings = DirectSettings(**{**vars(settings), "folder": tmp_path})
     said: list[tuple[float, str]] = []
 

@@ -9,14 +9,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from sample_results import case, cone
+from sample_results import case, cone, run_loads
 from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import minimize_scalar
 
 import fem_seal
 import leak
 from fem_seal import InputError, cli
-from fem_seal.analysis.chain import solve
 from fem_seal.analysis.leak_map import _with_memory
 from fem_seal.cli_table import grid
 from fem_seal.output.leak_map import matlab_text, modelica_text, tables_of
@@ -196,7 +195,7 @@ def test_a_seat_that_was_coined_has_a_table_whatever_the_order():
     assert found.level == [["valid"]] * 3 and found.reasons == ()
     # each as the only load after the earlier one; the elements are sized for it, half as long as the contact is wide
     for pressure, leak_rate in zip((60, 180), found.leak_rate[:, 0], strict=False):
-        alone = solve(coined.replace({"load.fluid_pressure": f"{pressure} bar"}), levers=False).loads[0]
+        alone = run_loads(coined.replace({"load.fluid_pressure": f"{pressure} bar"})).loads[0]
         assert leak_rate == pytest.approx(alone.leak.leak_rate, rel=0.02)
 
 

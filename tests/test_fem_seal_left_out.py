@@ -12,7 +12,7 @@ from unittest.mock import Mock
 import numpy as np
 import pandas as pd
 import pytest
-from sample_results import STEEL, case, cone, rough_result, run_loads
+from sample_results import STEEL, case, cone, rough_result, run_loads, single_result
 
 import fem_seal
 from fem_seal import cli
@@ -235,7 +235,7 @@ def test_a_leak_rate_that_fails_costs_no_contact(monkeypatch):
         return leak_of(flow, table, profile, fluid_pressure)
 
     monkeypatch.setattr(Flow, "leak_of", failing)
-    result = fem_seal.run(case())
+    result = run_loads(case())
     assert result.table.leak_rate_m3_per_s.isna().tolist() == [False, True, False]
     assert result.table.peak_pressure_Pa.notna().all()
     assert any(text.startswith("leak rate at 5 bar: could not be calculated") for text in result.warnings)
@@ -257,7 +257,7 @@ def test_stress_that_nobody_can_calculate_costs_neither_contact_nor_leak(monkeyp
 @pytest.mark.parametrize("broken", ["write_report", "write_contact", "write_imprint_csv", "write_summary"])
 def test_a_file_that_cannot_be_made_costs_no_other(broken, monkeypatch, tmp_path):
     monkeypatch.setattr(files, broken, Mock(side_effect=KeyError("no such picture")))
-    result = fem_seal.run(case(load={"fluid_pressure": "20 bar"}))
+    result = single_result()
     with pytest.warns(UserWarning, match="could not be calculated"):
         result.write(tmp_path)
     there = {path.name for path in tmp_path.iterdir()}

@@ -39,7 +39,7 @@ def rates(result):
 )
 def test_a_step_does_what_a_run_with_the_changed_input_does(key, changes):
     result, known = found()
-    run = fem_seal.run(result.case.replace(changes))
+    run = run_loads(result.case.replace(changes))
     ratios = [after / before for before, after in zip(rates(result), rates(run), strict=True)]
     # tables of conductivity to 1e-5, meshes of their own to a few 1e-4
     assert known[key].ratio == pytest.approx(ratios, rel=1e-3)
@@ -63,7 +63,7 @@ def test_a_tenth_more_force_is_that_of_the_contact_where_nothing_else_closes():
     result, known = found()
     force = known["force"]
     assert force.after == pytest.approx(0.1 * result.loads[0].axial_force, rel=1e-12)
-    run = fem_seal.run(result.case.replace({"load.axial_force": force.after}))
+    run = run_loads(result.case.replace({"load.axial_force": force.after}))
     ratios = [after / before for before, after in zip(rates(result), rates(run), strict=True)]
     assert force.ratio == pytest.approx(ratios, rel=1e-3)
     assert force.straight and step_in_words(result.case, force) == "126 N more closing force"
@@ -122,7 +122,7 @@ def coined():
         "load.axial_force": "100 N",
         "mesh.contact_size": "40 um",
     }
-    return solve(case.replace(changes), levers=False)
+    return run_loads(case.replace(changes))
 
 
 @pytest.mark.slow
@@ -140,7 +140,7 @@ def test_levers_of_a_body_that_yields_are_paths_of_their_own(monkeypatch):
         "rms_height": {"roughness.spectrum.rms_height": "0.5 um"},
     }
     for key, change in changes.items():
-        again = solve(result.case.replace(change), levers=False).loads[1].leak.leak_rate
+        again = run_loads(result.case.replace(change)).loads[1].leak.leak_rate
         # the same path; tables of conductivity to 1e-4, elements that are chosen for the rougher or smoother surface
         assert found[key].ratio[0] == pytest.approx(again / before, rel=1e-3), key
 
