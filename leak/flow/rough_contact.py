@@ -592,7 +592,8 @@ class RoughContact:
             return math.log(s * hardness / (z * self.effective_modulus)) - 0.5 * math.log(math.pi * rest)
 
         log_odds = math.log(most / (1.0 - most))
-        log_odds = root_of_rising(excess, log_odds - _SEALING_RANGE, log_odds, 1e-10)
+        ends, start = (log_odds - _SEALING_RANGE, log_odds), min(log_odds, _USUAL_ODDS)
+        log_odds = root_of_rising(excess, *ends, start, 1e-10)
         return hardness / (1.0 + math.exp(-log_odds))
 
     def _reaches(self, acting: float, low: float, high: float) -> float:
@@ -740,8 +741,8 @@ def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
 _USUAL_BEARING, _CLOSE, _NEWTON_STEPS = 0.02, 1e-6, 40
 _HALVINGS = 60
 
-# How far below the largest one ln(s/(1 - s)) of a sealing pressure is looked for.
-_SEALING_RANGE = 40.0
+# How far below the largest one ln(s/(1 - s)) of a sealing pressure is looked for, and what few exceed.
+_SEALING_RANGE, _USUAL_ODDS = 40.0, 0.0
 
 # The table's last point below the sealing pressure, as a fraction of it; u_eff is below any molecule's size there.
 _CLOSEST_TO_SEALING, _CLOSEST_TO_POWER = 0.02, 1e-3

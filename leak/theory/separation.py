@@ -21,7 +21,7 @@ _FIRST_STEP, _FIRST_FRACTION, _FIRST_YIELD = 0.05, 0.01, 0.01
 # Short panels come first, where A falls from one like erf.
 _FIRST_RANGE = 38.0
 _FIRST_PANELS = np.array([3.0, 4.0, 6.0, 9.0, 16.0]) / 38.0
-_FIRST_NODES = 8
+_FIRST_NODES = 5
 # Panels elsewhere are at most this long in `_detail`, with about this many Gauss points per unit length.
 _PANEL, _PANEL_POINTS = 1.3, 4.6
 # Steps in ln M, and as many in ln q, between neighbouring kinks, over which the detail is looked at.
