@@ -418,7 +418,10 @@ class RoughContact:
             u = SeparationGrid.around(mean, self.spectrum.rms_height, count=1024).separation
         else:
             u = np.atleast_1d(np.asarray(separation, dtype=float))[None, :]
-        return u[0], density(lost, u)[0]
+        order = u[0].argsort()
+        P = np.empty(order.size)
+        P[order] = density(lost, u[:, order])[0]
+        return u[0], P
 
     def lost_area(self, pressure: FloatArray, refinement: float = 1.0) -> tuple[LostArea, FloatArray]:
         """Area that loses contact from one magnification to the next, and the mean separation [m].
