@@ -424,7 +424,7 @@ class RoughContact:
         return u[0], P
 
     def lost_area(self, pressure: FloatArray, refinement: float = 1.0) -> tuple[LostArea, FloatArray]:
-        """Area that loses contact from one magnification to the next, and the mean separation [m].
+        """Area that loses contact from one magnification to the next, and about the mean separation [m].
 
         Parameters
         ----------
@@ -445,7 +445,8 @@ class RoughContact:
         lost = lost_area(
             self.spectrum, seen, relative, self.gamma, self.separation_width, refinement=refinement
         )
-        return lost, self._mean(p, seen).mean[:, 0]
+        # the mean only says where P(u) is wanted
+        return lost, self._mean(p, seen, refinement).mean[:, 0]
 
     # ---------------------------------------------------------------- flow
 
@@ -596,7 +597,7 @@ class RoughContact:
 
         log_odds = math.log(most / (1.0 - most))
         ends, start = (log_odds - _SEALING_RANGE, log_odds), min(log_odds, _USUAL_ODDS)
-        log_odds = root_of_rising(excess, *ends, start, 1e-10)
+        log_odds = root_of_rising(excess, *ends, start, 1e-8)
         return hardness / (1.0 + math.exp(-log_odds))
 
     def _reaches(self, acting: float, low: float, high: float) -> float:
@@ -643,10 +644,12 @@ class RoughContact:
             p / self.hardness, self.effective_modulus, self.hardness, self.spectrum.last_moment
         )
 
-    def _mean(self, p: FloatArray, seen: RoughnessSeen) -> Separations:
+    def _mean(self, p: FloatArray, seen: RoughnessSeen, refinement: float = 3.0) -> Separations:
         """Separations at the magnification where no roughness is seen yet."""
         M = np.zeros((1, 1))
-        return separations(self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=3)
+        return separations(
+            self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=refinement
+        )
 
     def _over_pressure(
         self,
@@ -706,6 +709,7 @@ class RoughContact:
         lost, mean = self._lost_area_of(p, seen, refinement)
         n = medium.dimension_number(self.percolation_threshold)
         u = effective_gap(lost, mean, self.spectrum.rms_height, n, refinement=refinement)
+        mean = self._mean(p, seen).mean[:, 0]
         return percolation.near_threshold(u, mean, self._corrected_area(p, seen), self.percolation_threshold)
 
     def _corrected_area(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
