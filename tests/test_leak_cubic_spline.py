@@ -9,7 +9,7 @@ import pytest
 import scipy.special
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
-from leak.numerics.curves import CubicSurface, cubic_spline_slopes
+from leak.numerics.curves import CubicSurface, cubic_spline_slopes, spline_weights
 from leak.numerics.special import erf
 
 
@@ -37,6 +37,10 @@ def test_of_two_variables():
     z = rng.normal(size=(12, 7))
     ours, theirs = CubicSurface(x, y, z), RectBivariateSpline(x, y, z)
     at = rng.uniform(x[0], x[-1], 200), rng.uniform(y[0], y[-1], 200)
-    assert ours.value(*at) == pytest.approx(theirs.ev(*at), rel=1e-9, abs=1e-9)
-    assert ours.value(*np.meshgrid(x, y, indexing="ij")) == pytest.approx(z, abs=1e-10)
+    assert ours.along(at[0])(at[1]) == pytest.approx(theirs.ev(*at), rel=1e-9, abs=1e-9)
+    grid_x, grid_y = np.meshgrid(x, y, indexing="ij")
+    assert ours.along(grid_x)(grid_y) == pytest.approx(z, abs=1e-10)
+    across, along = (spline_weights(points, np.sort(one)) for points, one in ((x, at[0]), (y, at[1])))
+    on_grid = theirs(np.sort(at[0]), np.sort(at[1]))
+    assert across @ z @ along.T == pytest.approx(on_grid, rel=1e-9, abs=1e-9)
     assert cubic_spline_slopes(x, z)[:, 3] == pytest.approx(cubic_spline_slopes(x, z[:, 3]), rel=1e-12)

@@ -12,9 +12,8 @@ from leak.errors import ConductivityError
 # ln u_eff^3 may lie this far outside the separations given; what lies further is sealed (as in the isotropic medium).
 _BELOW_ALL = 60.0
 _INNER_STEPS, _OUTER_STEPS = 120, 60
-# Newton's error squares with each step: after a step this small it is some 1e-14, and what follows from two such roots
-# asks for the second of these.
-_CLOSE, _BOTH_CLOSE = 1e-7, 1e-9
+# Newton's error squares with each step: after a step this small it is some 1e-14.
+_CLOSE, _FIRST_CLOSE, _WORTH = 1e-7, 0.1, 0.1
 
 
 class DirectionalGap(NamedTuple):
@@ -136,24 +135,27 @@ def directional_medium_of_logarithms(
     if near is None:
         log_m = 0.5 * high
         isotropic, rise = medium.solve(np.full(contact.shape, k), medium.middle)
-        x, y = isotropic + rise * k * log_m, isotropic - rise * k * log_m
+        x, y = isotropic + rise * log_m, isotropic - rise * log_m
     else:
         x, y = (3.0 * np.log(gap) - medium.log_unit for gap in near)
         log_m = log_gamma + 0.5 * (y - x)
         log_m = np.where((log_m > low) & (log_m < high), log_m, 0.5 * high)
+    close = _FIRST_CLOSE
     for _ in range(_OUTER_STEPS):
-        x, rise_x = medium.solve(k * np.exp(log_m), x)
-        y, rise_y = medium.solve(k * np.exp(-log_m), y)
-        rise_x, rise_y = k * np.exp(log_m) * rise_x, k * np.exp(-log_m) * rise_y
+        # s_x and s_y as well as the step of ln m deserves: in the end all three take one step of Newton's method each
+        x, rise_x = medium.solve(k * np.exp(log_m), x, close)
+        y, rise_y = medium.solve(k * np.exp(-log_m), y, close)
         excess = log_m - log_gamma - 0.5 * (y - x)
-        slope = 1.0 + 0.5 * (rise_x + rise_y)
-        low, high = np.where(excess < 0.0, log_m, low), np.where(excess < 0.0, high, log_m)
-        newton = log_m - excess / slope
+        low, high = np.where(excess < -close, log_m, low), np.where(excess > close, log_m, high)
+        newton = log_m - excess / (1.0 + 0.5 * (rise_x + rise_y))
         following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
         step, log_m = following - log_m, following
-        x, y = x + rise_x * step, y - rise_y * step
-        if np.abs(step).max() < _BOTH_CLOSE:
+        step_x, step_y = rise_x * step, -rise_y * step
+        x, y = x + step_x, y + step_y
+        largest = float(np.abs([step, step_x, step_y]).max())
+        if max(largest, close) <= _CLOSE:
             break
+        close = min(max(_WORTH * largest, _CLOSE), _FIRST_CLOSE)
     sealed = ~(room > 0.0)
     return DirectionalGap(*(np.where(sealed | (s < medium.lowest + 0.6), 0.0, medium.gap(s)) for s in (x, y)))
 
@@ -193,38 +195,39 @@ class _Medium(NamedTuple):
     def gap(self, log_s: FloatArray) -> FloatArray:
         return np.exp((log_s + self.log_unit) / 3.0)
 
-    def solve(self, k: FloatArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Root ln s of int P (sigma - s)/(sigma + k s) = 0, and its derivative with respect to k.
+    def solve(self, k: FloatArray, guess: FloatArray, close: float = _CLOSE) -> tuple[FloatArray, FloatArray]:
+        """Root ln s of int P (sigma - s)/(sigma + k s) = 0, and its derivative with respect to ln k.
 
         With B = int P sigma/(sigma + k s) and A = int P k s/(sigma + k s) the balance is A/B = target. The logarithm of
         A/B rises with ln s, by exactly ln s for a single sigma and never faster: Newton's method needs a few steps from
-        anywhere. Where the contact has percolated the root is the lower end.
+        anywhere, the last of which is shorter than `close`. Where the contact has percolated the root is the lower end.
         """
         low, high, weight, flowing = self.lowest, self.highest, self.weight, self.flowing
         all_weight = weight.sum(axis=-1)
-        passing = k * (all_weight + self.wide_open) - self.contact
+        most, beyond = k * (all_weight + self.wide_open), k * self.wide_open
+        passing, rest = most - self.contact, np.maximum(all_weight + self.contact - beyond, 1e-300)
         open_row = passing > 0.0
         with np.errstate(divide="ignore", invalid="ignore"):
-            target = np.log(passing / np.maximum(all_weight + self.contact - k * self.wide_open, 1e-300))
+            target = np.log(passing / rest)
             guess = np.where(open_row, np.minimum(np.maximum(guess, low), high), low)
             for _ in range(_INNER_STEPS):
                 ks = k * np.exp(guess)
                 inverse = self.sigma + ks[:, None]
                 np.reciprocal(inverse, out=inverse)
                 A, B = ks * np.vecdot(weight, inverse), np.vecdot(flowing, inverse)
-                squares = np.square(inverse, out=inverse)
-                X = ks * np.vecdot(flowing, squares)
-                excess = np.log(A / B) - target
-                newton = guess - excess / (X * (1.0 / A + 1.0 / B))
+                X = ks * np.vecdot(flowing, np.square(inverse, out=inverse))
+                excess, slope = np.log(A / B) - target, X * (1.0 / A + 1.0 / B)
+                newton = guess - excess / slope
                 low, high = np.where(excess < 0.0, guess, low), np.where(excess < 0.0, high, guess)
                 following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
                 following = np.where(open_row, following, guess)
                 moved = np.abs(following - guess).max()
                 guess = following
-                if moved < _CLOSE:
+                if moved <= close:
                     break
-        by_k = (self.contact + ks**2 * np.vecdot(weight, squares)) / k**2 - X / k
-        return guess, np.maximum(by_k / np.maximum((1.0 + k) / k * X, 1e-300), 0.0)
+            # the logarithm of A/B rises with ln k as with ln s, the target by this
+            by_log_k = most / passing + beyond / rest
+            return guess, np.where(open_row, np.maximum(by_log_k / slope - 1.0, 0.0), 0.0)
 
 
 def dimension_number(percolation_threshold: float) -> float:

@@ -13,7 +13,7 @@ from leak.arrays import FloatArray, different
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable, table_abscissa
 from leak.flow.memory import LoadMemory
 from leak.flow.rough_contact import RoughContact, elastic_range, gas_conductivity_table
-from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slopes, lagrange
+from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes, lagrange, spline_weights
 from leak.surfaces.spectrum import PowerSpectrum
 
 # Surfaces are calculated at the highest pressures of their contacts and at places below, in steps of the abscissa of
@@ -141,7 +141,8 @@ class NearbyTables:
         liquid = _liquid(self._known)
         log_sealing = np.log(liquid.sealing_pressure)
         x = np.log(liquid.pressure) - log_sealing
-        x = np.append(x[self._abscissa(x) < places[-1] - 1e-3], self._log_share(places[-1:]))
+        inside = int(np.count_nonzero(self._abscissa(x) < places[-1] - 1e-3))
+        x = np.append(x[:inside], self._log_share(places[-1:]))
         abscissa = self._abscissa(x)
         known = _logarithmic(liquid.at_log_pressure(x + log_sealing) / _length(self.surface))
         change = ours.gap - theirs.gap
@@ -150,12 +151,17 @@ class NearbyTables:
         found = ConductivityTable(np.exp(x) * sealing, u, sealing, np.inf, self.method, LoadMemory(surface))
         if not isinstance(self._known, GasConductivityTable):
             return found
-        gas = _with_gas(found, self._known, x + log_sealing)
-        rise = CubicSurface(places, _LOG_D, ours.rise - theirs.rise).value(
-            np.clip(abscissa, places[0], places[-1])[:, None],
-            np.clip(gas.log_inverse_knudsen, _LOG_D[0], _LOG_D[-1]),
-        )
-        return replace(gas, log_rarefaction=gas.log_rarefaction + rise)
+        log_D = self._known.log_inverse_knudsen
+        last = self._known.log_rarefaction_at(x[-1] + log_sealing)(log_D)
+        rise = spline_weights(places, np.clip(abscissa, places[0], places[-1])) @ (ours.rise - theirs.rise)
+        log_R = np.vstack([self._known.log_rarefaction[:inside], last]) + rise @ self._between_log_D.T
+        return GasConductivityTable(found, log_R, log_D)
+
+    @cached_property
+    def _between_log_D(self) -> FloatArray:
+        """From values at `_LOG_D` to those at the inverse Knudsen numbers of the known table."""
+        assert isinstance(self._known, GasConductivityTable)  # of a gas
+        return spline_weights(_LOG_D, np.clip(self._known.log_inverse_knudsen, _LOG_D[0], _LOG_D[-1]))
 
     def _scaled(self, surface: RoughContact, sealing: float) -> AnyTable:
         """The known table at equal p/p_seal: of contacts that all seal, to less than a molecule, it says so as well."""
@@ -316,15 +322,6 @@ def height_ratio(surface: RoughContact, other: RoughContact) -> float | None:
     if like != other or np.abs(ratio / ratio[0] - 1.0).max() > _SAME:
         return None
     return float(np.sqrt(ratio[0]))
-
-
-def _with_gas(
-    found: ConductivityTable, like: GasConductivityTable, log_pressure: FloatArray
-) -> GasConductivityTable:
-    """Of a gas, with what another table has at some pressures [ln(p/Pa)]."""
-    log_D = like.log_inverse_knudsen
-    R = like.rarefaction(*np.broadcast_arrays(log_pressure[:, None], log_D))
-    return GasConductivityTable(found, np.log(R), log_D)
 
 
 def _liquid(table: AnyTable) -> ConductivityTable:

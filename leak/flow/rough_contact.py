@@ -418,10 +418,13 @@ class RoughContact:
             u = SeparationGrid.around(mean, self.spectrum.rms_height, count=1024).separation
         else:
             u = np.atleast_1d(np.asarray(separation, dtype=float))[None, :]
-        return u[0], density(lost, u)[0]
+        order = u[0].argsort()
+        P = np.empty(order.size)
+        P[order] = density(lost, u[:, order])[0]
+        return u[0], P
 
     def lost_area(self, pressure: FloatArray, refinement: float = 1.0) -> tuple[LostArea, FloatArray]:
-        """Area that loses contact from one magnification to the next, and the mean separation [m].
+        """Area that loses contact from one magnification to the next, and about the mean separation [m].
 
         Parameters
         ----------
@@ -442,7 +445,8 @@ class RoughContact:
         lost = lost_area(
             self.spectrum, seen, relative, self.gamma, self.separation_width, refinement=refinement
         )
-        return lost, self._mean(p, seen).mean[:, 0]
+        # the mean only says where P(u) is wanted
+        return lost, self._mean(p, seen, refinement).mean[:, 0]
 
     # ---------------------------------------------------------------- flow
 
@@ -592,7 +596,8 @@ class RoughContact:
             return math.log(s * hardness / (z * self.effective_modulus)) - 0.5 * math.log(math.pi * rest)
 
         log_odds = math.log(most / (1.0 - most))
-        log_odds = root_of_rising(excess, log_odds - _SEALING_RANGE, log_odds, 1e-10)
+        ends, start = (log_odds - _SEALING_RANGE, log_odds), min(log_odds, _USUAL_ODDS)
+        log_odds = root_of_rising(excess, *ends, start, 1e-8)
         return hardness / (1.0 + math.exp(-log_odds))
 
     def _reaches(self, acting: float, low: float, high: float) -> float:
@@ -639,10 +644,12 @@ class RoughContact:
             p / self.hardness, self.effective_modulus, self.hardness, self.spectrum.last_moment
         )
 
-    def _mean(self, p: FloatArray, seen: RoughnessSeen) -> Separations:
+    def _mean(self, p: FloatArray, seen: RoughnessSeen, refinement: float = 3.0) -> Separations:
         """Separations at the magnification where no roughness is seen yet."""
         M = np.zeros((1, 1))
-        return separations(self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=3)
+        return separations(
+            self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=refinement
+        )
 
     def _over_pressure(
         self,
@@ -702,6 +709,7 @@ class RoughContact:
         lost, mean = self._lost_area_of(p, seen, refinement)
         n = medium.dimension_number(self.percolation_threshold)
         u = effective_gap(lost, mean, self.spectrum.rms_height, n, refinement=refinement)
+        mean = self._mean(p, seen).mean[:, 0]
         return percolation.near_threshold(u, mean, self._corrected_area(p, seen), self.percolation_threshold)
 
     def _corrected_area(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
@@ -740,8 +748,8 @@ def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
 _USUAL_BEARING, _CLOSE, _NEWTON_STEPS = 0.02, 1e-6, 40
 _HALVINGS = 60
 
-# How far below the largest one ln(s/(1 - s)) of a sealing pressure is looked for.
-_SEALING_RANGE = 40.0
+# How far below the largest one ln(s/(1 - s)) of a sealing pressure is looked for, and what few exceed.
+_SEALING_RANGE, _USUAL_ODDS = 40.0, 0.0
 
 # The table's last point below the sealing pressure, as a fraction of it; u_eff is below any molecule's size there.
 _CLOSEST_TO_SEALING, _CLOSEST_TO_POWER = 0.02, 1e-3

@@ -57,6 +57,14 @@ class RealGas:
         columns = {"compressibility": self.compressibility, "viscosity_ratios": self.viscosity_ratios}
         check_table(self.pressures, columns)
 
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        # asked for with each flow, and there are hundreds of numbers
+        return hash((self.pressures, self.compressibility, self.viscosity_ratios, self.condenses))
+
     @property
     def highest_pressure(self) -> float:
         """Last pressure of the table [Pa]."""

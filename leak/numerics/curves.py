@@ -194,10 +194,6 @@ class CubicSurface:
     y: FloatArray
     z: FloatArray
 
-    def value(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """z at points inside the grid, of shapes that broadcast."""
-        return self.along(x)(y)
-
     def along(self, x: FloatArray) -> Callable[[FloatArray], FloatArray]:
         """z at given x as a function of y."""
         k = self.x[1:-1].searchsorted(x, side="right")
@@ -227,6 +223,21 @@ def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.stack(
         [y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
     )
+
+
+def spline_weights(x: FloatArray, at: FloatArray) -> FloatArray:
+    """Matrix from values at points to those of their not-a-knot cubic spline in between, shape (len(at), n).
+
+    Parameters
+    ----------
+    x : ndarray
+        Points, increasing, shape (n,), n >= 3.
+    at : ndarray
+        From the first to the last of them.
+    """
+    k = x[1:-1].searchsorted(at, side="right")
+    c, s = _cubics(x, np.eye(x.size))[:, k], (at - x[k])[:, None]
+    return np.asarray(c[0] + s * (c[1] + s * (c[2] + s * c[3])))
 
 
 def lagrange(t: float) -> tuple[float, float, float, float]:

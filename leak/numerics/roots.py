@@ -8,11 +8,12 @@ _MOST_STEPS = 100
 
 
 def root_of_rising(
-    function: Callable[[float], float], low: float, high: float, tolerance: float = 1e-14
+    function: Callable[[float], float], low: float, high: float, start: float, tolerance: float = 1e-14
 ) -> float:
     """Root of a rising function between two ends, or the end next to it.
 
-    The Illinois method: straight lines through both ends of a bracket, the value at an end that stays being halved.
+    From the start in ever longer steps until there is a root between two of them, then by straight lines through the
+    last two places; by halving where these lead out of the bracket, or steps do not become half as long by twos.
 
     Parameters
     ----------
@@ -20,38 +21,43 @@ def root_of_rising(
         Rising.
     low, high : float
         Ends, low < high.
+    start : float
+        Between them, some units from where the root may be.
     tolerance : float
         Of the place.
 
     References
     ----------
-    M. Dowell, P. Jarratt, BIT 11, 168 (1971).
+    R. P. Brent, Comput. J. 14, 422 (1971), without the parabola.
 
     Examples
     --------
-    >>> round(root_of_rising(lambda x: x**3 - 2.0, 0.0, 4.0), 12)
+    >>> round(root_of_rising(lambda x: x**3 - 2.0, 0.0, 4.0, 3.0), 12)
     1.259921049895
     """
-    at_low, at_high = function(low), function(high)
-    if at_low >= 0.0:
-        return low
-    if at_high <= 0.0:
-        return high
-    stayed, before = 0, low
+    before = last = start
+    at_before = at_last = function(start)
+    step = 1.0 if at_last < 0.0 else -1.0
+    while at_before * at_last > 0.0 or before == last:
+        if at_last == 0.0 or last == (high if step > 0.0 else low):
+            return last
+        before, at_before = last, at_last
+        last = min(max(last + step, low), high)
+        at_last, step = function(last), 4.0 * step
+    below, above = min(before, last), max(before, last)
+    longest = previous = 2.0 * (above - below)
     for _ in range(_MOST_STEPS):
-        middle = high - at_high * (high - low) / (at_high - at_low)
-        if not low < middle < high:
-            return min(max(middle, low), high)
-        value = function(middle)
-        if value == 0.0 or abs(middle - before) <= tolerance:
-            return middle
-        before = middle
-        if value > 0.0:
-            high, at_high = middle, value
-            at_low *= 0.5 if stayed > 0 else 1.0
-            stayed = 1
+        if at_last > 0.0:
+            above = last
         else:
-            low, at_low = middle, value
-            at_high *= 0.5 if stayed < 0 else 1.0
-            stayed = -1
-    return before
+            below = last
+        rise = at_last - at_before
+        following = last - at_last * (last - before) / rise if rise else below
+        if not below < following < above or abs(following - last) > 0.5 * longest:
+            following = 0.5 * (below + above)
+        if at_last == 0.0 or abs(following - last) <= tolerance:
+            return following if at_last else last
+        longest, previous = previous, abs(following - last)
+        before, at_before = last, at_last
+        last, at_last = following, function(following)
+    return last

@@ -29,7 +29,7 @@ T_START = 1.0 / 36.0
 _T_LAST = 2.6
 _TABLE_NODES = 384
 # Gauss points in ln t for the whole of C_pl.
-_TOTAL_NODES = 96
+_TOTAL_NODES = 64
 
 
 class AreaFractions(NamedTuple):

@@ -21,7 +21,7 @@ _FIRST_STEP, _FIRST_FRACTION, _FIRST_YIELD = 0.05, 0.01, 0.01
 # Short panels come first, where A falls from one like erf.
 _FIRST_RANGE = 38.0
 _FIRST_PANELS = np.array([3.0, 4.0, 6.0, 9.0, 16.0]) / 38.0
-_FIRST_NODES = 8
+_FIRST_NODES = 5
 # Panels elsewhere are at most this long in `_detail`, with about this many Gauss points per unit length.
 _PANEL, _PANEL_POINTS = 1.3, 4.6
 # Steps in ln M, and as many in ln q, between neighbouring kinks, over which the detail is looked at.
@@ -31,6 +31,9 @@ _GROUP = 30
 _SMALLEST_WIDTH = 1e-12
 # Area so small that no value of P(u) that matters notices it.
 _LEAST_WEIGHT = 1e-13
+# Magnifications whose Gaussians are added up together, and how many sqrt(2) widths from its centre one is followed: to
+# 1e-16 of its height.
+_NEIGHBOURS, _REACH = 48, 6.07
 # Where exp(-x) is nothing beside anything.
 _NEXT_TO_NONE = 700.0
 
@@ -262,7 +265,7 @@ def density(lost: LostArea, separation: FloatArray) -> FloatArray:
     lost : LostArea
         Where contact is lost, arrays (P, Z).
     separation : ndarray
-        u >= 0, shape (P, U) or (1, U) [m].
+        u >= 0, increasing, shape (P, U) or (1, U) [m].
 
     Returns
     -------
@@ -274,18 +277,27 @@ def density(lost: LostArea, separation: FloatArray) -> FloatArray:
     A. Almqvist et al., J. Mech. Phys. Solids 59, 2355 (2011).
     """
     inverse = np.sqrt(0.5) / lost.width
-    amplitude = lost.weight * inverse * np.sqrt(1.0 / np.pi)
-    centre = lost.separation * inverse
-    # Per pressure: U x Z, which stays in cache; a loop over pressures costs nothing beside the exponentials.
-    out = np.empty((lost.weight.shape[0], separation.shape[1]))
-    grid = np.broadcast_to(separation, out.shape)
-    for k in range(out.shape[0]):
-        used = lost.weight[k] > _LEAST_WEIGHT
-        c = centre[k][used]
-        x = grid[k][:, None] * inverse[k][used]
-        pair = _gaussian(x - c)
-        pair += _gaussian(np.add(x, c, out=x))
-        out[k] = pair @ amplitude[k][used]
+    used = lost.weight > _LEAST_WEIGHT
+    amplitude = np.where(used, lost.weight * inverse * np.sqrt(1.0 / np.pi), 0.0)
+    centre, reach = lost.separation * inverse, _REACH / inverse
+    # Gaussians of neighbouring magnifications lie close to each other: where none of them is, nothing is added up.
+    starts = np.arange(0, used.shape[1], _NEIGHBOURS)
+    lowest = np.minimum.reduceat(np.where(used, lost.separation - reach, np.inf), starts, axis=1)
+    highest, mirrored = (
+        np.maximum.reduceat(np.where(used, reach + sign * lost.separation, -np.inf), starts, axis=1)
+        for sign in (1.0, -1.0)
+    )
+    out = np.zeros((used.shape[0], separation.shape[1]))
+    for k, (u, found) in enumerate(zip(np.broadcast_to(separation, out.shape), out, strict=True)):
+        places = (u.searchsorted(ends[k]).tolist() for ends in (lowest, highest, mirrored))
+        for start, first, last, below in zip(starts.tolist(), *places, strict=True):
+            some = k, slice(start, start + _NEIGHBOURS)
+            if last > first:
+                x = u[first:last, None] * inverse[some]
+                found[first:last] += _gaussian(np.subtract(x, centre[some], out=x)) @ amplitude[some]
+            if below:
+                x = u[:below, None] * inverse[some]
+                found[:below] += _gaussian(np.add(x, centre[some], out=x)) @ amplitude[some]
     return out
 
 
