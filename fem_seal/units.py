@@ -221,7 +221,7 @@ def parse_quantity(text: object, dimension: str) -> float:
     0.785398
     """
     if isinstance(text, str):
-        return _parsed(" ".join(text.split()), dimension)
+        return _parsed(_plain(text), dimension)
     bare = isinstance(text, (int, float)) and not isinstance(text, bool)
     raise QuantityError(
         f"{'has no unit' if bare else 'is not a quantity'}; write {DIMENSIONS[dimension].wanted}"
@@ -249,7 +249,12 @@ def exact_quantity(text: str, dimension: str) -> Fraction:
     >>> float(exact_quantity("40.1 mm", "length") / 2) == parse_quantity("20.05 mm", "length")
     True
     """
-    return _exact(" ".join(text.split()), dimension)
+    return _exact(_plain(text), dimension)
+
+
+def _plain(text: str) -> str:
+    """With single spaces, and the minus of a keyboard for that of print, which messages and reports have."""
+    return " ".join(text.split()).replace("−", "-")
 
 
 # a study reads the same texts again for each of its designs

@@ -37,6 +37,8 @@ from fem_seal.units import DIMENSIONS, parse_quantity
         ("46 cP", "viscosity", 0.046),
         ("1 kg/(m s)", "viscosity", 1.0),
         ("-1.5 kN", "force", -1500.0),
+        ("−1.5 kN", "force", -1500.0),  # the minus of print, as messages and reports have it
+        ("−40 °C", "temperature", 233.15),
         ("1 lbf", "force", 4.4482216152605),
         ("1e6 nm^4", "spectral density", 1e-30),
         ("1 micron", "length", 1e-6),

@@ -29,7 +29,7 @@ from leak.standards import STANDARD_PRESSURE, STANDARD_TEMPERATURE
 
 # Eight are usual, with a vacuum ahead of wide gaps thirty.
 _MOST_ITERATIONS = 200
-_CONVERGED = 1e-8
+_CONVERGED = 1e-11
 # So many iterations before the last are mixed with it; plain ones would swing with a vacuum ahead of wide gaps.
 _MIXED = 4
 # First-order slip of `poiseuille_flow_rate`.
