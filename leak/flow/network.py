@@ -18,7 +18,7 @@ from leak.errors import ProfileError
 # Simpson's rule is exact for the third power of a depth that is linear in the fluid pressure, and knows both ends.
 _PLACES, _WEIGHTS = np.array([[0.0], [0.5], [1.0]]), np.array([1.0, 4.0, 1.0]) / 6.0
 _MOST_STEPS = 40
-# Newton's method has arrived when neither flow nor pressures change; steps smaller than the last are not taken.
+# Newton's method has arrived when neither flow nor pressures change any more; a step below the last is not taken.
 _CONVERGED, _MOVED, _STILL = 1e-11, 1e-7, 1e-10
 # Of the best conductance: less than this is none, but the equations stay solvable.
 _LEAST, _NOTHING = 1e-60, 1e-50
