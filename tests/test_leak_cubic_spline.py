@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 import pytest
+import scipy.optimize
 import scipy.special
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from leak.numerics.curves import CubicSurface, cubic_spline_slopes, spline_weights
+from leak.numerics.roots import root_of_rising
 from leak.numerics.special import erf
 
 
@@ -44,3 +46,19 @@ def test_of_two_variables():
     on_grid = theirs(np.sort(at[0]), np.sort(at[1]))
     assert across @ z @ along.T == pytest.approx(on_grid, rel=1e-9, abs=1e-9)
     assert cubic_spline_slopes(x, z)[:, 3] == pytest.approx(cubic_spline_slopes(x, z[:, 3]), rel=1e-12)
+
+
+@pytest.mark.parametrize("root", [-38.0, -0.3, 2.5])
+@pytest.mark.parametrize("start", [-40.0, -1.0, 0.0, 3.0])
+def test_root_of_rising_is_found_from_anywhere_and_else_the_end_next_to_it(root, start):
+    asked = []
+
+    def function(x):
+        asked.append(x)
+        return math.expm1(0.7 * min(x - root, 1.0)) if x < root + 1.0 else math.expm1(0.7) + x - root - 1.0
+
+    found = root_of_rising(function, -40.0, 3.0, start, 1e-10)
+    assert found == pytest.approx(scipy.optimize.brentq(function, -40.0, 3.0, xtol=1e-13), abs=1e-9)
+    assert min(asked) >= -40.0 and max(asked) <= 3.0
+    assert root_of_rising(lambda x: x - 4.0, -40.0, 3.0, start) == 3.0
+    assert root_of_rising(lambda x: x + 41.0, -40.0, 3.0, start) == -40.0
