@@ -309,7 +309,7 @@ GOOD_ROWS = [f"{x},{10 - x * x}" for x in (-3, -2, -1, 0, 1, 2, 3)]
         (["x_mm,p_MPa", *GOOD_ROWS[::-1]], "x must increase from row to row; line 3"),
         (["x_mm,p_MPa", *GOOD_ROWS[:3], *GOOD_ROWS[2:]], "line 5"),
         (["x_mm,p_MPa", *GOOD_ROWS, "4,nan"], "line 9"),
-        (["x_mm,p_MPa", *GOOD_ROWS, "4,-1"], "line 9 has -1e+06 Pa"),
+        (["x_mm,p_MPa", *GOOD_ROWS, "4,-1"], "line 9 has −1 MPa"),
         (["x_mm,p_MPa", *GOOD_ROWS, "4"], "line 9"),
         (["x_mm,p_MPa", *GOOD_ROWS, "4,five"], "line 9"),
         (["x_mm,p_MPa", *GOOD_ROWS[:3]], "at least 5 rows"),
