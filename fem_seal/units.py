@@ -647,12 +647,12 @@ def percent(share: float | None, digits: int = 2) -> str:
     return "–" if share is None or not math.isfinite(share) else f"{number(100 * share, digits)} %"
 
 
-def per_cent(share: float) -> str:
+def share_text(share: float) -> str:
     """A share with two digits and no zeros at its end.
 
     Examples
     --------
-    >>> per_cent(0.05), per_cent(0.0123), per_cent(0.997)
+    >>> share_text(0.05), share_text(0.0123), share_text(0.997)
     ('5 %', '1.2 %', '100 %')
     """
     return f"{rounded(100 * share, 2):g} %"

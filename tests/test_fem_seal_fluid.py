@@ -14,6 +14,7 @@ from sample_results import case, cone, rough_result, run_loads
 
 import fem_seal
 import leak
+from fem_seal.analysis import fluid_warnings
 from fem_seal.analysis.caution import Level
 from fem_seal.analysis.fluid_warnings import _of_liquid
 from fem_seal.analysis.leakage import leakage_classes, nominal_size
@@ -317,6 +318,15 @@ def test_inertia_of_a_liquid_in_a_uniform_gap():
         _of_liquid(SimpleNamespace(viscosity=eta), LoadResult(drop, 0.0, SimpleNamespace(profile=profile)))
         is None
     )
+
+
+def test_a_turbulent_load_is_told_before_one_of_more_inertia(monkeypatch):
+    profile = SimpleNamespace(profile=None)
+    wide, turbulent = (LoadResult(drop, 0.0, profile) for drop in (1e5, 2e5))
+    numbers = {id(wide): (1500.0, 3.0), id(turbulent): (2500.0, 2.0)}
+    monkeypatch.setattr(fluid_warnings, "_of_liquid", lambda flow, load: numbers[id(load)])
+    (found,) = fluid_warnings._liquid_inertia(SimpleNamespace(fluid="water"), [wide, turbulent])
+    assert found.level is Level.OUTSIDE and "at 2 bar" in found.text
 
 
 def test_the_end_of_an_interval_that_chokes_makes_it_doubtful():

@@ -16,7 +16,7 @@ from fem_seal.contact.around import line_load_around
 from fem_seal.contact.waves import Stiffening
 from fem_seal.errors import OpenSealError
 from fem_seal.profile import PressureProfile, remembered
-from fem_seal.units import per_cent
+from fem_seal.units import share_text
 from leak import GasLeakResult, LeakResult
 
 if TYPE_CHECKING:
@@ -172,7 +172,7 @@ class Around:
         if self.local.opens and self.least_over_mean == 0.0:
             apart = float(np.mean(self.line_load == 0.0))
             raise OpenSealError(
-                f"the form error parts the surfaces over {per_cent(apart)} of the circumference, and with "
+                f"the form error parts the surfaces over {share_text(apart)} of the circumference, and with "
                 '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "persson"'
             )
         each, most = curve.leak_rates(self.line_load, self.before)

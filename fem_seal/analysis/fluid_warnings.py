@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.analysis.caution import Caution, Level
 from fem_seal.analysis.load_names import load_name
-from fem_seal.units import per_cent, rounded
+from fem_seal.units import rounded, share_text
 
 if TYPE_CHECKING:
     from fem_seal.analysis.flow import Flow
@@ -95,10 +95,10 @@ def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
         yield Caution(
             "thickening",
             Level.DOUBTFUL,
-            f"leak rate uncertain by {per_cent(share)} because of how the liquid thickens",
+            f"leak rate uncertain by {share_text(share)} because of how the liquid thickens",
             f"at {load_name(load, loads)} how much {flow.fluid} thickens under pressure is known to "
-            f"{per_cent(law.uncertainty)} of the logarithm of its viscosity: the leak rate is uncertain by "
-            f"{per_cent(share)}. [fluid] pressure_viscosity or roelands_z takes a measured coefficient",
+            f"{share_text(law.uncertainty)} of the logarithm of its viscosity: the leak rate is uncertain by "
+            f"{share_text(share)}. [fluid] pressure_viscosity or roelands_z takes a measured coefficient",
             leak_error=share,
         )
 
@@ -227,7 +227,7 @@ def _fastest(
             if end
             else f"{at} the gas would flow with {fast}"
         )
-        + f" through the effective gap; inertia takes about {per_cent(numbers.acceleration)} of what drives the flow "
+        + f" through the effective gap; inertia takes about {share_text(numbers.acceleration)} of what drives the flow "
         f"(limit {100 * _ACCELERATED:.0f} %), and inertia over friction along the gap is {_two(reduced)} (limit "
         f"{_REDUCED:g}). Viscous flow is assumed: in truth {chokes}less leaks"
         + (" than the upper end says" if end else ""),
@@ -239,7 +239,9 @@ def _liquid_inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution
     round_ones = [load for load in loads if load.formed is None]
     for end, readings in ((False, [(load, load) for load in round_ones]), (True, _other_reading(round_ones))):
         found = [(*numbers, load) for load, read in readings if (numbers := _of_liquid(flow, read))]
-        reynolds, reduced, load = max(found, key=lambda one: one[1], default=(0.0, 0.0, None))
+        # a turbulent flow before any other
+        worst = max(found, key=lambda one: (one[0] > _TURBULENT, one[1]), default=(0.0, 0.0, None))
+        reynolds, reduced, load = worst
         if load is None or (reduced <= _REDUCED and reynolds <= _TURBULENT):
             continue
         where = ", if yielding asperities change the surface only where it touches," if end else ""

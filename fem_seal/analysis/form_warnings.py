@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_seal.analysis.caution import Caution, Level
 from fem_seal.analysis.load_names import load_name
-from fem_seal.units import beside, per_cent, rounded
+from fem_seal.units import DIGITS, beside, rounded, share_text
 
 if TYPE_CHECKING:
     from fem_seal.analysis.around import Around
@@ -96,8 +96,8 @@ def _open(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
         yield Caution(
             "open in part",
             Level.DOUBTFUL,
-            f"open over {per_cent(share)} of the circumference",
-            f"at {load_name(load, loads)} {per_cent(share)} of the circumference carry less than {100 * _OPEN:g} % "
+            f"open over {share_text(share)} of the circumference",
+            f"at {load_name(load, loads)} {share_text(share)} of the circumference carry less than {100 * _OPEN:g} % "
             "of the mean line load: the seal is open there, and what leaks follows from the width of the open gap, and "
             "so from the form error itself",
         )
@@ -129,7 +129,7 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
     ratio = float(around.peak_pressure.max()) / load.contact.profile.peak_pressure
     stress = ratio * load.max_von_mises
     if load.max_von_mises <= min(limits) < stress:
-        limit = float(f"{min(limits) / 1e6:.4g}")
+        limit = rounded(min(limits) / 1e6, DIGITS)
         told = beside(stress / 1e6, limit, min(load.pressure_digits, 3))
         times = beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
         yield Caution(

@@ -19,7 +19,7 @@ from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
-from fem_seal.units import DIGITS, beside, briefly, number, per_cent, rounded
+from fem_seal.units import DIGITS, beside, briefly, number, rounded, share_text
 
 if TYPE_CHECKING:
     from fem_seal.analysis.direct import DirectTable
@@ -304,12 +304,12 @@ def _near_opening(
         others = f" ({len(close)} loads are closer than {100 * _NEAR_OPENING:g} %)" if len(close) > 1 else ""
         counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
         text = (
-            f"{load_name(load, loads)} is {per_cent(share)} from opening the seal: {number(margin.force, 2)} N of "
+            f"{load_name(load, loads)} is {share_text(share)} from opening the seal: {number(margin.force, 2)} N of "
             f"the applied {load.applied_force:.6g} N, or {number(margin.pressure / 1e5, 2)} bar{others}. The contact "
             "force is the small difference of applied force and fluid force: a relative error of either counts "
             f"{counts} in it, in the peak pressure and in the leak rate"
         )
-        yield Caution("near opening", Level.DOUBTFUL, f"{per_cent(share)} from opening the seal", text)
+        yield Caution("near opening", Level.DOUBTFUL, f"{share_text(share)} from opening the seal", text)
 
 
 def _yielding_of(problem: SealProblem, load: LoadResult) -> Mapping[str, YieldedZone | PlasticZone]:
@@ -326,7 +326,7 @@ def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadRes
         first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
         r, z = zone.place
         level = Level.OUTSIDE if zone.excess > LARGEST_EXCESS else Level.DOUBTFUL
-        limit, excess = float(f"{zone.yield_stress / 1e6:.4g}"), _times(zone.excess, load, 3)
+        limit, excess = rounded(zone.yield_stress / 1e6, DIGITS), _times(zone.excess, load, 3)
         stress = _mpa(zone.von_mises, load, limit)
         yield Caution(
             "yield stress",
@@ -526,7 +526,7 @@ def _above_hardness(
     peak, hardness = _highest_pressure(load), problem.hardness
     if hardness is None or peak <= (_NEAR_HARDNESS if problem.asperities_yield else 1.0) * hardness:
         return
-    share, told, limit = peak / hardness, _times(peak / hardness, load), float(f"{hardness / 1e6:.4g}")
+    share, told, limit = peak / hardness, _times(peak / hardness, load), rounded(hardness / 1e6, DIGITS)
     why = (
         "no body carries a mean pressure above its hardness"
         if share > 1
@@ -551,7 +551,7 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
         peak = load.contact.profile.peak_pressure
         first = load_name(min(tight, key=lambda load: load.point), loads)
-        limit = float(f"{sealing / 1e6:.4g}")
+        limit = rounded(sealing / 1e6, DIGITS)
         yield Caution(
             "sealed",
             Level.DOUBTFUL,
@@ -619,7 +619,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
 def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     """What a direct simulation says against the conductivity that was taken from it."""
     peak, (low, high) = load.contact.profile.peak_pressure, table.range
-    ends = [float(f"{one / 1e6:.4g}") for one in (low, high)]
+    ends = [rounded(one / 1e6, DIGITS) for one in (low, high)]
     at = f"{_mpa(peak, load, min(ends, key=lambda end: abs(end - peak / 1e6)))} MPa"
     simulated = f"{ends[0]:g} to {ends[1]:g} MPa"
     if not low <= peak <= high:
@@ -707,8 +707,8 @@ def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResu
         yield Caution(
             "long waves",
             Level.DOUBTFUL,
-            f"{per_cent(1 - above)} of the height variance in waves longer than the contact is wide",
-            f"{per_cent(1 - above)} of the height variance is in waves longer than 2 pi times the standard "
+            f"{share_text(1 - above)} of the height variance in waves longer than the contact is wide",
+            f"{share_text(1 - above)} of the height variance is in waves longer than 2 pi times the standard "
             f"deviation of the contact, {_um(std, load)} at {load_name(load, loads)}. They are waviness "
             "along the contact rather than roughness inside it, and the contact pressure follows them",
         )
@@ -763,8 +763,8 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
             yield Caution(
                 "mesh",
                 Level.DOUBTFUL,
-                f"estimated error of elements and load steps {per_cent(worst)}",
-                f"the estimated error of elements and load steps is {per_cent(worst)}; further loads between zero "
+                f"estimated error of elements and load steps {share_text(worst)}",
+                f"the estimated error of elements and load steps is {share_text(worst)}; further loads between zero "
                 "and the highest one, and a smaller [mesh] contact_size, reduce it",
             )
     elif worst > _LARGEST_ERROR:
@@ -772,7 +772,7 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
         yield Caution(
             "mesh",
             Level.DOUBTFUL,
-            f"estimated discretisation error {per_cent(worst)}",
-            f"the estimated discretisation error (of the mesh alone) is {per_cent(worst)}; a [mesh] "
+            f"estimated discretisation error {share_text(worst)}",
+            f"the estimated discretisation error (of the mesh alone) is {share_text(worst)}; a [mesh] "
             f"contact_size below the present {1e6 * size:.3g} um reduces it",
         )
