@@ -334,9 +334,9 @@ def test_a_grid_that_is_none_is_refused(text):
 
 def test_the_terminal_shows_of_a_leak_rate_what_its_theory_leaves(capsys):
     from fem_seal import cli_table
-    from fem_seal.analysis.caution import VALID, Caution, Level, Validity
+    from fem_seal.analysis.caution import VALID, Caution, Level, Validity, either_way
 
-    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", leak_error=2.3)])
+    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", either_way(3.3))])
     found = SimpleNamespace(
         axial_force=np.array([100.0, 200.0]),
         fluid_pressure=np.array([5e5]),

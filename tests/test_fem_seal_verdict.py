@@ -7,11 +7,13 @@ import math
 from dataclasses import replace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from sample_results import STEEL, ball, case, cone, rough_result
 
 import fem_seal
 from fem_seal import cli
-from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.caution import Caution, Level, Validity, either_way
 from fem_seal.analysis.chain import _with_judgement
 from fem_seal.analysis.judgement import Judgement, Limit, Verdict, Why
 from fem_seal.analysis.leakage import leakage_classes, next_class
@@ -63,6 +65,82 @@ def test_upper_end_within_holds_lower_end_above_fails_all_else_is_undecided(ends
     outside = Judgement.of(Limit("leak rate", 2.0), ends, OUTSIDE)
     assert outside.verdict == ("fails" if math.isinf(ends[0]) else "undecided")
     assert outside.margin == margin
+
+
+@given(
+    ends=st.tuples(st.floats(1e-12, 1e-6), st.floats(1.0, 100.0)).map(lambda one: (one[0], one[0] * one[1])),
+    limit=st.floats(1e-12, 1e-6),
+    factors=st.lists(st.tuples(st.floats(0.01, 1.0), st.floats(1.0, 100.0)), max_size=2),
+)
+def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, factors):
+    """Whatever leaks in truth, a seal that holds keeps its limit and one that fails does not."""
+    doubt = Validity.of([Caution("x", Level.DOUBTFUL, f"by {one}", "...", one) for one in factors])
+    judged = Judgement.of(Limit("leak rate", limit), ends, doubt)
+    plain = Judgement.of(Limit("leak rate", limit), ends)
+    low, high = (end * math.prod(one[n] for one in factors) for n, end in enumerate(ends))
+    # three orders of magnitude are all that a calculation is taken to be off by
+    low, high = max(low, 1e-3 * ends[0]), min(high, 1e3 * ends[1])
+    if judged.verdict == "holds":
+        assert high <= limit
+    if judged.verdict == "fails":
+        assert low > limit
+    assert judged.verdict in (plain.verdict, "undecided")
+    assert (judged.margin, judged.ends) == (plain.margin, plain.ends)
+    if judged.verdict != plain.verdict:
+        assert judged.why is Why.ACCURACY and judged.reason in doubt.reasons
+        assert low <= limit < high
+
+
+@pytest.mark.parametrize(
+    ("factor", "ends", "verdict"),
+    [
+        # a factor of two either way
+        (either_way(2.0), (0.5, 0.9), "holds"),
+        (either_way(2.0), (0.5, 1.1), "undecided"),
+        (either_way(2.0), (3.9, 9.0), "undecided"),
+        (either_way(2.0), (4.1, 9.0), "fails"),
+        # only less can leak, or only more
+        ((0.0, 1.0), (0.5, 1.9), "holds"),
+        ((0.0, 1.0), (3.0, 9.0), "undecided"),
+        ((1.0, math.inf), (3.0, 9.0), "fails"),
+        ((1.0, math.inf), (0.5, 0.9), "undecided"),
+        # orders of magnitude are three
+        ((0.0, math.inf), (1e-9, 0.0019), "holds"),
+        ((0.0, math.inf), (1e-9, 0.0021), "undecided"),
+        # of nothing there is nothing more
+        ((0.0, math.inf), (0.0, 0.0), "holds"),
+    ],
+)
+def test_a_factor_that_the_theory_may_be_off_by_has_to_fit_between(factor, ends, verdict):
+    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", factor)])
+    judged = Judgement.of(Limit("leak rate", 2.0), ends, few)
+    assert judged.verdict == verdict
+    assert (judged.why, judged.reason) == (
+        (Why.ACCURACY, "few channels") if verdict == "undecided" else (Why.LIMIT, "")
+    )
+
+
+def test_what_the_mesh_leaves_uncertain_has_to_fit_between_too():
+    solved = rough_result()
+    error = replace(solved.discretisation_error, leak_rate=0.05)
+    coarse = replace(solved, loads=tuple(load.knowing(mesh_error=error) for load in solved.loads))
+    low, high = solved.leak_ranges[-1]
+    for limit, fine, rough in (
+        (1.04 * high, "holds", "undecided"),
+        (1.06 * high, "holds", "holds"),
+        (low / 1.04, "fails", "undecided"),
+        (low / 1.06, "fails", "fails"),
+    ):
+        judged = [required(one, leak_rate=f"{limit!r} m^3/s") for one in (solved, coarse)]
+        assert [one.loads[-1].verdict for one in judged] == [fine, rough]
+    (told, *_) = verdict_sentences(required(coarse, leak_rate=f"{1.04 * high!r} m^3/s"))
+    assert told.endswith("may be off by more than that: the mesh leaves an error of 5 %.")
+    # nor is a class claimed, of which G allows 2 mm³/s per mm of DN 25
+    at_limit = solved.highest.knowing(mesh_error=error), (1e-10, 0.96 * 50e-9)
+    assert "G" not in {one.name for one in leakage_classes(solved.case, *at_limit)}
+    assert "G" in {one.name for one in leakage_classes(solved.case, solved.highest, at_limit[1])}
+    # a mesh error that is small enough makes no load doubtful
+    assert coarse.highest.validity == solved.highest.validity
 
 
 def test_without_a_leak_rate_or_a_limit_nothing_is_decided():
@@ -240,6 +318,8 @@ def test_each_way_to_a_verdict_has_its_sentence():
     opened = {(64e5, 10.0): LoadProblem("load.axial_force", "the seal is open")}
     unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
     outside = replace(solved, loads=tuple(load.knowing(validity=OUTSIDE) for load in solved.loads))
+    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", either_way(3.3))])
+    doubted = replace(solved, loads=tuple(load.knowing(validity=few) for load in solved.loads))
     low, high = solved.leak_ranges[-1]
     told = {
         "a margin of": required(leak_rate="1e-3 m^3/s"),
@@ -248,10 +328,20 @@ def test_each_way_to_a_verdict_has_its_sentence():
         "outside the theory (seat: 3 times": required(outside, leak_rate="1 ml/min"),
         "times the allowed": required(leak_rate=f"{0.5 * (low + high)} m^3/s"),
         "which is seen": required(standard="ISO 5208", **{"class": "A"}),
+        "may be off by more than that: few channels": required(doubted, leak_rate=f"{2 * high} m^3/s"),
     }
     for words, result in told.items():
         assert words in verdict_sentences(result)[0]
     assert verdict_lines(solved)[0].startswith("  ISO 5208 G would take ")
+
+
+@pytest.mark.parametrize("over", [1e-4, 0.1, 0.3, 0.8, 0.99, 1.01, 1.2, 3.0, 10.0, 1e3])
+def test_limit_and_leak_rate_stand_in_one_unit(over):
+    solved = rough_result()
+    for end in solved.leak_ranges[-1]:
+        sentence = verdict_sentences(required(leak_rate=f"{over * end!r} m^3/s"))[0]
+        units = {word for word in sentence.replace(",", " ").split() if word.endswith(("/min", "/h", "³/s"))}
+        assert len(units) == 1, sentence
 
 
 def test_factors_claim_no_more_than_two_digits():
@@ -268,8 +358,9 @@ def test_next_class_is_the_loosest_one_that_is_missed():
     result = rough_result()
     load, ends = result.highest, result.leak_ranges[-1]
     found = next_class(result.case, load, ends)
-    # 2 mm³/s per mm of DN 25
-    assert (found.name, found.factor) == ("G", pytest.approx(ends[1] / 50e-9, rel=1e-12))
+    # 2 mm³/s per mm of DN 25, which the leak rate and what the mesh leaves uncertain of it have to keep
+    highest = ends[1] * (1 + result.discretisation_error.leak_rate)
+    assert (found.name, found.factor) == ("G", pytest.approx(highest / 50e-9, rel=1e-12))
     assert next_class(result.case, load, (1e-10, 2.4e-9)).name == "CC"
     assert next_class(result.case, load.knowing(validity=OUTSIDE), ends) is None
 

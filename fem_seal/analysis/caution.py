@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -38,15 +39,33 @@ class Caution:
         A clause with the number behind it, about one load that need not be named.
     text : str
         The whole sentence: which load, where, what to do.
-    leak_error : float, optional
-        Relative error of the leak rate, where it is known how far that may be off; infinite if by orders of magnitude.
+    leak_factor : tuple of float, optional
+        What really leaks over the calculated leak rate, at least and at most, where that is known: 0 and infinity
+        where it may be orders of magnitude.
     """
 
     kind: str
     level: Level
     reason: str
     text: str
-    leak_error: float = 0.0
+    leak_factor: tuple[float, float] = (1.0, 1.0)
+
+    @property
+    def leak_error(self) -> float:
+        """Relative error of the leak rate, where it is known; infinite if that may be orders of magnitude more."""
+        low, high = self.leak_factor
+        return max(high - 1.0, 1.0 - low)
+
+
+def either_way(factor: float) -> tuple[float, float]:
+    """The leak factors of a leak rate that may be so many times too large or too small.
+
+    Parameters
+    ----------
+    factor : float
+        One at least.
+    """
+    return 1.0 / factor, factor
 
 
 def worst_first(cautions: Iterable[Caution]) -> tuple[Caution, ...]:
@@ -103,6 +122,26 @@ class Validity:
         return max((one.leak_error for one in self.cautions), default=0.0)
 
     @property
+    def leak_factor(self) -> tuple[float, float]:
+        """What really leaks over the calculated leak rate, at least and at most, by all that is known of it.
+
+        Orders of magnitude count as `ORDERS_OF_MAGNITUDE`.
+        """
+        low, high = (math.prod(one.leak_factor[n] for one in self.cautions) for n in range(2))
+        return max(low, 1.0 / ORDERS_OF_MAGNITUDE), min(high, ORDERS_OF_MAGNITUDE)
+
+    def leak_reason(self, *, more: bool) -> str:
+        """What may make most of the difference where more leaks than calculated, or where less does; empty if nothing.
+
+        Parameters
+        ----------
+        more : bool
+        """
+        sign = 1 if more else -1
+        worst = max(self.cautions, key=lambda one: sign * one.leak_factor[more], default=None)
+        return "" if worst is None or worst.leak_factor[more] == 1.0 else worst.reason
+
+    @property
     def outside(self) -> bool:
         """Whether the theory does not hold, so that nothing may be claimed from the numbers."""
         return self.level is Level.OUTSIDE
@@ -118,6 +157,8 @@ class Validity:
 
 
 VALID = Validity()
+ORDERS_OF_MAGNITUDE = 1e3
+"""What "orders of magnitude" are taken for where something is to be decided: three."""
 _NOT_JUDGED = "checks of what the theory allows failed"
 # A check that fails is no clean bill.
 NOT_JUDGED = Validity((Caution("checks", Level.DOUBTFUL, _NOT_JUDGED, _NOT_JUDGED),))

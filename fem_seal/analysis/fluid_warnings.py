@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from fem_seal.analysis.caution import Caution, Level
+from fem_seal.analysis.caution import Caution, Level, either_way
 from fem_seal.analysis.load_names import load_name
 from fem_seal.units import rounded, share_text
 
@@ -68,7 +68,7 @@ def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Cauti
             f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
             f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm. "
             "The theory treats the fluid as a continuum; in reality the seal is tight there",
-            leak_error=math.inf,
+            leak_factor=(0.0, 1.0),
         )
 
 
@@ -99,7 +99,7 @@ def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
             f"at {load_name(load, loads)} how much {flow.fluid} thickens under pressure is known to "
             f"{share_text(law.uncertainty)} of the logarithm of its viscosity: the leak rate is uncertain by "
             f"{share_text(share)}. [fluid] pressure_viscosity or roelands_z takes a measured coefficient",
-            leak_error=share,
+            leak_factor=either_way(1.0 + share),
         )
 
 
@@ -125,7 +125,7 @@ def _unknown_thickening(flow: Flow, load: LoadResult, loads: Sequence[LoadResult
         f"pressure is used. Liquids thicken by {1e9 * little.coefficient:.2g} (with water) to "
         f"{1e9 * much.coefficient:.2g} 1/GPa (oils as viscous as this): in truth {share} times as much "
         "leaks. Give [fluid] pressure_viscosity or roelands_z",
-        leak_error=1.0 - least,
+        leak_factor=(least, most),
     )
 
 
@@ -183,7 +183,7 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
         f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas: above "
         f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
         f"which the leak rate does not take into account{said}{remedy}",
-        leak_error=abs(ratio - 1.0),
+        leak_factor=(min(ratio, 1.0), max(ratio, 1.0)),
     )
 
 

@@ -32,6 +32,8 @@ class Why(StrEnum):
     """No visible leakage is allowed, and what leaks may or may not be seen."""
     OUTSIDE = "outside"
     """The load is outside the theory."""
+    ACCURACY = "accuracy"
+    """So it is once the leak rate is taken for as uncertain as the calculation is."""
     UNSAMPLED = "unsampled"
     """What the inputs leave open is not known."""
     UNKNOWN = "unknown"
@@ -81,7 +83,7 @@ class Judgement:
     ends : tuple of float
         Of the leak rate's interval, of the fluid that the limit is for [m^3/s].
     reason : str
-        Why the load is outside the theory; empty otherwise.
+        Why the load is outside the theory, or what the calculation may be off by; empty otherwise.
 
     Examples
     --------
@@ -109,7 +111,7 @@ class Judgement:
         ends : tuple of float
             Lower and upper end of the leak rate's interval, of the case's own fluid [m^3/s]; NaN if not known.
         validity : Validity
-            Of the leak rate.
+            Of the leak rate, with all that it may be off by.
         sampled : bool
             Whether the interval holds what the inputs leave open.
         """
@@ -124,6 +126,15 @@ class Judgement:
             return cls(Verdict.UNDECIDED, margin, Why.OUTSIDE, limit, tested, validity.reasons[0])
         if not sampled:
             return cls(Verdict.UNDECIDED, math.nan, Why.UNSAMPLED, limit, tested)
+        least, most = validity.leak_factor
+        if verdict is Verdict.HOLDS and tested[1] * most > limit.leak_rate:
+            return cls(
+                Verdict.UNDECIDED, margin, Why.ACCURACY, limit, tested, validity.leak_reason(more=True)
+            )
+        if verdict is Verdict.FAILS and tested[0] * least <= max(limit.leak_rate, limit.visible):
+            return cls(
+                Verdict.UNDECIDED, margin, Why.ACCURACY, limit, tested, validity.leak_reason(more=False)
+            )
         return cls(verdict, margin, why, limit, tested)
 
 

@@ -106,7 +106,9 @@ def fluid_of_test(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, floa
 
 
 def in_the_test(case: Case, load: LoadResult, ends: tuple[float, float] | None = None) -> tuple[float, float]:
-    """Ends of the leak rate of a load, converted to the fluid of the standards' tests [m^3/s].
+    """Ends of what a load leaks at least and at most, converted to the fluid of the standards' tests [m^3/s].
+
+    That is the interval of its leak rate and what the calculation may be off by (`LoadResult.leak_validity`).
 
     Parameters
     ----------
@@ -119,7 +121,8 @@ def in_the_test(case: Case, load: LoadResult, ends: tuple[float, float] | None =
     assert load.leak is not None and case.fluid is not None
     low, high = ends or load.leak_range or (load.leak.leak_rate, load.leak.leak_rate)
     _, (least, most) = fluid_of_test(case.fluid, load.fluid_pressure)
-    return low * least, high * most
+    lower, upper = load.leak_validity.leak_factor
+    return low * least * lower, high * most * upper
 
 
 @dataclass(frozen=True)

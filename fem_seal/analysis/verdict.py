@@ -69,7 +69,7 @@ def judged(
     ----------
     case : Case
     load : LoadResult
-        With its validity.
+        With its validity and what its mesh leaves uncertain.
     ends : tuple of float or None
         Of the interval of its leak rate [m^3/s]; the leak rate itself if None.
     sampled : bool
@@ -80,7 +80,7 @@ def judged(
         return None
     rate = math.nan if load.leak is None else load.leak.leak_rate
     found = [
-        Judgement.of(limit, ends or (rate, rate), load.validity, sampled=sampled)
+        Judgement.of(limit, ends or (rate, rate), load.leak_validity, sampled=sampled)
         for limit in limits(case, load.fluid_pressure)
     ]
     return max(found, key=severity, default=None)

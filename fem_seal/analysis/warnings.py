@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from fem_seal.analysis.caution import Caution, Level, Validity
+from fem_seal.analysis.caution import Caution, Level, Validity, either_way
 from fem_seal.analysis.fluid_warnings import fluid_cautions, molecule_cautions
 from fem_seal.analysis.form_warnings import LARGEST_EXCESS, form_cautions
 from fem_seal.analysis.load_names import load_name
@@ -280,7 +280,7 @@ def _of_surface(problem: SealProblem) -> Iterator[Caution]:
             'conductivity = "direct", for given pressure profiles, or for designs of a study without '
             "leak_rate_high_m3_per_s among their responses: the leak rate is that of the usual surface and may be off "
             "by a factor of ten",
-            leak_error=9.0,
+            leak_factor=either_way(10.0),
         )
     for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)
@@ -591,7 +591,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. The roughness "
             f"has a lay (peklenik = {surface.peklenik:.3g}), for which the theory's flow conductivity differs from "
             f"direct numerical results with elastic asperities by up to a factor {lay:.2g} either way{beyond}",
-            leak_error=lay - 1.0,
+            leak_factor=either_way(lay),
         )
     elif area > _DIRECT_END:
         yield Caution(
@@ -602,7 +602,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}, close to "
             f"{surface.percolation_threshold:.2g}, where no leak path is open. The leak rate falls there by orders of "
             f"magnitude. Direct numerical results end at {_DIRECT_END:g}: no bound on the error is known",
-            leak_error=math.inf,
+            leak_factor=(0.0, math.inf),
         )
     elif area > _FEW_CHANNELS:
         yield Caution(
@@ -612,7 +612,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. "
             f"Above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
             f"numerical results by up to a factor {factor:g} either way",
-            leak_error=factor - 1.0,
+            leak_factor=either_way(factor),
         )
 
 
@@ -657,7 +657,7 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
             f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
             f"a factor {down:.2g} smaller or {up:.2g} larger: {_samples(row.samples)}, and waves too short for the "
             f"grid, of which the last octave that it holds {octave}",
-            leak_error=max(down, up) - 1.0,
+            leak_factor=(1.0 / down, up),
         )
 
 
@@ -733,7 +733,7 @@ def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadRes
             f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure. "
             'How far it opens the gap is not calculated here. [load] closing = "penetration" calculates it; the '
             f'upper bound, [leak] fluid_in_gap = "local", is {most}',
-            leak_error=1.7 * share if share < _FLUID_LIFTS else math.inf,
+            leak_factor=(1.0, 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf),
         )
 
 

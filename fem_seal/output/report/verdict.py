@@ -41,6 +41,7 @@ _SENTENCES = {
     Why.TEST_FLUID: "test_fluid",
     Why.VISIBLE: "visible",
     Why.OUTSIDE: "outside",
+    Why.ACCURACY: "accuracy",
     Why.UNSAMPLED: "unsampled",
     Why.UNKNOWN: "unknown",
 }
@@ -97,17 +98,19 @@ def _place(result: SealSolution, found: SealJudgement) -> str:
 
 
 def _verdict(found: SealJudgement, load: str, digits: int) -> str:
-    judged, limit = found.worst, found.worst.limit
+    judged, limit, sentence = found.worst, found.worst.limit, _sentence(found)
     low, high = (_like(limit, end) for end in judged.ends)
+    # the ends that stand in the sentence have one unit with the limit
+    beside = {"holds": judged.ends[1:], "fails": judged.ends[:1]}.get(sentence, judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in judged.ends]
     return said(
         "verdict.said",
-        _sentence(found),
+        sentence,
         load=load,
         low=_amount(low, digits, limit.leak_rate),
         high=_amount(high, digits, limit.leak_rate),
         range=_range(low, high, digits, limit.leak_rate),
-        allowed=_limit_text(limit.leak_rate, beside=judged.ends),
+        allowed=_limit_text(limit.leak_rate, beside=beside),
         limit="required" if limit.name == OF_LEAK_RATE else limit.name,
         factor=factor_text(judged.margin),
         times_low=factor_text(over[0]),
@@ -132,7 +135,7 @@ def _sentence(found: SealJudgement) -> str:
 
 
 def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
-    limit, decided = found.worst.limit, found.worst.why in (Why.LIMIT, Why.INTERVAL)
+    limit, decided = found.worst.limit, found.worst.why in (Why.LIMIT, Why.INTERVAL, Why.ACCURACY)
     if limit.test_fluid and decided and not math.isinf(found.margin):
         yield said("verdict.said", "converted", fluid=limit.test_fluid, ratio=_ratio(limit.ratio))
     if reason := _doubt(result, found):
