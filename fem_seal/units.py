@@ -564,7 +564,7 @@ def leak_rate_text(leak_rate: float, digits: int = 3, *, claimed: bool = True) -
 # Digits of the ends of an interval: it says how little the others would be worth.
 _RANGE_DIGITS = 2
 # Smallest figure of a leak rate in the unit of a larger one beside it, and how far apart they may be for one unit.
-_READABLE, _TOGETHER = 0.01, 1e-4
+_READABLE, _TOGETHER = 0.1, 1e-4
 
 
 def range_text(low: str, high: str) -> str:
