@@ -283,15 +283,44 @@ def test_tabulated_flow_factor():
     np.testing.assert_allclose(log_flow_factor(log_D), np.log(flow_factor(np.exp(log_D))), atol=1e-7, rtol=0)
 
 
-def test_table_against_the_effective_medium_itself():
-    """Between its points the table is good to 0.3 %, well inside the 0.5 % of the slit-flow fit."""
-    generator = np.random.default_rng(1)
-    table = gas_table()
-    p, D = 10 ** generator.uniform(3, 8.5, 40), 10 ** generator.uniform(-4, 3, 40)
-    u = table.at_log_pressure(np.log(p))
-    direct = SURFACE.effective_gas_separation(p, (u / D)[:, None])[:, 0]
-    sigma = u**3 * flow_factor(D) * table.rarefaction(np.log(p), np.log(D))
-    np.testing.assert_allclose(sigma, direct**3, rtol=3e-3)
+KINDS = {
+    "elastic": SURFACE,
+    "yielding": leak.RoughContact(SPECTRUM, effective_modulus=115e9, hardness=3.5e9),
+    "capped": leak.RoughContact(SPECTRUM, effective_modulus=115e9, hardness=3.5e9, yielding="capped"),
+    "lay": leak.RoughContact(SPECTRUM, effective_modulus=115e9, hardness=3.5e9, peklenik=0.2),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_table_against_the_effective_medium_itself(kind):
+    """Between its points the table is good to 2e-4, but to 1.2e-3 where surfaces hardly touch and next to sealing.
+
+    Under low pressure gaps are so alike that the joins of the slit-flow fit, itself good to 0.5 %, show in the flow.
+    Next to sealing the points of the table are far apart.
+    """
+    generator, surface = np.random.default_rng(1), KINDS[kind]
+    sealing = surface.sealing_pressure
+    table = leak.gas_conductivity_table(surface, 1e-9 * sealing, sealing)
+    log_D = generator.uniform(np.log(1e-6), np.log(1e5), 300)
+    for low, high, tolerance in ((1e-12, 0.05, 1.2e-3), (0.05, 0.9, 2e-4), (0.9, 0.97, 1.2e-3)):
+        p = sealing * np.exp(generator.uniform(np.log(low), np.log(high), 24))
+        u, direct = surface.rarefied_separation(p, log_D)
+        some = u > 1e-15
+        found = np.log(table.rarefaction(*np.broadcast_arrays(np.log(p)[:, None], log_D)))
+        np.testing.assert_allclose(found[some], direct[some], rtol=0, atol=tolerance)
+
+
+def test_table_of_one_gap_and_of_few_pressures():
+    """One junction has one gap, whose flow is the slit's; at its points a table of few pressures is as good as any."""
+    junction = leak.gas_conductivity_table(SURFACE, 1e5, 1e8, method="critical-junction")
+    few = leak.gas_conductivity_table(SURFACE, 1e5, 1e8, num=8)
+    log_D = np.linspace(-14.0, 14.0, 200)
+    assert np.all(junction.rarefaction(np.full(200, np.log(1e7)), log_D) == 1.0)
+    for p in few.liquid.pressure[few.liquid.pressure > 0.05 * SURFACE.sealing_pressure]:
+        direct = SURFACE.rarefied_separation(np.array([p]), log_D)[1][0]
+        np.testing.assert_allclose(
+            np.log(few.rarefaction(np.full(200, np.log(p)), log_D)), direct, rtol=0, atol=2e-4
+        )
 
 
 def test_rarefied_gas_leaks_more_than_a_continuum_and_percolates_with_the_liquid():

@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, ProfileError, positive
-from leak.flow.conductivity import GasConductivity
+from leak.flow.conductivity import GasConductivity, log_rarefied_flow
 from leak.flow.contact_profile import checked_profile, checked_side
 from leak.flow.gas_flow import checked_outlet
-from leak.flow.rarefied import flow_factor
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
@@ -272,11 +271,11 @@ def rarefied_conductivity(
     contact = np.asarray(log_pressure, dtype=float)
     gap = np.asarray(table.at_log_pressure(contact), dtype=float)
     flight = gas.viscosity * gas.molecular_speed
+    log_flow = log_rarefied_flow(table, contact)
 
     def sigma(pressure: FloatArray) -> FloatArray:
         D = np.maximum(gas.flow_pressure(np.maximum(pressure, _VACUUM)) * gap / flight, 1e-100)
-        R = table.rarefaction(contact, np.log(D))
-        return np.asarray(gap**3 * flow_factor(D) * R / (12.0 * gas.viscosity))
+        return np.asarray(gap**3 * np.exp(log_flow(np.log(D))) / (12.0 * gas.viscosity))
 
     return sigma
 

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, positive
-from leak.numerics.curves import CubicSurface, MonotoneCurve, spline_slopes
+from leak.flow.rarefied import log_flow_factor
+from leak.numerics.curves import CubicSurface, MonotoneCurve, cubic_spline_slopes, spline_slopes
 
 METHODS = ("bruggeman", "critical-junction", "threshold-law")
 # ... of them those that know no direction of the roughness.
@@ -319,6 +320,29 @@ class GasConductivity(Protocol):
         """Flow of the gas over that through a uniform gap u_eff, at D = p_f u_eff/(eta v0) [-]."""
 
 
+def log_rarefied_flow(table: GasConductivity, log_pressure: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """ln of f R at given contact pressures, a function of ln D_eff: sigma_eff of a gas over u_eff^3/(12 eta).
+
+    Parameters
+    ----------
+    table : GasConductivity
+    log_pressure : ndarray
+        ln(p/Pa), of a shape that broadcasts to that of ln D_eff.
+    """
+    if isinstance(table, GasConductivityTable):
+        return table.log_flow_at(log_pressure)
+
+    def log_flow(log_D: FloatArray) -> FloatArray:
+        R = table.rarefaction(np.broadcast_to(log_pressure, log_D.shape), log_D)
+        return log_flow_factor(log_D) + np.log(R)
+
+    return log_flow
+
+
+# Differences of this order between neighbouring points show the joins of f and little else.
+_KINKS = 5
+
+
 @dataclass(frozen=True, eq=False)
 class GasConductivityTable:
     """Gas flow through one surface over contact pressure and Knudsen number; serves every gas and geometry.
@@ -335,7 +359,12 @@ class GasConductivityTable:
     log_rarefaction : ndarray
         ln R at the pressures of `liquid` and at `log_inverse_knudsen`, shape (n, m).
     log_inverse_knudsen : ndarray
-        ln D_eff, shape (m,).
+        ln D_eff, in steps that change little from one to the next, shape (m,), m >= 6.
+
+    Notes
+    -----
+    f has joins, which unequal gaps average away: f R has none where ln R has all of them, and the other way round in
+    a uniform gap. A bicubic spline runs through ln R + c ln f, with the c(p) that leaves the fewest kinks.
 
     Examples
     --------
@@ -353,8 +382,18 @@ class GasConductivityTable:
 
     @cached_property
     def _spline(self) -> CubicSurface:
+        """ln R + c ln f."""
+        log_f = log_flow_factor(self.log_inverse_knudsen)
+        smooth = self.log_rarefaction + self._share.y[:, None] * log_f
+        return CubicSurface(self._share.x, self.log_inverse_knudsen, smooth)
+
+    @cached_property
+    def _share(self) -> MonotoneCurve:
+        """c over the pressure."""
         x = self._abscissa(np.log(self.liquid.pressure))
-        return CubicSurface(x, self.log_inverse_knudsen, self.log_rarefaction)
+        joins = np.diff(log_flow_factor(self.log_inverse_knudsen), _KINKS)
+        share = -np.diff(self.log_rarefaction, _KINKS, axis=1) @ joins / (joins @ joins)
+        return MonotoneCurve(x, share, cubic_spline_slopes(x, share))
 
     def _abscissa(self, log_pressure: FloatArray) -> FloatArray:
         return table_abscissa(log_pressure, float(np.log(self.liquid.sealing_pressure)), self.liquid.method)
@@ -379,17 +418,31 @@ class GasConductivityTable:
         log_pressure : array_like
             ln(p/Pa).
         """
+        log_flow = self.log_flow_at(log_pressure)
+        return lambda log_D: log_flow(log_D) - log_flow_factor(log_D)
+
+    def log_flow_at(self, log_pressure: ArrayLike) -> Callable[[FloatArray], FloatArray]:
+        """ln of f R, what a flow is made of, as `log_rarefaction_at` has ln R.
+
+        Parameters
+        ----------
+        log_pressure : array_like
+            ln(p/Pa).
+        """
         low, high = np.log(self.liquid.pressure[[0, -1]])
         asked = self.liquid.asked(np.asarray(log_pressure, dtype=float))
-        along = self._spline.along(self._abscissa(np.minimum(np.maximum(asked, low), high)))
-        first, last = self.log_inverse_knudsen[0], self.log_inverse_knudsen[-1]
+        x = self._abscissa(np.minimum(np.maximum(asked, low), high))
+        along, share = self._spline.along(x), self._share.value(x)
+        first, last = ends = self.log_inverse_knudsen[[0, -1]]
+        most, least = log_flow_factor(ends)
 
-        def log_rarefaction(log_D: FloatArray) -> FloatArray:
+        def log_flow(log_D: FloatArray) -> FloatArray:
+            log_f = log_flow_factor(log_D)
+            # f falls: between the ends of the table it is what it is at the nearest D there
             log_R = along(np.minimum(np.maximum(log_D, first), last))
-            return (
-                log_R
-                if log_D.max(initial=-np.inf) <= last
-                else log_R * np.exp(-np.maximum(log_D - last, 0.0))
-            )
+            log_R -= share * np.minimum(np.maximum(log_f, least), most)
+            if log_D.max(initial=-np.inf) > last:
+                log_R *= np.exp(-np.maximum(log_D - last, 0.0))
+            return log_R + log_f
 
-        return log_rarefaction
+        return log_flow

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
-from leak.flow.conductivity import GasConductivity, GasConductivityTable
+from leak.flow.conductivity import GasConductivity, log_rarefied_flow
 from leak.flow.contact_profile import (
     ContactProfile,
     Panels,
@@ -21,7 +21,6 @@ from leak.flow.contact_profile import (
     checked_side,
 )
 from leak.flow.leak_rate import LeakResult
-from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
@@ -380,17 +379,12 @@ class _Path:
         log_q = np.log(np.maximum(q, 1e-300))
         log_D = log_q + self._log_width
         # q and the factor of free molecules, 1/q, are no numbers on their own in a perfect vacuum
-        return np.exp(log_q + log_flow_factor(log_D) + self._log_rarefaction(log_D)) / (
-            q + self.slip_pressure
-        )
+        return np.exp(log_q + self._log_flow(log_D)) / (q + self.slip_pressure)
 
     @cached_property
-    def _log_rarefaction(self) -> Callable[[FloatArray], FloatArray]:
-        """ln R over ln D_eff."""
-        table, log_contact = self.table, self.log_contact
-        if isinstance(table, GasConductivityTable):
-            return table.log_rarefaction_at(log_contact)
-        return lambda log_D: np.log(table.rarefaction(log_contact, log_D))
+    def _log_flow(self) -> Callable[[FloatArray], FloatArray]:
+        """ln F over ln D_eff."""
+        return log_rarefied_flow(self.table, self.log_contact)
 
     @cached_property
     def _log_width(self) -> FloatArray:

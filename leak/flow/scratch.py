@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
-from leak.flow.conductivity import GasConductivity, GasConductivityTable
+from leak.flow.conductivity import GasConductivity, log_rarefied_flow
 from leak.flow.contact_profile import (
     SMALLEST_LOG_PRESSURE,
     ContactProfile,
@@ -392,7 +392,7 @@ def gas_scratch_flow(
     with np.errstate(divide="ignore"):
         log_width = np.maximum(np.log(gap / (gas.viscosity * gas.molecular_speed)), _SHUT)
     in_continuum = 2.0 * np.pi * contact.radius * gap**3 / (12.0 * gas.viscosity * per_density)
-    log_rarefaction = _log_rarefaction(table, contact.first_loading)
+    log_flow = log_flow_factor if table is None else log_rarefied_flow(table, contact.first_loading)
 
     peak = int(np.argmax(ps))
     if table is not None:
@@ -408,7 +408,7 @@ def gas_scratch_flow(
     def rough(fluid: _Fluid) -> FloatArray:
         log_q = np.log(fluid.flow_pressure)
         log_D = log_q + log_width
-        factor = np.exp(log_q + log_flow_factor(log_D) + log_rarefaction(log_D))
+        factor = np.exp(log_q + log_flow(log_D))
         return np.asarray(in_continuum * factor / (2.0 * (fluid.flow_pressure + slip)))
 
     def along(groove: Groove) -> Mobility:
@@ -648,17 +648,6 @@ def _profile(
     places = checked_ends(ends)
     profile = ContactProfile.through(x, p, r, places)
     return profile if conductivity is None else after_largest(profile, x, r, largest, places, conductivity)
-
-
-def _log_rarefaction(
-    table: GasConductivity | None, log_pressure: FloatArray
-) -> Callable[[FloatArray], FloatArray]:
-    """ln R over ln D_eff at contact pressures (n,), for ln D_eff of shape (k, n); of none without roughness."""
-    if table is None:
-        return np.zeros_like
-    if isinstance(table, GasConductivityTable):
-        return table.log_rarefaction_at(log_pressure)
-    return lambda log_D: np.log(table.rarefaction(np.broadcast_to(log_pressure, log_D.shape), log_D))
 
 
 def _lengths(part: Panels) -> FloatArray:
