@@ -363,6 +363,16 @@ def test_next_class_is_the_loosest_one_that_is_missed():
     assert (found.name, found.factor) == ("G", pytest.approx(highest / 50e-9, rel=1e-12))
     assert next_class(result.case, load, (1e-10, 2.4e-9)).name == "CC"
     assert next_class(result.case, load.knowing(validity=OUTSIDE), ends) is None
+    # a class that the calculated leak rate meets, but not twice as much
+    few = load.knowing(
+        validity=Validity.of([Caution("channels", Level.DOUBTFUL, "few", "...", either_way(2.0))])
+    )
+    for end, name, told in (
+        (30e-9, "G", "ISO 5208 G is met as calculated, but not by as much as the calculation may be off by"),
+        (60e-9, "G", "ISO 5208 G would take 2.4 times less leakage"),
+    ):
+        assert next_class(result.case, few, (1e-10, end)).name == name
+        assert next_class_in_words(result.case, few, (1e-10, end)) == told
 
 
 @pytest.mark.parametrize(

@@ -134,11 +134,14 @@ class NextClass:
     standard, name : str
     factor : float
         By which the leak rate would have to be smaller, in the fluid of the test.
+    as_calculated : bool
+        Whether the interval of the leak rate meets it, and only what the calculation may be off by does not.
     """
 
     standard: str
     name: str
     factor: float
+    as_calculated: bool
 
 
 def next_class(case: Case, load: LoadResult, ends: tuple[float, float] | None = None) -> NextClass | None:
@@ -164,7 +167,10 @@ def next_class(case: Case, load: LoadResult, ends: tuple[float, float] | None = 
     if not missed or math.isinf(high):
         return None
     closest = max(missed, key=lambda one: one.leak_rate)
-    return NextClass(closest.standard, closest.name, high / closest.leak_rate)
+    _, most = load.leak_validity.leak_factor
+    return NextClass(
+        closest.standard, closest.name, high / closest.leak_rate, high / most <= closest.leak_rate
+    )
 
 
 def leakage_classes(

@@ -247,6 +247,8 @@ def next_class_in_words(case: Case, load: LoadResult, ends: tuple[float, float] 
     found = next_class(case, load, ends)
     if found is None:
         return ""
+    if found.as_calculated:
+        return said("verdict.next", "as_calculated", standard=found.standard, name=found.name)
     if found.factor < _HARDLY:
         less = percent(1 - 1 / found.factor, 1)
         return said("verdict.next", "near", standard=found.standard, name=found.name, less=less)
