@@ -24,6 +24,7 @@ from fem_seal.output.report.verdict import (
     factor_text,
     next_class_in_words,
     requirement_lines,
+    verdict_facts,
     verdict_lines,
     verdict_sentences,
 )
@@ -344,6 +345,18 @@ def test_limit_and_leak_rate_stand_in_one_unit(over):
         assert len(units) == 1, sentence
 
 
+@pytest.mark.parametrize(("over", "told"), [(14.3, "a margin of 10."), (1 / 143, "100 times the allowed")])
+def test_a_factor_has_no_more_digits_than_the_leak_rate_it_is_made_of(over, told):
+    solved = rough_result()
+    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", either_way(3.3))])
+    doubted = replace(solved, loads=tuple(load.knowing(validity=few) for load in solved.loads))
+    low, high = solved.leak_ranges[-1]
+    judged = required(doubted, leak_rate=f"{over * (high if over > 1 else low)!r} m^3/s")
+    assert told in verdict_sentences(judged)[0]
+    (margin, *_) = (value for name, value, _ in verdict_facts(judged) if name == "Margin")
+    assert len(margin.replace("0.", "").strip("0")) == 1
+
+
 def test_factors_claim_no_more_than_two_digits():
     assert [factor_text(one) for one in (0.0123, 1.05, 12.34, 123.4, 5000.0)] == [
         "0.012",
@@ -369,7 +382,7 @@ def test_next_class_is_the_loosest_one_that_is_missed():
     )
     for end, name, told in (
         (30e-9, "G", "ISO 5208 G is met as calculated, but not by as much as the calculation may be off by"),
-        (60e-9, "G", "ISO 5208 G would take 2.4 times less leakage"),
+        (65e-9, "G", "ISO 5208 G would take 3 times less leakage"),
     ):
         assert next_class(result.case, few, (1e-10, end)).name == name
         assert next_class_in_words(result.case, few, (1e-10, end)) == told

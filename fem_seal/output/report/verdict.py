@@ -47,12 +47,13 @@ _SENTENCES = {
 }
 
 
-def factor_text(factor: float) -> str:
-    """A factor with the two digits that it is worth, and more where they tell it from one.
+def factor_text(factor: float, digits: int = 2) -> str:
+    """A factor with the digits that it is worth, and more where they tell it from one.
 
     Parameters
     ----------
     factor : float
+    digits : int
 
     Examples
     --------
@@ -63,7 +64,7 @@ def factor_text(factor: float) -> str:
     """
     if factor > _FAR:
         return f"more than {_FAR:.0f}"
-    return worth(factor, digits_beside(factor, 1.0, 2))
+    return worth(factor, digits_beside(factor, 1.0, digits))
 
 
 def verdict_sentences(result: SealSolution) -> list[str]:
@@ -78,8 +79,13 @@ def verdict_sentences(result: SealSolution) -> list[str]:
         return []
     place = _place(result, found)
     doubted = found.worst.verdict != "undecided" and _doubt(result, found)
-    digits = 2 if found.number is None else min(result.loads[found.number].leak_digits, 2)
-    return [_verdict(found, f"{place}, with doubt" if doubted else place, digits), *_besides(result, found)]
+    told = _verdict(found, f"{place}, with doubt" if doubted else place, _digits(result, found))
+    return [told, *_besides(result, found)]
+
+
+def _digits(result: SealSolution, found: SealJudgement) -> int:
+    """Significant digits of the leak rate that decides, two at most, as of an interval."""
+    return 2 if found.number is None else min(result.loads[found.number].leak_digits, 2)
 
 
 def _doubt(result: SealSolution, found: SealJudgement) -> str:
@@ -112,9 +118,9 @@ def _verdict(found: SealJudgement, load: str, digits: int) -> str:
         range=_range(low, high, digits, limit.leak_rate),
         allowed=_limit_text(limit.leak_rate, beside=beside),
         limit="required" if limit.name == OF_LEAK_RATE else limit.name,
-        factor=factor_text(judged.margin),
-        times_low=factor_text(over[0]),
-        times_range=range_text(*map(factor_text, over)),
+        factor=factor_text(judged.margin, digits),
+        times_low=factor_text(over[0], digits),
+        times_range=range_text(*(factor_text(one, digits) for one in over)),
         fluid=limit.test_fluid,
         reason=judged.reason,
     )
@@ -223,7 +229,9 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     if found is None:
         return []
     shares, margin = found.shares, found.margin
-    told = "sealed" if math.isinf(margin) else "–" if math.isnan(margin) else factor_text(margin)
+    told = factor_text(margin, _digits(result, found)) if math.isfinite(margin) else "–"
+    if math.isinf(margin):
+        told = "sealed"
     facts = [("Margin", told, said("verdict.facts", "margin"))]
     for name, share in _shares(result, shares).items():
         facts.append((_USED[name], share, said("verdict.facts", name, body=shares.body)))
@@ -252,7 +260,7 @@ def next_class_in_words(case: Case, load: LoadResult, ends: tuple[float, float] 
     if found.factor < _HARDLY:
         less = percent(1 - 1 / found.factor, 1)
         return said("verdict.next", "near", standard=found.standard, name=found.name, less=less)
-    factor = factor_text(found.factor)
+    factor = factor_text(found.factor, min(load.leak_digits, 2))
     return said("verdict.next", "class", standard=found.standard, name=found.name, factor=factor)
 
 
