@@ -322,6 +322,25 @@ def test_smaller_steps_change_little_and_in_proportion() -> None:
     assert std[1] == pytest.approx(std[2], rel=0.01)
 
 
+def test_long_steps_through_what_stays_elastic_change_nothing() -> None:
+    """The same as a list of loads that stops at every eighth of the force, up, down and up again."""
+    model, force = seal(LAW, 3e7, seat=HARDENING, refine=0.35, wider=1.5)
+
+    def pressed(eighths: list[int], steps: int) -> LoadPath:
+        loads = [PathLoad(n * force / 8) for n in eighths]
+        return load_path(model, LAW, loads, settings=PlasticSettings(steps=steps), unload=False)
+
+    few = pressed([8, 1, 8], 8).contacts
+    every = pressed([*range(1, 9), *range(7, 0, -1), *range(2, 9)], 1).contacts
+    for contact, other in zip(few, (every[7], every[14], every[21]), strict=True):
+        assert contact.pressure == pytest.approx(other.pressure, abs=1e-8 * other.pressure.max())
+        strain = other.states["seat"].plastic.accumulated
+        assert strain.max() > 5e-4
+        assert contact.states["seat"].plastic.accumulated == pytest.approx(strain, abs=1e-8 * strain.max())
+    # of eight steps, and of seven: one, two and four
+    assert [contact.load_steps for contact in few] == [7, 3, 3]
+
+
 def test_hard_contact_on_a_yielding_seat() -> None:
     model, force = seal(HardContact(), 3e7, seat=HARDENING, refine=0.35, wider=1.5)
     (contact,) = load_path(

@@ -210,7 +210,8 @@ def test_summary_says_where_and_how_far(result: SealResult, folder: Path) -> Non
     assert told["yielding"][0]["closure"] is None
     assert told["imprint"]["seat"]["depth_m"] > 0
     assert told["convergence"][0]["equilibrium_residual"] < 1e-9
-    assert told["convergence"][0]["load_steps"] == told["loads"][0]["load_steps"] >= 16
+    # of 16 only those in which something flows, and a few before
+    assert 4 < told["convergence"][0]["load_steps"] == told["loads"][0]["load_steps"] <= 16
 
 
 def test_report_shows_imprint_and_yielding(folder: Path) -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 
+from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elastoplastic import BodyState
 from fem_seal.bodies.fields import BodyField, elastoplastic_field
 from fem_seal.contact.imprint import Imprint
@@ -214,18 +215,24 @@ class _Walk:
     def to(self, end: LoadOnPath, begin: LoadOnPath, here: Equilibrium) -> tuple[Equilibrium, int]:
         """Walk from one load to another in steps, halved where they do not converge; also their number.
 
-        A step under which the fluid lifts the closure off is halved, too: from far away it may do so because the bodies
-        are not yet those of the step's end.
+        While nothing flows, steps become longer: elastic bodies forget how they came. A longer one in which something
+        flows after all is taken back. A step under which the fluid lifts the closure off is halved, too: from far away
+        it may do so because the bodies are not yet those of the step's end.
         """
         share = begin.change(end, self.model.touch_radius)
-        largest = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
+        usual = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
         way, steps = 0.0, 0
+        earlier, taken = None, 1.0
         while way < 1:
             aim = way + step if way + 1.5 * step < 1 else 1.0
             load = begin.between(end, aim)
+            guess = None if earlier is None else here.ahead(earlier, (aim - way) / taken)
             try:
-                here = self._pressed(load, here)
+                reached = self._pressed(load, here, guess, elastic=step > usual)
             except _FAILURES as error:
+                if step > usual:
+                    step = usual
+                    continue
                 step = (aim - way) / 2
                 smallest = step < self.settings.smallest_step
                 if isinstance(error, OpenSealError) and (smallest or step < _NEAR_OPENING):
@@ -235,7 +242,9 @@ class _Walk:
                 if not smallest:
                     continue
                 raise ConvergenceError(_gave_up(begin.between(end, way), load, error)) from error
-            way, steps, step = aim, steps + 1, min(2 * step, largest)
+            earlier, taken = here if reached.flowed else None, aim - way
+            step = min(2 * step, usual) if reached.flowed else 2 * step
+            here, way, steps = reached, aim, steps + 1
         return here, steps
 
     def unloaded(self, rest: LoadOnPath, last: LoadOnPath, here: Equilibrium) -> Equilibrium:
@@ -245,7 +254,11 @@ class _Walk:
         except _Opened as opened:
             return self.to(rest, rest, opened.reached)[0]
 
-    def _pressed(self, load: LoadOnPath, here: Equilibrium) -> Equilibrium:
+    def _pressed(
+        self, load: LoadOnPath, here: Equilibrium, guess: Mapping[str, FloatArray] | None, *, elastic: bool
+    ) -> Equilibrium:
+        # elastic bodies are in balance after one iteration, others are not
+        settings = replace(self.settings, max_iterations=1) if elastic else self.settings
         with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
             return press(
                 self.model,
@@ -253,8 +266,9 @@ class _Walk:
                 self.law,
                 load,
                 here.states,
-                settings=self.settings,
+                settings=settings,
                 start=here.contact,
+                guess=guess,
             )
 
     def _open(self, load: LoadOnPath, reached: Equilibrium, error: OpenSealError) -> OpenLoad:

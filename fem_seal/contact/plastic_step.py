@@ -47,12 +47,22 @@ class Equilibrium:
         Largest nodal force out of balance over the largest that the elements put on a node, one per iteration.
     linear : ContactModel or None
         The bodies linearised there, of which nothing but the contact line is kept; None before the first load.
+    flowed : bool
+        Whether a body has yielded in the step.
     """
 
     states: Mapping[str, BodyState]
     contact: ContactSolution | None
     residuals: tuple[float, ...]
     linear: ContactModel | None = None
+    flowed: bool = False
+
+    def ahead(self, before: Equilibrium, share: float) -> dict[str, FloatArray]:
+        """Displacements of the bodies that yield, extrapolated by a share of the step from `before` to here [m]."""
+        return {
+            name: here.displacement + share * (here.displacement - before.states[name].displacement)
+            for name, here in self.states.items()
+        }
 
 
 def press(
@@ -64,6 +74,7 @@ def press(
     *,
     settings: PlasticSettings | None = None,
     start: ContactSolution | None = None,
+    guess: Mapping[str, FloatArray] | None = None,
 ) -> Equilibrium:
     """Balance of bodies, contact line and fluid under a load, one load step away from a known state.
 
@@ -81,6 +92,9 @@ def press(
     settings : PlasticSettings, optional
     start : ContactSolution, optional
         To start from.
+    guess : mapping, optional
+        Displacements of the bodies at the end of the step, about which they are linearised first [m]; those at its
+        beginning if it is left out.
 
     Raises
     ------
@@ -90,7 +104,8 @@ def press(
         If the iteration does not reach the tolerance.
     """
     settings, step = settings or PlasticSettings(), _Step(model, bodies, before, load.apart)
-    at = step.at({name: state.displacement for name, state in before.items()}, load.apart, None)
+    guess = guess or {name: state.displacement for name, state in before.items()}
+    at = step.at(guess, load.apart, None)
     contact, allowed, residuals = start, np.inf, list[float]()
     for _ in range(settings.max_iterations):
         linear, at_rest = step.linear(at)
@@ -101,7 +116,8 @@ def press(
         if whole.imbalance < settings.tolerance:
             # The contact was solved with linearised bodies; it is one of the true ones.
             true = None if contact is None else replace(contact, model=model)
-            return Equilibrium(whole.states, true, tuple(residuals), _of_the_line(linear))
+            flowed = any(flow.yielding.any() for flow in whole.flows.values())
+            return Equilibrium(whole.states, true, tuple(residuals), _of_the_line(linear), flowed)
         at = whole if whole.imbalance < allowed else step.shortened(at, whole)
         allowed = at.imbalance
     raise ConvergenceError(
