@@ -25,7 +25,7 @@ from fem_seal.output.report.words import leakage_lines, leakage_text
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table, leakage_table
 from fem_seal.units import parse_quantity
-from leak import LeakResult
+from leak import GasInertia, LeakResult
 
 
 @cache
@@ -327,6 +327,24 @@ def test_a_turbulent_load_is_told_before_one_of_more_inertia(monkeypatch):
     monkeypatch.setattr(fluid_warnings, "_of_liquid", lambda flow, load: numbers[id(load)])
     (found,) = fluid_warnings._liquid_inertia(SimpleNamespace(fluid="water"), [wide, turbulent])
     assert found.level is Level.OUTSIDE and "at 2 bar" in found.text
+
+
+@pytest.mark.parametrize(
+    ("acceleration", "reduced", "least"), [(0.2, 0.5, 0.8), (0.06, 3.0, 1 / 1.3), (0.0, 2.0, 1 / 1.2)]
+)
+def test_inertia_says_how_much_less_may_leak(monkeypatch, acceleration, reduced, least):
+    """The share of the flow that acceleration takes, or of the pressure, a tenth at one; of an upper end nothing."""
+    load = LoadResult(1e5, 0.0, SimpleNamespace(profile=None))
+    of_gas = GasInertia(100.0, 0.3, acceleration), reduced
+    monkeypatch.setattr(fluid_warnings, "_inertia_of", lambda flow, load: of_gas)
+    found = fluid_warnings._fastest(SimpleNamespace(), [load], [(load, load)])
+    assert found.leak_factor == (pytest.approx(least), 1.0) and found.leak_error == pytest.approx(1 - least)
+    end = fluid_warnings._fastest(SimpleNamespace(), [load], [(load, load)], end=True)
+    assert end.leak_factor == (1.0, 1.0)
+    if reduced > 1:
+        monkeypatch.setattr(fluid_warnings, "_of_liquid", lambda flow, load: (500.0, reduced))
+        (found,) = fluid_warnings._liquid_inertia(SimpleNamespace(fluid="water"), [load])
+        assert found.leak_factor == (pytest.approx(1 / (1 + 0.1 * reduced)), 1.0)
 
 
 def test_the_end_of_an_interval_that_chokes_makes_it_doubtful():

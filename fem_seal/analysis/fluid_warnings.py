@@ -28,6 +28,8 @@ _UNCERTAIN, _SLIGHTLY = 0.2, 1.05
 _ACCELERATED, _CHOKED, _CHOKES = 0.05, 0.3, 0.8
 # Reynolds numbers: of the hydraulic diameter, where flow becomes turbulent, and of the gap times gap over width.
 _TURBULENT, _REDUCED = 2000.0, 1.0
+# Share of the pressure that inertia takes where the latter is one: 6/5 of rho v^2 over 12 eta v L/u^2.
+_PRESSURE_SHARE = 0.1
 # Of a liquid of which none is given [kg/m^3].
 _DENSITY = 1000.0
 # Contact pressure below which the gap is as good as open [Pa].
@@ -215,6 +217,7 @@ def _fastest(
     if not outside and numbers.acceleration <= _ACCELERATED and reduced <= _REDUCED:
         return None
     chokes = "it chokes, and " if numbers.mach > _CHOKES else ""
+    least = min(1.0 - numbers.acceleration, 1.0 / (1.0 + _PRESSURE_SHARE * reduced))
     fast = f"Mach number {_two(numbers.mach)} and Reynolds number {_two(numbers.reynolds)}"
     at = f"at {load_name(load, loads)}"
     return Caution(
@@ -231,6 +234,7 @@ def _fastest(
         f"(limit {100 * _ACCELERATED:.0f} %), and inertia over friction along the gap is {_two(reduced)} (limit "
         f"{_REDUCED:g}). Viscous flow is assumed: in truth {chokes}less leaks"
         + (" than the upper end says" if end else ""),
+        (1.0 if end else least, 1.0),
     )
 
 
@@ -254,6 +258,7 @@ def _liquid_inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution
             f"through the effective gap (limit {_TURBULENT:g}), and inertia over friction along the gap is "
             f"{_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth less leaks"
             + (" than the upper end says" if end else ""),
+            (1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced), 1.0),
         )
         return
 
