@@ -303,6 +303,37 @@ def test_a_liquid_through_a_wide_gap_is_too_fast_for_viscous_flow():
     assert told == pytest.approx(2 * per_length / one.effective_viscosity, rel=0.06)
 
 
+@pytest.mark.parametrize(("fluid", "amplitude"), [("nitrogen", "4 um"), ("water", "12 um")])
+def test_inertia_of_an_oval_seat_is_that_of_a_round_one_as_lightly_loaded_as_its_weakest_place(
+    fluid, amplitude
+):
+    spectrum = {**ROUGH["spectrum"], "rms_height": "2 um"}
+    tables = {"fluid": {"name": fluid}, "roughness": {"spectrum": spectrum}}
+
+    def pressed(force, **more):
+        load = {"fluid_pressure": ["20 bar"], "axial_force": f"{force} N", "pressure_side": "inner"}
+        return run_loads(case(**tables, load=load, **more))
+
+    waves = [{"waves": 2, "amplitude": amplitude}]
+    oval = pressed(4000, form={"seat": {"direction": "radial", "harmonics": waves}})
+    (load,), flow = oval.loads, oval.problem.flow
+    off = (1 - load.around.least_over_mean) * load.contact.axial_force
+    (weakest,) = pressed(4000 - off).loads
+    if flow.gas is None:
+        assert _of_liquid(flow, load) == pytest.approx(_of_liquid(flow, weakest), rel=1e-2)
+    else:
+        (found, reduced), (round_, reduced_round) = (
+            fluid_warnings._inertia_of(flow, one) for one in (load, weakest)
+        )
+        assert (found.reynolds, reduced) == pytest.approx((round_.reynolds, reduced_round), rel=1e-2)
+        assert found.acceleration == pytest.approx(round_.acceleration, rel=1e-2)
+        # the gas pressure, on which the speed at the outlet hangs, is that of a line load a little lower
+        assert found.mach == pytest.approx(round_.mach, rel=0.06)
+    (said,) = (text for text in oval.warnings if "Reynolds number" in text)
+    assert said.startswith("at 20 bar, where most leaks around the axis, ")
+    assert load.validity.level is (Level.DOUBTFUL if flow.gas is None else Level.OUTSIDE)
+
+
 def test_inertia_of_a_liquid_in_a_uniform_gap():
     """q = u^3 dp/(12 eta L) between plates: gap and both Reynolds numbers come back."""
     eta, gap, length, drop, r = 1e-3, 3e-6, 2e-4, 5e5, 0.01

@@ -13,7 +13,8 @@ from fem_seal.units import rounded, share_text
 if TYPE_CHECKING:
     from fem_seal.analysis.flow import Flow
     from fem_seal.analysis.results import LoadResult
-    from leak import Gas, GasInertia, RealGas
+    from fem_seal.profile import PressureProfile
+    from leak import Gas, GasInertia, LeakResult, RealGas
 
 # Pressure from which on the thickening of a liquid should be known [Pa].
 _THICKENS = 2e7
@@ -190,12 +191,10 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
 
 
 def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    # seals that are not round have a check of their own, at the angle where most leaks
-    round_ones = [load for load in loads if load.formed is None]
-    found = _fastest(flow, loads, [(load, load) for load in round_ones])
+    found = _fastest(flow, loads, [(load, load) for load in loads])
     if found is None:
         # where the result is slow enough, the other reading may not be
-        found = _fastest(flow, loads, _other_reading(round_ones), end=True)
+        found = _fastest(flow, loads, _other_reading(loads), end=True)
     if found is not None:
         yield found
 
@@ -219,42 +218,34 @@ def _fastest(
     chokes = "it chokes, and " if numbers.mach > _CHOKES else ""
     least = min(1.0 - numbers.acceleration, 1.0 / (1.0 + _PRESSURE_SHARE * reduced))
     fast = f"Mach number {_two(numbers.mach)} and Reynolds number {_two(numbers.reynolds)}"
-    at = f"at {load_name(load, loads)}"
     return Caution(
         "inertia",
         Level.OUTSIDE if outside and not end else Level.DOUBTFUL,
         f"gas flow with {fast}"
         + (" where the surface changes only where it touches: upper end too high" if end else ""),
-        (
-            f"{at}, if yielding asperities change the surface only where it touches, the gas would flow with {fast}"
-            if end
-            else f"{at} the gas would flow with {fast}"
-        )
-        + f" through the effective gap; inertia takes about {share_text(numbers.acceleration)} of what drives the flow "
-        f"(limit {100 * _ACCELERATED:.0f} %), and inertia over friction along the gap is {_two(reduced)} (limit "
-        f"{_REDUCED:g}). Viscous flow is assumed: in truth {chokes}less leaks"
-        + (" than the upper end says" if end else ""),
+        f"{_where(load, loads, end=end)} the gas would flow with {fast} through the effective gap; inertia takes about "
+        f"{share_text(numbers.acceleration)} of what drives the flow (limit {100 * _ACCELERATED:.0f} %), and inertia "
+        f"over friction along the gap is {_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth "
+        f"{chokes}less leaks" + (" than the upper end says" if end else ""),
         (1.0 if end else least, 1.0),
     )
 
 
 def _liquid_inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     """Where a liquid goes too fast through the gap for viscous flow, in the result or else in its upper end."""
-    round_ones = [load for load in loads if load.formed is None]
-    for end, readings in ((False, [(load, load) for load in round_ones]), (True, _other_reading(round_ones))):
+    for end, readings in ((False, [(load, load) for load in loads]), (True, _other_reading(loads))):
         found = [(*numbers, load) for load, read in readings if (numbers := _of_liquid(flow, read))]
         # a turbulent flow before any other
         worst = max(found, key=lambda one: (one[0] > _TURBULENT, one[1]), default=(0.0, 0.0, None))
         reynolds, reduced, load = worst
         if load is None or (reduced <= _REDUCED and reynolds <= _TURBULENT):
             continue
-        where = ", if yielding asperities change the surface only where it touches," if end else ""
         yield Caution(
             "inertia",
             Level.OUTSIDE if reynolds > _TURBULENT and not end else Level.DOUBTFUL,
             f"Reynolds number {_two(reynolds)} in the gap"
             + (" where the surface changes only where it touches: upper end too high" if end else ""),
-            f"at {load_name(load, loads)}{where} {flow.fluid} would flow with a Reynolds number of {_two(reynolds)} "
+            f"{_where(load, loads, end=end)} {flow.fluid} would flow with a Reynolds number of {_two(reynolds)} "
             f"through the effective gap (limit {_TURBULENT:g}), and inertia over friction along the gap is "
             f"{_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth less leaks"
             + (" than the upper end says" if end else ""),
@@ -268,10 +259,10 @@ def _of_liquid(flow: Flow, load: LoadResult) -> tuple[float, float] | None:
 
     The gap is the uniform one over the width of the contact that lets as much through.
     """
-    leak, profile = load.leak if _leak_known(load) else None, load.contact.profile
-    viscosity = load.effective_viscosity or flow.viscosity
-    if leak is None or not 0 < leak.leak_rate < math.inf or not load.fluid_pressure > 0:
+    found = _where_most_leaks(load) if _leak_known(load) else None
+    if found is None or not 0 < found[1].leak_rate < math.inf or not load.fluid_pressure > 0:
         return None
+    (profile, leak), viscosity = found, load.effective_viscosity or flow.viscosity
     density = leak.mass_flow / leak.leak_rate if leak.mass_flow else _DENSITY
     radius = float(profile.radius[int(profile.pressure.argmax())])
     per_length, width = leak.leak_rate / (2 * math.pi * radius), 2.0 * profile.std
@@ -287,7 +278,31 @@ def _other_reading(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, LoadRe
 
 def _leak_known(load: LoadResult) -> bool:
     """Whether the leak is worked out, which is not worth doing for a check alone."""
-    return not vars(load).keys().isdisjoint({"leak", "leak_round"})
+    return not vars(load).keys().isdisjoint({"leak", "leak_round", "around"})
+
+
+def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | None:
+    """Contact pressure where most leaks around the axis, and the leak of a seal that is so everywhere."""
+    import numpy as np
+
+    if load.formed is None:
+        return None if load.leak is None else (load.contact.profile, load.leak)
+    around = load.around
+    if around is None or around.leak is None or around.leak_rate is None:
+        return None
+    at = int(np.argmax(around.leak_rate))
+    whole = 2.0 * math.pi * float(around.leak_rate[at])
+    return around.profile_at(float(around.angle[at])), around.leak.scaled(whole)
+
+
+def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
+    """At which load and place that is, and in which reading; see `_fastest`."""
+    clauses = [f"at {load_name(load, loads)}"]
+    if load.formed is not None and load.formed.form.felt:
+        clauses.append("where most leaks around the axis")
+    if end:
+        clauses.append("if yielding asperities change the surface only where it touches")
+    return ", ".join(clauses) + ("," if len(clauses) > 1 else "")
 
 
 def _two(value: float) -> str:
@@ -303,14 +318,17 @@ def _inertia_of(flow: Flow, load: LoadResult) -> tuple[GasInertia, float] | None
     from leak import gas_inertia
     from leak.fluids.heat_capacity import heat_capacity_ratio
 
-    leak, table = load.leak_round, None if load.rough is None else load.rough.table
-    if leak is None or table is None or not leak.mass_flow or not math.isfinite(leak.mass_flow):
+    found, table = _where_most_leaks(load), None if load.rough is None else load.rough.table
+    if found is None or table is None:
+        return None
+    here, leak = found
+    if not leak.mass_flow or not math.isfinite(leak.mass_flow):
         return None
     assert flow.gas is not None  # of a gas
-    profile = as_first_loaded(table, load.contact.profile)
+    profile = as_first_loaded(table, here)
     with np.errstate(divide="ignore"):
         gap = np.asarray(table.at_log_pressure(np.log(np.maximum(profile.pressure, _NO_PRESSURE))))
     pressure = leak.fluid_pressure + flow.outlet_pressure
     ratio = heat_capacity_ratio(flow.gas.name) or 1.4
-    found = gas_inertia(profile.radius, gap, pressure, leak.mass_flow, flow.gas, ratio)
-    return found, 0.5 * found.reynolds * float(gap.min()) / (2.0 * profile.std)
+    numbers = gas_inertia(profile.radius, gap, pressure, leak.mass_flow, flow.gas, ratio)
+    return numbers, 0.5 * numbers.reynolds * float(gap.min()) / (2.0 * profile.std)

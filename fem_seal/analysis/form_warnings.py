@@ -28,8 +28,6 @@ _OPEN = 1e-2
 LARGEST_EXCESS = 1.5
 # Fluid pressure over the contact's peak somewhere around the axis from which on it opens the gap noticeably there.
 _FLUID_OPENS = 0.5
-# Reynolds number of the flow through an open gap from which on inertia counts, and from which on it is turbulent.
-_INERTIA, _TURBULENT = 1.0, 1000.0
 
 
 def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
@@ -53,7 +51,6 @@ def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
     yield from _open(loads, formed)
     yield from _fluid_opens(problem, loads, formed)
     yield from _crest(problem, loads, formed)
-    yield from _inertia(problem, loads, formed)
 
 
 _Formed = Sequence[tuple["LoadResult", "Around"]]
@@ -140,42 +137,3 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
             f"the von Mises stress there is about {told} MPa, above the yield stress "
             f"{limit:g} MPa. A body that yields evens out its form error, so that less leaks",
         )
-
-
-def _inertia(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
-    flow = problem.flow
-    if flow is None:
-        return
-    worst = max(formed, key=lambda one: _reynolds_number(problem, *one), default=None)
-    if worst is None:
-        return
-    load, around = worst
-    reynolds = _reynolds_number(problem, load, around)
-    gap = _widest_gap(around)
-    # inertia against viscosity over the length of the gap
-    reduced = reynolds * gap / (2 * load.contact.profile.std)
-    if reduced > _INERTIA or reynolds > _TURBULENT:
-        yield Caution(
-            "inertia",
-            Level.OUTSIDE if reynolds > _TURBULENT else Level.DOUBTFUL,
-            f"Reynolds number {rounded(reynolds, 2):g} in the widest gap",
-            f"at {load_name(load, loads)} the flow through the widest gap, {1e6 * gap:.3g} um, has the Reynolds number "
-            f"{rounded(reynolds, 2):g}; viscous flow is assumed, in truth less leaks",
-        )
-
-
-def _reynolds_number(problem: SealProblem, load: LoadResult, around: Around) -> float:
-    """Of the flow at the angle where most leaks: mass flow per length over viscosity."""
-    leak, found = load.leak, load.around
-    if problem.flow is None or leak is None or not leak.mass_flow or found is None or found.leak_rate is None:
-        return 0.0
-    density = leak.mass_flow / leak.leak_rate
-    per_length = float(found.leak_rate.max()) / load.contact.model.touch_radius
-    return density * per_length / problem.flow.viscosity
-
-
-def _widest_gap(around: Around) -> float:
-    """Gap at first touch where the line load is least [m]."""
-    at = int(np.argmin(around.line_load))
-    _, gap = around.local.pressure_and_gap(around.line_load[at : at + 1], around.approach[at : at + 1])
-    return float(gap[0].min())
