@@ -312,12 +312,12 @@ def _lay(direct: Direct, fitted: bool) -> Lay:
     numbers, directs = (direct.kind.peklenik, 1.0 / direct.kind.peklenik), (direct.along, direct.across)
     used, plain = [], []
     isotropic = leak.RoughContact(spectrum, effective_modulus=1.0)
-    lost, mean = isotropic.lost_area(p)
+    lost = isotropic.lost_area(p)
     for number, measured in zip(numbers, directs, strict=True):
         contact = leak.RoughContact(spectrum, effective_modulus=1.0, peklenik=number)
         u = np.asarray(contact.effective_separation(p))
         used.append((u / spectrum.rms_height) ** 3 / measured)
-        u = effective_gap(lost, mean, spectrum.rms_height, leak.dimension_number(0.42), number)
+        u = effective_gap(lost, spectrum.rms_height, leak.dimension_number(0.42), number)
         plain.append((u / spectrum.rms_height) ** 3 / measured)
     return Lay(direct, fitted, np.asarray(isotropic.contact_area(p)), *used, *plain)
 

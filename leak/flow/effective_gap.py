@@ -22,7 +22,6 @@ _TOGETHER = 8
 
 def effective_gap(
     lost: LostArea,
-    mean_separation: FloatArray,
     rms_height: float,
     n: float,
     aspect: float | FloatArray = 1.0,
@@ -39,12 +38,11 @@ def effective_gap(
     B. Lorenz, B. N. J. Persson, Eur. Phys. J. E 31, 159 (2010); W. B. Dapp et al., Phys. Rev. Lett. 108, 244301
     (2012).
     """
-    return anisotropic_medium(*_gaps(lost, mean_separation, rms_height, refinement), n, aspect).along
+    return anisotropic_medium(*_gaps(lost, rms_height, refinement), n, aspect).along
 
 
 def effective_gas_gap(
     lost: LostArea,
-    mean_separation: FloatArray,
     rms_height: float,
     n: float,
     aspect: float | FloatArray,
@@ -55,13 +53,12 @@ def effective_gas_gap(
     The effective medium over the local conductivity u^3 f(u/l), f of `leak.flow.rarefied.flow_factor`, at m lengths
     l = eta v0/p_f for each pressure, shape (P, m) [m].
     """
-    gaps = _gaps(lost, mean_separation, rms_height, 1)
+    gaps = _gaps(lost, rms_height, 1)
     return _gas_gap(gaps, _continuum(gaps, n, aspect), n, aspect, flight)
 
 
 def effective_gaps(
     lost: LostArea,
-    mean_separation: FloatArray,
     rms_height: float,
     n: float,
     aspect: float | FloatArray,
@@ -70,7 +67,7 @@ def effective_gaps(
     refinement: float = 1.0,
 ) -> tuple[FloatArray, FloatArray]:
     """`effective_gap`, shape (P,), and `effective_gas_gap` at given D = u_eff/l, of shape (m,), shape (P, m) [m]."""
-    gaps = _gaps(lost, mean_separation, rms_height, refinement)
+    gaps = _gaps(lost, rms_height, refinement)
     continuum = _continuum(gaps, n, aspect)
     flight = np.maximum(continuum.along, gaps.separation[:, 0])[:, None] / inverse_knudsen
     return continuum.along, _gas_gap(gaps, continuum, n, aspect, flight)
@@ -119,9 +116,9 @@ class _Gaps(NamedTuple):
     wide_open: FloatArray
 
 
-def _gaps(lost: LostArea, mean_separation: FloatArray, rms_height: float, refinement: float) -> _Gaps:
-    height = _grid_height(lost, mean_separation, rms_height)
-    grid = SeparationGrid.around(mean_separation, height, count=round(_GRID_POINTS * refinement))
+def _gaps(lost: LostArea, rms_height: float, refinement: float) -> _Gaps:
+    height = _grid_height(lost, rms_height)
+    grid = SeparationGrid.around(lost.mean_separation, height, count=round(_GRID_POINTS * refinement))
     weight = density(lost, grid.separation) * grid.weight
     # What the grid misses is wide open above it; below it is too narrow to matter and counts as contact.
     beyond = folded_above(lost, grid.separation[:, -1])
@@ -129,16 +126,16 @@ def _gaps(lost: LostArea, mean_separation: FloatArray, rms_height: float, refine
     return _Gaps(grid.separation, weight, contact, beyond)
 
 
-def _grid_height(lost: LostArea, mean: FloatArray, rms_height: float) -> FloatArray:
+def _grid_height(lost: LostArea, rms_height: float) -> FloatArray:
     """Height that decides where the grid is fine, shape (P,) [m].
 
     The rms height of the whole spectrum, but where little of it is left after plastic smoothing, twice the spread of
     P(u): steps of the grid that are small against the former would not see so narrow a distribution.
     """
     share = np.maximum(lost.weight.sum(axis=1), 1e-300)
-    first = (lost.weight * lost.separation).sum(axis=1) / share
+    mean = lost.mean_separation
     second = (lost.weight * (lost.separation**2 + lost.width**2)).sum(axis=1) / share
-    spread = np.sqrt(np.maximum(second - first**2, 0.0))
+    spread = np.sqrt(np.maximum(second - (mean / share) ** 2, 0.0))
     narrow = (spread > 0.0) & (spread < _NARROW * np.minimum(mean, rms_height))
     return np.where(narrow, 2.0 * spread, rms_height)
 

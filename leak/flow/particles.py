@@ -81,8 +81,8 @@ class GapDistribution:
             Increasing [Pa].
         """
         p = np.atleast_1d(np.asarray(pressure, dtype=float))
-        lost, mean = surface.lost_area(p)
-        grid = SeparationGrid.around(mean, surface.spectrum.rms_height, count=_GRID_POINTS)
+        lost = surface.lost_area(p)
+        grid = SeparationGrid.around(lost.mean_separation, surface.spectrum.rms_height, count=_GRID_POINTS)
         weight, u = density(lost, grid.separation) * grid.weight, grid.separation
         middle = 0.5 * (u[:, 1:] + u[:, :-1])
         edges = np.concatenate([np.zeros((p.size, 1)), middle, u[:, -1:]], axis=1)

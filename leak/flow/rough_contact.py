@@ -413,9 +413,10 @@ class RoughContact:
         p = np.array([positive(SurfaceError, "pressure", pressure, "Pa")])
         if self.hardness is not None and p[0] >= self.hardness:
             raise SurfaceError(f"pressure = {pressure}: must be below the hardness {self.hardness} [Pa]")
-        lost, mean = self.lost_area(p, refinement=_DISTRIBUTION_REFINEMENT)
+        lost = self.lost_area(p, refinement=_DISTRIBUTION_REFINEMENT)
         if separation is None:
-            u = SeparationGrid.around(mean, self.spectrum.rms_height, count=1024).separation
+            height = self.spectrum.rms_height
+            u = SeparationGrid.around(lost.mean_separation, height, count=1024).separation
         else:
             u = np.atleast_1d(np.asarray(separation, dtype=float))[None, :]
         order = u[0].argsort()
@@ -423,8 +424,8 @@ class RoughContact:
         P[order] = density(lost, u[:, order])[0]
         return u[0], P
 
-    def lost_area(self, pressure: FloatArray, refinement: float = 1.0) -> tuple[LostArea, FloatArray]:
-        """Area that loses contact from one magnification to the next, and about the mean separation [m].
+    def lost_area(self, pressure: FloatArray, refinement: float = 1.0) -> LostArea:
+        """Area that loses contact from one magnification to the next.
 
         Parameters
         ----------
@@ -433,20 +434,14 @@ class RoughContact:
         refinement : float
             So many times more magnifications.
         """
-        return self._lost_area(self.acting_pressure(pressure), refinement)
+        acting = self.acting_pressure(pressure)
+        return self._lost_area(acting, self._seen(acting), refinement)
 
-    def _lost_area(self, p: FloatArray, refinement: float) -> tuple[LostArea, FloatArray]:
-        return self._lost_area_of(p, self._seen(p), refinement)
-
-    def _lost_area_of(
-        self, p: FloatArray, seen: RoughnessSeen, refinement: float
-    ) -> tuple[LostArea, FloatArray]:
+    def _lost_area(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> LostArea:
         relative = p / self.effective_modulus
-        lost = lost_area(
+        return lost_area(
             self.spectrum, seen, relative, self.gamma, self.separation_width, refinement=refinement
         )
-        # the mean only says where P(u) is wanted
-        return lost, self._mean(p, seen, refinement).mean[:, 0]
 
     # ---------------------------------------------------------------- flow
 
@@ -522,8 +517,8 @@ class RoughContact:
         out = np.empty(lengths.shape)
         for part in _parts(np.arange(p.size)):
             acting = self.acting_pressure(p[part])
-            lost, mean, aspect = self._channels(acting, self._seen(acting), 1)
-            out[part] = effective_gas_gap(lost, mean, self.spectrum.rms_height, n, aspect, lengths[part])
+            lost, aspect = self._channels(acting, self._seen(acting), 1)
+            out[part] = effective_gas_gap(lost, self.spectrum.rms_height, n, aspect, lengths[part])
         return out
 
     def rarefied_separation(
@@ -549,9 +544,9 @@ class RoughContact:
         u, log_R = np.empty(pressure.size), np.empty((pressure.size, log_inverse_knudsen.size))
         for part in _parts(np.arange(pressure.size)):
             acting = self.acting_pressure(pressure[part])
-            lost, mean, aspect = self._channels(acting, self._seen(acting), refinement)
+            lost, aspect = self._channels(acting, self._seen(acting), refinement)
             u[part], gas = effective_gaps(
-                lost, mean, height, n, aspect, np.exp(log_inverse_knudsen), refinement=refinement
+                lost, height, n, aspect, np.exp(log_inverse_knudsen), refinement=refinement
             )
             with np.errstate(divide="ignore", invalid="ignore"):
                 log_R[part] = 3.0 * np.log(gas / u[part, None]) - log_flow_factor(log_inverse_knudsen)
@@ -690,25 +685,25 @@ class RoughContact:
             )
 
     def _effective_separation(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
-        lost, mean, aspect = self._channels(p, seen, refinement)
+        lost, aspect = self._channels(p, seen, refinement)
         n = medium.dimension_number(self.percolation_threshold)
-        return effective_gap(lost, mean, self.spectrum.rms_height, n, aspect, refinement=refinement)
+        return effective_gap(lost, self.spectrum.rms_height, n, aspect, refinement=refinement)
 
     def _channels(
         self, p: FloatArray, seen: RoughnessSeen, refinement: float
-    ) -> tuple[LostArea, FloatArray, float | FloatArray]:
-        """Area lost, mean separation and aspect of the inclusions of the effective medium, at acting pressures."""
+    ) -> tuple[LostArea, float | FloatArray]:
+        """Area lost and aspect of the inclusions of the effective medium, at acting pressures."""
         if self.peklenik == 1.0:
-            return *self._lost_area_of(p, seen, refinement), 1.0
+            return self._lost_area(p, seen, refinement), 1.0
         touching = relative_contact_area(p, _remaining_moment(p, seen), self.effective_modulus)
         share = touching / self.percolation_threshold
         more = lay.touching_pressure(self.peklenik, share)
-        return *self._lost_area_of(p * more, seen, refinement), lay.inclusion_aspect(self.peklenik, share)
+        return self._lost_area(p * more, seen, refinement), lay.inclusion_aspect(self.peklenik, share)
 
     def _near_threshold(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
-        lost, mean = self._lost_area_of(p, seen, refinement)
+        lost = self._lost_area(p, seen, refinement)
         n = medium.dimension_number(self.percolation_threshold)
-        u = effective_gap(lost, mean, self.spectrum.rms_height, n, refinement=refinement)
+        u = effective_gap(lost, self.spectrum.rms_height, n, refinement=refinement)
         mean = self._mean(p, seen).mean[:, 0]
         return percolation.near_threshold(u, mean, self._corrected_area(p, seen), self.percolation_threshold)
 

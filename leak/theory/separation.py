@@ -77,6 +77,11 @@ class LostArea(NamedTuple):
     contact: FloatArray
     """Area still in contact at full magnification A(zeta_1)/A0, shape (pressures,) [-]."""
 
+    @property
+    def mean_separation(self) -> FloatArray:
+        """int u1 da: the mean separation to some 2 %, shape (pressures,) [m]; it says where P(u) is wanted."""
+        return (self.weight * self.separation).sum(axis=1)
+
 
 def magnification_nodes(
     spectrum: PowerSpectrum, seen: RoughnessSeen, relative_pressure: FloatArray, *, refinement: float = 1.0
