@@ -563,8 +563,9 @@ def leak_rate_text(leak_rate: float, digits: int = 3, *, claimed: bool = True) -
 
 # Digits of the ends of an interval: it says how little the others would be worth.
 _RANGE_DIGITS = 2
-# Smallest figure of a leak rate in the unit of a larger one beside it, and how far apart they may be for one unit.
-_READABLE, _TOGETHER = 0.1, 1e-4
+# Smallest figure of a leak rate in the unit of a larger one beside it, also where that is below one, and how far apart
+# they may be for one unit.
+_READABLE, _READABLE_OF_LITTLE, _TOGETHER = 0.01, 0.1, 1e-4
 
 
 def range_text(low: str, high: str) -> str:
@@ -621,6 +622,8 @@ def leak_range_text(
 def flow_unit(leak_rates: Collection[float]) -> Unit | None:
     """The unit for leak rates that stand together, the largest in which all can be read.
 
+    That is 23 to 120 ml/min rather than 0.023 to 0.12 l/min, and 0.042 to 1.5 ml/min rather than 42 to 1500 µl/min.
+
     Parameters
     ----------
     leak_rates : collection of float
@@ -639,7 +642,14 @@ def flow_unit(leak_rates: Collection[float]) -> Unit | None:
         return None
     units = _UNITS["flow"]
     at_most = units[units.index(unit_for("flow", largest)) :]
-    return next((unit for unit in at_most if unit.of(smallest) >= _READABLE), units[-1])
+    return next(
+        (
+            unit
+            for unit in at_most
+            if unit.of(smallest) >= (_READABLE if unit.of(largest) >= 1.0 else _READABLE_OF_LITTLE)
+        ),
+        units[-1],
+    )
 
 
 def percent(share: float | None, digits: int = 2) -> str:

@@ -18,16 +18,24 @@ from sample_results import case, rough_result, run_loads, single_result, smooth_
 
 import fem_seal
 import leak
+from fem_seal.analysis.caution import Caution, Level, Validity, either_way
 from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.leakage import leakage_classes, nominal_size
 from fem_seal.analysis.results import LeakInterval
 from fem_seal.cli import show_leak_table, show_leakage
 from fem_seal.output.report.page import report
-from fem_seal.output.report.words import classes_in_words, facts, headline, leakage_lines, readings_in_words
+from fem_seal.output.report.words import (
+    classes_in_words,
+    facts,
+    headline,
+    leakage_lines,
+    leakage_text,
+    readings_in_words,
+)
 from fem_seal.output.tables import leak_rows, leakage_table
 from fem_seal.studies.responses import evaluate
 from fem_seal.units import leak_range_text
-from leak import leakage_class, leakage_limits
+from leak import LeakResult, leakage_class, leakage_limits
 
 LOW, HIGH = "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"
 DEFAULT, ELASTIC = "leak_rate_m3_per_s", "leak_rate_elastic_m3_per_s"
@@ -349,6 +357,23 @@ def test_leak_rates_of_a_sentence_have_one_unit_and_all_can_be_read(rates):
     together = max(rates) <= 0.99e4 * min(rates)
     assert not together or len(units) == 1
     assert all(0.0099 <= one < 1e6 for one in numbers)
+
+
+@pytest.mark.parametrize("low", [5.6e-3, 6.0e-3, 0.126, 0.1268, 9.6, 96.0])
+@pytest.mark.parametrize("over", [1.001, 1.05, 1.2, 2.0])
+@pytest.mark.parametrize("fluid", ["water", "helium"])
+def test_ends_that_are_one_number_in_the_first_unit_are_one_in_all(low, over, fluid):
+    """0.006 ml/min is not 0.09 to 0.1 drops/min."""
+    solved = rough_result().highest
+    leaks = LeakResult(1.0, 1.0, np.zeros(3)).with_density(1000.0)
+    if fluid == "helium":
+        leaks = replace(leaks, throughput=1.0, standard_leak_rate=1.0)
+    for error in (0.0, 0.7):
+        few = Validity.of([Caution("few", Level.DOUBTFUL, "few", "...", either_way(1 + error))])
+        ends = [leaks.scaled(one * 1e-6 / 60) for one in (low, over * low)]
+        load = solved.knowing(leak=ends[0], leak_capped=ends[1], validity=few)
+        first, *others = leakage_text(load).split(" = ")
+        assert " to " in first or not any(" to " in one for one in others)
 
 
 def test_a_zero_that_may_not_be_claimed_is_not_called_sealed():

@@ -497,9 +497,10 @@ def leakage_text(load: LoadResult, interval: tuple[float, float] | None = None) 
         ends = ends_told(load) or (load.leak, load.leak)
     digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
     columns = zip(*(_in_units(one) for one in ends), strict=True)
-    return " = ".join(
-        f"{range_text(worth(low, digits), worth(high, digits))} {unit}" for (low, unit), (high, _) in columns
-    )
+    told = [(worth(low, digits), worth(high, digits), unit) for (low, unit), (high, _) in columns]
+    # ends that are one number in one unit are no two in another
+    as_one = told[0][0] == told[0][1]
+    return " = ".join(f"{range_text(high if as_one else low, high)} {unit}" for low, high, unit in told)
 
 
 def _in_units(found: LeakResult) -> Iterator[tuple[float, str]]:
