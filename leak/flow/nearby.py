@@ -56,11 +56,11 @@ class _Values(NamedTuple):
 
     gap: FloatArray
     """u_eff over half the rms height, as the tables are smooth in it, shape (n,)."""
-    rise: FloatArray
-    """Of a gas: ln R over that of the known surface, at `_LOG_D`, shape (n, 7)."""
+    log_rarefaction: FloatArray
+    """Of a gas: ln R at `_LOG_D`, shape (n, 7)."""
 
     def first(self, number: int) -> _Values:
-        return _Values(self.gap[:number], self.rise[:number])
+        return _Values(self.gap[:number], self.log_rarefaction[:number])
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +153,9 @@ class NearbyTables:
             return found
         log_D = self._known.log_inverse_knudsen
         last = self._known.log_rarefaction_at(x[-1] + log_sealing)(log_D)
-        rise = spline_weights(places, np.clip(abscissa, places[0], places[-1])) @ (ours.rise - theirs.rise)
+        rise = spline_weights(places, np.clip(abscissa, places[0], places[-1])) @ (
+            ours.log_rarefaction - theirs.log_rarefaction
+        )
         log_R = np.vstack([self._known.log_rarefaction[:inside], last]) + rise @ self._between_log_D.T
         return GasConductivityTable(found, log_R, log_D)
 
@@ -185,7 +187,7 @@ class NearbyTables:
     @cached_property
     def _whole(self) -> NearbyTables:
         """With a known table up to the sealing pressure."""
-        return self if self.within is None else replace(self, within=None, _known_values={})
+        return self if self.within is None else replace(self, within=None)
 
     @cached_property
     def _known(self) -> AnyTable:
@@ -207,8 +209,8 @@ class NearbyTables:
         first = int(np.floor(steps)) - 1
         weights = lagrange(steps - first)
         found = [self._of_hardness(first + n, places) for n in range(4)]
-        gap, rise = (sum(w * one[n] for w, one in zip(weights, found, strict=True)) for n in range(2))
-        return _Values(np.asarray(gap), np.asarray(rise))
+        gap, log_R = (sum(w * one[n] for w, one in zip(weights, found, strict=True)) for n in range(2))
+        return _Values(np.asarray(gap), np.asarray(log_R))
 
     def _of_hardness(self, step: int, places: FloatArray) -> _Values:
         """Of the known surface with its hardness times exp(0.1 step), kept at all places."""
@@ -222,9 +224,10 @@ class NearbyTables:
             if step and surface.hardness is not None:
                 surface = replace(surface, hardness=surface.hardness * float(np.exp(_SPACING * step)))
             found = self._at(surface, surface.sealing_pressure_by(self.method), new)
-            known.update(zip(new.tolist(), zip(found.gap.tolist(), found.rise, strict=True), strict=True))
-        gaps, rises = zip(*(known[one] for one in places.tolist()), strict=True)
-        return _Values(np.array(gaps), np.array(rises))
+            values = zip(found.gap.tolist(), found.log_rarefaction, strict=True)
+            known.update(zip(new.tolist(), values, strict=True))
+        gaps, log_R = zip(*(known[one] for one in places.tolist()), strict=True)
+        return _Values(np.array(gaps), np.array(log_R))
 
     @cached_property
     def _kinked(self) -> bool:
@@ -234,17 +237,13 @@ class NearbyTables:
     def _at(self, surface: RoughContact, sealing: float, places: FloatArray) -> _Values:
         """What is interpolated, of all surfaces in the same way."""
         few = replace(surface, spectrum=_few_power_laws(surface.spectrum)) if self._kinked else surface
-        log_share = self._log_share(places)
-        p = sealing * np.exp(log_share)
+        p = sealing * np.exp(self._log_share(places))
         if not self.of_gas or self.method != "bruggeman":
             u = np.asarray(few.effective_separation(p, self.method, refinement=_DETAIL))
             return _Values(_logarithmic(u / _length(surface)), np.zeros((p.size, _LOG_D.size)))
         u, log_R = few.rarefied_separation(p, _LOG_D, refinement=_DETAIL)
-        assert isinstance(self._known, GasConductivityTable)
-        log_p = log_share + np.log(self._known.liquid.sealing_pressure)
-        rise = log_R - np.log(self._known.rarefaction(*np.broadcast_arrays(log_p[:, None], _LOG_D)))
-        rise[u <= _NOTHING * _length(surface)] = 0.0
-        return _Values(_logarithmic(u / _length(surface)), rise)
+        log_R[u <= _NOTHING * _length(surface)] = 0.0
+        return _Values(_logarithmic(u / _length(surface)), log_R)
 
     def _places(self, shares: FloatArray) -> FloatArray:
         """Where in the abscissa surfaces are calculated, for highest pressures over that of sealing."""

@@ -1077,7 +1077,7 @@ def _of_elastic(
 
     def values(p: FloatArray) -> FloatArray:
         log_p = np.log(surface.acting_pressure(p))
-        log_R = np.log(elastic.rarefaction(*np.broadcast_arrays(log_p[:, None], _LOG_D)))
+        log_R = elastic.log_rarefaction_at(log_p[:, None])(_LOG_D)
         return np.column_stack([elastic.at_log_pressure(log_p), log_R])
 
     return _tabulated(surface, within, p_max, None, values)

@@ -211,8 +211,8 @@ class CubicSurface:
     def _bicubics(self) -> FloatArray:
         """Coefficients of the powers of the distances from the corner of each cell, shape (4, 4, (n-1)(m-1))."""
         in_y = _cubics(self.y, self.z.T)
-        both = [_cubics(self.x, power.T) for power in in_y]
-        return np.array(both).swapaxes(0, 1).reshape(4, 4, -1)
+        both = _cubics(self.x, in_y.reshape(-1, self.x.size).T)
+        return both.reshape(4, self.x.size - 1, 4, -1).swapaxes(1, 2).reshape(4, 4, -1)
 
 
 def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:
