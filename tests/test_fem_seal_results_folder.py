@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from unittest.mock import Mock
 
 import pytest
@@ -93,6 +94,9 @@ def _killed():
     # drawing takes seconds; what is killed here are the files
     files.write_report = lambda result, path: write_text(path, drawn)
     files.write_summary = lambda result, path, folder: write_text(path, said)
+    # what writing loads, and what of the result is calculated only then, is there for all copies
+    with TemporaryDirectory() as once:
+        result.write(Path(once))
     gc.freeze()
     for line in sys.stdin.buffer:
         moment, folder = line.decode().rstrip("\n").split(maxsplit=1)
@@ -249,6 +253,7 @@ def test_a_part_of_another_calculation_is_marked(two_runs, tmp_path, capsys):
 HOLDER = """
 import sys, time
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from unittest.mock import Mock
 from fem_seal.folders import alone
 with alone(Path(sys.argv[1])):

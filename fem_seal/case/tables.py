@@ -267,8 +267,15 @@ class CaseTables(Table):
             found = vars(self)["_bodies"] = closure, self.seat.body(closure)
         return found
 
+    def _of_the_shape_of(self, like: CaseTables) -> bool:
+        """Whether closure and seat are those of another case, whatever they are made of."""
+        return all(
+            type(one) is type(other) and {**dict(one), "material": None} == {**dict(other), "material": None}
+            for one, other in ((self.closure, like.closure), (self.seat, like.seat))
+        )
+
     def _take_bodies(self, like: CaseTables) -> None:
-        """Know those of a case with the very same tables of closure and seat."""
+        """Know those of a case with the same closure and seat."""
         vars(self).update({key: vars(like)[key] for key in ("_bodies", "_contact") if key in vars(like)})
 
     def bodies_at(self, closure: float, seat: float) -> dict[str, Any]:
