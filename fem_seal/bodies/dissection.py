@@ -206,7 +206,7 @@ class Dissection:
             for span, outer, upper, coupling in steps:
                 inner = turned[span]
                 # forces stand on few parts
-                if inner.any():
+                if np.count_nonzero(inner):
                     turned[span], _ = dtrtrs(upper, inner, trans=1)
                     turned[outer] -= coupling.T @ inner
             rest = turned[-len(last) :]
@@ -245,7 +245,7 @@ class Dissection:
         """Every part, anew where an element has changed."""
         found: list[_Eliminated] = []
         for number, part in enumerate(self.parts):
-            if not changed[part.elements].any():
+            if not np.count_nonzero(changed[part.elements]):
                 found.append(self._elastic[number])
                 continue
             if part.halves:
