@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TypeVar
 
@@ -216,13 +216,14 @@ class _Walk:
     def to(self, end: LoadOnPath, begin: LoadOnPath, here: Equilibrium) -> tuple[Equilibrium, int]:
         """Walk from one load to another in steps, halved where they do not converge; also their number.
 
-        While nothing flows, steps become longer: elastic bodies forget how they came. One in which something flows
-        after all is taken back, and no longer one is tried. A step under which the fluid lifts the closure off is
-        halved, too: from far away it may do so because the bodies are not yet those of the step's end.
+        While nothing flows, steps become longer: elastic bodies forget how they came. That takes that nothing flows at
+        the end of one, nor where it would end if all went on as before; else it is taken back. A step under which the
+        fluid lifts the closure off is halved, too: from far away it may do so because the bodies are not yet those of
+        the step's end.
         """
         share = begin.change(end, self.model.touch_radius)
         usual = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
-        way, steps, longest = 0.0, 0, 1.0
+        way, steps = 0.0, 0
         earlier, taken = None, 1.0
         while way < 1:
             aim = way + step if way + 1.5 * step < 1 else 1.0
@@ -232,7 +233,7 @@ class _Walk:
                 reached = self._pressed(load, here, guess, elastic=step > usual)
             except _FAILURES as error:
                 if step > usual:
-                    step = longest = usual
+                    step = usual
                     continue
                 step = (aim - way) / 2
                 smallest = step < self.settings.smallest_step
@@ -243,8 +244,8 @@ class _Walk:
                 if not smallest:
                     continue
                 raise ConvergenceError(_gave_up(begin.between(end, way), load, error)) from error
-            earlier, taken = here if reached.flowed else None, aim - way
-            step = min(2 * step, usual if reached.flowed else longest)
+            earlier, taken = here, aim - way
+            step = min(2 * step, usual) if reached.flowed else 2 * step
             here, way, steps = reached, aim, steps + 1
         return here, steps
 
@@ -258,8 +259,6 @@ class _Walk:
     def _pressed(
         self, load: LoadOnPath, here: Equilibrium, guess: Mapping[str, FloatArray] | None, *, elastic: bool
     ) -> Equilibrium:
-        # elastic bodies are in balance after one iteration, others are not
-        settings = replace(self.settings, max_iterations=1) if elastic else self.settings
         with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
             return press(
                 self.model,
@@ -267,9 +266,10 @@ class _Walk:
                 self.law,
                 load,
                 here.states,
-                settings=settings,
+                settings=self.settings,
                 start=here.contact,
                 guess=guess,
+                elastic=elastic,
             )
 
     def _open(self, load: LoadOnPath, reached: Equilibrium, error: OpenSealError) -> OpenLoad:

@@ -75,6 +75,7 @@ def press(
     settings: PlasticSettings | None = None,
     start: ContactSolution | None = None,
     guess: Mapping[str, FloatArray] | None = None,
+    elastic: bool = False,
 ) -> Equilibrium:
     """Balance of bodies, contact line and fluid under a load, one load step away from a known state.
 
@@ -95,19 +96,23 @@ def press(
     guess : mapping, optional
         Displacements of the bodies at the end of the step, about which they are linearised first [m]; those at its
         beginning if it is left out.
+    elastic : bool
+        Whether to give up where something flows, at the guess or at the end of the step.
 
     Raises
     ------
     OpenSealError
         If a fluid lifts the closure off.
     ConvergenceError
-        If the iteration does not reach the tolerance.
+        If the iteration does not reach the tolerance, or something flows that should not.
     """
     settings, step = settings or PlasticSettings(), _Step(model, bodies, before, load.apart)
     guess = guess or {name: state.displacement for name, state in before.items()}
     at = step.at(guess, load.apart, None)
     contact, allowed, residuals = start, np.inf, list[float]()
     for _ in range(settings.max_iterations):
+        if elastic and at.flowing:
+            raise ConvergenceError("something flows")
         linear, at_rest = step.linear(at)
         contact = _solve_from(linear, law, load, contact)
         loads = load.apart if contact is None else contact.loads
@@ -116,8 +121,7 @@ def press(
         if whole.imbalance < settings.tolerance:
             # The contact was solved with linearised bodies; it is one of the true ones.
             true = None if contact is None else replace(contact, model=model)
-            flowed = any(flow.yielding.any() for flow in whole.flows.values())
-            return Equilibrium(whole.states, true, tuple(residuals), _of_the_line(linear), flowed)
+            return Equilibrium(whole.states, true, tuple(residuals), _of_the_line(linear), whole.flowing)
         at = whole if whole.imbalance < allowed else step.shortened(at, whole)
         allowed = at.imbalance
     raise ConvergenceError(
@@ -168,6 +172,11 @@ class _Iterate:
     flows: Mapping[str, Flow]
     forces: Mapping[str, FloatArray]
     imbalance: float
+
+    @property
+    def flowing(self) -> bool:
+        """Whether something flows."""
+        return any(bool(flow.yielding.any()) for flow in self.flows.values())
 
     @property
     def states(self) -> dict[str, BodyState]:
