@@ -160,7 +160,8 @@ def load_path(
     here = Equilibrium({name: body.solid.virgin for name, body in bodies.items()}, None, ())
     stopped = None
     try:
-        here, _ = walk.to(rest, nothing, here)
+        if rest.apart != NO_LOADS:
+            here, _ = walk.to(rest, nothing, here)
         virgin, last = here.states, rest
         try:
             for number, load in enumerate(loads):
@@ -215,13 +216,13 @@ class _Walk:
     def to(self, end: LoadOnPath, begin: LoadOnPath, here: Equilibrium) -> tuple[Equilibrium, int]:
         """Walk from one load to another in steps, halved where they do not converge; also their number.
 
-        While nothing flows, steps become longer: elastic bodies forget how they came. A longer one in which something
-        flows after all is taken back. A step under which the fluid lifts the closure off is halved, too: from far away
-        it may do so because the bodies are not yet those of the step's end.
+        While nothing flows, steps become longer: elastic bodies forget how they came. One in which something flows
+        after all is taken back, and no longer one is tried. A step under which the fluid lifts the closure off is
+        halved, too: from far away it may do so because the bodies are not yet those of the step's end.
         """
         share = begin.change(end, self.model.touch_radius)
         usual = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
-        way, steps = 0.0, 0
+        way, steps, longest = 0.0, 0, 1.0
         earlier, taken = None, 1.0
         while way < 1:
             aim = way + step if way + 1.5 * step < 1 else 1.0
@@ -231,7 +232,7 @@ class _Walk:
                 reached = self._pressed(load, here, guess, elastic=step > usual)
             except _FAILURES as error:
                 if step > usual:
-                    step = usual
+                    step = longest = usual
                     continue
                 step = (aim - way) / 2
                 smallest = step < self.settings.smallest_step
@@ -243,7 +244,7 @@ class _Walk:
                     continue
                 raise ConvergenceError(_gave_up(begin.between(end, way), load, error)) from error
             earlier, taken = here if reached.flowed else None, aim - way
-            step = min(2 * step, usual) if reached.flowed else 2 * step
+            step = min(2 * step, usual if reached.flowed else longest)
             here, way, steps = reached, aim, steps + 1
         return here, steps
 
