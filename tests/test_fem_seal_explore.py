@@ -1,7 +1,6 @@
 """The session behind the live page, without a browser: what is shown is what `fem-seal run` gives."""
 
 import math
-import subprocess
 import sys
 from pathlib import Path
 
@@ -314,15 +313,6 @@ def test_missing_packages_are_named_in_one_sentence(session, monkeypatch):
     monkeypatch.delitem(sys.modules, "fem_seal.explore.page", raising=False)
     with pytest.raises(InputError, match=r"pip install 'fem-seal\[explore\]'"):
         serve(session.given, EXAMPLES, 0, lambda address: None)
-
-
-def test_the_command_line_loads_no_page_before_it_is_asked_for():
-    heavy = "{'dash', 'plotly', 'flask'}"
-    code = f"import sys, fem_seal.cli, fem_seal.explore.live\nprint(sorted({heavy} & set(sys.modules)))"
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
-    )
-    assert done.stdout.strip() == "[]"
 
 
 def test_pictures_hold_what_is_on_the_screen_and_are_figures_of_plotly(session, live):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
-from leak.surfaces.periodogram import abel_weights
+from leak.surfaces.periodogram import beyond
 from leak.surfaces.spectrum import PowerSpectrum
 
 # Pieces of constant C, this long in ln q, stand for a power law; C_1D is good to 2e-4 for C ~ q^-4.
@@ -50,7 +50,13 @@ def profile_density(spectrum: PowerSpectrum, wavenumber: ArrayLike) -> FloatArra
     ]
     edges = np.exp(np.concatenate([*steps, nodes[-1:]]))
     C = np.asarray(spectrum(np.sqrt(edges[1:] * edges[:-1])))
-    values = np.concatenate(
-        [abel_weights(part, edges) @ C for part in np.array_split(q.ravel(), q.size // 2000 + 1)]
-    )
-    return float(values[0]) if np.ndim(wavenumber) == 0 else values.reshape(q.shape)
+    # `abel_weights` @ C, summed by what C falls by at each edge
+    falls = -2.0 * np.diff(C, prepend=0.0, append=0.0)
+
+    def of(part: FloatArray) -> FloatArray:
+        # edges below all of q add nothing
+        first = np.searchsorted(edges, part.min(initial=np.inf))
+        return beyond(part, edges[first:]) @ falls[first:]
+
+    found = np.concatenate([of(part) for part in np.array_split(q.ravel(), q.size // 2000 + 1)])
+    return float(found[0]) if np.ndim(wavenumber) == 0 else found.reshape(q.shape)

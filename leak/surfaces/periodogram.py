@@ -252,5 +252,11 @@ def abel_weights(wavenumber: FloatArray, edges: FloatArray) -> FloatArray:
 
     C_1D(q) = 2 int_q^inf C(k) k dk / sqrt(k^2 - q^2), exact for a C that is constant between `edges`.
     """
-    reach = np.sqrt(np.maximum(edges[None, :] ** 2 - wavenumber[:, None] ** 2, 0.0))
-    return 2.0 * np.diff(reach, axis=1)
+    return 2.0 * np.diff(beyond(wavenumber, edges), axis=1)
+
+
+def beyond(wavenumber: FloatArray, edges: FloatArray) -> FloatArray:
+    """sqrt(edge^2 - q^2) of each edge beyond q, otherwise 0, shape (len(wavenumber), len(edges)) [1/m]."""
+    reach = edges[None, :] ** 2 - wavenumber[:, None] ** 2
+    np.maximum(reach, 0.0, out=reach)
+    return np.sqrt(reach, out=reach)

@@ -50,7 +50,7 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
     mesh, contact = seal_mesh.mesh, seal_mesh.contact
     figure, (whole, zone) = panels(2, height=4.4, ratios=(1.0, 1.35))
     for name, colour in (("closure", BLUE), ("seat", "#8a6d3b")):
-        edges = np.unique(_edges(mesh.t[:, (mesh.subdomains or {})[name]]), axis=1)
+        edges = _edges(mesh.t[:, (mesh.subdomains or {})[name]])
         # so many lines that a drawing of them is larger than an image
         many = edges.shape[1] > _MOST_LINES
         whole.plot(*_polyline(1e3 * mesh.p, edges), color=colour, linewidth=0.25, rasterized=many)
@@ -205,10 +205,11 @@ def turned(seal_mesh: SealMesh, points: FloatArray) -> FloatArray:
 
 def near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
     """Triangles of which a part may lie within `reach` of first touch."""
-    corners = place[triangles]
+    # the triangles last: all of them at once are compared
+    corners = place.T[:, triangles.T]
     low, high = corners.min(axis=1), corners.max(axis=1)
     inside = (low < reach) & (high > -reach)
-    return np.asarray(triangles[inside.all(axis=1)])
+    return np.asarray(triangles[inside.all(axis=0)])
 
 
 def scale_of_colours(axes: Sequence[Axes], bands: ContourSet, text: str, *, lowest: str = "") -> None:
@@ -232,8 +233,11 @@ def frame_zone(axes: Axes, reach: float, unit: str, title: str) -> None:
 
 
 def _edges(triangles: IntArray) -> IntArray:
-    """Edges of triangles, shape (2, n), each one sorted."""
-    return np.sort(np.hstack([triangles[[0, 1]], triangles[[1, 2]], triangles[[2, 0]]]), axis=0)
+    """Edges of triangles, each of them once, shape (2, n)."""
+    first, second = np.sort(np.hstack([triangles[[0, 1]], triangles[[1, 2]], triangles[[2, 0]]]), axis=0)
+    # one number for both ends: rows are looked through much more slowly
+    count = int(triangles.max()) + 1
+    return np.stack(np.divmod(np.unique(first.astype(np.int64) * count + second), count))
 
 
 def _polyline(points: FloatArray, edges: IntArray) -> FloatArray:

@@ -261,7 +261,6 @@ def _word(value: object) -> str:
 MOST_POINTS = 5000
 BLUE, ORANGE, GREY = "#2f81f7", "#bc4c00", "#8c959f"
 LAYOUT: dict[str, Any] = {
-    "template": "plotly_white",
     # the page decides what lies behind, light or dark
     "paper_bgcolor": "rgba(0,0,0,0)",
     "plot_bgcolor": "rgba(0,0,0,0)",

@@ -210,10 +210,18 @@ def _plotted(heading: str, note: str, figure: Figure | None, *, broad: bool = Fa
 
 def _html(figure: Figure) -> Any:
     from markupsafe import Markup
+    from plotly.io import templates, to_html
 
+    drawn = figure.to_dict()
+    # as it is: set on a figure, plotly checks all of it anew, which takes longer than all else of the figure
+    drawn["layout"]["template"] = templates["plotly_white"].to_plotly_json()
     return Markup(
-        figure.to_html(
-            full_html=False, include_plotlyjs=False, config={"displaylogo": False, "responsive": True}
+        to_html(
+            drawn,
+            full_html=False,
+            include_plotlyjs=False,
+            config={"displaylogo": False, "responsive": True},
+            validate=False,
         )
     )
 
