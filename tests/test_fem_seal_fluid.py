@@ -24,6 +24,7 @@ from fem_seal.output.report.page import report
 from fem_seal.output.report.words import leakage_lines, leakage_text
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table, leakage_table
+from fem_seal.studies.responses import evaluate
 from fem_seal.units import parse_quantity
 from leak import GasInertia, LeakResult
 
@@ -402,3 +403,27 @@ def test_the_end_of_an_interval_that_chokes_makes_it_doubtful():
         and "it chokes" in said
         and "less leaks than the upper end says" in said
     )
+
+
+@pytest.mark.parametrize(
+    ("fluid", "amplitude"), [("water", "20 um"), ("nitrogen", "0.5 um"), ("water", None)]
+)
+def test_a_study_sees_the_inertia_that_a_run_sees(fluid, amplitude):
+    spectrum = {**ROUGH["spectrum"], "rms_height": "2.5 um"}
+    load = {"fluid_pressure": ["20 bar"], "axial_force": "4 kN", "pressure_side": "inner"}
+    waves = {"form": {"seat": {"direction": "radial", "harmonics": [{"waves": 2, "amplitude": amplitude}]}}}
+    seal = case(
+        fluid={"name": fluid},
+        roughness={"spectrum": spectrum},
+        load=load,
+        requirement={"leak_rate": "1 l/min"},
+        **(waves if amplitude else {}),
+    )
+    told = [
+        {one.reason for one in validity.cautions if one.kind == "inertia"}
+        for validity in (
+            evaluate(seal, ("leak_rate_m3_per_s", "margin")).validity,
+            run_loads(seal).loads[0].validity,
+        )
+    ]
+    assert told[0] == told[1] and bool(told[0]) == (amplitude is not None)

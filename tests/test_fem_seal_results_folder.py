@@ -253,7 +253,6 @@ def test_a_part_of_another_calculation_is_marked(two_runs, tmp_path, capsys):
 HOLDER = """
 import sys, time
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from unittest.mock import Mock
 from fem_seal.folders import alone
 with alone(Path(sys.argv[1])):

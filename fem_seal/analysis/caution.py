@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from fem_seal.units import rounded
+
 
 class Level(StrEnum):
     """How far numbers can be trusted, worse and worse. Which is which: guide/validity in the manual."""
@@ -123,23 +125,34 @@ class Validity:
 
     @property
     def leak_factor(self) -> tuple[float, float]:
-        """What really leaks over the calculated leak rate, at least and at most, by all that is known of it.
+        """What may really leak over the calculated leak rate, at least and at most: one lies between.
 
         Orders of magnitude count as `ORDERS_OF_MAGNITUDE`.
         """
         low, high = (math.prod(one.leak_factor[n] for one in self.cautions) for n in range(2))
-        return max(low, 1.0 / ORDERS_OF_MAGNITUDE), min(high, ORDERS_OF_MAGNITUDE)
+        return min(max(low, 1.0 / ORDERS_OF_MAGNITUDE), 1.0), max(min(high, ORDERS_OF_MAGNITUDE), 1.0)
 
     def leak_reason(self, *, more: bool) -> str:
-        """What may make most of the difference where more leaks than calculated, or where less does; empty if nothing.
+        """Why more may leak than calculated, or why less; empty if nothing is known.
 
         Parameters
         ----------
         more : bool
         """
-        sign = 1 if more else -1
-        worst = max(self.cautions, key=lambda one: sign * one.leak_factor[more], default=None)
-        return "" if worst is None or worst.leak_factor[more] == 1.0 else worst.reason
+        factors = [
+            (one.leak_factor[1] if more else 1.0 / max(one.leak_factor[0], 1e-300), one)
+            for one in self.cautions
+        ]
+        # next to a larger one, some parts in ten thousand explain nothing
+        most = max((factor for factor, _ in factors), default=1.0)
+        found = [
+            one for factor, one in factors if factor > 1.0 and factor - 1.0 > 0.01 * min(most - 1.0, 1.0)
+        ]
+        reasons = "; ".join(one.reason for one in found)
+        if len(found) < 2:
+            return reasons
+        factor = self.leak_factor[1] if more else 1.0 / self.leak_factor[0]
+        return f"together a factor {rounded(factor, 2):g}: {reasons}"
 
     @property
     def outside(self) -> bool:
@@ -157,6 +170,8 @@ class Validity:
 
 
 VALID = Validity()
+DIRECT_SCATTER = "direct scatter"
+"""Kind of the caution that says how uncertain a simulated conductivity is, of which the interval is made."""
 ORDERS_OF_MAGNITUDE = 1e3
 """What "orders of magnitude" are taken for where something is to be decided: three."""
 _NOT_JUDGED = "checks of what the theory allows failed"

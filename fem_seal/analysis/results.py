@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Self, TypeAlias
 
 import numpy as np
 
-from fem_seal.analysis.caution import VALID, Caution, Level, Validity, either_way
+from fem_seal.analysis.caution import DIRECT_SCATTER, VALID, Caution, Level, Validity, either_way
 from fem_seal.analysis.flow import Conductivity, RoughFlow
 from fem_seal.analysis.lazy import Lazy
 from fem_seal.units import DIGITS, digits_within, given, leak_range_text, quantity_worth, share_text
@@ -121,25 +121,24 @@ class LoadResult(Lazy):
         """
         of_theory = {"leak_rate": self.validity, "force_for_target": self.target_validity}.get(name)
         theory = DIGITS if of_theory is None else digits_within(of_theory.leak_error)
-        return min(theory, digits_within(self._mesh_error_of(name)))
-
-    def _mesh_error_of(self, name: str) -> float:
-        """Relative error that the mesh leaves in one of its numbers, zero where nobody asked; see `digits_of`."""
         if self.mesh_error is None:
-            return 0.0
+            return theory
         # where the strongest load is sealed, nothing is known of what the others leak but the contact that it follows
         known = getattr(self.mesh_error, "leak_rate" if name == "force_for_target" else name)
-        return max(self.mesh_error.peak_pressure, self.mesh_error.std) if known is None else float(known)
+        share = max(self.mesh_error.peak_pressure, self.mesh_error.std) if known is None else known
+        return min(theory, digits_within(share))
 
     @property
     def leak_validity(self) -> Validity:
-        """The validity with what the mesh leaves uncertain of the leak rate: what it may be off by is all in there."""
-        share = self._mesh_error_of("leak_rate")
-        if not share > 0.0:
-            return self.validity
+        """The validity with what the mesh leaves uncertain of the leak rate: what its interval may be off by."""
+        # the interval holds what a simulation leaves open
+        theory = self.validity.without(DIRECT_SCATTER)
+        share = None if self.mesh_error is None else self.mesh_error.leak_rate
+        if share is None or not share > 0.0:
+            return theory
         told = f"the mesh leaves an error of {share_text(share)}"
         mesh = Caution("mesh", Level.VALID, told, told, either_way(1.0 + share))
-        return Validity.of((*self.validity.cautions, mesh))
+        return Validity.of((*theory.cautions, mesh))
 
     @property
     def pressure_digits(self) -> int:

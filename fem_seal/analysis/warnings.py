@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from fem_seal.analysis.caution import Caution, Level, Validity, either_way
+from fem_seal.analysis.caution import DIRECT_SCATTER, Caution, Level, Validity, either_way
 from fem_seal.analysis.fluid_warnings import fluid_cautions, molecule_cautions
 from fem_seal.analysis.form_warnings import LARGEST_EXCESS, form_cautions
 from fem_seal.analysis.load_names import load_name
@@ -552,6 +552,9 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
         peak = load.contact.profile.peak_pressure
         first = load_name(min(tight, key=lambda load: load.point), loads)
         limit = rounded(sealing / 1e6, DIGITS)
+        own = problem.surface
+        readings = () if own is None or own.hardness is None else (own.conserved, own.capped)
+        leaky = any(_sealing_pressure(problem, one) > peak for one in readings)
         yield Caution(
             "sealed",
             Level.DOUBTFUL,
@@ -560,6 +563,8 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
             f"{limit:g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
             f"touches and no leak path is open (from {first} on, of the loads calculated). A leak rate of "
             "zero is only as certain as this percolation threshold",
+            # the reading that is not sealed is next to it
+            (0.0, math.inf) if leaky else (1.0, 1.0),
         )
 
 
@@ -651,7 +656,7 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
     )
     if max(down, up) > _UNSURE:
         yield Caution(
-            "direct scatter",
+            DIRECT_SCATTER,
             Level.DOUBTFUL,
             f"conductivity of the direct simulation uncertain by a factor {down:.2g} down and {up:.2g} up",
             f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "

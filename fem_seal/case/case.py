@@ -70,7 +70,7 @@ class Case(CaseTables):
             raise InputError(*wrong, *problems(error, type(self))) from None
         if wrong:
             raise InputError(*wrong)
-        if like is not None and self._of_the_shape_of(like):
+        if like is not None and ({"closure", "seat"} <= known or self._of_the_shape_of(like)):
             self._take_bodies(like)
         heat = self.temperature
         warm = [

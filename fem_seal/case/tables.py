@@ -268,9 +268,11 @@ class CaseTables(Table):
         return found
 
     def _of_the_shape_of(self, like: CaseTables) -> bool:
-        """Whether closure and seat are those of another case, whatever they are made of."""
+        """Whether closure and seat are those of another case but for their material; a file may have changed."""
         return all(
-            type(one) is type(other) and {**dict(one), "material": None} == {**dict(other), "material": None}
+            type(one) is type(other)
+            and getattr(one, "file", None) is None
+            and {**dict(one), "material": None} == {**dict(other), "material": None}
             for one, other in ((self.closure, like.closure), (self.seat, like.seat))
         )
 

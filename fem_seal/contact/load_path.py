@@ -133,7 +133,7 @@ def load_path(
     partial : bool
         Whether a load that does not converge ends the path, if there is one before it; otherwise it is an error.
     unload : bool
-        Whether to ask for what is left after the last load, which takes as many steps as the way up.
+        Whether to ask for what is left after the last load, which is a way like that up.
 
     Raises
     ------

@@ -89,7 +89,7 @@ def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) 
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     of_usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
-    if leaks and load.formed is None:
+    if leaks:
         for _ in _leaks(load, other="margin" in columns or _OTHER_READING in columns):
             yield None
     validity = _validity(of_usual, load, tabulated=leaks and interpolate)

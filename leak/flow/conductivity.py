@@ -380,6 +380,12 @@ class GasConductivityTable:
     log_rarefaction: FloatArray
     log_inverse_knudsen: FloatArray
 
+    def __post_init__(self) -> None:
+        if self.log_inverse_knudsen.size <= _KINKS:
+            raise ConductivityError(
+                f"log_inverse_knudsen: has {self.log_inverse_knudsen.size} values, must have {_KINKS + 1} at least"
+            )
+
     @cached_property
     def _spline(self) -> CubicSurface:
         """ln R + c ln f."""

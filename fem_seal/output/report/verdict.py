@@ -133,6 +133,8 @@ def _sentence(found: SealJudgement) -> str:
         return "no_result"
     if judged.why is Why.UNKNOWN and math.isnan(judged.limit.leak_rate):
         return "no_limit"
+    if judged.why is Why.ACCURACY and not judged.limit.leak_rate:
+        return "visible_accuracy"
     if judged.why in _SENTENCES:
         return _SENTENCES[judged.why]
     if judged.verdict == "fails":
