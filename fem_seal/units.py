@@ -93,6 +93,7 @@ DIMENSIONS = {
         Dimension("thermal conductivity", "W/(m K)", ("45 W/(m K)", "0.045 W/(mm K)")),
         Dimension("heat transfer", "W/(m^2 K)", ("500 W/(m^2 K)", "10 kW/(m^2 K)")),
         Dimension("spectral density", "m^4", ("1e-18 m^4", "1e6 nm^4")),
+        Dimension("volume", "m^3", ("0.065 ml", "65 mm^3")),
         Dimension("leak rate", "m^3/s", ("1e-3 cm^3/s", "0.5 ml/min")),
         Dimension("throughput", "Pa m^3/s", ("1e-3 mbar l/s", "1e-4 Pa m^3/s")),
     )

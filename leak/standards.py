@@ -8,6 +8,7 @@ fluids of their own.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,11 +22,19 @@ _MINUTE = 60.0
 
 @dataclass(frozen=True)
 class Standard:
-    """A standard and where its limits come from."""
+    """A standard and where its limits come from.
+
+    Parameters
+    ----------
+    name, revision, source : str
+    bubble_volume : float
+        Of one bubble of its gas test [m^3].
+    """
 
     name: str
     revision: str
     source: str
+    bubble_volume: float
 
 
 STANDARDS = MappingProxyType(
@@ -36,7 +45,9 @@ STANDARDS = MappingProxyType(
                 "ISO 5208",
                 "ISO 5208:2015, table of maximum allowable closure test leakage rates",
                 "secondary: rates in mm^3/s times DN as printed in manufacturers' tables, cross-checked against the "
-                "same table in drops and bubbles (piping-world.com)",
+                "same table in drops and bubbles (piping-world.com), from which the volume of a bubble follows: "
+                "3000 mm^3/s are 45.837 bubbles/s, spheres of 5 mm",
+                math.pi / 6.0 * 0.005**3,
             ),
             Standard(
                 "API 598",
@@ -44,11 +55,15 @@ STANDARDS = MappingProxyType(
                 "secondary: 2 drops/min and 4 bubbles/min per inch of NPS above NPS 2; up to NPS 2 no visible "
                 "liquid and less than 1 bubble in the test of 15 s (piping-world.com, valvediagnostics.com); "
                 "1 ml = 16 drops, 1 ml = 100 bubbles (notes of the table, eng-tips.com)",
+                1e-6 / 100.0,
             ),
             Standard(
                 "FCI 70-2",
                 "ANSI/FCI 70-2-2006, classes II to VI",
-                "secondary: table of valvias.com; class VI also in ANSI/FCI 70-3-2004",
+                "secondary: table of valvias.com; class VI also in ANSI/FCI 70-3-2004, one bubble/min at 0.15 ml/min; "
+                "between its rows (more than 2 mm from each) with the square of the seat diameter, as the note to the "
+                "same table in GB/T 4213-92 says (shtjv.com); juduvalves.com has the first half of that note",
+                0.15e-6,
             ),
         )
     }
@@ -68,7 +83,6 @@ _ISO_5208 = (
 )
 # API 598: drops and bubbles per minute and per inch of nominal pipe size, above NPS 2 (DN 50).
 _API_DROPS, _API_BUBBLES, _API_SMALLEST = 2.0, 4.0, 50.0
-_API_BUBBLE_VOLUME = 1e-6 / 100.0
 # Up to DN 50 a gas may form less than one bubble in the shortest test, 15 s; a liquid may not be seen at all.
 _API_SHORTEST_TEST = 15.0
 # FCI 70-2: share of the rated capacity.
@@ -91,6 +105,8 @@ _FCI_VI = (
     (350.0, 21.6),
     (400.0, 28.4),
 )
+# A row holds for diameters that differ by no more from its own [mm].
+_FCI_VI_NEAR = 2.0 + 1e-9
 
 
 @dataclass(frozen=True)
@@ -158,6 +174,7 @@ def leakage_limits(
     pressure_drop: float | None = None,
     seat_diameter: float | None = None,
     rated_capacity: float | None = None,
+    bubble_volume: float | None = None,
 ) -> tuple[LeakageLimit, ...]:
     """Limits of all classes that can be judged for a valve, the tightest of each standard first.
 
@@ -173,6 +190,8 @@ def leakage_limits(
         Bore of the seat for FCI 70-2; the nominal size unless given [m].
     rated_capacity : float, optional
         Flow through the open valve under the same conditions; classes II to IV of FCI 70-2 need it [m^3/s].
+    bubble_volume : float, optional
+        Of one bubble, which API 598 counts of a gas; that of the standard unless given [m^3].
 
     Returns
     -------
@@ -186,8 +205,8 @@ def leakage_limits(
 
     Notes
     -----
-    FCI 70-2 class VI is a test with air; limits between the tabulated diameters are interpolated, beyond the largest
-    there is none.
+    FCI 70-2 class VI is a test with air. A row of its table holds within 2 mm of its diameter; between rows the limit
+    goes with the square of the diameter, beyond the largest there is none.
 
     Examples
     --------
@@ -201,13 +220,14 @@ def leakage_limits(
     capacity = (
         None if rated_capacity is None else positive(FluidError, "rated_capacity", rated_capacity, "m^3/s")
     )
+    bubble = positive(FluidError, "bubble_volume", _bubble("API 598", bubble_volume), "m^3")
     return (
         LeakageLimit("ISO 5208", "A", 0.0),
         *(
             LeakageLimit("ISO 5208", name, 1e-9 * dn * (of_gas if gas else of_liquid))
             for name, of_liquid, of_gas in _ISO_5208
         ),
-        LeakageLimit("API 598", "metal-seated", _api_limit(dn, gas)),
+        LeakageLimit("API 598", "metal-seated", _api_limit(dn, bubble if gas else None)),
         *_fci_limits(bore, gas, drop, capacity),
     )
 
@@ -254,7 +274,7 @@ def classes_of(standard: str, *, gas: bool, rated_capacity: bool = True) -> tupl
     return tuple(one.name for one in limits if one.standard == standard)
 
 
-def visible_leak_rate(*, gas: bool) -> float:
+def visible_leak_rate(*, gas: bool, bubble_volume: float | None = None) -> float:
     """Leak rate that no observer misses: a drop, or a bubble, within the shortest test of 15 s [m^3/s].
 
     Where a class allows no visible leakage, more than this fails it for certain, and only no leak at all meets it for
@@ -263,13 +283,20 @@ def visible_leak_rate(*, gas: bool) -> float:
     Parameters
     ----------
     gas : bool
+    bubble_volume : float, optional
+        Of one bubble [m^3]; that of ISO 5208, whose class A is the only one of a gas without visible leakage, unless
+        given.
 
     Examples
     --------
     >>> print(f"{millilitres_per_minute(visible_leak_rate(gas=False)):.2f} ml/min")
     0.25 ml/min
     """
-    return (BUBBLE_VOLUME if gas else DROP_VOLUME) / _API_SHORTEST_TEST
+    return (_bubble("ISO 5208", bubble_volume) if gas else DROP_VOLUME) / _API_SHORTEST_TEST
+
+
+def _bubble(standard: str, given: float | None) -> float:
+    return STANDARDS[standard].bubble_volume if given is None else given
 
 
 def leakage_class(
@@ -280,6 +307,7 @@ def leakage_class(
     pressure_drop: float | None = None,
     seat_diameter: float | None = None,
     rated_capacity: float | None = None,
+    bubble_volume: float | None = None,
     highest: float | None = None,
 ) -> tuple[LeakageClass, ...]:
     """The tightest class of each standard that a leak rate, or both ends of its interval, meets.
@@ -292,7 +320,7 @@ def leakage_class(
     leak_rate : float
         Volume flow; of a gas at atmospheric pressure (`GasLeakResult.leak_rate`); infinite for a seal that the fluid
         has blown open, which meets no class. Of an interval its lower end [m^3/s].
-    nominal_size, gas, pressure_drop, seat_diameter, rated_capacity
+    nominal_size, gas, pressure_drop, seat_diameter, rated_capacity, bubble_volume
         See `leakage_limits`.
     highest : float, optional
         Upper end where the leak rate is known as an interval [m^3/s].
@@ -321,6 +349,7 @@ def leakage_class(
         pressure_drop=pressure_drop,
         seat_diameter=seat_diameter,
         rated_capacity=rated_capacity,
+        bubble_volume=bubble_volume,
     )
     return tuple(
         _tightest([one for one in limits if one.standard == standard], leak_rate, highest)
@@ -417,10 +446,11 @@ def _tightest(limits: list[LeakageLimit], lowest: float, highest: float) -> Leak
     return LeakageClass(standard, claimed.name, claimed.leak_rate, tighter)
 
 
-def _api_limit(dn: float, gas: bool) -> float:
+def _api_limit(dn: float, bubble_volume: float | None) -> float:
+    """Limit of a gas with this volume of a bubble, of a liquid without; DN in mm."""
     if dn <= _API_SMALLEST:
-        return _API_BUBBLE_VOLUME / _API_SHORTEST_TEST if gas else 0.0
-    volume = _API_BUBBLES * _API_BUBBLE_VOLUME if gas else _API_DROPS * DROP_VOLUME
+        return 0.0 if bubble_volume is None else bubble_volume / _API_SHORTEST_TEST
+    volume = _API_DROPS * DROP_VOLUME if bubble_volume is None else _API_BUBBLES * bubble_volume
     inches = next((inch for inch, size in _NPS.items() if size == dn), dn / 25.0)
     return inches * volume / _MINUTE
 
@@ -442,14 +472,16 @@ def _fci_limits(
 
 
 def _class_six(bore: float) -> float | None:
-    sizes, rates = zip(*_FCI_VI, strict=True)
-    if bore > sizes[-1]:
+    """Bore in mm."""
+    rates = dict(_FCI_VI)
+    nearest = min(rates, key=lambda size: abs(size - bore))
+    if abs(nearest - bore) <= _FCI_VI_NEAR or bore < min(rates):
+        return rates[nearest] * 1e-6 / _MINUTE
+    if bore > max(rates):
         return None
-    below = max((n for n, size in enumerate(sizes) if size <= bore), default=0)
-    if bore <= sizes[0] or below == len(sizes) - 1:
-        return rates[below] * 1e-6 / _MINUTE
-    share = (bore - sizes[below]) / (sizes[below + 1] - sizes[below])
-    return (rates[below] + share * (rates[below + 1] - rates[below])) * 1e-6 / _MINUTE
+    below, above = max(size for size in rates if size < bore), min(size for size in rates if size > bore)
+    share = (bore**2 - below**2) / (above**2 - below**2)
+    return (rates[below] + share * (rates[above] - rates[below])) * 1e-6 / _MINUTE
 
 
 STANDARD_PRESSURE = 101325.0
@@ -458,8 +490,8 @@ STANDARD_TEMPERATURE = 273.15
 """Temperature of the standard state, 0 degC (DIN 1343, ISO 10780; "sccm", "standard ml/min") [K]."""
 DROP_VOLUME = 1e-6 / 16.0
 """One drop of liquid: 16 drops are one millilitre (API 598, table of closure tests, note a) [m^3]."""
-BUBBLE_VOLUME = 0.15e-6
-"""One bubble of gas from a tube of 6 mm: 0.15 ml (FCI 70-2, class VI) [m^3]."""
+BUBBLE_VOLUME = STANDARDS["FCI 70-2"].bubble_volume
+"""One bubble of gas from a tube of 6 mm: 0.15 ml (FCI 70-2, class VI); other standards have others [m^3]."""
 
 
 def millilitres_per_minute(leak_rate: float) -> float:

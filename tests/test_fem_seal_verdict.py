@@ -172,6 +172,23 @@ def test_the_limit_of_a_class_is_that_of_the_standard_and_the_tighter_of_two_cou
     assert required(leak_rate="1e-3 m^3/s").verdict == "holds"
 
 
+def test_a_bubble_has_the_volume_of_its_standard_or_of_the_requirement():
+    def limit(**table):
+        (found,) = limits(case(fluid={"name": "air"}, requirement=table), 5e5)
+        return found
+
+    iso_a = {"standard": "ISO 5208", "class": "A"}
+    assert limit(**iso_a).visible == pytest.approx(0.06545e-6 / 15, rel=1e-3)
+    assert limit(**iso_a, bubble_volume="0.15 ml").visible == pytest.approx(0.15e-6 / 15)
+    # up to DN 50 less than one bubble in 15 s
+    assert limit(standard="API 598").leak_rate == pytest.approx(0.01e-6 / 15)
+    assert limit(standard="API 598", bubble_volume="0.04 ml").leak_rate == pytest.approx(0.04e-6 / 15)
+    assert limit(standard="API 598").bubble_volume == pytest.approx(1e-8)
+    assert limit(standard="ISO 5208", **{"class": "B"}).bubble_volume is None
+    told = requirement_lines(case(fluid={"name": "air"}, requirement=iso_a))
+    assert "one bubble is 0.065 ml" in told
+
+
 def test_the_limit_of_class_v_follows_the_pressure_of_each_load():
     result = required(standard="ANSI/FCI 70-2", **{"class": "V"})
     low, _, high = (load.judgement.limit.leak_rate for load in result.loads)

@@ -59,6 +59,8 @@ class Limit:
         Of the standard, where the leak rate of the case is not that of its test; empty otherwise.
     ratio : tuple of float
         Leak rate of the test's fluid over that of the case, at least and at most.
+    bubble_volume : float or None
+        Of one bubble, where the limit counts them [m^3].
     """
 
     name: str
@@ -66,6 +68,7 @@ class Limit:
     visible: float = 0.0
     test_fluid: str = ""
     ratio: tuple[float, float] = (1.0, 1.0)
+    bubble_volume: float | None = None
 
 
 @dataclass(frozen=True)

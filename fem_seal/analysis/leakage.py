@@ -162,7 +162,7 @@ def next_class(case: Case, load: LoadResult, ends: tuple[float, float] | None = 
         return None
     _, high = in_the_test(case, load, ends)
     gas = load.leak.throughput is not None
-    limits = leakage_limits(nominal_size(case).size, gas=gas)
+    limits = leakage_limits(nominal_size(case).size, gas=gas, bubble_volume=_bubble_volume(case))
     missed = [one for one in limits if one.standard == limits[0].standard and 0 < one.leak_rate < high]
     if not missed or math.isinf(high):
         return None
@@ -200,5 +200,10 @@ def leakage_classes(
         gas=load.leak.throughput is not None,
         pressure_drop=load.fluid_pressure,
         seat_diameter=size.diameter,
+        bubble_volume=_bubble_volume(case),
         highest=high,
     )
+
+
+def _bubble_volume(case: Case) -> float | None:
+    return None if case.requirement is None else case.requirement.bubble_volume

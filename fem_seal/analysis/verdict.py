@@ -37,7 +37,7 @@ def limits(case: Case, fluid_pressure: float) -> tuple[Limit, ...]:
 
 
 def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: float) -> Limit | None:
-    from leak.standards import leakage_limits, visible_leak_rate
+    from leak.standards import STANDARDS, leakage_limits, visible_leak_rate
 
     wanted = required.standard_and_class
     if wanted is None:
@@ -49,6 +49,7 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
         pressure_drop=fluid_pressure,
         seat_diameter=size.diameter,
         rated_capacity=required.rated_capacity,
+        bubble_volume=required.bubble_volume,
     )
     found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
     name = " ".join(wanted)
@@ -56,8 +57,10 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     if not found:
         # class VI of FCI 70-2 ends at a diameter
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
-    visible = 0.0 if found[0] else visible_leak_rate(gas=gas)
-    return Limit(name, found[0], visible, test_fluid, ratio)
+    visible = 0.0 if found[0] else visible_leak_rate(gas=gas, bubble_volume=required.bubble_volume)
+    bubble = required.bubble_volume or STANDARDS[wanted[0]].bubble_volume
+    counts_bubbles = gas and (visible > 0.0 or wanted[0] == "API 598")
+    return Limit(name, found[0], visible, test_fluid, ratio, bubble if counts_bubbles else None)
 
 
 def judged(

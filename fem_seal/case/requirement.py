@@ -35,6 +35,13 @@ class _Requirement(Table):
         "are a share of",
         examples=["40 m^3/h"],
     )
+    bubble_volume: Annotated[float, Quantity("volume", "1e-6 ml", "100 ml")] | None = Field(
+        None,
+        description="of a gas: volume of one bubble of the test, where a standard counts them (API 598) or allows "
+        "none to be seen (ISO 5208 A); unless given that of the standard: ISO 5208 0.065 ml, API 598 0.01 ml, "
+        "FCI 70-2 0.15 ml",
+        examples=["0.065 ml"],
+    )
     fluid_pressure: Annotated[float | tuple[float, ...], OneOrMany("pressure", "0 Pa", "10 GPa")] | None = (
         Field(
             None,

@@ -22,6 +22,7 @@ from fem_seal.units import (
     percent,
     range_text,
     rounded,
+    trimmed,
     unit_for,
     worth,
 )
@@ -144,6 +145,8 @@ def _sentence(found: SealJudgement) -> str:
 
 def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     limit, decided = found.worst.limit, found.worst.why in (Why.LIMIT, Why.INTERVAL, Why.ACCURACY)
+    if limit.bubble_volume is not None:
+        yield said("verdict.said", "bubble", volume=_bubble(limit.bubble_volume))
     if limit.test_fluid and decided and not math.isinf(found.margin):
         yield said("verdict.said", "converted", fluid=limit.test_fluid, ratio=_ratio(limit.ratio))
     if reason := _doubt(result, found):
@@ -151,6 +154,10 @@ def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     count = len(found.judged) + found.left_out
     if count > 1:
         yield said("verdict.said", "several", count=count)
+
+
+def _bubble(volume: float) -> str:
+    return f"{trimmed(rounded(1e6 * volume, 2))} ml"
 
 
 def _ratio(ratio: tuple[float, float]) -> str:
@@ -314,6 +321,8 @@ def requirement_lines(case: Case) -> list[str]:
     of_class = [limit for limit in limits(case, case.load.fluid_pressure[0]) if limit.name != OF_LEAK_RATE]
     for limit in of_class:
         told.append(said("verdict.check", "size", size=nominal_size(case)))
+        if limit.bubble_volume is not None:
+            told.append(said("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
         if limit.test_fluid:
             ratio = _ratio(limit.ratio)
             told.append(said("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name))
