@@ -88,18 +88,96 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
         If it cannot be read or is no TOML.
     """
     try:
-        return tomllib.loads(read_text(path))
+        return parse_toml(read_text(path, _MOST_BYTES_OF_TOML))
     except UnicodeDecodeError:
         message = f"is not a text file; a {kind} file in TOML is needed"
-    except tomllib.TOMLDecodeError as error:
-        heading = "declaration" in str(error)  # of a table, which no quotes mend
-        quotes = "" if heading else '. Texts and quantities need quotes: radius = "20 mm"'
-        message = f"is not valid TOML: {error}{quotes}"
-    except RecursionError:
-        message = f"is not a {kind} file: nested too deeply"
+    except TomlError as error:
+        message = str(error)
     except UnreadableFileError as error:
         message = str(error)
     raise InputError(Problem("", message), file=path)
+
+
+class TomlError(SealError, ValueError):
+    """A text is no TOML, or none that a person has written."""
+
+
+# Far beyond what a person writes, and within what takes no time: the reader of the language takes the square of the
+# depth of a key in memory, and of the digits of a number in time.
+_LONGEST_LINE, _LONGEST_TEXT, _LONGEST_WORD, _DEEPEST = 100_000, 10_000, 200, 20
+
+_STRING = r"""(?:"(?:\\.|[^"\\\n])*+"?|'[^'\n]*+'?)"""
+_BARE = r"[A-Za-z0-9_+-]++"
+_PART = rf"(?:{_BARE}|{_STRING})"
+_TOML_WORDS = re.compile(
+    # texts of several lines and comments are passed over
+    r'"""(?:\\[\s\S]|[^\\])*?(?:"""|\Z)|'
+    r"'''[\s\S]*?(?:'''|\Z)|#[^\n]*+|"
+    rf"(?P<deep>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST}}})|{_STRING}|"
+    rf"(?P<long>[A-Za-z0-9_+-]{{{_LONGEST_WORD}}})|{_BARE}"
+)
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Tables of a text.
+
+    Parameters
+    ----------
+    text : str
+
+    Raises
+    ------
+    TomlError
+        If it is no TOML, or has lines, keys, numbers or texts that are too long, or is nested too deeply.
+    """
+    for number, line in enumerate(text.split("\n"), start=1):
+        if len(line) > _LONGEST_LINE:
+            raise TomlError(f"line {number} has {len(line)} characters; {_LONGEST_LINE} are allowed")
+    for match in _TOML_WORDS.finditer(text):
+        if match.lastgroup:
+            what = (
+                f"a key of more than {_DEEPEST} parts; a table is at most {_DEEPEST} deep"
+                if match.lastgroup == "deep"
+                else f"a number or word of more than {_LONGEST_WORD} characters; write it shorter, such as 1e9"
+            )
+            raise TomlError(f"line {text.count(chr(10), 0, match.start()) + 1} holds {what}")
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        heading = "declar" in str(error) or "overwrite" in str(error)  # which no quotes mend
+        quotes = "" if heading else '. Texts and quantities need quotes: radius = "20 mm"'
+        raise TomlError(f"is not valid TOML: {error}{quotes}") from None
+    except RecursionError:
+        raise TomlError(_TOO_DEEP) from None
+    _check_nesting(tables)
+    return tables
+
+
+_TOO_DEEP = f"is nested too deeply; {_DEEPEST} tables or lists within each other are allowed"
+
+
+def _check_nesting(tables: dict[str, Any]) -> None:
+    """TomlError if tables are nested too deeply or hold keys or texts that are too long."""
+    level: list[tuple[str, Any]] = [("", tables)]
+    for _ in range(_DEEPEST):
+        below: list[tuple[str, Any]] = []
+        for path, entry in level:
+            if isinstance(entry, dict):
+                for key, value in entry.items():
+                    _check_length("a key", key, _LONGEST_WORD)
+                    below.append((f"{path}.{key}".lstrip("."), value))
+            elif isinstance(entry, list):
+                below.extend((path, one) for one in entry)
+            elif isinstance(entry, str):
+                _check_length(path, entry, _LONGEST_TEXT)
+        level = below
+    if level:
+        raise TomlError(_TOO_DEEP)
+
+
+def _check_length(what: str, text: str, most: int) -> None:
+    if len(text) > most:
+        raise TomlError(f'{what}, "{text[:20]} ...", has {len(text)} characters; {most} are allowed')
 
 
 @dataclass(frozen=True)
@@ -288,6 +366,20 @@ def _is_unit(text: str) -> bool:
     return False
 
 
+def parse_json(text: str | bytes) -> Any:
+    """What a text in JSON holds.
+
+    Raises
+    ------
+    ValueError
+        If it is no JSON, or holds more than this program writes.
+    """
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise ValueError("is nested too deeply") from None
+
+
 def as_json(value: object) -> str:
     """JSON of numbers, texts, lists and tables; what is not a number in JSON (NaN, infinity) becomes null."""
     return json.dumps(_plain(value), indent=2, ensure_ascii=False)
@@ -306,6 +398,7 @@ def _plain(value: Any) -> Any:
 
 # What a person writes, and what instruments and other programs do.
 _MOST_BYTES = 64 * 2**20
+_MOST_BYTES_OF_TOML = 4 * 2**20
 MOST_BYTES_OF_SCAN = MOST_BYTES_OF_DRAWING = 2**30
 
 _KINDS = (

@@ -105,7 +105,7 @@ DIGITS = 4
 _MOST_DIGITS = 9
 
 # Number first, then a product of units with single-digit powers: no arithmetic, so no "9**9**9".
-NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?"
+NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
 # "cm3" is what drawings write for "cm^3"
 _POWER = r"(?:\s?(?:\^|\*\*)\s?-?\d|[23](?!\w))?"
 _TERM = rf"(?:1|[^\W\d_]+{_POWER}|°)"
@@ -222,7 +222,7 @@ def parse_quantity(text: object, dimension: str) -> float:
     0.785398
     """
     if isinstance(text, str):
-        return _parsed(_plain(text), dimension)
+        return _parsed(short_text(text, dimension), dimension)
     bare = isinstance(text, (int, float)) and not isinstance(text, bool)
     raise QuantityError(
         f"{'has no unit' if bare else 'is not a quantity'}; write {DIMENSIONS[dimension].wanted}"
@@ -250,12 +250,30 @@ def exact_quantity(text: str, dimension: str) -> Fraction:
     >>> float(exact_quantity("40.1 mm", "length") / 2) == parse_quantity("20.05 mm", "length")
     True
     """
-    return _exact(_plain(text), dimension)
+    return _exact(short_text(text, dimension), dimension)
 
 
-def _plain(text: str) -> str:
-    """With single spaces, and the minus of a keyboard for that of print, which messages and reports have."""
-    return " ".join(text.split()).replace("−", "-")
+def short_text(text: str, dimension: str) -> str:
+    """Text of a quantity as it may be looked into: no longer than any quantity is.
+
+    With single spaces, and the minus of a keyboard for that of print, which messages and reports have.
+
+    Parameters
+    ----------
+    text : str
+    dimension : str
+        As of `parse_quantity`.
+
+    Raises
+    ------
+    QuantityError
+        If it is longer.
+    """
+    plain = " ".join(text.split()).replace("−", "-")
+    if len(plain) > _LONGEST:
+        wrong = f"is not a number followed by a unit but {len(plain)} characters"
+        raise QuantityError(f"{wrong}; write {DIMENSIONS[dimension].wanted}")
+    return plain
 
 
 # a study reads the same texts again for each of its designs
@@ -270,7 +288,7 @@ def _parsed(stripped: str, dimension: str) -> float:
 
 
 def _exact(stripped: str, dimension: str) -> Fraction:
-    match = _QUANTITY.fullmatch(stripped) if len(stripped) <= _LONGEST else None
+    match = _QUANTITY.fullmatch(stripped)
     if match is None:
         raise QuantityError(f"{_what_is_wrong(stripped)}; write {DIMENSIONS[dimension].wanted}")
     return Fraction(match[1]) * _factor(match[2], dimension)
@@ -289,7 +307,7 @@ _SCALES = {
 def _temperature(text: str) -> float:
     """Temperature [K]; scales have a zero of their own, so it is no product of number and unit."""
     wanted = DIMENSIONS["temperature"].wanted
-    match = re.fullmatch(rf"({NUMBER})\s*(\S+)", text) if len(text) <= _LONGEST else None
+    match = re.fullmatch(rf"({NUMBER})\s*(\S+)", text)
     # "20" alone would be 2 of the unit "0"
     if match is None or re.fullmatch(NUMBER, text):
         raise QuantityError(f"{_what_is_wrong(text)}; write {wanted}")

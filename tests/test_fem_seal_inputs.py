@@ -302,6 +302,76 @@ def test_output_to_a_full_disc_says_so(command) -> None:
     assert ended.stderr == "error: output: cannot be written (no space left on device)\n"
 
 
+# --- what takes no machine long to read --------------------------------------------------------------------
+
+BALL = (EXAMPLES / "ball_cone.toml").read_text()
+LONG = {
+    "quantity of many digits": (
+        BALL.replace('"20 mm"', '"' + "9" * 9_000 + ' mm"'),
+        "is not a number followed by a unit but 9003 characters; write a length",
+    ),
+    "longer one": (BALL.replace('"20 mm"', '"' + "9" * 32_000 + ' mm"'), "closure.radius"),
+    "number of many digits": (
+        BALL.replace("hurst = 0.6", "hurst = " + "9" * 5_000),
+        "line 20 holds a number or word of more than 200 characters",
+    ),
+    "deep key": (".".join("a" * 100_000) + " = 1\n" + BALL, "line 1 has 200003 characters"),
+    "deep keys": (
+        "\n".join(".".join("a" * 10_000) + f".b{n} = 1" for n in range(9)),
+        "key of more than 20 parts",
+    ),
+    "deep key in quotes": (".".join(['"a"'] * 9_000) + " = 1\n", "key of more than 20 parts"),
+    "deep heading": ("[" + ".".join("a" * 9_000) + "]\n", "key of more than 20 parts"),
+    "deep list": ("x = " + "[" * 300 + "]" * 300, "is nested too deeply"),
+    "deeper list": ("x = " + "[" * 30_000 + "]" * 30_000, "is nested too deeply"),
+    "deep tables": ("x = " + "{a = " * 300 + "1" + "}" * 300, "is nested too deeply"),
+    "long text": ('title = "' + "a" * 20_000 + '"\n', "title"),
+    "long key": ('"' + "a" * 20_000 + '" = 1\n', "a key, "),
+    "finish in many words": (
+        BALL.replace("spectrum =", "seat = '" + "a " * 4_000 + "Ra'  #"),
+        "is no finish",
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("kind", "what"), [*(("case", what) for what in LONG), ("study", "deep key"), ("study", "deep list")]
+)
+def test_long_input_is_refused_at_once(kind, what, tmp_path) -> None:
+    """Read in a process of its own, with little memory and time: these took minutes and ten gigabytes."""
+    text, said = LONG[what]
+    path = tmp_path / "x.toml"
+    path.write_text(text)
+    reads = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_AS, (2 * 2**30, 2 * 2**30));"
+        "resource.setrlimit(resource.RLIMIT_CPU, (6, 6));"
+        "from fem_seal import cli; sys.exit(cli.main(sys.argv[1:]))"
+    )
+    arguments = (
+        ["check", path] if kind == "case" else ["study", path, "-o", tmp_path / "out", "--workers", "0"]
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", reads, *arguments], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 2
+    assert said in ended.stderr
+    assert len(ended.stderr) < 1000
+
+
+def test_what_people_write_is_not_too_long(tmp_path) -> None:
+    """Texts of several lines, points inside texts, long lists."""
+    pressures = ", ".join(f'"{1 + 0.01 * n:.2f} bar"' for n in range(1000))
+    text = BALL.replace('{ start = "1 bar", stop = "20 bar", num = 20 }', f"[{pressures}]")
+    dots = ".".join("1" * 40)
+    path = tmp_path / "c.toml"
+    path.write_text(
+        re.sub("^title = .*$", f'title = """a {dots}\\\n  "b" {dots}"""  # {dots}', text, flags=re.M)
+    )
+    case = load_case(path)
+    assert len(case.load.fluid_pressure) == 1000
+    assert case.title == f'a {dots}"b" {dots}'
+
+
 # --- files that were damaged at random --------------------------------------------------------------------
 
 WORDS = [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import math
 import signal
 from collections.abc import Callable, Generator, Sequence
@@ -18,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from fem_seal.errors import InputError, Problem
-from fem_seal.files import as_json, read_text, write_text
+from fem_seal.files import as_json, parse_json, read_text, write_text
 from leak import ConductivityTable, DirectError, RoughContact
 from leak.direct import Patch, PeriodicHalfSpace, PressedPatch, press, smoothed
 
@@ -618,7 +617,7 @@ def _read(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord] | Non
     if path is None or not path.is_file():
         return None
     with suppress(ValueError, TypeError, KeyError):
-        found: list[dict[str, Any]] = json.loads(read_text(path))
+        found: list[dict[str, Any]] = parse_json(read_text(path))
         lists = ("gap_quantiles", "gap_counts")
         records = [PieceRecord(**{**one, **{name: tuple(one[name]) for name in lists}}) for one in found]
         if len(records) == len(piece.pressures):

@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaH
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
-from fem_seal.units import DIMENSIONS, NUMBER, QuantityError, parse_quantity
+from fem_seal.units import DIMENSIONS, NUMBER, QuantityError, parse_quantity, short_text
 
 # Pattern of a quantity, for schemas.
 NUMBER_WITH_UNIT = rf"^\s*{NUMBER}(\s+\S|[^\s\d.eE]).*$"
@@ -124,7 +124,7 @@ class LeakRate(Quantity):
 
     def read(self, text: object) -> float:
         """Volume over time [m^3/s], a `Throughput` or `Drops` where that was written; ValueError as of a quantity."""
-        counted = _DROPS.fullmatch(text) if isinstance(text, str) else None
+        counted = _DROPS.fullmatch(short_text(text, self.dimension)) if isinstance(text, str) else None
         if counted:
             from leak.standards import DROP_VOLUME
 
@@ -173,7 +173,7 @@ class NominalSizeEntry(Quantity):
         """Size in metres; ValueError if it is neither."""
         from leak.standards import read_nominal_size
 
-        size = read_nominal_size(text) if isinstance(text, str) else None
+        size = read_nominal_size(short_text(text, self.dimension)) if isinstance(text, str) else None
         return super().read(text) if size is None else size
 
     @property

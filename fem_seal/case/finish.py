@@ -52,6 +52,7 @@ _ALSO = {
     "shot peened": "shot blasted",
     "cast": "as cast",
 }
+_LONGEST = 100
 _WRITTEN = re.compile(
     r"^\s*(?P<before>[A-Za-z][A-Za-z _-]*?)??[\s,]*\b(?P<height>R[aqz])\s*=?\s*(?P<number>[-+0-9.eE]+)\s*"
     r"(?P<unit>[^\s,]+)?[\s,]*(?P<after>[A-Za-z][A-Za-z _-]*)?\s*$"
@@ -84,7 +85,7 @@ def read_finish(text: str) -> dict[str, Any]:
     >>> read_finish("lapped Ra 0.2 um")
     {'kind': 'finish', 'Ra': '0.2 um', 'process': 'lapped'}
     """
-    found = _WRITTEN.match(text)
+    found = _WRITTEN.match(text) if len(text) <= _LONGEST else None
     if found is None or (found["before"] and found["after"]) or not found["unit"]:
         raise ValueError(
             'is no finish; write the process and a value with its unit, such as "lapped Ra 0.2 um"'

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -14,6 +13,7 @@ from fem_seal.case.drawing_words import partner
 from fem_seal.case.fields import shown
 from fem_seal.case.messages import nearest
 from fem_seal.errors import InputError, Problem
+from fem_seal.files import TomlError, parse_toml
 
 TEMPLATES = ("ball-valve", "check-valve", "relief-valve", "needle", "flat-seat", "knife-edge")
 SCHEMA_FILE = "fem-seal.schema.json"
@@ -172,9 +172,9 @@ def read_text_case(text: str) -> Case:
         It lists every problem.
     """
     try:
-        return load_case(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(Problem("", f"no TOML: {error}")) from None
+        return load_case(parse_toml(text))
+    except TomlError as error:
+        raise InputError(Problem("", str(error))) from None
 
 
 def _entries(text: str) -> dict[str, dict[str, Any]]:
@@ -194,7 +194,7 @@ def _entries(text: str) -> dict[str, dict[str, Any]]:
 
 def _plain(value: str) -> str:
     """A value as people answer: texts without quotes, a list of them with commas."""
-    read = tomllib.loads(f"value = {value}")["value"]
+    read = parse_toml(f"value = {value}")["value"]
     if isinstance(read, list) and all(isinstance(one, str) for one in read):
         return ", ".join(read)
     return read if isinstance(read, str) else value
@@ -203,8 +203,8 @@ def _plain(value: str) -> str:
 def _toml(value: str) -> str:
     """A value as TOML: itself if it is, several texts as a list, any other text in quotes."""
     try:
-        tomllib.loads(f"value = {value}")
-    except tomllib.TOMLDecodeError:
+        parse_toml(f"value = {value}")
+    except TomlError:
         parts = [part.strip() for part in value.split(",")]
         quoted = [_quoted(part) for part in parts]
         return f"[{', '.join(quoted)}]" if len(parts) > 1 else quoted[0]

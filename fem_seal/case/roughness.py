@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from fem_seal.case.fields import Entry, Number, Quantity, Table
+from fem_seal.case.fields import Entry, Number, Quantity, Table, shown
 from fem_seal.case.finish import HEIGHTS, FinishKeys, FinishTable, Wavenumber, is_finish, read_finish
 from fem_seal.case.input_files import read_spectrum
 from fem_seal.case.messages import problems
@@ -484,7 +484,7 @@ def read_roughness(entries: object) -> object:
             try:
                 found[key] = read_finish(part)
             except ValueError as error:
-                raise ValueError(f"{key}, {part!r}, {error}") from None
+                raise ValueError(f"{key}, {shown(part)}, {error}") from None
         elif isinstance(part, Mapping) and is_finish(part):
             found[key] = {**part, "kind": "finish"}
     return found

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import InputError, Problem
-from fem_seal.files import write_text
+from fem_seal.files import parse_json, read_text, write_text
 from fem_seal.folders import alone
 from fem_seal.studies.pools import KEPT, Pool, pool
 from fem_seal.studies.progress import Progress, Silent
@@ -219,7 +219,7 @@ def _keep_fields(
             continue
         # written last: says that the folder is complete, and whose results it holds
         mark = place / "design.json"
-        if mark.exists() and json.loads(mark.read_text(encoding="utf-8"))["key"] == key:
+        if _marked(mark) == key:
             continue
         inputs = dict(zip(study.names, store.rows([key])[key].inputs, strict=True))
         changes = {one.name: one.entry.written(inputs[one.name]) for one in study.parameters}
@@ -232,3 +232,11 @@ def _keep_fields(
             progress.note(f"complete results of design {number}: {overtime_reason(limit)}; none are kept")
             continue
         write_text(mark, json.dumps({"number": number, "key": key, "inputs": inputs}, indent=2) + "\n")
+
+
+def _marked(mark: Path) -> str | None:
+    """Key of the design whose complete results lie beside a mark; None if it says nothing."""
+    try:
+        return str(parse_json(read_text(mark))["key"])
+    except (ValueError, TypeError, KeyError):
+        return None
