@@ -161,6 +161,42 @@ def compare(direct: DirectSet) -> Comparison:
     )
 
 
+LOW_LOADS = "gap_direct.csv"
+
+
+def low_loads(folder: Path) -> dict[float, FloatArray]:
+    """Conductivity of the theory over direct results of other spectra at low loads, by p/(E* h').
+
+    Parameters
+    ----------
+    folder : Path
+        With `LOW_LOADS`.
+
+    Returns
+    -------
+    dict
+        From pressure to the ratios of the spectra.
+    """
+    with (folder / LOW_LOADS).open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["conductivity_over_hrms3"]]
+    found: dict[float, list[float]] = {}
+    for row in rows:
+        hurst, rolloff, cutoff, pressure, direct = (
+            float(row[name])
+            for name in (
+                "hurst",
+                "rolloff_waves",
+                "cutoff_over_rolloff",
+                "p_over_Eh",
+                "conductivity_over_hrms3",
+            )
+        )
+        default = variants(periodic_spectrum(rolloff, rolloff * cutoff, hurst))[0]
+        ratio = float(default.conductivity(np.array([pressure]))[0]) / direct
+        found.setdefault(pressure, []).append(ratio)
+    return {pressure: np.array(ratios) for pressure, ratios in found.items()}
+
+
 def worst_factor(ratios: FloatArray) -> float:
     """Largest factor, up or down, by which ratios differ from one."""
     return float(np.exp(np.abs(np.log(ratios)).max())) if ratios.size else 1.0

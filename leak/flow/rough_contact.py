@@ -84,7 +84,7 @@ class RoughContact:
     yielding : {"conserved", "capped"}
         What becomes of the metal that yields. "conserved": the spectrum C_pl smoothed everywhere by plastic flow at
         the pressure asked for, valleys included (`leak.theory.plasticity`). "capped": the pressure is limited by the
-        hardness and the surface changes only where it touches (`leak.theory.capped`). The truth lies between.
+        hardness and the surface changes only where it touches (`leak.theory.capped`).
     percolation_threshold : float
         Relative contact area A/A0 at which the open area stops percolating [-].
     gamma : float
