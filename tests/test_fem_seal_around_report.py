@@ -13,6 +13,7 @@ from around_results import oval_result, smooth_oval_result
 from sample_results import case, run_loads, single_result
 
 import fem_seal
+from fem_seal.analysis.form_answers import _limit
 from fem_seal.analysis.results import Allowed
 from fem_seal.contact.newton import solve
 from fem_seal.output.pictures import around as drawn
@@ -195,6 +196,30 @@ def test_what_is_allowed_is_rounded_down():
     none = replace(allowed, zone=0.0)
     told = " ".join(form_in_words(replace(result, form=replace(result.form, allowed=none))))
     assert "No roundness tolerance on the drawing keeps the target" in told
+
+
+def test_the_form_error_is_judged_by_what_the_case_requires():
+    result = oval_result()
+    load = result.highest
+
+    def asked(**tables):
+        return _limit(result.case.replace(tables), load)
+
+    millilitre = pytest.approx(1e-6 / 60)
+    assert asked(requirement={"leak_rate": "1 ml/min"}) == ("leak rate", millilitre)
+    # the tighter of two limits; 0.3 mm³/s for each mm of DN
+    both = asked(
+        requirement={"leak_rate": "1 ml/min", "standard": "ISO 5208", "class": "E"},
+        leak={"nominal_size": "DN 10"},
+    )
+    assert both == ("ISO 5208 E", pytest.approx(3e-9))
+    # what is required goes before the question for a force, which goes before the classes
+    target = {"target_leak_rate": "2 ml/min"}
+    assert asked(requirement={"leak_rate": "1 ml/min"}, load=target) == ("leak rate", millilitre)
+    assert asked(load=target) == ("target", pytest.approx(2e-6 / 60))
+    allowed = Allowed("leak rate", 1e-6 / 60, 1.49, 5.06e-6, "radial", 15)
+    told = " ".join(form_in_words(replace(result, form=replace(result.form, allowed=allowed))))
+    assert "tolerance of 5.0 µm on the drawing keeps the required leak rate" in told
 
 
 @pytest.mark.parametrize("fluid", ["water", "helium"])

@@ -15,6 +15,7 @@ from fem_seal.analysis.flow import as_first_loaded
 from fem_seal.analysis.leakage import fluid_of_test, leakage_classes
 from fem_seal.analysis.problem import largest_force
 from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
+from fem_seal.analysis.verdict import limits
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
 from leak import Scratch, deepest_scratch
@@ -228,7 +229,12 @@ def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[floa
 
 
 def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:
-    """Leak rate that is wanted: the target, or the tightest class that the round seal meets."""
+    """Leak rate that is wanted: what the case requires, its target, or the tightest class that the round seal meets."""
+    if case.requirement is not None and case.requirement.judges(load.fluid_pressure):
+        required = limits(case, load.fluid_pressure)
+        # in the case's own fluid
+        found = [(one.name, one.leak_rate / one.ratio[1]) for one in required if one.leak_rate > 0]
+        return min(found, key=lambda one: one[1], default=None)
     if case.load.target_leak_rate is not None:
         return "target", case.load.target_leak_rate
     met = [
@@ -238,7 +244,6 @@ def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:
     ]
     if not met or not met[0].limit or case.fluid is None:
         return None
-    # in the case's own fluid
     most = fluid_of_test(case.fluid, load.fluid_pressure)[1][1]
     return f"{met[0].standard} {met[0].name}", met[0].limit / most
 

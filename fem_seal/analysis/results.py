@@ -526,7 +526,7 @@ class Allowed:
     Parameters
     ----------
     limit : str
-        What sets it: "target", or standard and class.
+        What sets it: "leak rate" of the requirement, "target", or standard and class.
     leak_rate : float
         [m^3/s]
     factor : float or None

@@ -17,6 +17,7 @@ from fem_seal.analysis.results import (
     SealSolution,
     WaveAlone,
 )
+from fem_seal.analysis.verdict import OF_LEAK_RATE
 from fem_seal.output.prose import said
 from fem_seal.output.report.tables import ReadableTable
 from fem_seal.units import given, leak_range_text, number, percent, quantity
@@ -98,8 +99,7 @@ def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
 def _allowed(allowed: Allowed, capped: Allowed | None, load: LoadResult) -> Iterator[str]:
     """How large the form error may be, and directly behind it what the other reading of yielding asperities says."""
     limit, rate = allowed.limit, given("flow", allowed.leak_rate)
-    if allowed.limit != "target":
-        limit = f"limit of {limit}"
+    limit = {"target": "target", OF_LEAK_RATE: "required leak rate"}.get(limit, f"limit of {limit}")
     if allowed.factor is None:
         yield said("form.allowed", "round_leaks_more", limit=limit, rate=rate)
         return
