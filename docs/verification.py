@@ -430,8 +430,8 @@ def direct_section(reference: Path) -> Section:
         f"{factors[1]:.1f} up to 0.25, {factors[2]:.1f} up to 0.39. These data begin at p/(E* h') = 0.01, and most "
         "metal seals work far below. There the theory's gap is too wide and its conductivity too large: direct "
         f"results of {low[1e-4].size} spectra (`{LOW_LOADS}`, Hurst exponent 0.3 to 0.8) find it too open by "
-        f"{told_low}. Its contact area is {100 * (1 - areas.max()):.0f} to {100 * (1 - areas.min()):.0f} % too small: a "
-        "property of the theory, so part of the agreement in conductivity is two errors that cancel. The other "
+        f"{told_low}. Its contact area is {100 * (1 - areas.max()):.0f} to {100 * (1 - areas.min()):.0f} % too small: "
+        "a property of the theory, so part of the agreement in conductivity is two errors that cancel. The other "
         "readings do worse: up to a factor "
         + ", ".join(f"{everywhere[name]:.1f} with {name}" for name in names[1:])
         + ". Below A/A0 = 0.1, where the choice of P(u) hardly matters, the factors are "
