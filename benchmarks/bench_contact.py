@@ -56,16 +56,16 @@ def test_condense(benchmark: Benchmark) -> None:
 def test_mesh_to_profile(benchmark: Benchmark) -> None:
     def chain() -> float:
         model = condense(make_mesh(), MATERIALS)
-        return solve(model, LAW, axial_force=1256.6).profile.peak_pressure
+        return solve(model, LAW, contact_force=1256.6).profile.peak_pressure
 
     assert benchmark(chain) == pytest.approx(61.67e6, rel=1e-3)
 
 
 def test_each_further_load(benchmark: Benchmark, model: ContactModel) -> None:
-    assert benchmark(solve, model, LAW, axial_force=1256.6).iterations < 8
+    assert benchmark(solve, model, LAW, contact_force=1256.6).iterations < 8
 
 
 def test_twenty_loads(benchmark: Benchmark, model: ContactModel) -> None:
     forces = [math.pi * model.touch_radius**2 * p for p in PRESSURES]
-    solutions = benchmark(lambda: [solve(model, LAW, axial_force=force) for force in forces])
+    solutions = benchmark(lambda: [solve(model, LAW, contact_force=force) for force in forces])
     assert len(solutions) == 20

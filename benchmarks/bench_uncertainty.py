@@ -143,7 +143,7 @@ def solved(spectra):
             seat={"shape": "cone", "angle": "45 deg", "material": STEEL},
             roughness=spectra[kind],
             fluid=table,
-            load={"fluid_pressure": pressures, "axial_force": "1 kN"},
+            load={"fluid_pressure": pressures, "applied_force": "1 kN"},
             **({"form": FORMS[form]} if form else {}),
         )
         names = (*FOUR[1:], *BESIDE.get(kind, ()), *(["form"] if form else []))

@@ -23,7 +23,7 @@ from meshes import build_contact
 def mean_contact(problem: SealProblem) -> ContactSolution:
     """The round seal under the load of a case."""
     model = condensed(problem, build_contact(problem.contact, sizing(problem)))
-    return solve(model, problem.law, axial_force=expected_forces(problem)[-1])
+    return solve(model, problem.law, contact_force=expected_forces(problem)[-1])
 
 
 def line_load(problem: SealProblem) -> Around:

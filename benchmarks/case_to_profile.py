@@ -38,7 +38,7 @@ def model_of(case: Case, seal_mesh: SealMesh) -> ContactModel:
 def solutions(case: Case, model: ContactModel) -> Sequence[ContactSolution]:
     """Solve all loads of a case."""
     problem = SealProblem.of(case)
-    return [solve(model, problem.law, axial_force=force) for force in expected_forces(problem)]
+    return [solve(model, problem.law, contact_force=force) for force in expected_forces(problem)]
 
 
 def main(file: str, contact_size: str, output: str) -> None:

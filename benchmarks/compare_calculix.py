@@ -119,7 +119,7 @@ def run_seal(case: fem_seal.Case, size: float, repeat: int, folder: Path) -> tup
     warm = Warm(
         seconds(repeat + 1, lambda: mesh_of(case, size)),
         seconds(repeat + 1, lambda: model_of(case, seal_mesh)),
-        seconds(3 * repeat, lambda: [solve(model, law, axial_force=f) for f in forces]) / len(forces),
+        seconds(3 * repeat, lambda: [solve(model, law, contact_force=f) for f in forces]) / len(forces),
     )
     return Side(costs[0], costs[1], accuracy(case, found), found), warm, seal_mesh
 

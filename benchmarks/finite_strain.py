@@ -61,13 +61,13 @@ def case_of(name: str, half_width: float) -> tuple[Case, float]:
         closure=closure,
         seat=seat,
         interface=law,
-        load={"fluid_pressure": "1 mbar", "axial_force": "1 N"},
+        load={"fluid_pressure": "1 mbar", "applied_force": "1 N"},
     )
     R, E = first.contact.relative_radius, first.effective_modulus
     line_load = math.pi * E * half_width**2 * R / 4
     force = float(line_load * 2 * math.pi * first.touch_radius * math.cos(first.contact.angle))
     changed = {
-        "load.axial_force": force,
+        "load.applied_force": force,
         "interface.u0": _LAYER * half_width**2 * R,
         "interface.p_c": 0.5 * E * half_width,
         "mesh.contact_size": 2 * R * half_width / _ELEMENTS,
@@ -123,7 +123,7 @@ def finite(
     u, before = solid.at_rest, solid.at_rest
     profile = None
     for share in np.linspace(0.25 if steps > 4 else 1.0, 1.0, steps if steps > 4 else 1) ** 2:
-        contact = solve(small.model, law, axial_force=float(force * share))
+        contact = solve(small.model, law, contact_force=float(force * share))
         linear = displacement(solid, straight, contact)
         trial = u + linear - before
         u, before = trial if solid.sound(trial) else u, linear

@@ -151,13 +151,15 @@ def outcome(tables: dict[str, Any]) -> Outcome:
     return Outcome("failed" if wrong else "solved", wrong, time.perf_counter() - start)
 
 
-def doubts(contact: ContactSolution, axial_force: float, u0: float, breaks: NDArray[np.float64]) -> str:
+def doubts(contact: ContactSolution, contact_force: float, u0: float, breaks: NDArray[np.float64]) -> str:
     """What is wrong with a solution; empty if nothing."""
     profile = contact.profile
     p = profile.pressure
     if not np.all(np.isfinite(p)):
         return "pressure is not finite"
-    if abs(contact.force_error) > 1e-9 or not math.isclose(contact.axial_force, axial_force, rel_tol=1e-12):
+    if abs(contact.force_error) > 1e-9 or not math.isclose(
+        contact.contact_force, contact_force, rel_tol=1e-12
+    ):
         return f"force balance {contact.force_error:.2g}"
     inner = profile.std / np.diff(contact.model.line.vertices).min()
     if inner < 3:

@@ -89,7 +89,7 @@ def _numbers(
     both: list[dict[str, float]] = [{}, {}]
     reasons: list[str] = []
     for number, (pressure, force) in enumerate(case.load.points, start=1):
-        one = case.replace({"load.fluid_pressure": pressure, "load.axial_force": force})
+        one = case.replace({"load.fluid_pressure": pressure, "load.applied_force": force})
         row = evaluate(one, [name for name in wanted if name in COLUMNS], interpolate=False)
         reasons += [f"load {number}, {reason}" for reason in row.validity.reasons if row.validity.outside]
         for reading, numbers in zip(_READINGS, both, strict=True):

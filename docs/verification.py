@@ -26,7 +26,7 @@ from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.sizing import element_sizes
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.loads import closing_force, line_load
+from fem_seal.loads import contact_force, line_load
 from fem_seal.materials import Material, effective_modulus
 from meshes import Ball, ConicalSeat, ContactGeometry, build
 
@@ -54,7 +54,7 @@ def contact_model(
     ball, angle = Ball(RADIUS), math.radians(degrees)
     seat = ConicalSeat.around(angle, ball)
     contact = ContactGeometry.of(ball.outline, seat.outline)
-    forces = [closing_force(contact.touch_radius, p) for p in pressures]
+    forces = [contact_force(contact.touch_radius, p) for p in pressures]
     loads = [line_load(force, contact.touch_radius, angle) for force in forces]
     sizing = element_sizes(law, loads, contact, effective_modulus(STEEL, STEEL)).refined(refine)
     return condense(build(ball, seat, sizing), {"closure": STEEL, "seat": STEEL}), forces
@@ -73,7 +73,7 @@ def crossover_section() -> Section:
     pressures, rows, figures = [2e5, 2e6, 2e7], [], []
     model, forces = contact_model(EXPONENTIAL, pressures)
     for pressure, force in zip(pressures, forces, strict=True):
-        solution = solve(model, EXPONENTIAL, axial_force=force)
+        solution = solve(model, EXPONENTIAL, contact_force=force)
         exact = leak.crossover_line(solution.line_load, RADIUS, model.effective_modulus, EXPONENTIAL.u0)
         errors = deviations(solution, exact)
         profile = solution.profile
@@ -108,7 +108,7 @@ def convergence_section() -> Section:
 
     def measures(refine: float) -> np.ndarray:
         model, (force,) = contact_model(EXPONENTIAL, [2e7], refine=refine)
-        profile = solve(model, EXPONENTIAL, axial_force=force).profile
+        profile = solve(model, EXPONENTIAL, contact_force=force).profile
         return np.array([profile.peak_pressure, profile.fwhm, profile.std])
 
     exact = measures(2.8)
@@ -140,7 +140,7 @@ def hertz_section() -> Section:
     pressures, rows, figures = [2e5, 2e6, 2e7], [], []
     for pressure in pressures:
         model, (force,) = contact_model(HardContact(), [pressure])
-        solution = solve(model, HardContact(), axial_force=force)
+        solution = solve(model, HardContact(), contact_force=force)
         exact = leak.hertz_line(solution.line_load, RADIUS, model.effective_modulus)
         errors = deviations(solution, exact)
         rows.append(
@@ -161,7 +161,7 @@ def angles_section() -> Section:
     rows, figures = [], []
     for degrees in (20, 30, 60, 70):
         model, (force,) = contact_model(EXPONENTIAL, [2e6], degrees)
-        solution = solve(model, EXPONENTIAL, axial_force=force)
+        solution = solve(model, EXPONENTIAL, contact_force=force)
         exact = leak.crossover_line(solution.line_load, RADIUS, model.effective_modulus, EXPONENTIAL.u0)
         errors = deviations(solution, exact)
         centre = solution.profile.centroid
@@ -277,7 +277,7 @@ def paper_section() -> Section:
     for plastic in (False, True):
         law = surface.interface_law(plastic=plastic)
         model, forces = contact_model(law, [1e5, 20e5])
-        full.append([solve(model, law, axial_force=force).profile for force in forces])
+        full.append([solve(model, law, contact_force=force).profile for force in forces])
     zeta100 = float(surface.plastic_area(50e6, 1e5)) / (50e6 / 3.5e9)
     ratios = []
     for pressure, profile in zip((1e5, 20e5), full[0], strict=True):

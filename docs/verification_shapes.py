@@ -84,7 +84,7 @@ def _pressed(pair: _Pair, contact: ContactGeometry, law: Law, line_load: float) 
     materials = dict(zip(("closure", "seat"), pair.materials, strict=True))
 
     def solve_on(sizing: Sizing) -> list[ContactSolution]:
-        return [solve(condense(build_contact(contact, sizing), materials), law, axial_force=force)]
+        return [solve(condense(build_contact(contact, sizing), materials), law, contact_force=force)]
 
     sizing = element_sizes(law, [line_load], contact, effective_modulus(*pair.materials))
     return solve_fitted(sizing, contact, solve_on)[0]

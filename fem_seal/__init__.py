@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fem_seal.material_library import material, vickers_pressure
     from fem_seal.materials import Material, effective_modulus
     from fem_seal.profile import PressureProfile
-    from fem_seal.result import SealResult, axial_force_for_leak, blow_off_pressures, direct, run
+    from fem_seal.result import SealResult, applied_force_for_leak, blow_off_pressures, direct, run
     from fem_seal.studies.results import StudyResult
     from fem_seal.studies.study import Study, load_study
 
@@ -52,7 +52,7 @@ _HOME = {
     "run": "fem_seal.result",
     "direct": "fem_seal.result",
     "SealResult": "fem_seal.result",
-    "axial_force_for_leak": "fem_seal.result",
+    "applied_force_for_leak": "fem_seal.result",
     "blow_off_pressures": "fem_seal.result",
     "condense": "fem_seal.contact.model",
     "ContactModel": "fem_seal.contact.model",
@@ -95,7 +95,7 @@ __all__ = [
     "StudyResult",
     "Supports",
     "__version__",
-    "axial_force_for_leak",
+    "applied_force_for_leak",
     "blow_off_pressure",
     "blow_off_pressures",
     "body_fields",
@@ -115,9 +115,18 @@ __all__ = [
 ]
 
 
+# Former name, present name.
+_FORMER = {"axial_force_for_leak": "applied_force_for_leak"}
+
+
 def __getattr__(name: str) -> Any:
     if name == "contact":
         return import_module("fem_seal.contact")
+    if name in _FORMER:
+        from fem_seal.former_names import say_once
+
+        say_once(f"fem_seal.{name}", f"fem_seal.{_FORMER[name]}")
+        name = _FORMER[name]
     if name not in _HOME:
         raise AttributeError(f"module 'fem_seal' has no attribute {name!r}")
     return getattr(import_module(_HOME[name]), name)

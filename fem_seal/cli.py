@@ -24,6 +24,7 @@ from fem_seal.cli_study import app as study_app
 from fem_seal.cli_table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError
 from fem_seal.files import as_json
+from fem_seal.former_names import said_to
 from fem_seal.units import DIGITS, Unit, fixed_unit, rounded
 from fem_seal.version import __version__
 
@@ -514,7 +515,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        app(args=words, prog_name="fem-seal")
+        with said_to(lambda text: _warn([text])):
+            app(args=words, prog_name="fem-seal")
         sys.stdout.flush()
     except SystemExit as leave:
         return leave.code if isinstance(leave.code, int) else DONE
@@ -584,7 +586,7 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str, loads: Sequen
     levels = [Level(row["validity"]) for row in rows]
     # what tells the rows apart stays beside every part of a table that is too wide
     several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
-    keys = 2 if several_forces and columns[1].name == "axial_force_N" else 1
+    keys = 2 if several_forces and columns[1].name == "contact_force_N" else 1
     if any(level.mark for level in levels):
         headings.insert(keys, "")
         for line, level in zip(cells, levels, strict=True):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fem_seal.errors import InputError, NoLoadLeftError, Problem
+from fem_seal.former_names import say_once
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -39,7 +40,8 @@ def new(
     process: Annotated[str | None, _option("Process that made the face", "lapped")] = None,
     fluid: Annotated[str | None, _option("Fluid", "water")] = None,
     pressure: Annotated[str | None, _option("Fluid pressure, one or several", "6 bar, 16 bar")] = None,
-    axial_force: Annotated[str | None, _option("Closing force of spring or actuator", "300 N")] = None,
+    applied_force: Annotated[str | None, _option("Closing force of spring or actuator", "300 N")] = None,
+    axial_force: Annotated[str | None, typer.Option(hidden=True)] = None,
     leak_rate: Annotated[str | None, _option("Largest allowed leak rate", "0.1 ml/min")] = None,
     leakage_class: Annotated[
         str | None,
@@ -65,6 +67,9 @@ def new(
     """Write a commented case that runs: asks a handful of questions, or none with --template."""
     from fem_seal.case.new_case import template
 
+    if axial_force is not None:
+        say_once("--axial-force", "--applied-force")
+        applied_force = applied_force or axial_force
     asks = name is None
     if asks and not _can_ask():
         raise InputError(
@@ -87,7 +92,7 @@ def new(
         "process": process,
         "fluid": fluid,
         "pressure": pressure,
-        "axial-force": axial_force,
+        "applied-force": applied_force,
         "leak-rate": leak_rate,
         "class": leakage_class,
     }

@@ -109,7 +109,7 @@ def _show(found: LeakMap) -> None:
     # a volume too small to be seen in ml is read in its power of ten
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("p fluid\nbar", justify="right", no_wrap=True)
-    for force in found.axial_force.tolist():
+    for force in found.applied_force.tolist():
         table.add_column(f"{force:.4g} N\nml/min", justify="right", no_wrap=True)
     for m, pressure in enumerate(found.fluid_pressure.tolist()):
         cells = []
@@ -132,8 +132,10 @@ def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:
     gaps = sum(one is None for row in found.validity for one in row)
     if not gaps:
         return []
-    rows, columns = found.fluid_pressure.size, found.axial_force.size
-    kept = f"{whole.fluid_pressure.size} of {rows} pressures and {whole.axial_force.size} of {columns} forces"
+    rows, columns = found.fluid_pressure.size, found.applied_force.size
+    kept = (
+        f"{whole.fluid_pressure.size} of {rows} pressures and {whole.applied_force.size} of {columns} forces"
+    )
     return [
         f"{gaps} of {rows * columns} points have no result, such as those at which the fluid opens the seal; the "
         f"tables for simulation hold {kept}, which have no gaps, {CSV} all points",

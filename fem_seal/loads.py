@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, Literal
+
+from fem_seal.former_names import formerly, say_once
 
 PressureSide = Literal["outer", "inner"]
 Closing = Literal["sealed-area", "penetration"]
@@ -25,17 +27,18 @@ def touch_radius(ball_radius: float, angle: float) -> float:
     return ball_radius * math.sin(angle)
 
 
-def closing_force(
+@formerly(axial_force="applied_force")
+def contact_force(
     sealing_radius: float,
     fluid_pressure: float,
-    axial_force: float = 0.0,
+    applied_force: float = 0.0,
     pressure_side: PressureSide = "outer",
 ) -> float:
     """Axial force F_N that presses the closure on the seat [N], with the fluid acting on the sealed area.
 
     With the pressure outside the sealing circle it presses the closure down,
-    F_N = axial_force + pi r0^2 p_fluid; with the pressure inside, in the bore, it lifts the closure,
-    F_N = axial_force - pi r0^2 p_fluid.
+    F_N = applied_force + pi r0^2 p_fluid; with the pressure inside, in the bore, it lifts the closure,
+    F_N = applied_force - pi r0^2 p_fluid.
 
     Parameters
     ----------
@@ -43,43 +46,45 @@ def closing_force(
         Radius r0 of the sealing circle [m].
     fluid_pressure : float
         Pressure difference across the seal [Pa].
-    axial_force : float
+    applied_force : float
         Additional force on the closure, positive when it closes [N].
     pressure_side : {"outer", "inner"}
         Side of the high pressure.
 
     Examples
     --------
-    >>> round(closing_force(0.014142, 20e5), 1)
+    >>> round(contact_force(0.014142, 20e5), 1)
     1256.6
     """
     sealed_area = math.pi * sealing_radius**2
-    return axial_force + (sealed_area if pressure_side == "outer" else -sealed_area) * fluid_pressure
+    return applied_force + (sealed_area if pressure_side == "outer" else -sealed_area) * fluid_pressure
 
 
+@formerly(axial_force="applied_force")
 def blow_off_of_sealed_area(
-    sealing_radius: float, axial_force: float, pressure_side: PressureSide = "inner"
+    sealing_radius: float, applied_force: float, pressure_side: PressureSide = "inner"
 ) -> float:
     """Fluid pressure that lifts the closure off a sealing circle [Pa]; infinite if the fluid does not lift it.
 
     Parameters
     ----------
-    sealing_radius, axial_force, pressure_side
-        See `closing_force`.
+    sealing_radius, applied_force, pressure_side
+        See `contact_force`.
 
     Examples
     --------
     >>> round(blow_off_of_sealed_area(0.014142, 1256.6) / 1e5, 2)
     20.0
     """
-    lifts = pressure_side == "inner" and axial_force > 0
-    return axial_force / (math.pi * sealing_radius**2) if lifts else math.inf
+    lifts = pressure_side == "inner" and applied_force > 0
+    return applied_force / (math.pi * sealing_radius**2) if lifts else math.inf
 
 
+@formerly(axial_force="applied_force")
 def expected_force(
     sealing_radius: float,
     fluid_pressure: float,
-    axial_force: float,
+    applied_force: float,
     pressure_side: PressureSide,
     closing: Closing,
     least: float = _LEAST_CARRIED,
@@ -91,24 +96,25 @@ def expected_force(
 
     Parameters
     ----------
-    sealing_radius, fluid_pressure, axial_force, pressure_side
-        See `closing_force`.
+    sealing_radius, fluid_pressure, applied_force, pressure_side
+        See `contact_force`.
     closing : {"sealed-area", "penetration"}
     least : float
         With "penetration": share of spring and fluid force that the contact is taken to carry at least.
     """
-    force = closing_force(sealing_radius, fluid_pressure, axial_force, pressure_side)
+    force = contact_force(sealing_radius, fluid_pressure, applied_force, pressure_side)
     if closing == "sealed-area":
         return force
-    return max(force, least * (abs(axial_force) + math.pi * sealing_radius**2 * fluid_pressure))
+    return max(force, least * (abs(applied_force) + math.pi * sealing_radius**2 * fluid_pressure))
 
 
-def line_load(closing_force: float, sealing_radius: float, angle: float) -> float:
+@formerly(closing_force="contact_force")
+def line_load(contact_force: float, sealing_radius: float, angle: float) -> float:
     """Force per circumference normal to the contact, f_N = F_N / (2 pi r0 cos(theta)) [N/m].
 
     Parameters
     ----------
-    closing_force : float
+    contact_force : float
         Axial force F_N [N].
     sealing_radius : float
         r0 [m].
@@ -120,10 +126,10 @@ def line_load(closing_force: float, sealing_radius: float, angle: float) -> floa
     A ball of 20 mm at 45 deg and 20 bar carries 20 kN/m (Fischer et al. 2020, fig. 4):
 
     >>> r0 = touch_radius(0.02, math.radians(45))
-    >>> round(line_load(closing_force(r0, 20e5), r0, math.radians(45)), 6)
+    >>> round(line_load(contact_force(r0, 20e5), r0, math.radians(45)), 6)
     20000.0
     """
-    return closing_force / (2 * math.pi * sealing_radius * math.cos(angle))
+    return contact_force / (2 * math.pi * sealing_radius * math.cos(angle))
 
 
 # Prandtl's strip, the most that a narrow contact carries: (2 + pi)/sqrt(3) of the flow stress.
@@ -141,3 +147,10 @@ def plastic_half_width(line_load: float, flow_stress: float) -> float:
         [Pa]
     """
     return line_load / (2 * CONSTRAINT * flow_stress)
+
+
+def __getattr__(name: str) -> Any:
+    if name != "closing_force":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    say_once("fem_seal.loads.closing_force", "fem_seal.loads.contact_force")
+    return contact_force

@@ -78,7 +78,7 @@ class SealResult(SealSolution):
     >>> result.loads[0].leak is None
     True
     >>> list(result.table.columns[:3])
-    ['fluid_pressure_Pa', 'axial_force_N', 'line_load_N_per_m']
+    ['fluid_pressure_Pa', 'contact_force_N', 'line_load_N_per_m']
     """
 
     def __repr__(self) -> str:
@@ -243,7 +243,7 @@ def run(
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
 
-def axial_force_for_leak(case: Case, target_leak_rate: float | None = None) -> FloatArray:
+def applied_force_for_leak(case: Case, target_leak_rate: float | None = None) -> FloatArray:
     """Smallest force of spring or actuator for which the leak rate stays below a target, at each fluid pressure.
 
     Parameters
@@ -267,7 +267,7 @@ def axial_force_for_leak(case: Case, target_leak_rate: float | None = None) -> F
 
     Examples
     --------
-    >>> fem_seal.axial_force_for_leak(case, 1e-9)     # doctest: +SKIP
+    >>> fem_seal.applied_force_for_leak(case, 1e-9)     # doctest: +SKIP
     array([312.6])
     """
     found = questions.contacts_at_target(SealProblem.of(case), target_leak_rate)
@@ -298,7 +298,7 @@ def blow_off_pressures(case: Case) -> FloatArray:
     ...     interface={"law": "smooth"},
     ...     load={"fluid_pressure": "20 bar"},
     ... )
-    >>> against = case.replace({"load.pressure_side": "inner", "load.axial_force": 2000.0})
+    >>> against = case.replace({"load.pressure_side": "inner", "load.applied_force": 2000.0})
     >>> print(f"{fem_seal.blow_off_pressures(against)[0] / 1e5:.1f} bar")
     31.8 bar
     """

@@ -23,7 +23,7 @@ from made_once import MadeOnce
 import meshes
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.sizing import element_sizes
-from fem_seal.loads import closing_force, line_load
+from fem_seal.loads import contact_force, line_load
 from fem_seal.materials import Material
 from leak import TabulatedLaw
 
@@ -257,7 +257,7 @@ def ball_on_cone(
 
     ball, cone = meshes.Ball(radius), meshes.ConicalSeat.around(angle, meshes.Ball(radius))
     contact = meshes.ContactGeometry.of(ball.outline, cone.outline)
-    forces = [closing_force(contact.touch_radius, p) for p in fluid_pressures]
+    forces = [contact_force(contact.touch_radius, p) for p in fluid_pressures]
     loads = [line_load(force, contact.touch_radius, angle) for force in forces]
     sizing = element_sizes(law, loads, contact, effective_modulus(closure, seat)).refined(refine)  # type: ignore[arg-type]
     return condense(meshes.build(ball, cone, sizing), {"closure": closure, "seat": seat}), forces

@@ -17,7 +17,7 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.sizing import element_sizes
-from fem_seal.loads import closing_force, line_load
+from fem_seal.loads import contact_force, line_load
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from leak import ExponentialLaw
 
@@ -104,7 +104,7 @@ def seal(
     contact = meshes.ContactGeometry.of(
         ball.outline, meshes.ConicalSeat.around(math.radians(45), ball).outline
     )
-    force = closing_force(contact.touch_radius, fluid_pressure)
+    force = contact_force(contact.touch_radius, fluid_pressure)
     load = line_load(force, contact.touch_radius, contact.angle)
     sizing = element_sizes(law, [load], contact, effective_modulus(closure, seat)).refined(refine)
     sizing = replace(sizing, zone=(wider * sizing.zone[0], wider * sizing.zone[1]), core=wider * sizing.core)

@@ -93,7 +93,7 @@ def rough_result() -> SealResult:
 def single_case() -> Case:
     """One load with elastic asperities, high pressure in the bore."""
     return case(
-        load={"fluid_pressure": "20 bar", "pressure_side": "inner", "axial_force": "5 kN"},
+        load={"fluid_pressure": "20 bar", "pressure_side": "inner", "applied_force": "5 kN"},
         leak={"plasticity": False},
     )
 

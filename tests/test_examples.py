@@ -52,7 +52,7 @@ def test_case_is_valid_and_says_what_it_is(path):
     case = load_case(path)
     assert case.title
     assert tomllib.loads(path.read_text())["title"] == case.title
-    assert all(load.closing_force > 0 for load in derive(case).loads)
+    assert all(load.contact_force > 0 for load in derive(case).loads)
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
@@ -80,7 +80,7 @@ def test_the_main_example_is_the_case_of_the_paper():
     last = derived.loads[-1]
     # Fischer et al.: F_N = 1260 N (rounded), f_N = 20 kN/m, E* = 115 GPa, half-width 0.07 mm at 20 bar
     assert last.fluid_pressure == 20e5
-    assert last.closing_force == pytest.approx(1256.6, abs=0.1)
+    assert last.contact_force == pytest.approx(1256.6, abs=0.1)
     assert last.line_load == pytest.approx(20e3, rel=1e-12)
     assert derived.effective_modulus == pytest.approx(115.38e9, rel=1e-4)
     assert derived.hardness == 3.5e9

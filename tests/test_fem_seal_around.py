@@ -302,7 +302,7 @@ def test_long_waves_on_half_spaces(row: dict[str, float]) -> None:
 def rough() -> LocalContact:
     """The example's ball and cone with an exponential law at 20 bar."""
     model, (force,) = ball_on_cone(LAW, [20e5])
-    return LocalContact(solve(model, LAW, axial_force=force), LAW)
+    return LocalContact(solve(model, LAW, contact_force=force), LAW)
 
 
 def wide(law: Law, line_load: float = 20e3) -> LocalContact:
@@ -312,7 +312,7 @@ def wide(law: Law, line_load: float = 20e3) -> LocalContact:
     geometry = meshes.ContactGeometry.of(ball.outline, cone.outline)
     sizing = element_sizes(law, [line_load, 8 * line_load], geometry, effective_modulus(STEEL, STEEL))
     model = condense(meshes.build(ball, cone, sizing), {"closure": STEEL, "seat": STEEL})
-    return LocalContact(solve(model, law, axial_force=line_load / model.line_load(1.0)), law)
+    return LocalContact(solve(model, law, contact_force=line_load / model.line_load(1.0)), law)
 
 
 @pytest.fixture(scope="module")
@@ -325,7 +325,7 @@ def test_between_and_below_the_rungs_of_a_rough_contact(rough: LocalContact, sha
     """Against the contact solved there: approach to 2e-6 of its slope over ln f, for each e-fold
     below the ladder, peak to 5e-7, pressure to 2e-6 of it, width, which the nodes make uneven, to 2e-5."""
     model, f = rough.mean.model, np.array([share * rough.mean.line_load])
-    solved = solve(model, LAW, axial_force=share * rough.mean.axial_force)
+    solved = solve(model, LAW, contact_force=share * rough.mean.contact_force)
     approach, slope = rough.approach(f)
     off = 2e-6 * slope[0] * max(-math.log(share), 1.0)
     assert approach[0] == pytest.approx(solved.approach * model.touch_normal_z, abs=off)
@@ -348,7 +348,7 @@ def test_the_mean_line_load_needs_no_ladder() -> None:
     assert np.allclose(profile.pressure, beside.pressure, rtol=1e-7, atol=1e-7 * profile.peak_pressure)
     assert np.allclose(profile.gap, beside.gap, rtol=1e-7)
     assert local.mean_approach == pytest.approx(float(local.approach(np.array([f]))[0][0]), rel=1e-12)
-    assert at_mean.axial_force == pytest.approx(local.mean.axial_force, rel=1e-12)
+    assert at_mean.contact_force == pytest.approx(local.mean.contact_force, rel=1e-12)
 
 
 def test_slopes_of_a_local_contact(rough: LocalContact, smooth: LocalContact) -> None:
@@ -370,7 +370,7 @@ def test_between_the_rungs_of_smooth_surfaces(smooth: LocalContact, share: float
     Far below the mean the contact is no wider than a few elements: 5 % of the depth, 15 % of the peak.
     """
     model, f = smooth.mean.model, np.array([share * smooth.mean.line_load])
-    solved = solve(model, HardContact(), axial_force=share * smooth.mean.axial_force)
+    solved = solve(model, HardContact(), contact_force=share * smooth.mean.contact_force)
     depth = solved.approach * model.touch_normal_z - smooth.touch_approach
     approach = smooth.approach(f)[0]
     coarse = share < 0.1
@@ -409,7 +409,7 @@ def test_what_is_looked_for_near_a_neighbour_is_the_same(rough: LocalContact, sh
     Contacts to what their tolerance leaves; line loads to what a spline does, which may have fewer rungs: 3e-6.
     """
     neighbour = around(one_wave(2, 1e-6), rough)
-    mean = solve(rough.mean.model, LAW, axial_force=share * rough.mean.axial_force)
+    mean = solve(rough.mean.model, LAW, contact_force=share * rough.mean.contact_force)
     form = one_wave(2, share**2 * 1e-6)
     alone = around(form, LocalContact(mean, LAW))
     beside = around(form, LocalContact(mean, LAW, rough), neighbour)
@@ -426,9 +426,9 @@ def test_further_loads_act_at_every_line_load(rough: LocalContact) -> None:
     """Fluid that holds the faces apart shifts every approach by as much: the ladder keeps the loads of the mean."""
     model = rough.mean.model
     fluid = FurtherLoads({"inner": 20e5}, {"inner": 20e5}, np.where(model.line.x < 0, 20e5, 0.0))
-    local = LocalContact(solve(model, LAW, axial_force=rough.mean.axial_force, loads=fluid), LAW)
+    local = LocalContact(solve(model, LAW, contact_force=rough.mean.contact_force, loads=fluid), LAW)
     for share in (0.05, 2.2):
-        solved = solve(model, LAW, axial_force=share * rough.mean.axial_force, loads=fluid)
+        solved = solve(model, LAW, contact_force=share * rough.mean.contact_force, loads=fluid)
         found = local.approach(np.array([share * rough.mean.line_load]))[0][0]
         assert found == pytest.approx(solved.approach * model.touch_normal_z, abs=5e-5 * U0)
         assert abs(found - rough.approach(np.array([share * rough.mean.line_load]))[0][0]) > 1e-2 * U0
@@ -488,7 +488,7 @@ def test_other_pairs_of_bodies(pair: str) -> None:
 def large() -> LocalContact:
     """A ball of 0.5 m in a cone of 45 degrees: half-spaces to 50 waves and more."""
     model, (force,) = ball_on_cone(LAW, [0.8e5], radius=0.5)
-    return LocalContact(solve(model, LAW, axial_force=force), LAW)
+    return LocalContact(solve(model, LAW, contact_force=force), LAW)
 
 
 @pytest.mark.parametrize("row", [row for row in ROWS if row["relative_radius_m"] == 0.5])
@@ -598,7 +598,7 @@ def test_all_lengths_larger_give_the_same_shares(rough: LocalContact) -> None:
     """Bodies, law and form twice as large under the same fluid pressure: the same stresses. Meshes agree to 1e-4."""
     law = ExponentialLaw(p_c=10e9, u0=2 * U0)
     model, (force,) = ball_on_cone(law, [20e5], radius=0.04)
-    twice = around(one_wave(2, 2e-6), LocalContact(solve(model, law, axial_force=force), law))
+    twice = around(one_wave(2, 2e-6), LocalContact(solve(model, law, contact_force=force), law))
     once = around(one_wave(2, 1e-6), rough)
     np.testing.assert_allclose(over_mean(twice), over_mean(once), rtol=1e-5)
     np.testing.assert_allclose(twice.peak_pressure, once.peak_pressure, rtol=1e-5)
@@ -645,7 +645,7 @@ def test_smooth_surfaces_are_the_limit_of_stiff_roughness(
     0.8 um per mean line load, 2e-2 of it. 64 angles per wave see the kink of the smooth one to 1e-3."""
     # on the same elements, half as large as this law would get, whose answers to waves are known
     law, model = ExponentialLaw(p_c=10e9, u0=5e-9), smooth.mean.model
-    stiff = LocalContact(solve(model, law, axial_force=20e3 / model.line_load(1.0)), law)
+    stiff = LocalContact(solve(model, law, contact_force=20e3 / model.line_load(1.0)), law)
     (found, _), (limit, _) = smooth_in_waves, two_waves_of_1_um(stiff)
     np.testing.assert_allclose(found / 20e3, limit / 20e3, atol=2e-2)
     assert found.max() == pytest.approx(limit.max(), rel=4e-3)

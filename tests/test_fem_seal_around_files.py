@@ -80,7 +80,7 @@ def test_csv_columns_are_those_of_the_contact_at_each_line_load():
         np.testing.assert_allclose(pressure.max(axis=1), around.peak_pressure, rtol=2e-3)
         axial = np.mean(pressure @ (line.area_weight * line.normal[1]))
         # between rungs of line loads the logarithm of the pressure is interpolated
-        assert axial == pytest.approx(load.axial_force, rel=2e-5)
+        assert axial == pytest.approx(load.contact_force, rel=2e-5)
 
 
 def test_leak_is_empty_where_there_is_none_and_the_file_goes_with_a_round_seal(tmp_path):
@@ -123,8 +123,8 @@ def test_pressure_on_the_surface_carries_the_force(folder):
         upwards = 0.5 * np.cross(c - a, d - b)[:, 2]
         force = surface["contact_pressure_Pa"][corners].mean(axis=1) @ upwards
         # trapezoids over the points of the contact line, and chords of the circle
-        assert force == pytest.approx(load.axial_force, rel=2e-3)
-        assert force == pytest.approx(surface.field_data["axial_force_N"][0], rel=2e-3)
+        assert force == pytest.approx(load.contact_force, rel=2e-3)
+        assert force == pytest.approx(surface.field_data["contact_force_N"][0], rel=2e-3)
 
 
 def test_point_data_is_what_is_known_around_the_axis(folder):

@@ -185,7 +185,7 @@ def other_contact(result):
     """The round contact of the highest load with the other interface law."""
     problem, load = result.problem, result.loads[-1]
     law = replace(problem, interface=replace(problem.interface, plastic=True)).law
-    return solve(result.model, law, axial_force=load.axial_force, loads=load.contact.loads)
+    return solve(result.model, law, contact_force=load.contact_force, loads=load.contact.loads)
 
 
 def test_what_is_allowed_is_rounded_down():
@@ -229,7 +229,7 @@ def test_a_scratch_leaks_where_the_roughness_is_sealed(fluid):
     spectrum |= {"q_low": "5e3 1/m", "q_rolloff": "1e5 1/m", "q_high": "5e6 1/m"}
     form = {"scratches": [{"depth": "5 um", "width": "30 um"}]}
     tables = {"roughness": {"spectrum": spectrum}, "fluid": {"name": fluid}}
-    load = {"fluid_pressure": "20 bar", "axial_force": "10 kN"}
+    load = {"fluid_pressure": "20 bar", "applied_force": "10 kN"}
     (found,) = run_loads(case(form=form, load=load, **tables)).loads
     assert found.leak_round.leak_rate == 0.0
     low, high = found.around.scratches

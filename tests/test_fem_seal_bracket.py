@@ -127,7 +127,7 @@ def test_the_table_of_each_reading_is_made_once_for_all_loads(monkeypatch):
     [
         {"fluid": {"name": "helium"}, "load": {"fluid_pressure": "3 bar"}},
         {"leak": {"fluid_in_gap": "local"}, "load": {"fluid_pressure": "5 bar"}},
-        {"load": {"fluid_pressure": "5 bar", "axial_force": "1 kN", "closing": "penetration"}},
+        {"load": {"fluid_pressure": "5 bar", "applied_force": "1 kN", "closing": "penetration"}},
     ],
     ids=["gas", "fluid in the gap", "penetration"],
 )
@@ -169,14 +169,14 @@ def test_a_form_error_and_its_answers_have_both_readings(tmp_path):
 
 def test_a_target_takes_a_force_in_each_reading():
     """Each force is the one at which its reading leaks the target."""
-    load = {"fluid_pressure": "20 bar", "axial_force": "2 kN", "target_leak_rate": "0.2 cm^3/s"}
+    load = {"fluid_pressure": "20 bar", "applied_force": "2 kN", "target_leak_rate": "0.2 cm^3/s"}
     result = fem_seal.run(case(load=load))
     (found,) = result.loads
     forces = {DEFAULT: found.force_for_target, CAPPED: found.force_for_target_capped}
     # more stays open where only what touches changes, so it takes more force
     assert forces[CAPPED] > forces[DEFAULT]
     for name, force in forces.items():
-        asked = case(load={"fluid_pressure": "20 bar", "axial_force": f"{force:.12g} N"})
+        asked = case(load={"fluid_pressure": "20 bar", "applied_force": f"{force:.12g} N"})
         # another mesh
         assert evaluate(asked, (name,), interpolate=False).values[name] == pytest.approx(0.2e-6, rel=1e-3)
     (told,) = [one for one in facts(result) if one.name == "Force for the target leak rate"]

@@ -56,7 +56,7 @@ def test_everything_is_si_after_reading(case):
 
 def test_defaults_of_the_contract(case):
     assert (case.interface.law, case.interface.plastic) == ("persson", False)
-    assert (case.load.axial_force, case.load.closing, case.load.pressure_side) == (
+    assert (case.load.applied_force, case.load.closing, case.load.pressure_side) == (
         0.0,
         "sealed-area",
         "outer",
@@ -102,13 +102,13 @@ def test_fluid_pressures(case, entry, pressures):
 def test_one_pressure_under_several_forces(case):
     forces = ["100 N", "0 N", "400 N"]
     for pressure in ("20 bar", ["20 bar"]):
-        load = case.replace({"load.fluid_pressure": pressure, "load.axial_force": forces}).load
+        load = case.replace({"load.fluid_pressure": pressure, "load.applied_force": forces}).load
         assert load.points == ((20e5, 100.0), (20e5, 0.0), (20e5, 400.0))
         assert load.fluid_pressure == (20e5,) * 3
     # what was written is broadcast anew, not what came of it
-    one = case.replace({"load.fluid_pressure": "20 bar", "load.axial_force": forces})
-    assert one.replace({"load.axial_force": ["1 N", "2 N"]}).load.points == ((20e5, 1.0), (20e5, 2.0))
-    assert one.replace({"load.axial_force": "5 N"}).load.fluid_pressure == (20e5,)
+    one = case.replace({"load.fluid_pressure": "20 bar", "load.applied_force": forces})
+    assert one.replace({"load.applied_force": ["1 N", "2 N"]}).load.points == ((20e5, 1.0), (20e5, 2.0))
+    assert one.replace({"load.applied_force": "5 N"}).load.fluid_pressure == (20e5,)
 
 
 def test_replace_leaves_the_original_and_merges_tables(case):
@@ -349,16 +349,16 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
             {"start": "0 bar", "stop": "2 bar", "num": 3, "spacing": "log"},
             'start, "0 bar", out of range',
         ),
-        ("load.axial_force", "100 MN", "effective modulus: no contact on these faces carries it"),
+        ("load.applied_force", "100 MN", "effective modulus: no contact on these faces carries it"),
         ("load.fluid_pressure", 5, "no unit"),
         ("load.fluid_pressure", None, "is missing"),
         ("load.closing", "penetrating", '"sealed-area" or "penetration"'),
-        ("load.axial_force", ["1 N", "2 N", "3 N"], "has 3 entries, but fluid_pressure has 2"),
-        ("load.axial_force", ["1 N", "2 bar"], 'entry 2, "2 bar"'),
+        ("load.applied_force", ["1 N", "2 N", "3 N"], "has 3 entries, but fluid_pressure has 2"),
+        ("load.applied_force", ["1 N", "2 bar"], 'entry 2, "2 bar"'),
         ("load.target_leak_rate", "1 mm", "write a leak rate"),
         ("load.pressure_side", "left", '"outer" or "inner"'),
-        ("load.axial_force", "-2 kN", "give an axial_force above -62.8319 N"),
-        ("load.pressure_side", "inner", "give an axial_force above 1256.64 N"),
+        ("load.applied_force", "-2 kN", "give an applied_force above -62.8319 N"),
+        ("load.pressure_side", "inner", "give an applied_force above 1256.64 N"),
         ("leak.percolation_threshold", 1.5, "from 0.05 to 0.95"),
         ("leak.conductivity", "brugeman", '"bruggeman" or "critical-junction"'),
         ("leak.plasticity", 1, "true or false"),
@@ -382,16 +382,16 @@ def test_largest_load_is_what_the_whole_face_carries_with_a_quarter_of_the_modul
     start, end = case.contact.reach
     force = case.effective_modulus / 4 * (end - start) * 2 * math.pi * 0.02 / 2
     spring = force - math.pi * case.touch_radius**2 * 20e5
-    message = wrong({"load.axial_force": f"{spring * 1.001} N"})
+    message = wrong({"load.applied_force": f"{spring * 1.001} N"})
     assert "effective modulus" in message and f"calculated is {force / 1e6:.4g} MN" in message
-    case.replace({"load.axial_force": f"{spring * 0.999} N"})
+    case.replace({"load.applied_force": f"{spring * 0.999} N"})
 
 
-def test_needed_axial_force_is_the_one_that_just_closes(case):
+def test_needed_applied_force_is_the_one_that_just_closes(case):
     inner = {"load.pressure_side": "inner", "load.fluid_pressure": "20 bar"}
     needed = math.pi * case.touch_radius**2 * 20e5
-    assert "open" in wrong({**inner, "load.axial_force": f"{needed * (1 - 1e-12)!r} N"})
-    case.replace({**inner, "load.axial_force": f"{needed * (1 + 1e-12)!r} N"})
+    assert "open" in wrong({**inner, "load.applied_force": f"{needed * (1 - 1e-12)!r} N"})
+    case.replace({**inner, "load.applied_force": f"{needed * (1 + 1e-12)!r} N"})
 
 
 def test_missing_hardness_names_both_bodies_and_the_remedy():
@@ -419,13 +419,13 @@ def test_exponential_law_without_roughness_needs_its_numbers(case):
 
 def test_several_problems_are_all_listed():
     message = wrong(
-        {"closure.radius": "20", "seat.angel": "45 deg", "load.axial_force": 3, "fluid.viscosity": "1 Pa"}
+        {"closure.radius": "20", "seat.angel": "45 deg", "load.applied_force": 3, "fluid.viscosity": "1 Pa"}
     )
     assert [line.split(":")[0].split(" =")[0] for line in message.splitlines()] == [
         "closure.radius",
         "seat.angel",
         "fluid.viscosity",
-        "load.axial_force",
+        "load.applied_force",
     ]
 
 

@@ -282,12 +282,12 @@ def test_check_says_where_the_law_is_no_exponential_and_where_only_a_run_decides
     tables = {
         "fluid_pressure": ["1 bar", "60 bar", "70 bar"],
         "pressure_side": "inner",
-        "axial_force": "1 kN",
+        "applied_force": "1 kN",
     }
     spring = case(load={**tables, "closing": "penetration"})
     opens = 1000 / (math.pi * spring.touch_radius**2) / 1e5
     found = derive(spring)
-    assert [math.isnan(load.closing_force) for load in found.loads] == [p > opens for p in (1, 60, 70)]
+    assert [math.isnan(load.contact_force) for load in found.loads] == [p > opens for p in (1, 60, 70)]
     assert "only a run can tell" in nearly_open(found)
     assert nearly_open(derive(rough)) == ""
 
@@ -295,7 +295,7 @@ def test_check_says_where_the_law_is_no_exponential_and_where_only_a_run_decides
 def test_the_warning_of_yielding_can_be_followed():
     soft = {**STEEL, "yield_stress": "50 MPa"}
     for closing, advice in (("sealed-area", False), ("penetration", True)):
-        tables = {"load": {"fluid_pressure": "60 bar", "closing": closing, "axial_force": "5 kN"}}
+        tables = {"load": {"fluid_pressure": "60 bar", "closing": closing, "applied_force": "5 kN"}}
         result = run(case(**tables, seat=cone(soft)))
         said = next(text for text in result.warnings if "solves it as elastoplastic" in text)
         assert ('together with [load] closing = "sealed-area"' in said) == advice

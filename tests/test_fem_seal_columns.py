@@ -87,7 +87,7 @@ def test_the_highest_load_is_the_same_everywhere(capsys):
     low, high = result.loads[0], result.loads[-1]
     pushed = replace(high, applied_force=500.0)
     # the closing force of the first is the largest of all
-    loads = (replace(low, contact=replace(low.contact, axial_force=1e6)), pushed, high)
+    loads = (replace(low, contact=replace(low.contact, contact_force=1e6)), pushed, high)
     result = replace(result, loads=loads)
     assert highest_load(loads) == 1 and result.highest is pushed
     assert result.strongest is loads[0]

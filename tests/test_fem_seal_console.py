@@ -149,7 +149,7 @@ def test_on_a_real_terminal(width, tmp_path):
 
 
 def test_forces_tell_rows_of_one_pressure_apart_in_every_part(capsys, monkeypatch):
-    rows = [row(axial_force_N=force) for force in (100.0, 200.0)]
+    rows = [row(contact_force_N=force) for force in (100.0, 200.0)]
     parts = [line[:2] for line in cells(shown(capsys, monkeypatch, rows, 60)) if line[0] == "20.00"]
     assert parts == [["20.00", "100.0"], ["20.00", "200.0"]] * (len(parts) // 2) and len(parts) > 2
 

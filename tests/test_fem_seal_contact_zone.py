@@ -33,7 +33,7 @@ def solver(tried: list[Sizing]) -> Callable[[Sizing], Sequence[ContactSolution]]
     def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
         tried.append(sizing)
         model = condense(meshes.build_contact(CONTACT, sizing), {"closure": STEEL, "seat": STEEL})
-        return [solve(model, LAW, axial_force=FORCE)]
+        return [solve(model, LAW, contact_force=FORCE)]
 
     return solve_on
 
@@ -114,7 +114,7 @@ def test_a_layer_as_thick_as_the_edge_radius_wedges_nothing() -> None:
     law, materials = ExponentialLaw(p_c=5e9, u0=13e-6), {"closure": STEEL, "seat": STEEL}
     sizing = element_sizes(law, [10.0], contact, effective_modulus(STEEL, STEEL))
     model = condense(meshes.build_contact(contact, sizing), materials)
-    profile = solve(model, law, axial_force=1.0).profile
+    profile = solve(model, law, contact_force=1.0).profile
     assert abs(profile.x[np.argmax(profile.pressure)]) < 1e-6
     # that of a parabola of this radius is 13 um; the face beyond the edge bends no more
     assert profile.std < 20e-6

@@ -199,13 +199,13 @@ def test_below_the_yield_stress_the_result_is_the_elastic_one(law: Law) -> None:
     """Both bodies as yielding ones that never yield, under fluid on all surfaces and with a fixed, moved wall."""
     model, force = seal(law, 2e6, closure=STRONG, seat=STRONG, supports=Supports(wall="fixed"))
     fluid = FurtherLoads.of_fluid(2e6, 1e5, np.full(len(model.line.x), 5e5), FurtherLoads.press_fit(2e-6))
-    elastic = solve(model, law, axial_force=force, loads=fluid)
+    elastic = solve(model, law, contact_force=force, loads=fluid)
     fit = FurtherLoads.press_fit(2e-6)
     path = load_path(model, law, [PathLoad(force, fluid)], at_rest=fit, settings=PlasticSettings(steps=1))
     (contact,) = path.contacts
     assert contact.pressure == pytest.approx(elastic.pressure, rel=1e-8, abs=1e-8 * elastic.pressure.max())
     assert contact.approach == pytest.approx(elastic.approach, rel=1e-9)
-    assert contact.closing_force == pytest.approx(elastic.closing_force, rel=1e-12)
+    assert contact.applied_force == pytest.approx(elastic.applied_force, rel=1e-12)
     assert len(contact.equilibrium_residuals) == 1
     for name, field in elastic.fields.items():
         moved = contact.fields[name].displacement
@@ -232,13 +232,13 @@ def pressed() -> tuple[LoadPath, float]:
 def test_contact_carries_the_force(pressed: tuple[LoadPath, float]) -> None:
     path, force = pressed
     for contact, share in zip(path.contacts, (1, 0.4, 1), strict=True):
-        assert contact.axial_force == share * force
+        assert contact.contact_force == share * force
         assert abs(contact.force_error) < 1e-12
         # and so does the seat's bottom: reactions of the elements' stress
         body = contact.bodies["seat"]
         internal = body.solid.internal_forces(contact.states["seat"].stress)
         bottom = np.asarray(body.held.basis.get_dofs("seat_bottom").all(["u^2"]))
-        assert internal[bottom].sum() == pytest.approx(contact.axial_force, rel=1e-8)
+        assert internal[bottom].sum() == pytest.approx(contact.contact_force, rel=1e-8)
 
 
 def test_newton_on_the_contact_converges_quadratically(pressed: tuple[LoadPath, float]) -> None:
@@ -345,7 +345,7 @@ def test_hard_contact_on_a_yielding_seat() -> None:
     (contact,) = load_path(
         model, HardContact(), [PathLoad(force)], settings=PlasticSettings(steps=8), unload=False
     ).contacts
-    elastic = solve(model, HardContact(), axial_force=force)
+    elastic = solve(model, HardContact(), contact_force=force)
     assert contact.profile.pressure.min() >= 0
     assert abs(contact.force_error) < 1e-10
     assert contact.profile.std > 1.05 * elastic.profile.std
@@ -363,11 +363,11 @@ def test_steps_are_halved_before_giving_up() -> None:
         ConvergenceError, match=r"load step from .* N to .* N .*out of balance by .*lower the load"
     ) as caught:
         load_path(model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1))
-    assert [contact.axial_force for contact in caught.value.partial.contacts] == [0.02 * force]
+    assert [contact.contact_force for contact in caught.value.partial.contacts] == [0.02 * force]
     path = load_path(
         model, LAW, loads, settings=replace(few, max_iterations=1, smallest_step=0.1), partial=True
     )
-    assert [contact.axial_force for contact in path.contacts] == [0.02 * force]
+    assert [contact.contact_force for contact in path.contacts] == [0.02 * force]
     assert "load step from" in str(path.stopped)
     assert path.unloaded.imprints == {}
 
@@ -375,7 +375,7 @@ def test_steps_are_halved_before_giving_up() -> None:
 @pytest.mark.parametrize("force", [0.0, -1.0, math.nan])
 def test_forces_of_a_path_must_close_the_seal(force: float) -> None:
     model, _ = seal(LAW, 2e6, seat=PERFECT, refine=0.3)
-    with pytest.raises(ValueError, match="axial_force"):
+    with pytest.raises(ValueError, match="contact_force"):
         load_path(model, LAW, [PathLoad(force)])
 
 

@@ -27,7 +27,7 @@ from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.yielding import plastic_zone, yielding_of
 from fem_seal.errors import InputError
-from fem_seal.loads import closing_force
+from fem_seal.loads import contact_force
 from fem_seal.output.pictures import contact as pictures_contact
 from fem_seal.output.pictures import fields as pictures_fields
 from fem_seal.output.pictures import leak as pictures_leak
@@ -108,11 +108,11 @@ def test_a_run_is_the_load_path_of_the_case(result: SealResult) -> None:
     """The same contacts as those of the solver called by hand on the same mesh; same code, so to round-off."""
     case, law = result.case, result.problem.law
     fit = FurtherLoads(seat={"wall": 2e-6})
-    forces = [closing_force(case.touch_radius, pressure) for pressure in (300e5, 50e5)]
+    forces = [contact_force(case.touch_radius, pressure) for pressure in (300e5, 50e5)]
     path = load_path(result.model, law, [PathLoad(force, fit) for force in forces], at_rest=fit)
     for load, contact in zip(result.loads, path.contacts, strict=True):
         assert isinstance(load.contact, ElastoplasticContact)
-        assert load.axial_force == pytest.approx(contact.axial_force, rel=1e-14)
+        assert load.contact_force == pytest.approx(contact.contact_force, rel=1e-14)
         assert load.contact.profile.pressure == pytest.approx(contact.profile.pressure, rel=1e-9)
     assert result.unloaded is not None
     ours, theirs = result.unloaded.imprints["seat"], path.unloaded.imprints["seat"]
@@ -128,7 +128,7 @@ def test_the_mesh_covers_the_contact_that_yielding_makes_wide(result: SealResult
 def test_a_coined_seat_is_wider_than_a_new_one(result: SealResult) -> None:
     """50 bar after 300 bar, against the same load on the elastic seat: that alone does not reach the yield stress."""
     coined, law = result.loads[1].contact, result.problem.law
-    alone = solve(result.model, law, axial_force=coined.axial_force, loads=coined.loads)
+    alone = solve(result.model, law, contact_force=coined.contact_force, loads=coined.loads)
     assert alone.fields["seat"].von_mises.max() < YIELD
     assert coined.profile.std > 1.02 * alone.profile.std
     assert coined.profile.peak_pressure < 0.98 * alone.profile.peak_pressure
@@ -383,5 +383,5 @@ def test_more_than_the_whole_face_of_a_body_that_yields_can_carry_is_refused(cas
     with pytest.raises(
         InputError, match=r"more than the body that yields can carry .* [\d.]+ kN at 2.97"
     ) as failure:
-        load_case(case_file).replace(ROUGH, load={"axial_force": "100 MN"})
+        load_case(case_file).replace(ROUGH, load={"applied_force": "100 MN"})
     assert failure.value.key == "load"

@@ -101,7 +101,7 @@ def test_live_numbers_are_those_of_a_run_in_the_digits_that_are_shown(live, run)
 
 def test_all_that_was_chosen_stands_in_the_written_file(written):
     assert written.load.fluid_pressure == pytest.approx((7.5e5, 30e5), rel=1e-12)
-    assert written.load.axial_force == 200.0
+    assert written.load.applied_force == 200.0
     assert written.roughness.spectrum.rms_height == 0.8e-6
     assert written.hardness == 3e9
     assert (written.closure.radius, math.degrees(written.seat.angle)) == (0.018, pytest.approx(50.0))
@@ -125,7 +125,7 @@ def test_the_way_to_a_design_does_not_matter(session, live):
 def test_a_pressure_moves_the_other_loads_in_proportion(session):
     low, high = session.answer({"fluid_pressure": "40 bar"}).loads
     assert low.values["fluid_pressure_Pa"] / high.values["fluid_pressure_Pa"] == pytest.approx(0.25)
-    assert high.values["axial_force_N"] == pytest.approx(
+    assert high.values["contact_force_N"] == pytest.approx(
         40e5 * math.pi * session.base.touch_radius**2, rel=1e-9
     )
 

@@ -49,7 +49,7 @@ SI = {
     "leak": "leak_rate_m3_per_s",
     "peak": "peak_pressure_Pa",
     "width": "fwhm_m",
-    "force": "axial_force_N",
+    "force": "contact_force_N",
     "line": "line_load_N_per_m",
 }
 _PATIENCE = 90.0

@@ -47,7 +47,7 @@ def local_result() -> SealResult:
             load={
                 "fluid_pressure": ["1 bar", "40 bar", "60 bar", "62 bar"],
                 "pressure_side": "inner",
-                "axial_force": "4 kN",
+                "applied_force": "4 kN",
             },
         )
     )

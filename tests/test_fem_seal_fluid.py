@@ -161,7 +161,7 @@ def test_the_viscosity_of_a_gas_is_no_factor_of_its_leak():
 # -------------------------------------------------------------------- liquids that thicken
 
 # the fluid lifts the ball with 113 kN
-THICK = {"load": {"fluid_pressure": ["1800 bar"], "axial_force": "118 kN", "pressure_side": "inner"}}
+THICK = {"load": {"fluid_pressure": ["1800 bar"], "applied_force": "118 kN", "pressure_side": "inner"}}
 
 
 def leak_of(**fluid):
@@ -227,7 +227,7 @@ def test_keys_of_thickening_that_make_no_sense(fluid, said):
 
 def test_fluid_opens_less_where_it_is_thick_next_to_the_inlet():
     """The high pressure gets less far: of a penetrated contact the leak falls by more than the mean viscosity."""
-    settings = {"load": {"fluid_pressure": ["300 bar"], "axial_force": "3 kN", "closing": "penetration"}}
+    settings = {"load": {"fluid_pressure": ["300 bar"], "applied_force": "3 kN", "closing": "penetration"}}
     plain, thick = (
         run_loads(
             case(fluid={"viscosity": "3 mPa s", "pressure_viscosity": f"{alpha} 1/GPa"}, **settings)
@@ -244,7 +244,7 @@ def test_fluid_opens_less_where_it_is_thick_next_to_the_inlet():
 
 # -------------------------------------------------------------------- gases at high pressure
 
-DENSE = {"load": {"fluid_pressure": ["700 bar"], "axial_force": "46 kN", "pressure_side": "inner"}}
+DENSE = {"load": {"fluid_pressure": ["700 bar"], "applied_force": "46 kN", "pressure_side": "inner"}}
 
 
 def test_dense_gas_says_how_much_and_names_the_real_gas():
@@ -277,7 +277,7 @@ def test_gas_through_a_wide_gap_chokes():
     """Of a lightly loaded rough seat: what viscous flow says is more than sound allows."""
     rough = {"spectrum": {"kind": "self-affine", "rms_height": "20 um", "hurst": 0.8,
              "q_low": "1e3 1/m", "q_rolloff": "1e4 1/m", "q_high": "1e6 1/m"}}  # fmt: skip
-    load = {"fluid_pressure": ["20 bar"], "axial_force": "1.5 kN", "pressure_side": "inner"}
+    load = {"fluid_pressure": ["20 bar"], "applied_force": "1.5 kN", "pressure_side": "inner"}
     result = fem_seal.run(case(fluid={"name": "nitrogen"}, roughness=rough, load=load), levers=False)
     (said,) = (text for text in result.warnings if "Mach number" in text)
     assert "it chokes" in said and "less leaks" in said
@@ -292,7 +292,7 @@ ROUGH = {"spectrum": {"kind": "self-affine", "rms_height": "20 um", "hurst": 0.8
 
 def test_a_liquid_through_a_wide_gap_is_too_fast_for_viscous_flow():
     """Water where a gas would choke: inertia over friction, with a gap that the leak rate itself tells."""
-    load = {"fluid_pressure": ["20 bar"], "axial_force": "1.5 kN", "pressure_side": "inner"}
+    load = {"fluid_pressure": ["20 bar"], "applied_force": "1.5 kN", "pressure_side": "inner"}
     result = run_loads(case(fluid={"name": "water"}, roughness=ROUGH, load=load))
     (said,) = (text for text in result.warnings if "Reynolds number" in text)
     assert "less leaks" in said
@@ -312,13 +312,13 @@ def test_inertia_of_an_oval_seat_is_that_of_a_round_one_as_lightly_loaded_as_its
     tables = {"fluid": {"name": fluid}, "roughness": {"spectrum": spectrum}}
 
     def pressed(force, **more):
-        load = {"fluid_pressure": ["20 bar"], "axial_force": f"{force} N", "pressure_side": "inner"}
+        load = {"fluid_pressure": ["20 bar"], "applied_force": f"{force} N", "pressure_side": "inner"}
         return run_loads(case(**tables, load=load, **more))
 
     waves = [{"waves": 2, "amplitude": amplitude}]
     oval = pressed(4000, form={"seat": {"direction": "radial", "harmonics": waves}})
     (load,), flow = oval.loads, oval.problem.flow
-    off = (1 - load.around.least_over_mean) * load.contact.axial_force
+    off = (1 - load.around.least_over_mean) * load.contact.contact_force
     (weakest,) = pressed(4000 - off).loads
     if flow.gas is None:
         assert _of_liquid(flow, load) == pytest.approx(_of_liquid(flow, weakest), rel=1e-2)
@@ -410,7 +410,7 @@ def test_the_end_of_an_interval_that_chokes_makes_it_doubtful():
 )
 def test_a_study_sees_the_inertia_that_a_run_sees(fluid, amplitude):
     spectrum = {**ROUGH["spectrum"], "rms_height": "2.5 um"}
-    load = {"fluid_pressure": ["20 bar"], "axial_force": "4 kN", "pressure_side": "inner"}
+    load = {"fluid_pressure": ["20 bar"], "applied_force": "4 kN", "pressure_side": "inner"}
     waves = {"form": {"seat": {"direction": "radial", "harmonics": [{"waves": 2, "amplitude": amplitude}]}}}
     seal = case(
         fluid={"name": fluid},

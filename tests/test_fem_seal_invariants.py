@@ -84,18 +84,18 @@ def assert_same(one, other, factors=None) -> None:
     spring=st.floats(-0.5, 2.0),
 )
 @settings(max_examples=6, deadline=None)
-def test_the_pressure_carries_the_axial_force(shape, radius, bar, spring) -> None:
+def test_the_pressure_carries_the_contact_force(shape, radius, bar, spring) -> None:
     """F_N = int 2 pi r p n_z dx over the profile, with the exact radius and normal of the seat."""
     lifts = math.pi * seal(shape, radius).touch_radius ** 2 * bar * 1e5
     case = seal(
-        shape, radius, load={"fluid_pressure": f"{bar!r} bar", "axial_force": f"{spring * lifts!r} N"}
+        shape, radius, load={"fluid_pressure": f"{bar!r} bar", "applied_force": f"{spring * lifts!r} N"}
     )
     (load,) = run_loads(case).loads
     profile = load.contact.profile
     normal = case.contact.normal(profile.x)[1]
     carried = profile.arc_weight @ (2 * math.pi * case.contact.radius(profile.x) * profile.pressure * normal)
-    assert carried == pytest.approx(load.axial_force, rel=1e-6)
-    assert load.axial_force == pytest.approx((1 + spring) * lifts, rel=1e-9)
+    assert carried == pytest.approx(load.contact_force, rel=1e-6)
+    assert load.contact_force == pytest.approx((1 + spring) * lifts, rel=1e-9)
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -37,12 +37,12 @@ def edge(half_width: float, law: dict[str, Any] | None = None, scale: float = 1.
             "material": HARD,
         },
         interface=law or {"law": "smooth"},
-        load={"fluid_pressure": "1 mbar", "axial_force": "1 N"},
+        load={"fluid_pressure": "1 mbar", "applied_force": "1 N"},
         **tables,
     )
     R = chosen.contact.relative_radius
     force = math.pi * chosen.effective_modulus * half_width**2 * R / 4 * 2 * math.pi * chosen.touch_radius
-    return chosen.replace({"load.axial_force": float(force)})
+    return chosen.replace({"load.applied_force": float(force)})
 
 
 def contact_of(chosen: Case) -> ContactSolution:
@@ -132,4 +132,4 @@ def test_a_face_that_yields_all_over_carries_no_more():
     # Prandtl: 2.97 flow stresses over all of the face, r0 cos(theta) = R/2
     most = 2.97 * 0.4e9 * (end - start) * 2 * math.pi * 0.02 / 2
     with pytest.raises(fem_seal.InputError, match="more than the body that yields can carry"):
-        chosen.replace({"load.axial_force": 1.01 * most})
+        chosen.replace({"load.applied_force": 1.01 * most})

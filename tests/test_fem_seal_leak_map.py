@@ -35,8 +35,12 @@ def water():
 @pytest.fixture(scope="module")
 def inside():
     """With the fluid in the bore: it opens the seal at the higher pressures under the smaller forces."""
-    load = {"fluid_pressure": ["1 bar", "5 bar", "10 bar"], "pressure_side": "inner", "axial_force": "500 N"}
-    return fem_seal.leak_map(case(load=load), axial_force=[100.0, 400.0, 1000.0])
+    load = {
+        "fluid_pressure": ["1 bar", "5 bar", "10 bar"],
+        "pressure_side": "inner",
+        "applied_force": "500 N",
+    }
+    return fem_seal.leak_map(case(load=load), applied_force=[100.0, 400.0, 1000.0])
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +106,7 @@ def test_heat_capacities_are_those_of_another_source(name):
 
 
 def test_points_are_those_of_a_run(water):
-    alone = fem_seal.run(case(load={"fluid_pressure": "20 bar", "axial_force": "400 N"}))
+    alone = fem_seal.run(case(load={"fluid_pressure": "20 bar", "applied_force": "400 N"}))
     (ends,) = alone.leak_ranges
     # another mesh: the discretisation error is up to 0.2 %
     assert water.leak_rate[1, 1] == pytest.approx(alone.loads[0].leak.leak_rate, rel=2e-3)
@@ -146,7 +150,7 @@ def test_what_has_no_result_stays_empty_and_the_rest_is_complete(inside):
     assert not np.isnan(whole.leak_rate).any()
     assert whole.leak_rate.size == 4
     m = inside.fluid_pressure.tolist().index(whole.fluid_pressure[0])
-    n = inside.axial_force.tolist().index(whole.axial_force[0])
+    n = inside.applied_force.tolist().index(whole.applied_force[0])
     assert whole.leak_rate[0, 0] == inside.leak_rate[m, n] and whole.level[0][0] == inside.level[m][n]
 
 
@@ -259,7 +263,7 @@ def test_matlab_reads_back_what_was_calculated(gas):
     }
     assert not re.sub(r"leak_tables\.(\w+) = \[([^\]]*)\];", "", code).strip()
     assert found["fluid_pressure"].ravel()[1:].tolist() == whole.fluid_pressure.tolist()
-    assert found["axial_force"].ravel().tolist() == whole.axial_force.tolist()
+    assert found["applied_force"].ravel().tolist() == whole.applied_force.tolist()
     assert found["mass_flow"][1:] == pytest.approx(whole.mass_flow, rel=1e-9)
     assert found["valid"].shape == found["mass_flow"].shape == (3, 2)
     assert not found["mass_flow"][0].any()
@@ -299,7 +303,7 @@ name = "water"
 [load]
 fluid_pressure = ["1 bar", "20 bar"]
 pressure_side = "inner"
-axial_force = "400 N"
+applied_force = "400 N"
 """
 
 
@@ -338,7 +342,7 @@ def test_the_terminal_shows_of_a_leak_rate_what_its_theory_leaves(capsys):
 
     few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", either_way(3.3))])
     found = SimpleNamespace(
-        axial_force=np.array([100.0, 200.0]),
+        applied_force=np.array([100.0, 200.0]),
         fluid_pressure=np.array([5e5]),
         validity=((VALID, few),),
         leak_rate=np.array([[1.2345e-6, 1.2345e-7]]) / 60,

@@ -36,7 +36,7 @@ OPENS = math.pi * case().touch_radius ** 2 * 20e5
 
 
 def seal(pressures, forces="1 kN", **load):
-    return case(load={"fluid_pressure": pressures, "axial_force": forces, "pressure_side": "inner", **load})
+    return case(load={"fluid_pressure": pressures, "applied_force": forces, "pressure_side": "inner", **load})
 
 
 def example(folder: Path, load: str) -> Path:
@@ -79,11 +79,11 @@ def test_the_same_loads_are_left_out_with_every_closing_mode(closing):
 @pytest.mark.parametrize("closing", ["sealed-area", "penetration"])
 def test_without_a_load_left_there_is_no_result_and_code_3(closing, tmp_path, capsys):
     path = example(
-        tmp_path, f'fluid_pressure = ["10 bar", "20 bar"]\naxial_force = "1 N"\nclosing = "{closing}"'
+        tmp_path, f'fluid_pressure = ["10 bar", "20 bar"]\napplied_force = "1 N"\nclosing = "{closing}"'
     )
     assert cli.main(["run", "-q", str(path), "-o", str(tmp_path / "out")]) == 3
     said = capsys.readouterr().err
-    assert "load.axial_force = 1 N: the seal is open" in said and "Traceback" not in said
+    assert "load.applied_force = 1 N: the seal is open" in said and "Traceback" not in said
     with pytest.raises(InputError):
         fem_seal.run(fem_seal.load_case(path))
 
@@ -92,11 +92,11 @@ def test_without_a_load_left_there_is_no_result_and_code_3(closing, tmp_path, ca
 def test_a_load_that_does_not_converge_is_tried_on_a_finer_mesh_and_then_left_out(size, monkeypatch):
     solve, tries = LoadSolver.solve, []
 
-    def failing(self, fluid_pressure, axial_force, start=None):
+    def failing(self, fluid_pressure, applied_force, start=None):
         if fluid_pressure == 5e5:
             tries.append(len(self.model.line.x))
             raise ConvergenceError("residual 1e-3 after 60 iterations")
-        return solve(self, fluid_pressure, axial_force, start)
+        return solve(self, fluid_pressure, applied_force, start)
 
     monkeypatch.setattr(LoadSolver, "solve", failing)
     mesh = {} if size is None else {"mesh": {"contact_size": size}}
@@ -124,7 +124,7 @@ def test_a_path_ends_before_a_load_whose_traces_are_not_known():
         seat=cone(yielding),
         load={
             "fluid_pressure": ["5 bar", "100 bar", "60 kbar", "10 bar"],
-            "axial_force": ["0 N", "-1 MN", "0 N", "0 N"],
+            "applied_force": ["0 N", "-1 MN", "0 N", "0 N"],
         },
     )
     # an open seal leaves no traces, what crushes the face does
@@ -301,7 +301,7 @@ def test_a_nearly_sealed_gas_contact_has_a_knudsen_number():
             fluid={"name": "helium"},
             load={
                 "fluid_pressure": "15.002543642589812 bar",
-                "axial_force": "3155.6872382289393 N",
+                "applied_force": "3155.6872382289393 N",
                 "closing": "penetration",
             },
         )
@@ -318,16 +318,16 @@ def test_on_the_sealed_area_the_margin_is_the_contact_force():
     result = run_loads(seal(["10 bar", "15.5 bar"]))
     far, near = result.loads
     for load in result.loads:
-        assert load.opening.force == pytest.approx(load.axial_force, rel=1e-9)
-        assert load.opening.pressure == pytest.approx(load.axial_force / (OPENS / 20e5), rel=1e-9)
-        assert load.opening.share == pytest.approx(load.axial_force / 1000, rel=1e-9)
+        assert load.opening.force == pytest.approx(load.contact_force, rel=1e-9)
+        assert load.opening.pressure == pytest.approx(load.contact_force / (OPENS / 20e5), rel=1e-9)
+        assert load.opening.share == pytest.approx(load.contact_force / 1000, rel=1e-9)
     assert (far.digits, near.digits) == (4, 2)
     (said,) = [text for text in result.warnings if "from opening" in text]
     assert said.startswith("15.5 bar is 2.6 % from opening the seal: 26 N of the applied 1000 N, or 0.42 bar")
     columns = ["opening_margin_N", "opening_margin_Pa", "opening_margin"]
     np.testing.assert_allclose(
         result.table[columns].iloc[1],
-        [near.axial_force, near.opening.pressure, near.opening.share],
+        [near.contact_force, near.opening.pressure, near.opening.share],
         rtol=1e-9,
     )
 
@@ -336,12 +336,12 @@ def test_with_penetration_the_margin_is_that_of_the_pressure_that_opens():
     (load,) = run_loads(seal("15.8 bar", closing="penetration")).loads
     assert load.opening.pressure == pytest.approx(load.blow_off_pressure - 15.8e5)
     # what the contact carries is what the spring has left
-    assert load.opening.force == pytest.approx(load.axial_force, rel=0.02)
+    assert load.opening.force == pytest.approx(load.contact_force, rel=0.02)
 
 
 @pytest.mark.parametrize("closing", ["sealed-area", "penetration"])
 def test_a_spring_that_lifts_is_held_by_the_fluid(closing):
-    load = {"fluid_pressure": ["20 bar"], "axial_force": "-1 kN", "closing": closing}
+    load = {"fluid_pressure": ["20 bar"], "applied_force": "-1 kN", "closing": closing}
     (found,) = run_loads(case(load=load)).loads
     assert found.opening.force == pytest.approx(OPENS - 1000, rel=5e-3)
     assert found.opening.pressure == pytest.approx(20e5 * (1 - 1000 / OPENS), rel=5e-3)
@@ -363,7 +363,7 @@ def test_each_factor_of_ten_costs_a_digit(share, digits):
 
 
 def test_near_opening_fewer_digits_are_shown(tmp_path, capsys):
-    path = example(tmp_path, 'fluid_pressure = "15.9 bar"\naxial_force = "1 kN"')
+    path = example(tmp_path, 'fluid_pressure = "15.9 bar"\napplied_force = "1 kN"')
     assert cli.main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
     shown = capsys.readouterr().out
     (line,) = [line for line in shown.splitlines() if line.strip().startswith("15.90")]
@@ -379,5 +379,5 @@ def test_near_opening_fewer_digits_are_shown(tmp_path, capsys):
 def test_no_load_left_is_an_input_error():
     with pytest.raises(NoLoadLeftError) as caught:
         seal(["20 bar", "30 bar"])
-    assert caught.value.key == "load.axial_force"
+    assert caught.value.key == "load.applied_force"
     assert "30 bar" in str(caught.value)

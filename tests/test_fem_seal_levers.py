@@ -62,8 +62,8 @@ def test_half_of_a_drawing_s_value_is_that_of_a_run_with_it():
 def test_a_tenth_more_force_is_that_of_the_contact_where_nothing_else_closes():
     result, known = found()
     force = known["force"]
-    assert force.after == pytest.approx(0.1 * result.loads[0].axial_force, rel=1e-12)
-    run = run_loads(result.case.replace({"load.axial_force": force.after}))
+    assert force.after == pytest.approx(0.1 * result.loads[0].contact_force, rel=1e-12)
+    run = run_loads(result.case.replace({"load.applied_force": force.after}))
     ratios = [after / before for before, after in zip(rates(result), rates(run), strict=True)]
     assert force.ratio == pytest.approx(ratios, rel=1e-3)
     assert force.straight and step_in_words(result.case, force) == "126 N more closing force"
@@ -119,7 +119,7 @@ def coined():
     case = fem_seal.load_case(examples / "elastoplastic_seat.toml")
     changes = {
         "load.fluid_pressure": ["200 bar", "50 bar"],
-        "load.axial_force": "100 N",
+        "load.applied_force": "100 N",
         "mesh.contact_size": "40 um",
     }
     return run_loads(case.replace(changes))
@@ -136,7 +136,7 @@ def test_levers_of_a_body_that_yields_are_paths_of_their_own(monkeypatch):
     assert {"force", "rms_height", "youngs_modulus", "closure.radius"} <= found.keys()
     before = result.loads[1].leak.leak_rate
     changes = {
-        "force": {"load.axial_force": ["100 N", "110 N"]},
+        "force": {"load.applied_force": ["100 N", "110 N"]},
         "rms_height": {"roughness.spectrum.rms_height": "0.5 um"},
     }
     for key, change in changes.items():

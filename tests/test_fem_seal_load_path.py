@@ -26,7 +26,7 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import condense
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.errors import InputError
-from fem_seal.loads import closing_force
+from fem_seal.loads import contact_force
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import far_field_sentence, headline, leakage_lines
 from fem_seal.output.summary import summary
@@ -35,7 +35,7 @@ from leak import LeakResult
 
 VALVE = {
     "fluid_pressure": ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"],
-    "axial_force": "1.5 kN",
+    "applied_force": "1.5 kN",
     "pressure_side": "inner",
     "closing": "penetration",
 }
@@ -55,7 +55,7 @@ def test_loads_keep_their_order_and_elastic_bodies_come_back():
     assert table.fluid_pressure_Pa.tolist() == [5e5, 15e5, 20e5, 15e5, 5e5]
     # Solved anew on the way back: what differs is round-off of the coupled iteration, 1e-9 of the fluid pressure.
     up, down = table.iloc[:2], table.iloc[:2:-1]
-    for column in ("axial_force_N", "peak_pressure_Pa", "leak_rate_m3_per_s", "effective_seal_radius_m"):
+    for column in ("contact_force_N", "peak_pressure_Pa", "leak_rate_m3_per_s", "effective_seal_radius_m"):
         assert down[column].to_numpy() == pytest.approx(up[column].to_numpy(), rel=1e-7)
 
 
@@ -77,20 +77,20 @@ def test_spring_and_fluid_are_what_the_contact_carries():
     table = valve().table
     fluid = math.pi * table.effective_seal_radius_m**2 * table.fluid_pressure_Pa
     assert (table.applied_force_N == 1500).all()
-    np.testing.assert_allclose(table.axial_force_N, table.applied_force_N - fluid, rtol=1e-12)
+    np.testing.assert_allclose(table.contact_force_N, table.applied_force_N - fluid, rtol=1e-12)
     # and the fluid acts up to somewhere in the contact
     shift = (table.effective_seal_radius_m - valve().case.touch_radius).abs()
     assert (shift < table.std_m).all()
 
 
 def test_each_pressure_may_have_its_own_force():
-    load = {"fluid_pressure": ["5 bar", "5 bar", "10 bar"], "axial_force": ["0 N", "200 N", "-100 N"]}
+    load = {"fluid_pressure": ["5 bar", "5 bar", "10 bar"], "applied_force": ["0 N", "200 N", "-100 N"]}
     asked = case(load=load)
     assert asked.load.points == ((5e5, 0.0), (5e5, 200.0), (10e5, -100.0))
     contacts = run_loads(asked).loads
-    expected = [closing_force(asked.touch_radius, p, force) for p, force in asked.load.points]
-    assert [one.axial_force for one in contacts] == pytest.approx(expected, rel=1e-12)
-    assert [one.closing_force for one in derive(asked).loads] == pytest.approx(expected, rel=1e-12)
+    expected = [contact_force(asked.touch_radius, p, force) for p, force in asked.load.points]
+    assert [one.contact_force for one in contacts] == pytest.approx(expected, rel=1e-12)
+    assert [one.contact_force for one in derive(asked).loads] == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_pressure_in_the_gap_is_in_the_profile():
@@ -108,7 +108,7 @@ def test_too_much_pressure_is_refused_with_the_one_that_opens():
     opens = valve().table.blow_off_pressure_Pa.iloc[0]
     with pytest.raises(InputError, match="the seal is open at a fluid pressure of 25 bar") as failure:
         fem_seal.run(case(load={**VALVE, "fluid_pressure": "25 bar"}))
-    assert failure.value.key == "load.axial_force"
+    assert failure.value.key == "load.applied_force"
     said = float(re.search(r"holds ([\d.]+) bar", str(failure.value)).group(1))
     assert said == pytest.approx(opens / 1e5, rel=1e-4)
 
@@ -128,15 +128,15 @@ def test_an_open_seal_names_the_force_that_closes_it(side, too_little, tables, b
     load = {**VALVE, "fluid_pressure": "20 bar", "pressure_side": side}
 
     def under(force):
-        return run_loads(case(load={**load, "axial_force": force}, **tables))
+        return run_loads(case(load={**load, "applied_force": force}, **tables))
 
     with pytest.raises(InputError) as failure:
         under(too_little)
-    said = re.search(r"give an axial_force above ([-\u2212]?[\d.]+) N", str(failure.value)).group(1)
+    said = re.search(r"give an applied_force above ([-\u2212]?[\d.]+) N", str(failure.value)).group(1)
     needed = float(said.replace("\u2212", "-"))
     lifted = math.pi * case().touch_radius ** 2 * 20e5 * (1 if side == "inner" else -1)
     assert needed == pytest.approx(lifted, rel=3e-3)
-    assert under(f"{needed + 2e-4 * abs(needed)} N").loads[0].axial_force > 0
+    assert under(f"{needed + 2e-4 * abs(needed)} N").loads[0].contact_force > 0
     with pytest.raises(InputError, match="the seal is open"):
         under(f"{needed - below * abs(needed)} N")
 
@@ -156,7 +156,7 @@ def test_loads_that_open_the_seal_are_left_out_and_named():
 
 def test_forces_that_leave_the_seal_open_are_named_together():
     forces = ["1.1 kN", "1.5 kN", "0.9 kN", "1.2 kN"]
-    result = run_loads(case(load={**VALVE, "fluid_pressure": "20 bar", "axial_force": forces}))
+    result = run_loads(case(load={**VALVE, "fluid_pressure": "20 bar", "applied_force": forces}))
     assert result.table.applied_force_N.tolist() == [1500]
     (said,) = [text for text in result.warnings if "left out" in text]
     assert "an applied force of 1200 N holds" in said and "so are those with 900, 1100 N" in said
@@ -168,8 +168,8 @@ def test_nothing_is_coupled_twice():
 
 
 def test_without_a_spring_the_fluid_in_the_bore_is_refused():
-    with pytest.raises(InputError, match="give an axial_force above about"):
-        case(load={**VALVE, "axial_force": "0 N"})
+    with pytest.raises(InputError, match="give an applied_force above about"):
+        case(load={**VALVE, "applied_force": "0 N"})
 
 
 # ---------------------------------------------------------------- inverse questions
@@ -179,7 +179,7 @@ def test_the_force_for_a_target_leaks_the_target():
     table = valve().table
     row = table.iloc[2]
     asked = case(
-        load={**VALVE, "fluid_pressure": "20 bar", "axial_force": f"{row.force_for_target_leak_N:.12g} N"}
+        load={**VALVE, "fluid_pressure": "20 bar", "applied_force": f"{row.force_for_target_leak_N:.12g} N"}
     )
     # another mesh, whose discretisation changes the leak rate by some 1e-5
     assert run_loads(asked).table.leak_rate_m3_per_s.iloc[0] == pytest.approx(TARGET, rel=1e-4)
@@ -206,7 +206,7 @@ def test_a_target_that_only_an_extrapolation_reaches_is_warned_of():
             seat=cone(soft),
             load={
                 "fluid_pressure": load["fluid_pressure"],
-                "axial_force": [f"{force} N" for force in forces],
+                "applied_force": [f"{force} N" for force in forces],
             },
         )
     )
@@ -222,11 +222,13 @@ def test_a_target_that_only_an_extrapolation_reaches_is_warned_of():
 
 
 def test_force_for_a_target_with_the_fluid_on_the_sealed_area():
-    sealed = case(load={"fluid_pressure": ["2 bar", "20 bar"], "axial_force": "0 N"})
-    forces = fem_seal.axial_force_for_leak(sealed, TARGET)
+    sealed = case(load={"fluid_pressure": ["2 bar", "20 bar"], "applied_force": "0 N"})
+    forces = fem_seal.applied_force_for_leak(sealed, TARGET)
     # 0.16 cm^3/s at 2 bar and 0.38 cm^3/s at 20 bar without a spring
     assert forces[0] < 0 < forces[1]
-    again = run_loads(sealed.replace({"load.axial_force": [f"{force:.12g} N" for force in forces.tolist()]}))
+    again = run_loads(
+        sealed.replace({"load.applied_force": [f"{force:.12g} N" for force in forces.tolist()]})
+    )
     assert again.table.leak_rate_m3_per_s.to_numpy() == pytest.approx([TARGET, TARGET], rel=1e-4)
 
 
@@ -240,7 +242,7 @@ def test_force_for_a_target_with_the_fluid_on_the_sealed_area():
 )
 def test_targets_that_are_no_question(changes, target, said):
     with pytest.raises(InputError, match=said) as failure:
-        fem_seal.axial_force_for_leak(case(**changes), target)
+        fem_seal.applied_force_for_leak(case(**changes), target)
     assert failure.value.key == "load.target_leak_rate"
 
 
@@ -259,7 +261,7 @@ def soft_and_rough(**load):
 
 def test_a_target_out_of_reach_is_said_and_does_not_cost_the_other_results():
     with pytest.raises(InputError, match="the largest for small strains"):
-        fem_seal.axial_force_for_leak(soft_and_rough(), 1e-15)
+        fem_seal.applied_force_for_leak(soft_and_rough(), 1e-15)
     result = fem_seal.run(soft_and_rough(target_leak_rate="1e-15 m^3/s"))
     assert math.isnan(result.table.force_for_target_leak_N.iloc[0])
     assert result.table.leak_rate_m3_per_s.iloc[0] > 0
@@ -301,7 +303,7 @@ def test_summary_and_report_have_the_answers():
 
 
 def test_a_path_of_forces_is_told_by_its_forces():
-    result = fem_seal.run(case(load={"fluid_pressure": "5 bar", "axial_force": ["0 N", "200 N", "1 kN"]}))
+    result = fem_seal.run(case(load={"fluid_pressure": "5 bar", "applied_force": ["0 N", "200 N", "1 kN"]}))
     leaks = result.table.leak_rate_m3_per_s.to_numpy()
     assert (np.diff(leaks) < 0).all()
     page = report(result)
@@ -316,7 +318,7 @@ def test_a_path_of_forces_is_told_by_its_forces():
 @pytest.mark.parametrize(
     "load",
     [
-        {"fluid_pressure": "5 bar", "axial_force": ["0 N", "200 N", "1 kN"]},
+        {"fluid_pressure": "5 bar", "applied_force": ["0 N", "200 N", "1 kN"]},
         {"fluid_pressure": ["5 bar", "20 bar", "5 bar"]},
     ],
 )
@@ -333,7 +335,7 @@ def test_a_single_pressure_under_several_forces_is_told_once():
     several = case(
         load={
             "fluid_pressure": "5 bar",
-            "axial_force": ["0 N", "200 N", "1 kN"],
+            "applied_force": ["0 N", "200 N", "1 kN"],
             "target_leak_rate": "1e3 m^3/s",
         }
     )
@@ -399,7 +401,7 @@ def test_the_press_fit_stands_in_the_case():
     # 10 um on 25 mm strain the housing by 4e-4, 84 MPa; the contact alone gives 60 MPa
     assert load.max_von_mises > 100e6
     # the spring carries no more and no less for it
-    assert load.axial_force == pytest.approx(math.pi * fitted.case.touch_radius**2 * 20e5, rel=1e-12)
+    assert load.contact_force == pytest.approx(math.pi * fitted.case.touch_radius**2 * 20e5, rel=1e-12)
     # another size would be another fit
     assert fitted.far_field == ()
     assert far_field_sentence(fitted) == ""

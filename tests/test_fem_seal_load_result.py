@@ -109,7 +109,7 @@ def test_a_load_without_roughness_or_fluid_leaks_nothing():
 def test_every_field_but_contact_and_point_may_stay_unknown():
     assert [one.name for one in fields(LoadResult)][:3] == ["fluid_pressure", "applied_force", "contact"]
     load = LoadResult(2e5, 0.0, rough_result().contact[0])
-    assert load.validity is VALID and load.axial_force == load.contact.axial_force
+    assert load.validity is VALID and load.contact_force == load.contact.contact_force
 
 
 def test_changes_are_relative_and_have_no_leak_rate_where_there_is_nothing_to_compare():

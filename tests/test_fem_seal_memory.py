@@ -37,7 +37,7 @@ FORCES = ("300 N", "1 kN", "2 kN")
 def steps(
     forces: Any = FORCES, earlier: str | None = None, load: dict[str, Any] | None = None, **tables: Any
 ) -> fem_seal.Case:
-    steps = {"fluid_pressure": "5 bar", "axial_force": list(forces), **(load or {})}
+    steps = {"fluid_pressure": "5 bar", "applied_force": list(forces), **(load or {})}
     return case(load=steps if earlier is None else {**steps, "largest_earlier_force": earlier}, **tables)
 
 
@@ -93,7 +93,7 @@ def test_the_earlier_load_acts_without_fluid() -> None:
     problem = SealProblem.of(steps(earlier="3 kN"))
     _, model, found = model_and_contacts(problem)
     assert found.earlier is not None
-    assert found.earlier.axial_force == 3e3
+    assert found.earlier.contact_force == 3e3
     assert found.earlier.largest is None
     for contact in found.contacts:
         np.testing.assert_array_equal(contact.largest, found.earlier.pressure)
@@ -132,7 +132,7 @@ def test_fluid_between_the_surfaces_follows_what_they_remember() -> None:
     more = {"closing": "penetration", "pressure_side": "inner"}
     first, proof = (solved(steps(("1.2 kN",), earlier, more))[0] for earlier in (None, "3 kN"))
     for load in (first, proof):
-        assert load.contact.closing_force == pytest.approx(1200.0, rel=1e-9)
+        assert load.contact.applied_force == pytest.approx(1200.0, rel=1e-9)
     assert rates([proof])[0, 1] < 0.9 * rates([first])[0, 1]
     # the fluid pressure with which the contact was solved is the one that its leak has
     found = proof.leak.fluid_pressure / proof.fluid_pressure  # type: ignore[union-attr]
@@ -269,7 +269,7 @@ FORCE, PRESSURE = "load.largest_earlier_force", "load.largest_earlier_pressure"
 
 
 def load(**more: Any) -> dict[str, Any]:
-    return {"load": {"fluid_pressure": "5 bar", "axial_force": "1 kN", **more}}
+    return {"load": {"fluid_pressure": "5 bar", "applied_force": "1 kN", **more}}
 
 
 def after_3_kN(**tables: Any) -> dict[str, Any]:
@@ -281,8 +281,8 @@ def after_3_kN(**tables: Any) -> dict[str, Any]:
     [
         (load(largest_earlier_force="3 kN", largest_earlier_pressure="9 bar"), PRESSURE, "one of them"),
         (load(largest_earlier_pressure="9 bar", pressure_side="inner"), PRESSURE, "lifts"),
-        (load(largest_earlier_pressure="9 bar", axial_force=["1 kN", "2 kN"]), PRESSURE, "several values"),
-        (load(largest_earlier_pressure="1 bar", axial_force="-200 N"), PRESSURE, "open"),
+        (load(largest_earlier_pressure="9 bar", contact_force=["1 kN", "2 kN"]), PRESSURE, "several values"),
+        (load(largest_earlier_pressure="1 bar", contact_force="-200 N"), PRESSURE, "open"),
         (load(largest_earlier_force="9e7 N"), FORCE, "no contact on these faces carries it"),
         (load(largest_earlier_force="-1 N"), FORCE, "out of range"),
         (after_3_kN(leak={"fluid_in_gap": "local"}), "leak.fluid_in_gap", "penetration"),

@@ -80,7 +80,7 @@ def test_a_template_runs_with_nothing_outside_the_theory(call, tmp_path) -> None
     # a ball of 12 mm on a lapped seat leaks less than a drop (50 ul) a minute at 50 bar, but is not tight
     assert 1e-15 < row["leak_rate_m3_per_s"] < 50e-9 / 60
     # F_N = pi r0^2 p + 5 N on a cone of 90 deg, r0 = R sin 45 deg
-    assert row["axial_force_N"] == pytest.approx(3.14159265 * 0.5 * 0.006**2 * 50e5 + 5, rel=1e-6)
+    assert row["contact_force_N"] == pytest.approx(3.14159265 * 0.5 * 0.006**2 * 50e5 + 5, rel=1e-6)
 
 
 def test_options_replace_entries_and_keep_the_comments(call, tmp_path) -> None:
@@ -184,7 +184,7 @@ def test_every_question_has_an_entry_in_some_template() -> None:
         ("seat.angle", "40 deg", 'angle = "40 deg"'),
         ("seat.bore_radius", "4 mm", 'bore_radius = "4 mm"'),
         ("mesh.contact_size", "5 um", '[mesh]\ncontact_size = "5 um"'),
-        ("load.axial_force", "20 N", 'axial_force = "20 N"'),
+        ("load.applied_force", "20 N", 'applied_force = "20 N"'),
     ],
 )
 def test_either_word_of_a_dimension_is_replaced(path: str, value: str, expected: str) -> None:

@@ -122,7 +122,7 @@ def unevenness(model, p):
     ],
 )
 def test_fluid_all_around_leaves_a_closure_of_any_shape_under_even_pressure(closure, seat):
-    off, finer = (unevenness(wetted(closure, seat, n, axial_force="1.5 kN")[1], 10e5) for n in (0.7, 1.4))
+    off, finer = (unevenness(wetted(closure, seat, n, contact_force="1.5 kN")[1], 10e5) for n in (0.7, 1.4))
     # Straight edges against true arcs: of first order at the end of the line, where a ball stands 4 mm off its seat and
     # elements are large, of second order in the mean.
     assert off.max() < 2e-2
@@ -135,11 +135,11 @@ def test_fluid_all_around_leaves_a_closure_of_any_shape_under_even_pressure(clos
 def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lifts_nothing(tmp_path):
     """A ready mesh keeps its facets: those of the closure reach beyond the contact line by up to 0.2 mm here."""
     cone = {"shape": "cone", "angle": "45 deg"}
-    case, _ = wetted(BALL, cone, axial_force="1.5 kN")
+    case, _ = wetted(BALL, cone, contact_force="1.5 kN")
     coarse = meshes.Sizing(2e-4, 1e-3, (-2e-3, 2e-3), 0.1, 0.3, 2e-3)
     build_contact(case.contact, coarse).write(tmp_path / "coarse.msh")
     drawn = {"shape": "profile", "file": str(tmp_path / "coarse.msh")}
-    _, model = wetted(drawn, cone, axial_force="1.5 kN")
+    _, model = wetted(drawn, cone, contact_force="1.5 kN")
     p = 10e5
     loads = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p))
     # round-off of 310 N on the ball's section; the strips beyond the line would be 5 N
@@ -148,7 +148,7 @@ def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lift
 
 @pytest.mark.parametrize("seat", [LAND, {"shape": "conical-land", "angle": "45 deg", "land_width": "2 mm"}])
 def test_a_poppet_on_its_land_opens_where_the_fluid_carries_the_spring(seat):
-    case, _ = wetted(POPPET, seat, axial_force="1.5 kN")
+    case, _ = wetted(POPPET, seat, contact_force="1.5 kN")
     (load,) = run_loads(case).loads
     # No flow is known: the fluid gets through once the land nowhere presses harder. It then reaches over the bore at
     # least, and over the whole land at most, which carries as much once more.
@@ -198,7 +198,7 @@ def test_fluid_up_to_a_circle_acts_on_the_area_of_that_circle(side):
 def test_bodies_move_as_in_one_solve_under_all_loads():
     line = model().line
     loads = FurtherLoads.of_fluid(0.0, PRESSURE, PRESSURE * (line.x > 0))
-    solution = solve(model(), LAW, axial_force=1000.0, loads=loads)
+    solution = solve(model(), LAW, contact_force=1000.0, loads=loads)
     seat = model().seat
     dofs = node_dofs(seat.basis)
     force = pressure_load(seat.basis, "seat_outer") * PRESSURE
@@ -218,8 +218,8 @@ def test_bodies_move_as_in_one_solve_under_all_loads():
 @pytest.mark.parametrize("path", [power_law("inner"), power_law("outer"), HeldFluid("inner")])
 def test_without_pressure_the_spring_alone_remains(path):
     spring = 1500.0
-    alone = solve(model(), LAW, axial_force=spring)
-    wet = solve_penetration(FluidAndContact(model(), LAW, path), closing_force=spring, fluid_pressure=1.0)
+    alone = solve(model(), LAW, contact_force=spring)
+    wet = solve_penetration(FluidAndContact(model(), LAW, path), applied_force=spring, fluid_pressure=1.0)
     # 1 Pa on 6e-4 m^2 is 4e-7 of the spring's force
     assert wet.pressure == pytest.approx(alone.pressure, rel=1e-6)
 
@@ -229,7 +229,7 @@ def test_without_pressure_the_spring_alone_remains(path):
 def test_spring_fluid_and_contact_are_in_balance(side, fluid_pressure):
     spring = 2000.0
     seal = FluidAndContact(model(), LAW, power_law(side))
-    solution = solve_penetration(seal, closing_force=spring, fluid_pressure=fluid_pressure)
+    solution = solve_penetration(seal, applied_force=spring, fluid_pressure=fluid_pressure)
     line = model().line
     # By hand: contact and fluid on the ring of the contact line, fluid on the closure inside and outside of it.
     pressed = solution.pressure + solution.loads.gap_pressure
@@ -249,7 +249,7 @@ def test_a_liquid_acts_up_to_the_middle_of_the_contact_and_a_gas_against_vacuum_
         return fluid_pressure * np.sqrt(liquid)  # p_f^2 falls along the resistance
 
     liquid, thin = (
-        solve_penetration(FluidAndContact(model(), LAW, path), closing_force=0.0, fluid_pressure=PRESSURE)
+        solve_penetration(FluidAndContact(model(), LAW, path), applied_force=0.0, fluid_pressure=PRESSURE)
         for path in (power_law("outer"), FlowThrough(gas, math.inf, "outer"))
     )
     profile = liquid.profile
@@ -263,7 +263,7 @@ def test_a_liquid_acts_up_to_the_middle_of_the_contact_and_a_gas_against_vacuum_
     shift = np.mean(np.interp(share**2, *_normal_distribution()))
     assert radius - effective_radius(thin, PRESSURE) == pytest.approx(-shift * std, rel=0.05)
     # with it goes the force: F = pi r^2 p
-    assert thin.axial_force == pytest.approx(math.pi * effective_radius(thin, PRESSURE) ** 2 * PRESSURE)
+    assert thin.contact_force == pytest.approx(math.pi * effective_radius(thin, PRESSURE) ** 2 * PRESSURE)
 
 
 def _normal_distribution():
@@ -277,8 +277,8 @@ def test_fluid_beside_the_contact_raises_the_peak_pressure():
     high = model(200e5)
     force = math.pi * high.touch_radius**2 * 200e5
     spread = FurtherLoads(closure={"outer": 200e5})
-    raised = solve(high, LAW, axial_force=force, loads=spread).profile.peak_pressure
-    from_the_top = solve(high, LAW, axial_force=force).profile.peak_pressure
+    raised = solve(high, LAW, contact_force=force, loads=spread).profile.peak_pressure
+    from_the_top = solve(high, LAW, contact_force=force).profile.peak_pressure
     # 8e-4 when the closing force itself is spread over the closure down to the contact
     assert raised / from_the_top - 1 == pytest.approx(8e-4, abs=1.5e-4)
 
@@ -286,7 +286,7 @@ def test_fluid_beside_the_contact_raises_the_peak_pressure():
 def test_a_held_fluid_gets_to_where_the_contact_presses_as_hard():
     for law, bodies, pressure in ((LAW, model(), PRESSURE), (HardContact(), hard_model(), 200e5)):
         seal = FluidAndContact(bodies, law, HeldFluid("outer"))
-        solution = solve_penetration(seal, closing_force=0.0, fluid_pressure=pressure)
+        solution = solve_penetration(seal, applied_force=0.0, fluid_pressure=pressure)
         dry = solution.loads.gap_pressure == 0
         wet = solution.loads.gap_pressure == pressure
         element = np.diff(bodies.line.vertices).max()
@@ -294,11 +294,11 @@ def test_a_held_fluid_gets_to_where_the_contact_presses_as_hard():
         assert bodies.line.x[wet][0] - edge < 2 * element
         assert solution.pressure[dry].max() > pressure
         assert solution.pressure[wet].max() < 1.5 * pressure
-        assert solution.closing_force == pytest.approx(0.0, abs=1e-9 * solution.axial_force)
+        assert solution.applied_force == pytest.approx(0.0, abs=1e-9 * solution.contact_force)
 
 
 def test_where_the_contact_is_sealed_the_pressure_falls_in_the_sealed_part():
-    contact = solve(model(), LAW, axial_force=1000.0)
+    contact = solve(model(), LAW, contact_force=1000.0)
     profile = contact.profile
     limit = 0.5 * profile.peak_pressure
     path = FlowThrough(lambda *_: pytest.fail("nothing flows"), limit, "outer")
@@ -313,9 +313,9 @@ def test_where_the_contact_is_sealed_the_pressure_falls_in_the_sealed_part():
 
 def test_force_and_pressure_are_two_ways_to_the_same_contact():
     seal = FluidAndContact(model(), LAW, power_law("inner"))
-    given = solve_penetration(seal, closing_force=2000.0, fluid_pressure=PRESSURE)
-    back = solve_at_contact_force(seal, contact_force=given.axial_force, fluid_pressure=PRESSURE)
-    assert back.closing_force == pytest.approx(2000.0, rel=1e-9)
+    given = solve_penetration(seal, applied_force=2000.0, fluid_pressure=PRESSURE)
+    back = solve_at_contact_force(seal, contact_force=given.contact_force, fluid_pressure=PRESSURE)
+    assert back.applied_force == pytest.approx(2000.0, rel=1e-9)
 
 
 # ---------------------------------------------------------------- blow-off
@@ -325,32 +325,32 @@ def test_force_and_pressure_are_two_ways_to_the_same_contact():
 def test_blow_off_is_where_the_fluid_carries_the_spring(path):
     spring = 1500.0
     seal = FluidAndContact(model(), LAW, path)
-    opens = blow_off_pressure(seal, closing_force=spring)
-    just_before = solve_penetration(seal, closing_force=spring, fluid_pressure=0.999 * opens)
+    opens = blow_off_pressure(seal, applied_force=spring)
+    just_before = solve_penetration(seal, applied_force=spring, fluid_pressure=0.999 * opens)
     radius = effective_radius(just_before, 0.999 * opens)
-    left = just_before.axial_force / spring
+    left = just_before.contact_force / spring
     # pi r^2 p = spring less what the contact still carries
     assert math.pi * radius**2 * 0.999 * opens == pytest.approx((1 - left) * spring, rel=1e-9)
     # within the contact, three standard deviations wide
     std = just_before.profile.std
     assert radius == pytest.approx(model().touch_radius, abs=3 * std)
     with pytest.raises(OpenSealError, match="lifts the closure off") as failure:
-        solve_penetration(seal, closing_force=spring, fluid_pressure=1.001 * opens)
+        solve_penetration(seal, applied_force=spring, fluid_pressure=1.001 * opens)
     assert failure.value.blow_off_pressure == pytest.approx(opens, rel=1e-4)
 
 
 def test_flow_lets_the_contact_go_at_the_sealed_area():
     spring = 1500.0
-    opens = blow_off_pressure(FluidAndContact(model(), LAW, power_law("inner")), closing_force=spring)
+    opens = blow_off_pressure(FluidAndContact(model(), LAW, power_law("inner")), applied_force=spring)
     # the last contact is symmetric about first touch, to a share of its width of 0.3 mm in 14 mm
     assert opens == pytest.approx(spring / (math.pi * model().touch_radius ** 2), rel=1e-3)
 
 
 def test_pressure_from_outside_never_lifts():
     seal = FluidAndContact(model(), LAW, power_law("outer"))
-    assert blow_off_pressure(seal, closing_force=100.0) == math.inf
+    assert blow_off_pressure(seal, applied_force=100.0) == math.inf
     with pytest.raises(OpenSealError, match="nothing is left"):
-        solve_penetration(seal, closing_force=-3000.0, fluid_pressure=PRESSURE)
+        solve_penetration(seal, applied_force=-3000.0, fluid_pressure=PRESSURE)
 
 
 # ---------------------------------------------------------------- fixed points

@@ -28,7 +28,7 @@ def test_what_is_left_of_the_loads_keeps_its_reasons():
 
 def test_loads_that_leave_the_seal_open_size_nothing():
     lifted = case(
-        load={"fluid_pressure": ["5 bar", "20 bar"], "axial_force": "1 kN", "pressure_side": "inner"}
+        load={"fluid_pressure": ["5 bar", "20 bar"], "applied_force": "1 kN", "pressure_side": "inner"}
     )
     problem = SealProblem.of(lifted)
     area = math.pi * problem.touch_radius**2
@@ -38,7 +38,7 @@ def test_loads_that_leave_the_seal_open_size_nothing():
 
 def test_case_and_problem_of_a_result_have_the_same_loads():
     mixed = case(
-        load={"fluid_pressure": ["2 bar", "20 bar", "5 bar"], "axial_force": ["0 N", "-1 MN", "0 N"]}
+        load={"fluid_pressure": ["2 bar", "20 bar", "5 bar"], "applied_force": ["0 N", "-1 MN", "0 N"]}
     )
     result = fem_seal.run(mixed)
     assert result.problem.loads.points == result.case.load.points == ((2e5, 0.0), (5e5, 0.0))

@@ -37,7 +37,7 @@ def test_the_section_shows_what_stands_on_a_drawing(shape: str, tmp_path) -> Non
         closure={"shape": "ball", "diameter": "40 mm", "material": "steel"},
         seat={"shape": shape, "material": "brass", **keys},
         interface={"law": "exponential", "u0": "2 um", "p_c": "1 GPa"},
-        load={"fluid_pressure": "1 bar", "pressure_side": "inner", "axial_force": "1 kN"},
+        load={"fluid_pressure": "1 bar", "pressure_side": "inner", "applied_force": "1 kN"},
     )
     drawn = texts(write_section(case, tmp_path / "section.svg"))
     for text in ["a title", "closure ⌀40", "ball, steel", f"{shape}, brass", *expected]:

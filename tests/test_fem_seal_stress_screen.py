@@ -73,7 +73,7 @@ def test_what_it_does_not_know_takes_a_field(model):
 def test_a_load_is_below_its_yield_stress_only_if_its_field_is(model):
     law = fem_seal.HardContact()
     for force in (2000.0, 8000.0, 30000.0):
-        contact = fem_seal.solve(model, law, axial_force=force)
+        contact = fem_seal.solve(model, law, contact_force=force)
         highest = contact.fields["seat"].von_mises.max()
         assert not contact.stays_below("seat", highest)
         # where hard contact ends the splines leave much

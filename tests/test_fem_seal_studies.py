@@ -55,7 +55,7 @@ def small(**tables):
         "changes": COARSE,
         "parameters": {
             "roughness.spectrum.rms_height": ["1 um", "2 um", "3 um"],
-            "load.axial_force": ["0 N", "100 N"],
+            "load.applied_force": ["0 N", "100 N"],
         },
         "responses": ["peak_pressure_Pa", "leak_rate_m3_per_s"],
     }
@@ -188,7 +188,7 @@ def test_samples_follow_their_distributions(kind):
         parameters={
             "seat.material.hardness": {"distribution": "lognormal", "median": "3 GPa", "relative": 0.1},
             "fluid.viscosity": {"distribution": "normal", "mean": "1 mPa s", "std": "0.05 mPa s"},
-            "load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "100 N"},
+            "load.applied_force": {"distribution": "uniform", "low": "0 N", "high": "100 N"},
         },
         design={"kind": kind, "num": 1024, "seed": 3},
     )
@@ -220,7 +220,7 @@ def test_morris_stays_in_the_central_part_of_what_has_no_ends():
         parameters={
             "fluid.viscosity": {"distribution": "normal", "mean": "1 mPa s", "std": "0.05 mPa s"},
             "seat.material.hardness": {"distribution": "lognormal", "median": "3 GPa", "relative": 0.1},
-            "load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "100 N"},
+            "load.applied_force": {"distribution": "uniform", "low": "0 N", "high": "100 N"},
         },
         design={"kind": "morris", "num": 8},
     )
@@ -268,7 +268,7 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"parameters": {"seat.shape": ["cone"]}}, ["seat.shape", "make one study for each"]),
         ({"parameters": {"leak.plasticity": ["true"]}}, ["leak.plasticity", '"true"', "true or false"]),
         ({"parameters": {"interface.law": [True]}}, ["interface.law", "text in quotes"]),
-        ({"parameters": {"load.axial_force": [["1 N", "2 N"]]}}, ["load.axial_force", "not a quantity"]),
+        ({"parameters": {"load.applied_force": [["1 N", "2 N"]]}}, ["load.applied_force", "not a quantity"]),
         ({"parameters": {"interface.p_c": ["1 GPa"]}}, ["interface.p_c", "exponential"]),
         ({"parameters": {"seat.bore_radius": ["18 mm"]}}, ["design 0", "seat.bore_radius", "touch first"]),
         ({"parameters": {"seat.angle": {"start": "30 deg", "num": 3}}}, ["seat.angle", "lacks stop"]),
@@ -304,7 +304,7 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"constraints": {"a": "fwhm_m"}}, ["constraints.a", "no constraint"]),
         ({"constraints": {"a": 'fwhm_m < "1 MPa"'}}, ["constraints.a", "in m with", "in Pa"]),
         ({"constraints": {"a": '"1 N" > load_steps'}}, ["constraints.a", "in N with a plain number"]),
-        ({"constraints": {"a": 'load.axial_force < "1 MPa"'}}, ["constraints.a", "in N with", "in Pa"]),
+        ({"constraints": {"a": 'load.applied_force < "1 MPa"'}}, ["constraints.a", "in N with", "in Pa"]),
         ({"constraints": {"a": 'leak_rate_kg_per_s < "1 ml/min"'}}, ["constraints.a", "kg/s", "m^3/s"]),
         ({"constraints": {"a": "peak_pressure_Pa < fwhm_m"}}, ["constraints.a", "in Pa with", "in m"]),
         ({"report": {"goals": {"nothing": "min"}}}, ["report.goals.nothing"]),
@@ -313,8 +313,8 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"optimise": {}}, ["optimise.minimise", "missing"]),
         ({"bogus": 1}, ["bogus", "known keys"]),
         (
-            {"changes": {"load.fluid_pressure": "10 bar", "load.axial_force": "1 N"}},
-            ["changes.load.axial_force", "parameter as well"],
+            {"changes": {"load.fluid_pressure": "10 bar", "load.applied_force": "1 N"}},
+            ["changes.load.applied_force", "parameter as well"],
         ),
         (
             {"parameters": {"seat.angle": ["40 deg"], "seat": {"angle": ["50 deg"]}}},
@@ -360,12 +360,10 @@ def test_mistakes_in_files_name_the_file(tmp_path):
 
 def test_a_design_has_one_load(tmp_path):
     base = fem_seal.load_case(CASE).replace(
-        {"load.fluid_pressure": ["1 bar", "2 bar"], "load.axial_force": ["10 N", "20 N"]}
+        {"load.fluid_pressure": ["1 bar", "2 bar"], "load.applied_force": ["10 N", "20 N"]}
     )
     heights = {"roughness.spectrum.rms_height": ["1 um", "2 um"]}
-    both = (
-        r'2 fluid pressures and 2 axial forces.*"load\.fluid_pressure" = .* and "load\.axial_force" = "0 N"'
-    )
+    both = r'2 fluid pressures and 2 applied forces.*"load\.fluid_pressure" = .* and "load\.applied_force" = "0 N"'
     with pytest.raises(InputError, match=both):
         Study(base, parameters=heights)
     for tables in (
@@ -373,13 +371,15 @@ def test_a_design_has_one_load(tmp_path):
         {"parameters": {"load.fluid_pressure": ["5 bar", "10 bar"]}},
     ):
         with pytest.raises(
-            InputError, match=r'2 axial forces, .* write \[changes\] "load\.axial_force" = "0 N"'
+            InputError, match=r'2 applied forces, .* write \[changes\] "load\.applied_force" = "0 N"'
         ):
             Study(base, **tables)
     one = Study(
-        base, parameters=heights, changes={"load.fluid_pressure": "10 bar", "load.axial_force": "0 N"}
+        base, parameters=heights, changes={"load.fluid_pressure": "10 bar", "load.applied_force": "0 N"}
     )
-    varied = Study(base, parameters={"load.axial_force": ["1 N"]}, changes={"load.fluid_pressure": "10 bar"})
+    varied = Study(
+        base, parameters={"load.applied_force": ["1 N"]}, changes={"load.fluid_pressure": "10 bar"}
+    )
     assert one.case_of(one.points[0]).load.points == ((1e6, 0.0),)
     assert varied.case_of(varied.points[0]).load.points == ((1e6, 1.0),)
 
@@ -551,8 +551,8 @@ def test_a_load_that_opens_the_seal_is_a_failed_design(tmp_path):
     """With closing = "penetration" that is known only when it has been tried."""
     study = small(
         changes={**COARSE, "load.closing": "penetration", "load.pressure_side": "inner"},
-        parameters={"load.axial_force": ["100 N", "2 kN"]},
-        responses=["axial_force_N"],
+        parameters={"load.applied_force": ["100 N", "2 kN"]},
+        responses=["contact_force_N"],
     )
     result = run_study(study, folder=tmp_path, workers=0)
     assert result.table["status"].tolist() == ["failed", "done"]
@@ -562,7 +562,7 @@ def test_a_load_that_opens_the_seal_is_a_failed_design(tmp_path):
 def test_designs_are_grouped_by_bodies_then_surfaces():
     study = small(
         parameters={
-            "load.axial_force": {"start": "0 N", "stop": "90 N", "num": 10},
+            "load.applied_force": {"start": "0 N", "stop": "90 N", "num": 10},
             "roughness.spectrum.rms_height": ["1 um", "2 um"],
             "seat.angle": ["40 deg", "50 deg"],
         }
@@ -575,7 +575,7 @@ def test_designs_are_grouped_by_bodies_then_surfaces():
 
 def test_new_bodies_travel_a_few_at_a_time_and_further_loads_many():
     angles = {"seat.angle": {"start": "30 deg", "stop": "60 deg", "num": 12}}
-    loads = {"load.axial_force": {"start": "0 N", "stop": "90 N", "num": 200}}
+    loads = {"load.applied_force": {"start": "0 N", "stop": "90 N", "num": 200}}
     bodies, designs_of_one = (
         [len(chunk.points) for chunk in work.chunks(work.Recipe.of(study), study.points)]
         for study in (small(parameters=angles), small(parameters=loads))
@@ -607,7 +607,7 @@ def test_keys_depend_on_the_contents_of_files(tmp_path):
 
     def keys():
         studies = (
-            Study(tmp_path / "profile_from_drawing.toml", parameters={"load.axial_force": ["0 N"]}),
+            Study(tmp_path / "profile_from_drawing.toml", parameters={"load.applied_force": ["0 N"]}),
             Study(tmp_path / "profile_from_drawing.toml", parameters={"seat.file": [str(drawing)]}),
         )
         return [work.Recipe.of(study).key(study.points[0]) for study in studies]
@@ -707,10 +707,10 @@ def test_changes_may_need_what_the_parameters_bring(force):
     changes = {**COARSE, "load.pressure_side": "inner"}
     sampled = isinstance(force, dict) and "distribution" in force
     design = {"kind": "sobol", "num": 4} if sampled else {"kind": "grid", "invalid": "skip"}
-    study = small(changes=changes, parameters={"load.axial_force": force}, design=design)
-    assert study.case_of(study.points[-1]).load.axial_force > 1.9e3
-    with pytest.raises(InputError, match=r"changes\.load\.axial_force = 0 N: the seal is open"):
-        small(changes=changes, parameters={"load.axial_force": ["1 N", "2 N"]})
+    study = small(changes=changes, parameters={"load.applied_force": force}, design=design)
+    assert study.case_of(study.points[-1]).load.applied_force > 1.9e3
+    with pytest.raises(InputError, match=r"changes\.load\.applied_force = 0 N: the seal is open"):
+        small(changes=changes, parameters={"load.applied_force": ["1 N", "2 N"]})
 
 
 def test_failed_designs_are_calculated_again_on_request_alone(tmp_path, monkeypatch):
@@ -735,7 +735,7 @@ def test_a_larger_study_uses_the_rows_that_are_there(tmp_path):
     larger = small(
         parameters={
             "roughness.spectrum.rms_height": ["1 um", "2 um", "3 um"],
-            "load.axial_force": ["100 N", "200 N"],
+            "load.applied_force": ["100 N", "200 N"],
         }
     )
     result = run_study(larger, folder=tmp_path, workers=0, resume=True)
@@ -782,12 +782,12 @@ def test_exports_hold_the_table(calculated, tmp_path):
     assert csv["leak_rate_m3_per_s"].tolist() == result.table["leak_rate_m3_per_s"].tolist()
     pd.testing.assert_frame_equal(parquet, result.table, check_dtype=False)
     with xr.open_dataset(result.export(tmp_path / "t.nc")) as data:
-        assert dict(data.sizes) == {"roughness.spectrum.rms_height": 3, "load.axial_force": 2}
+        assert dict(data.sizes) == {"roughness.spectrum.rms_height": 3, "load.applied_force": 2}
         cell = data["leak_rate_m3_per_s"].sel(
-            {"roughness.spectrum.rms_height": 2e-6, "load.axial_force": 100.0}
+            {"roughness.spectrum.rms_height": 2e-6, "load.applied_force": 100.0}
         )
         assert float(cell) == result.table.loc[3, "leak_rate_m3_per_s"]
-        assert data["load.axial_force"].attrs["units"] == "N"
+        assert data["load.applied_force"].attrs["units"] == "N"
     with pytest.raises(InputError, match=r"\.csv, \.parquet, \.nc"):
         result.export(tmp_path / "t.xls")
 
@@ -817,7 +817,7 @@ def test_sensitivity_finds_the_parameter_that_matters(tmp_path):
     study = small(
         parameters={
             "fluid.viscosity": {"distribution": "lognormal", "median": "1 mPa s", "relative": 0.3},
-            "load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "1 N"},
+            "load.applied_force": {"distribution": "uniform", "low": "0 N", "high": "1 N"},
         },
         design={"kind": "sobol-sensitivity", "num": 64},
         responses=["leak_rate_m3_per_s"],
@@ -838,7 +838,7 @@ def search(title="", **optimise):
     return small(
         title=title,
         parameters={
-            "load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "400 N"},
+            "load.applied_force": {"distribution": "uniform", "low": "0 N", "high": "400 N"},
             "interface.law": ["persson"],
         },
         constraints={"soft": 'peak_pressure_Pa < "35 MPa"'},
@@ -878,13 +878,13 @@ def test_command_line(tmp_path, capsys):
     (tmp_path / "study.toml").write_text(
         f'base = "{CASE}"\nresponses = ["peak_pressure_Pa"]\n'
         '[changes]\nload.fluid_pressure = "10 bar"\nmesh.contact_size = "60 um"\n'
-        '[parameters]\nload.axial_force = ["0 N", "100 N"]\n[report]\ngoals = { peak_pressure_Pa = "min" }\n'
+        '[parameters]\nload.applied_force = ["0 N", "100 N"]\n[report]\ngoals = { peak_pressure_Pa = "min" }\n'
     )
     folder = tmp_path / "out"
     arguments = ["study", str(tmp_path / "study.toml"), "-o", str(folder), "--workers", "0", "--json"]
     assert main(arguments) == 0
     told = json.loads(capsys.readouterr().out)
-    assert (told["done"], told["failed"], told["best"][0]["load.axial_force"]) == (2, 0, 0.0)
+    assert (told["done"], told["failed"], told["best"][0]["load.applied_force"]) == (2, 0, 0.0)
     assert main(arguments) == 2
     assert "--resume" in capsys.readouterr().err
     assert main([*arguments, "--resume"]) == 0
@@ -915,7 +915,7 @@ def test_a_study_in_a_few_lines():
     result = Study(
         CASE,
         changes=COARSE,
-        parameters={"load.axial_force": ["0 N", "50 N"]},
+        parameters={"load.applied_force": ["0 N", "50 N"]},
         responses=["line_load_N_per_m"],
     ).run(workers=0)
     assert result.table["line_load_N_per_m"].is_monotonic_increasing

@@ -32,7 +32,7 @@ ROOT = Path(__file__).parent.parent
 def study(**tables):
     standard = {
         "changes": COARSE,
-        "parameters": {"load.axial_force": ["0 N", "1 N", "2 N", "3 N"]},
+        "parameters": {"load.applied_force": ["0 N", "1 N", "2 N", "3 N"]},
         "responses": ["line_load_N_per_m"],
         "run": {"time_limit": "2 s"},
     }
@@ -61,7 +61,7 @@ def hang_in(evaluate, how):
     harmless = evaluate.evaluation
 
     def armed(case, columns, *, interpolate=True):
-        if case.load.axial_force == NEVER:
+        if case.load.applied_force == NEVER:
             how()
         return harmless(case, columns, interpolate=interpolate)
 
@@ -91,7 +91,7 @@ def test_a_design_that_never_ends_is_a_failed_row(tmp_path, monkeypatch, capsys,
     )
     said = capsys.readouterr().err
     # who it is, before it fails
-    assert 'the design load.axial_force = "2 N"; it fails after 2 s (run.time_limit)' in said
+    assert 'the design load.applied_force = "2 N"; it fails after 2 s (run.time_limit)' in said
     # it stays failed, until it is asked for
     again = run_study(study(), folder=tmp_path, workers=0, resume=True)
     assert again.counts["failed"] == 1
@@ -128,8 +128,8 @@ def test_a_search_goes_on_after_a_design_that_never_ends(tmp_path, monkeypatch):
     )
     tried = result.table
     assert len(tried) == 8
-    assert NEVER in tried["load.axial_force"].tolist()
-    assert (tried["status"] == "failed").tolist() == (tried["load.axial_force"] == NEVER).tolist()
+    assert NEVER in tried["load.applied_force"].tolist()
+    assert (tried["status"] == "failed").tolist() == (tried["load.applied_force"] == NEVER).tolist()
 
 
 # A library that never comes back: deaf to all signals, deep in the system.
@@ -142,7 +142,7 @@ time_limit._APART = 0.1
 harmless = responses.evaluation
 
 def armed(case, columns, *, interpolate=True):
-    if case.load.axial_force == {NEVER}:
+    if case.load.applied_force == {NEVER}:
         libc = ctypes.CDLL(None)
         everything = (ctypes.c_ulong * 16)(*[2**64 - 1] * 16)
         libc.pthread_sigmask(0, ctypes.byref(everything), None)
@@ -162,7 +162,7 @@ def test_a_library_that_never_comes_back_ends_the_process_and_not_the_study(tmp_
     file.write_text(
         f'base = "{CASE}"\nresponses = ["line_load_N_per_m"]\n[run]\ntime_limit = "6 s"\n'
         '[changes]\nload.fluid_pressure = "10 bar"\nmesh.contact_size = "60 um"\n'
-        '[parameters]\nload.axial_force = ["0 N", "1 N", "2 N", "3 N"]\n'
+        '[parameters]\nload.applied_force = ["0 N", "1 N", "2 N", "3 N"]\n'
     )
     command = ["study", str(file), "-o", str(folder), "--workers", "0"]
     ended = subprocess.run(
@@ -217,7 +217,7 @@ def test_a_worker_whose_design_never_ends_is_replaced(tmp_path, capsys):
         took = time.monotonic() - start
     assert result.table["status"].tolist() == ["done", "done", "failed", "done"]
     assert "time limit of 6 s" in result.table["reason"][2]
-    assert 'load.axial_force = "2 N"' in capsys.readouterr().err
+    assert 'load.applied_force = "2 N"' in capsys.readouterr().err
     # once, and not once more for each retry
     assert took < 60.0
 
@@ -393,7 +393,7 @@ def scanned(tmp_path, **tables):
             "leak.plasticity": False,
             "roughness.spectrum": {"kind": "table", "file": str(tmp_path / "a.csv")},
         },
-        parameters={"load.axial_force": ["0 N", "1 N", "2 N", "3 N"]},
+        parameters={"load.applied_force": ["0 N", "1 N", "2 N", "3 N"]},
         responses=["leak_rate_m3_per_s"],
         **tables,
     )
@@ -412,7 +412,7 @@ def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypa
     plan, folder = scanned(tmp_path), tmp_path / "out"
 
     def edited(case, columns, *, interpolate=True):
-        if case.load.axial_force == 2.0:
+        if case.load.applied_force == 2.0:
             rougher(tmp_path / "a.csv")
         return harmless(case, columns, interpolate=interpolate)
 
@@ -462,11 +462,11 @@ def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeyp
     """And is no failure of the designs that miss it."""
 
     def removed(case, columns, *, interpolate=True):
-        if case.load.axial_force == 2.0:
+        if case.load.applied_force == 2.0:
             (tmp_path / "a.csv").unlink(missing_ok=True)
             raise OSError("no such file")
         yield
-        return responses.Evaluation(dict.fromkeys(columns, 1e-6 + 1e-9 * case.load.axial_force), VALID)
+        return responses.Evaluation(dict.fromkeys(columns, 1e-6 + 1e-9 * case.load.applied_force), VALID)
 
     monkeypatch.setattr(responses, "evaluation", removed)
     plan = scanned(
@@ -511,7 +511,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
     harmless = responses.evaluation
 
     def armed(case, columns, *, interpolate=True):
-        begun.append(case.load.axial_force)
+        begun.append(case.load.applied_force)
         if len(begun) == 2:
             how(folder)
         return harmless(case, columns, interpolate=interpolate)
@@ -539,7 +539,7 @@ def test_a_search_that_was_killed_while_it_told_a_result_resumes_in_silence(tmp_
         constraints={"light": 'peak_pressure_Pa < "1 GPa"', "real": 'peak_pressure_Pa > "0 Pa"'},
         optimise={"minimise": "peak_pressure_Pa", "trials": 6, "batch": 2},
         responses=["peak_pressure_Pa"],
-        parameters={"load.axial_force": {"distribution": "uniform", "low": "0 N", "high": "400 N"}},
+        parameters={"load.applied_force": {"distribution": "uniform", "low": "0 N", "high": "400 N"}},
     )
     whole = run_study(searching, folder=tmp_path / "whole", workers=0)
     set_constraint, told = Trial.set_constraint, []

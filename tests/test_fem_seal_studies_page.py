@@ -37,7 +37,7 @@ def parameter(name, unit="", levels=(), distribution=None, bounds=None):
 
 
 ANGLE = parameter("seat.angle", "rad", [math.pi / 6, math.pi / 4, math.pi / 3])
-FORCE = parameter("load.axial_force", "N", distribution="Uniform", bounds=(0.0, 200.0))
+FORCE = parameter("load.applied_force", "N", distribution="Uniform", bounds=(0.0, 200.0))
 
 
 def made(parameters, columns, failed=(), **about):
@@ -79,7 +79,7 @@ def angles(**about):
 
 def forces(count=40, **about):
     force = np.linspace(0.5, 199.5, count)
-    columns = {"load.axial_force": force, LEAK_RATE: ML * np.exp(-force / 50)}
+    columns = {"load.applied_force": force, LEAK_RATE: ML * np.exp(-force / 50)}
     return made([FORCE], columns, **about)
 
 
@@ -148,10 +148,10 @@ def test_parallel_coordinates_show_the_verdict():
 
 
 def test_map_marks_designs_that_violate_constraints():
-    force = parameter("load.axial_force", "N", [0.0, 100.0])
+    force = parameter("load.applied_force", "N", [0.0, 100.0])
     columns = {
         "seat.angle": np.repeat(ANGLE["levels"], 2),
-        "load.axial_force": [0.0, 100.0] * 3,
+        "load.applied_force": [0.0, 100.0] * 3,
         PRESSURE: [20e6, 30e6, 30e6, 50e6, 50e6, 60e6],
         LEAK_RATE: np.geomspace(1, 100, 6) * ML,
     }
@@ -205,9 +205,9 @@ def test_words_and_truth_values_have_axes():
 )
 def test_a_parameter_has_the_axis_that_it_was_varied_on(varied, logarithmic):
     # samples that span a factor of ten, whatever they were drawn from
-    columns = {"load.axial_force": [1.0, 4.0, 16.0], LEAK_RATE: [ML, 2 * ML, 3 * ML]}
-    display = Display(made([parameter("load.axial_force", "N", **varied)], columns))
-    assert display.logarithmic("load.axial_force") is logarithmic
+    columns = {"load.applied_force": [1.0, 4.0, 16.0], LEAK_RATE: [ML, 2 * ML, 3 * ML]}
+    display = Display(made([parameter("load.applied_force", "N", **varied)], columns))
+    assert display.logarithmic("load.applied_force") is logarithmic
     assert plots.response_plot(display).layout.xaxis.type == ("log" if logarithmic else "linear")
 
 
@@ -237,7 +237,7 @@ def test_ticks_stay_within_the_designs_that_did_not_fail():
 # One of each; that every column has the unit in its name is tested with the columns.
 UNITS = {
     "fluid_pressure_Pa": "Pa",
-    "axial_force_N": "N",
+    "contact_force_N": "N",
     "line_load_N_per_m": "N/m",
     "fwhm_m": "m",
     "leak_rate_m3_per_s": "m^3/s",
@@ -360,10 +360,10 @@ def test_a_search_for_two_goals_shows_its_course():
 
 
 def test_a_design_that_occurs_twice_is_listed_once():
-    columns = {"load.axial_force": [10.0, 5.0, 10.0, 5.0, 0.0], LEAK_RATE: np.array([1, 2, 1, 2, 3]) * ML}
+    columns = {"load.applied_force": [10.0, 5.0, 10.0, 5.0, 0.0], LEAK_RATE: np.array([1, 2, 1, 2, 3]) * ML}
     one = made([FORCE], columns, goals={LEAK_RATE: LEAK_RATE})
     assert one.best(10) == [0, 1, 4]
-    two = made([FORCE], columns, goals={LEAK_RATE: LEAK_RATE, "load.axial_force": "load.axial_force"})
+    two = made([FORCE], columns, goals={LEAK_RATE: LEAK_RATE, "load.applied_force": "load.applied_force"})
     assert two.best(10) == [0, 1, 4]
 
 
@@ -379,10 +379,10 @@ def test_the_table_of_the_command_line_is_never_cut(tmp_path, capsys, monkeypatc
     from fem_seal.cli import main
 
     (tmp_path / "study.toml").write_text(
-        f'base = "{CASE}"\nresponses = ["fluid_pressure_Pa", "line_load_N_per_m", "axial_force_N"]\n'
+        f'base = "{CASE}"\nresponses = ["fluid_pressure_Pa", "line_load_N_per_m", "contact_force_N"]\n'
         '[changes]\nload.fluid_pressure = "10 bar"\nmesh.contact_size = "60 um"\n'
         '[parameters]\nroughness.spectrum.rms_height = ["1 um", "2 um", "3 um"]\n'
-        'load.axial_force = ["0 N", "50 N", "100 N"]\nleak.plasticity = [true, false]\n'
+        'load.applied_force = ["0 N", "50 N", "100 N"]\nleak.plasticity = [true, false]\n'
         '[report]\ngoals = { line_load_N_per_m = "min" }\n'
     )
     monkeypatch.setenv("COLUMNS", str(width))
@@ -438,7 +438,7 @@ def judged(designs, *levels):
     return Designs(table, designs.about)
 
 
-FOUR = {"load.axial_force": [10.0, 20.0, 30.0, 40.0], LEAK_RATE: np.array([4, 3, 2, 1]) * ML}
+FOUR = {"load.applied_force": [10.0, 20.0, 30.0, 40.0], LEAK_RATE: np.array([4, 3, 2, 1]) * ML}
 LEVELS = ("valid", "doubtful", "outside the theory", "outside the theory")
 
 
@@ -466,7 +466,7 @@ def test_front_course_and_best_leave_out_what_is_outside_the_theory():
 
 def test_constraints_and_theory_are_told_apart():
     designs = judged(
-        made([FORCE], FOUR, constraints={"strong": "load.axial_force > 15"}, goals={LEAK_RATE: LEAK_RATE}),
+        made([FORCE], FOUR, constraints={"strong": "load.applied_force > 15"}, goals={LEAK_RATE: LEAK_RATE}),
         *LEVELS,
     )
     assert designs.why_not_counted == "violate a constraint or are outside the theory"
@@ -478,7 +478,7 @@ def test_constraints_and_theory_are_told_apart():
 
 
 def test_no_class_is_claimed_outside_the_theory():
-    tight = {"load.axial_force": [10.0, 20.0, 30.0, 40.0], LEAK_RATE: np.zeros(4)}
+    tight = {"load.applied_force": [10.0, 20.0, 30.0, 40.0], LEAK_RATE: np.zeros(4)}
     section = headings(judged(made([FORCE], tight), *LEVELS))["Leakage classes"]
     assert {row[-1] for row in section.rows} == {"50 %"}
     assert "Outside the theory no class is claimed" in section.note

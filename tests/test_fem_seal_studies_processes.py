@@ -344,7 +344,7 @@ def _small(folder):
     path.write_text(
         f'base = "{CASE}"\nresponses = ["line_load_N_per_m"]\n'
         '[changes]\nload.fluid_pressure = "10 bar"\nmesh.contact_size = "60 um"\n'
-        '[parameters]\nload.axial_force = ["0 N", "1 N", "2 N", "3 N"]\n'
+        '[parameters]\nload.applied_force = ["0 N", "1 N", "2 N", "3 N"]\n'
     )
     return path
 
@@ -356,7 +356,7 @@ def _arm(deadly):
     harmless = responses.evaluation
 
     def armed(case, columns, *, interpolate=True):
-        if case.load.axial_force == deadly:
+        if case.load.applied_force == deadly:
             os.kill(os.getpid(), signal.SIGKILL)
         return harmless(case, columns, interpolate=interpolate)
 

@@ -50,7 +50,7 @@ def test_contacts_that_are_solved_together_are_those_of_each_alone(model, laws):
     found = solve_together(pressings)
     assert len({one.iterations for one in found}) > 1
     for one, asked in zip(found, pressings, strict=True):
-        own = solve(asked.model, asked.law, axial_force=asked.axial_force)
+        own = solve(asked.model, asked.law, contact_force=asked.contact_force)
         assert np.array_equal(one.log_pressure, own.log_pressure)
         assert np.array_equal(one.gap, own.gap)
         assert (one.approach, one.residuals) == (own.approach, own.residuals)
@@ -59,7 +59,7 @@ def test_contacts_that_are_solved_together_are_those_of_each_alone(model, laws):
 
 def test_a_contact_that_has_no_solution_leaves_the_others_theirs(model, laws):
     stiff = replace(laws[0], height=1e-4)
-    needed = max(solve(model, law, axial_force=1257.0).iterations for law in laws[1:3])
+    needed = max(solve(model, law, contact_force=1257.0).iterations for law in laws[1:3])
     settings = fem_seal.ContactSettings(max_iterations=needed + 1)
     first, never, last = solve_together(
         [Pressing(model, law, 1257.0) for law in (laws[2], stiff, laws[1])], settings
@@ -67,7 +67,7 @@ def test_a_contact_that_has_no_solution_leaves_the_others_theirs(model, laws):
     assert isinstance(never, ConvergenceError)
     assert f"did not converge in {needed + 1} iterations" in str(never)
     for one, law in ((first, laws[2]), (last, laws[1])):
-        own = solve(model, law, axial_force=1257.0, settings=settings)
+        own = solve(model, law, contact_force=1257.0, settings=settings)
         assert np.array_equal(one.log_pressure, own.log_pressure)
 
 
@@ -88,7 +88,7 @@ def test_a_calculation_fails_alone(model, laws):
         except ValueError as error:
             return str(error)
         yield None
-        return contact.axial_force
+        return contact.contact_force
 
     def never():
         yield None
@@ -112,7 +112,7 @@ def test_an_error_in_common_work_is_the_affair_of_one(model, laws, monkeypatch):
     usual = newton.solve_together
 
     def refuses(pressings, *about):
-        if any(one.axial_force == 800.0 for one in pressings):
+        if any(one.contact_force == 800.0 for one in pressings):
             raise FloatingPointError("its own")
         return usual(pressings, *about)
 
@@ -121,7 +121,7 @@ def test_an_error_in_common_work_is_the_affair_of_one(model, laws, monkeypatch):
             contact = yield Pressing(model, laws[0], force)
         except FloatingPointError as error:
             return str(error)
-        return contact.axial_force
+        return contact.contact_force
 
     monkeypatch.setattr(newton, "solve_together", refuses)
     assert [one for one, _ in together([pressed(800.0), pressed(1257.0)])] == ["its own", 1257.0]
@@ -194,9 +194,9 @@ def test_points_that_follow_explicitly_cost_no_steps(model, laws, monkeypatch):
 
     settings = [fem_seal.ContactSettings(), fem_seal.ContactSettings(1e-6, 1e-6)]
     asked = [(law, one) for law in laws for one in settings]
-    found = [solve(model, law, axial_force=1257.0, settings=one) for law, one in asked]
+    found = [solve(model, law, contact_force=1257.0, settings=one) for law, one in asked]
     monkeypatch.setattr(newton, "_MOST", newton._LEAST)
     for (law, one), fewer in zip(asked, found, strict=True):
-        coupled = solve(model, law, axial_force=1257.0, settings=one)
+        coupled = solve(model, law, contact_force=1257.0, settings=one)
         assert fewer.iterations <= coupled.iterations
         assert fewer.pressure.max() == pytest.approx(coupled.pressure.max(), rel=10 * one.gap_tolerance)

@@ -33,7 +33,7 @@ LEAK_RATE = "leak_rate_m3_per_s"
 def springs(**tables):
     given = {
         "changes": CHANGES,
-        "parameters": {"load.axial_force": ["0 N", "5 kN"]},
+        "parameters": {"load.applied_force": ["0 N", "5 kN"]},
         "responses": [LEAK_RATE],
         "report": {"goals": {LEAK_RATE: "min"}},
     }
@@ -85,7 +85,7 @@ def test_the_command_says_how_many_it_left_out(tmp_path, capsys):
     lines = "".join(f'"{key}" = "{value}"\n' for key, value in CHANGES.items())
     study.write_text(
         f'base = "{CASE}"\nresponses = ["{LEAK_RATE}"]\n[changes]\n{lines}'
-        f'[parameters]\n"load.axial_force" = ["0 N", "5 kN"]\n[report]\ngoals = {{ {LEAK_RATE} = "min" }}\n'
+        f'[parameters]\n"load.applied_force" = ["0 N", "5 kN"]\n[report]\ngoals = {{ {LEAK_RATE} = "min" }}\n'
     )
     assert main(["study", str(study), "--workers", "0"]) == 0
     told = capsys.readouterr().out
@@ -103,7 +103,7 @@ def test_a_search_does_not_end_outside_the_theory(tmp_path):
 
     def search(folder, **tables):
         study = springs(
-            parameters={"load.axial_force": {"distribution": "log-uniform", "low": "10 N", "high": "8 kN"}},
+            parameters={"load.applied_force": {"distribution": "log-uniform", "low": "10 N", "high": "8 kN"}},
             optimise={"minimise": LEAK_RATE, "trials": 10, "batch": 5},
             report={},
             **tables,
@@ -126,7 +126,7 @@ def test_a_search_does_not_end_outside_the_theory(tmp_path):
 
 
 def test_a_row_says_what_the_run_says_but_for_the_mesh():
-    case = fem_seal.load_case(CASE).replace({**CHANGES, "load.axial_force": "5 kN"})
+    case = fem_seal.load_case(CASE).replace({**CHANGES, "load.applied_force": "5 kN"})
     quick = evaluate(case, [LEAK_RATE]).validity
     (load,) = fem_seal.run(case).loads
     assert quick.level is load.validity.level is Level.OUTSIDE
@@ -142,7 +142,7 @@ def test_a_design_near_opening_says_so():
     opens = case.touch_radius**2 * math.pi * 20e5
     load = {"load.fluid_pressure": "20 bar", "load.pressure_side": "inner"}
     near, far = (
-        evaluate(case.replace({**load, "load.axial_force": f"{factor * opens} N"}), ["fwhm_m"]).validity
+        evaluate(case.replace({**load, "load.applied_force": f"{factor * opens} N"}), ["fwhm_m"]).validity
         for factor in (1.02, 2.0)
     )
     assert "near opening" in [one.kind for one in near.cautions]

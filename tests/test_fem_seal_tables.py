@@ -24,7 +24,7 @@ from fem_seal.output.tables import leak_table, profile_array, write_leak_csv, wr
 from fem_seal.units import given, leak_rate_text, number, percent, quantity, trimmed, unit_for
 
 LEAK_HEADER = (
-    "fluid_pressure_Pa,axial_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
+    "fluid_pressure_Pa,contact_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
     "leak_rate_m3_per_s,leak_rate_elastic_m3_per_s,critical_separation_m,critical_separation_elastic_m,"
     "max_von_mises_Pa,leak_rate_low_m3_per_s,leak_rate_high_m3_per_s,"
     "leak_rate_kg_per_s,leak_rate_Pa_m3_per_s,leak_rate_standard_m3_per_s,knudsen_number,"
@@ -57,10 +57,12 @@ def test_leak_table_is_consistent_with_statics_and_geometry():
     table = leak_table(result)
     r0, theta = 0.02 * math.sin(math.radians(45)), math.radians(45)
     np.testing.assert_allclose(
-        table["axial_force_N"], math.pi * r0**2 * table["fluid_pressure_Pa"], rtol=1e-12
+        table["contact_force_N"], math.pi * r0**2 * table["fluid_pressure_Pa"], rtol=1e-12
     )
     np.testing.assert_allclose(
-        table["line_load_N_per_m"], table["axial_force_N"] / (2 * math.pi * r0 * math.cos(theta)), rtol=1e-12
+        table["line_load_N_per_m"],
+        table["contact_force_N"] / (2 * math.pi * r0 * math.cos(theta)),
+        rtol=1e-12,
     )
     # the centre of pressure stays within a fraction of the width around first touch
     assert (abs(table["contact_radius_m"] - r0) < 0.1 * table["std_m"]).all()
@@ -124,7 +126,7 @@ def test_profile_csv_gives_the_line_load_back(tmp_path):
         assert pressure == load.fluid_pressure
         # trapezoids through Gauss points: good to a few 1e-3
         force = np.trapezoid(rows["contact_pressure_Pa"] * 2 * np.pi * rows["r_m"], rows["x_m"])
-        assert force * math.cos(math.radians(45)) == pytest.approx(load.axial_force, rel=5e-3)
+        assert force * math.cos(math.radians(45)) == pytest.approx(load.contact_force, rel=5e-3)
         fluid = rows["fluid_pressure_in_gap_Pa"].to_numpy()
         assert (np.diff(fluid) >= 0).all() and 0 <= fluid[0] < 0.05 * pressure < 0.95 * pressure < fluid[
             -1
@@ -181,7 +183,7 @@ def test_summary_holds_the_whole_input_in_si_with_defaults():
     assert told["seat"]["material"]["hardness"] == 3.5e9
     assert told["roughness"]["spectrum"]["q_high"] == 3.14159e6
     assert told["load"]["fluid_pressure"] == [2e5, 5e5, 20e5]
-    assert told["load"]["axial_force"] == 0.0
+    assert told["load"]["applied_force"] == 0.0
     assert told["leak"]["percolation_threshold"] == 0.42
     assert told["interface"] == {"law": "persson", "plastic": False, "gamma": None, "u0": None, "p_c": None}
     assert told["fluid"]["viscosity"] == case().fluid.viscosity

@@ -251,7 +251,7 @@ def test_a_grown_ball_is_a_larger_ball() -> None:
         smooth_case(
             closure={"shape": "ball", "radius": f"{20 * (1 + strain)!r} mm", "material": GROWING},
             seat=cone(STEADY, bore_radius="12 mm"),
-            load={"fluid_pressure": "20 bar", "axial_force": "0 N"},
+            load={"fluid_pressure": "20 bar", "applied_force": "0 N"},
         )
     )
     assert hot.profile.peak_pressure == pytest.approx(cold.profile.peak_pressure, rel=strain)
@@ -327,7 +327,7 @@ def test_a_body_that_does_not_reach_its_yield_stress_is_elastic_when_heated() ->
 
 def test_fluid_between_the_surfaces_is_solved_with_the_heat() -> None:
     held = {"wall": "fixed", "outer_radius": "25 mm"}
-    load = {"fluid_pressure": "20 bar", "closing": "penetration", "axial_force": "2 kN"}
+    load = {"fluid_pressure": "20 bar", "closing": "penetration", "applied_force": "2 kN"}
     hot = heated(seat=held, load=load, temperature={"uniform": "120 degC", "housing_expansion": "4e-6 1/K"})
     fitted = heated(seat={**held, "interference": "15 um"}, load=load)
     assert contact_of(hot).pressure == pytest.approx(contact_of(fitted).pressure, rel=1e-6, abs=1e3)
@@ -794,7 +794,7 @@ def test_a_body_that_yields_by_its_press_fit_is_the_same_by_heat() -> None:
     soft = {**STEADY, "stress_strain": {"plastic_strain": [0, 0.02], "stress": ["150 MPa", "300 MPa"]}}
     held = {"wall": "fixed", "outer_radius": "25 mm"}
     more: dict[str, Any] = {
-        "load": {"fluid_pressure": "20 bar", "closing": "penetration", "axial_force": "2 kN"},
+        "load": {"fluid_pressure": "20 bar", "closing": "penetration", "applied_force": "2 kN"},
         "mesh": {"contact_size": "40 um"},
     }
     hot = contact_of(

@@ -211,7 +211,7 @@ def test_the_worst_load_decides_and_a_load_that_opens_fails():
     result = required(leak_rate="1e-3 m^3/s")
     worst = max(result.leak_ranges, key=lambda ends: ends[1])
     assert result.margin == pytest.approx(1e-3 / worst[1], rel=1e-12)
-    opened = {(64e5, 0.0): LoadProblem("load.axial_force", "the seal is open")}
+    opened = {(64e5, 0.0): LoadProblem("load.applied_force", "the seal is open")}
     unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
     assert required(missing=opened, leak_rate="1e-3 m^3/s").verdict == "fails"
     left = required(missing=unsolved, leak_rate="1e-3 m^3/s")
@@ -221,7 +221,7 @@ def test_the_worst_load_decides_and_a_load_that_opens_fails():
 
 
 def test_only_the_loads_that_are_asked_for_decide():
-    opened = {(64e5, 0.0): LoadProblem("load.axial_force", "the seal is open")}
+    opened = {(64e5, 0.0): LoadProblem("load.applied_force", "the seal is open")}
     result = required(missing=opened, leak_rate="1e-3 m^3/s", fluid_pressure=["2 bar", "5 bar"])
     assert result.verdict == "holds" and result.judgement.judged == (0, 1)
     assert result.loads[2].verdict is None and result.loads[2].margin is None
@@ -333,7 +333,7 @@ def test_report_terminal_and_summary_say_the_same_verdict(capsys):
 
 def test_each_way_to_a_verdict_has_its_sentence():
     solved = rough_result()
-    opened = {(64e5, 10.0): LoadProblem("load.axial_force", "the seal is open")}
+    opened = {(64e5, 10.0): LoadProblem("load.applied_force", "the seal is open")}
     unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
     outside = replace(solved, loads=tuple(load.knowing(validity=OUTSIDE) for load in solved.loads))
     few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", either_way(3.3))])
@@ -446,7 +446,7 @@ def test_a_sealed_design_has_a_margin_that_can_be_compared():
         closure=ball(),
         seat=cone(soft),
         roughness={"spectrum": {**smooth, "q_rolloff": "1e4 1/m", "q_high": "1e6 1/m"}},
-        load={"fluid_pressure": "20 bar", "axial_force": "40 kN"},
+        load={"fluid_pressure": "20 bar", "applied_force": "40 kN"},
         requirement={"leak_rate": "1 ml/min"},
     )
     found = evaluate(tight, ["leak_rate_m3_per_s", "margin"])

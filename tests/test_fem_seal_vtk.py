@@ -63,7 +63,7 @@ def test_fields_come_back_bit_by_bit(result, folder, complaints):
         pressure = np.concatenate([body.contact_pressure for body in bodies])
         np.testing.assert_array_equal(grid["contact_pressure_Pa"], pressure)
         assert grid.field_data["fluid_pressure_Pa"][0] == load.fluid_pressure
-        assert grid.field_data["axial_force_N"][0] == load.axial_force
+        assert grid.field_data["contact_force_N"][0] == load.contact_force
     assert complaints.GetOutput() == ""
 
 

@@ -97,7 +97,7 @@ def test_bodies_that_never_yield_are_elastic_ones(law: Law, path: FluidPath) -> 
     model, force = seal(law, 2e6, closure=STRONG, seat=STRONG, refine=0.35, supports=Supports(wall="fixed"))
     spring, pressure = (force, 5e5) if path.side == "inner" else (0.0, 2e6)
     elastic = solve_penetration(
-        FluidAndContact(model, law, path, FIT), closing_force=spring, fluid_pressure=pressure
+        FluidAndContact(model, law, path, FIT), applied_force=spring, fluid_pressure=pressure
     )
     whole = load_path(
         model,
@@ -109,7 +109,7 @@ def test_bodies_that_never_yield_are_elastic_ones(law: Law, path: FluidPath) -> 
     (contact,) = whole.contacts
     assert contact.pressure == pytest.approx(elastic.pressure, rel=1e-7, abs=1e-8 * elastic.pressure.max())
     assert contact.loads.gap_pressure == pytest.approx(elastic.loads.gap_pressure, abs=1e-7 * pressure)
-    assert contact.axial_force == pytest.approx(elastic.axial_force, rel=1e-8)
+    assert contact.contact_force == pytest.approx(elastic.contact_force, rel=1e-8)
     assert len(contact.equilibrium_residuals) == 1
     for name, field in elastic.fields.items():
         moved = contact.fields[name].displacement
@@ -140,7 +140,7 @@ def test_given_loads_are_those_that_the_fluid_was_found_with() -> None:
         model, LAW, [FluidLoad(spring, 100e5, flowing("inner"))], settings=one, unload=False
     ).contacts
     (given,) = load_path(
-        model, LAW, [PathLoad(found.axial_force, found.loads)], settings=one, unload=False
+        model, LAW, [PathLoad(found.contact_force, found.loads)], settings=one, unload=False
     ).contacts
     # both are balanced to 1e-9 of the largest nodal force
     assert given.pressure == pytest.approx(found.pressure, rel=1e-6, abs=1e-6 * found.pressure.max())
@@ -196,7 +196,7 @@ def test_spring_fluid_and_contact_are_in_balance_at_every_load() -> None:
         internal = body.solid.internal_forces(contact.states["seat"].stress)
         bottom = np.asarray(body.held.basis.get_dofs("seat_bottom").all(["u^2"]))
         on_faces = pressure * body.held.further["inner"][node_dofs(body.held.basis)[1]].sum()
-        carried = contact.axial_force + float(line.normal[1] @ (line.area_weight * gap)) - on_faces
+        carried = contact.contact_force + float(line.normal[1] @ (line.area_weight * gap)) - on_faces
         assert internal[bottom].sum() == pytest.approx(carried, rel=1e-7)
 
 
@@ -213,8 +213,8 @@ def test_the_fluid_is_the_one_that_flows_through_the_contact_it_leaves() -> None
 def test_the_same_pressure_on_the_way_up_and_down() -> None:
     """A coined seat that is unloaded further and comes back yields no more: the same contact, but for reverse yield."""
     _, up, high, down, _ = relief().contacts
-    assert high.axial_force < 0.3 * up.axial_force
-    assert down.axial_force == pytest.approx(up.axial_force, rel=1e-4)
+    assert high.contact_force < 0.3 * up.contact_force
+    assert down.contact_force == pytest.approx(up.contact_force, rel=1e-4)
     assert down.profile.std == pytest.approx(up.profile.std, rel=1e-2)
 
 
@@ -228,7 +228,7 @@ def test_a_spring_that_closes_first_leaves_another_seat_than_one_that_comes_with
         unload=False,
     ).contacts[0]
     after = relief().contacts[2]
-    assert after.axial_force == pytest.approx(together.axial_force, rel=0.03)
+    assert after.contact_force == pytest.approx(together.contact_force, rel=0.03)
     # coined by six times the force, the seat fits the ball
     assert after.profile.std > 1.1 * together.profile.std
     assert after.profile.peak_pressure < 0.9 * together.profile.peak_pressure
@@ -237,7 +237,7 @@ def test_a_spring_that_closes_first_leaves_another_seat_than_one_that_comes_with
 def test_more_steps_change_little() -> None:
     """Implicit Euler, of first order: the width changes by less than a per cent."""
     for few, many in zip(relief(4).contacts, relief().contacts, strict=True):
-        assert few.axial_force == pytest.approx(many.axial_force, rel=2e-3)
+        assert few.contact_force == pytest.approx(many.contact_force, rel=2e-3)
         assert few.profile.std == pytest.approx(many.profile.std, rel=1e-2)
 
 
@@ -252,7 +252,7 @@ def test_an_open_seal_leaves_no_trace() -> None:
     # the spring's force on a circle inside the contact
     radius = math.sqrt(soft()[1] / (math.pi * path.opened[4].error.blow_off_pressure))
     assert abs(radius - model.touch_radius) < 3 * path.contacts[0].profile.std
-    assert path.contacts[-1].axial_force > path.contacts[1].axial_force
+    assert path.contacts[-1].contact_force > path.contacts[1].contact_force
 
 
 @pytest.mark.parametrize("fluid", [flowing("inner"), HeldFluid("inner")], ids=["flowing", "held"])
@@ -262,7 +262,7 @@ def test_blow_off_of_a_coined_seat_is_where_its_path_ends(fluid: FluidPath) -> N
     few = PlasticSettings(steps=4)
     coined = load_path(model, LAW, [FluidLoad(spring, 0.0, fluid)], settings=few, unload=False).contacts[0]
     assert isinstance(coined, ElastoplasticContact)
-    opens = blow_off_pressure(FluidAndContact(coined.unloading, LAW, fluid), closing_force=spring)
+    opens = blow_off_pressure(FluidAndContact(coined.unloading, LAW, fluid), applied_force=spring)
     pressures = (0.0, 0.995 * opens, 1.005 * opens)
     path = load_path(
         model, LAW, [FluidLoad(spring, one, fluid) for one in pressures], settings=few, unload=False
@@ -270,7 +270,7 @@ def test_blow_off_of_a_coined_seat_is_where_its_path_ends(fluid: FluidPath) -> N
     assert list(path.opened) == [2]
     closed = path.contacts[1]
     # a held fluid gets through while there still is a contact
-    assert 0 < closed.axial_force < (0.03 if isinstance(fluid, FlowThrough) else 0.1) * spring
+    assert 0 < closed.contact_force < (0.03 if isinstance(fluid, FlowThrough) else 0.1) * spring
     radius = effective_radius(closed, pressures[1])
     assert radius == pytest.approx(model.touch_radius, abs=3 * coined.profile.std)
 
@@ -282,7 +282,7 @@ def test_bodies_answer_to_unloading_as_their_path_does() -> None:
     coined, less = load_path(
         model, LAW, [PathLoad(spring), PathLoad(0.7 * spring)], settings=few, unload=False
     ).contacts
-    foretold = solve(coined.unloading, LAW, axial_force=0.7 * spring)
+    foretold = solve(coined.unloading, LAW, contact_force=0.7 * spring)
     assert less.pressure == pytest.approx(foretold.pressure, rel=1e-3, abs=1e-3 * less.pressure.max())
 
 
@@ -314,7 +314,7 @@ VALVE = {
     "load": {
         "pressure_side": "inner",
         "closing": "penetration",
-        "axial_force": "6 kN",
+        "applied_force": "6 kN",
         "largest_earlier_force": "6 kN",
         "fluid_pressure": ["100 bar", "350 bar", "450 bar", "100 bar"],
     },
@@ -337,10 +337,10 @@ def test_a_relief_valve_from_its_case() -> None:
     problem, model, solved = valve_run()
     # 450 bar is more than the spring holds on a radius of 7.07 mm; the loads after it go on
     assert list(solved.failures) == [2]
-    assert "give an axial_force above" in solved.problems[2].message
+    assert "give an applied_force above" in solved.problems[2].message
     assert [contact.loads.closure["inner"] for contact in solved.contacts] == [100e5, 350e5, 100e5]
     assert solved.unloaded is not None and "seat" in solved.unloaded.imprints
-    assert solved.earlier is not None and solved.earlier.axial_force == 6000.0
+    assert solved.earlier is not None and solved.earlier.contact_force == 6000.0
     # the path of the case is that of the solver called by hand
     solver = LoadSolver(problem, model)
     path = load_path(
@@ -361,11 +361,13 @@ def test_a_relief_valve_from_its_case() -> None:
 
 @pytest.mark.parametrize("closing", ["penetration", "sealed-area"])
 def test_the_force_for_a_target_leaks_the_target_as_a_case_of_its_own(closing: str) -> None:
-    asked = valve(closing=closing, fluid_pressure="100 bar", axial_force="3 kN", largest_earlier_force=None)
+    asked = valve(closing=closing, fluid_pressure="100 bar", contact_force="3 kN", largest_earlier_force=None)
     target = 0.5 * leak_of(asked)
-    (force,) = fem_seal.axial_force_for_leak(asked, target)
+    (force,) = fem_seal.applied_force_for_leak(asked, target)
     # another mesh, sized for another force
-    assert leak_of(asked.replace({"load.axial_force": f"{force:.12g} N"})) == pytest.approx(target, rel=1e-2)
+    assert leak_of(asked.replace({"load.applied_force": f"{force:.12g} N"})) == pytest.approx(
+        target, rel=1e-2
+    )
 
 
 def leak_of(case: fem_seal.Case) -> float:
@@ -413,7 +415,7 @@ MODULI = {"closure": 600e9, "seat": 210e9}
 @cache
 def sampled() -> tuple[SealProblem, SealSolution]:
     """One load of the valve as a result."""
-    case = valve(fluid_pressure="50 bar", axial_force="4 kN", largest_earlier_force=None).replace(
+    case = valve(fluid_pressure="50 bar", contact_force="4 kN", largest_earlier_force=None).replace(
         {
             "roughness.spectrum.rms_height": "2 um",
             "seat.material.stress_strain": {"plastic_strain": [0, 0.05], "stress": ["120 MPa", "180 MPa"]},
@@ -432,7 +434,7 @@ def test_a_design_of_a_study_runs_its_own_path() -> None:
     asked = valve(fluid_pressure="350 bar")
     columns = [
         "applied_force_N",
-        "axial_force_N",
+        "contact_force_N",
         "effective_seal_radius_m",
         "leak_rate_m3_per_s",
         "load_steps",
@@ -440,8 +442,8 @@ def test_a_design_of_a_study_runs_its_own_path() -> None:
     found = evaluate(asked, [*columns, "max_accumulated_plastic_strain", "opening_margin_N"]).values
     _, _, solved = valve_run()
     # there it comes after 100 bar, here straight from the spring: nearly the same path
-    assert found["axial_force_N"] == pytest.approx(solved.contacts[1].axial_force, rel=1e-2)
+    assert found["contact_force_N"] == pytest.approx(solved.contacts[1].contact_force, rel=1e-2)
     fluid = math.pi * found["effective_seal_radius_m"] ** 2 * 350e5
-    assert found["axial_force_N"] == pytest.approx(found["applied_force_N"] - fluid, rel=1e-9)
+    assert found["contact_force_N"] == pytest.approx(found["applied_force_N"] - fluid, rel=1e-9)
     assert found["max_accumulated_plastic_strain"] > 1e-3 and found["leak_rate_m3_per_s"] > 0
-    assert 0 < found["opening_margin_N"] < found["axial_force_N"] * 1.1
+    assert 0 < found["opening_margin_N"] < found["contact_force_N"] * 1.1

@@ -83,7 +83,7 @@ def test_the_manual_has_inputs():
 def test_inputs_of_the_how_to_pages_are_valid(page, text):
     given = tomllib.loads(text)
     if "closure" in given and "seat" in given:
-        assert all(load.closing_force > 0 for load in derive(Case(**given)).loads)
+        assert all(load.contact_force > 0 for load in derive(Case(**given)).loads)
         return
     # a part of a case, which goes into the example that the page is about
     case = fem_seal.load_case(ROOT / "examples" / "ball_cone.toml")

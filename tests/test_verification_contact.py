@@ -44,7 +44,7 @@ def deviations(model: ContactModel, solution: ContactSolution, law: ExponentialL
 @pytest.fixture(scope="module")
 def default() -> tuple[ContactModel, list[ContactSolution]]:
     model, forces = ball_on_cone(LAW, PRESSURES)
-    return model, [solve(model, LAW, axial_force=force) for force in forces]
+    return model, [solve(model, LAW, contact_force=force) for force in forces]
 
 
 @pytest.mark.parametrize("index", range(3), ids=["2 bar", "20 bar", "200 bar"])
@@ -77,7 +77,7 @@ def test_contact_force_equals_the_applied_force(default: tuple[ContactModel, lis
         by_hand = (
             2 * np.pi * np.sum(profile.pressure * profile.radius * profile.arc_weight) * math.cos(math.pi / 4)
         )
-        assert by_hand == pytest.approx(solution.axial_force, rel=1e-12)
+        assert by_hand == pytest.approx(solution.contact_force, rel=1e-12)
 
 
 def test_newton_converges_in_a_few_iterations_and_quadratically(
@@ -94,7 +94,7 @@ def test_a_solved_contact_takes_no_further_step(
 ) -> None:
     model, solutions = default
     solved = solutions[-1]
-    again = solve(model, LAW, axial_force=solved.axial_force, start=solved)
+    again = solve(model, LAW, contact_force=solved.contact_force, start=solved)
     assert again.residuals == solved.residuals[-1:]
     np.testing.assert_array_equal(again.log_pressure, solved.log_pressure)
 
@@ -104,8 +104,8 @@ def test_one_mesh_resolves_the_widest_of_very_different_contacts() -> None:
     law = ExponentialLaw(p_c=5e9, u0=0.02e-6)
     model, forces = ball_on_cone(law, [2e5, 2e8])
     finer, (force,) = ball_on_cone(law, [2e8], refine=2.0)
-    shared = solve(model, law, axial_force=forces[-1]).profile
-    exact = solve(finer, law, axial_force=force).profile
+    shared = solve(model, law, contact_force=forces[-1]).profile
+    exact = solve(finer, law, contact_force=force).profile
     for name in ("peak_pressure", "fwhm", "std"):
         assert getattr(shared, name) == pytest.approx(getattr(exact, name), rel=2e-4)
 
@@ -115,7 +115,7 @@ def test_error_falls_with_fourth_order() -> None:
 
     def measures(refine: float) -> np.ndarray:
         model, (force,) = ball_on_cone(LAW, [2e7], refine=refine)
-        profile = solve(model, LAW, axial_force=force).profile
+        profile = solve(model, LAW, contact_force=force).profile
         return np.array([profile.peak_pressure, profile.fwhm, profile.std])
 
     exact, factors = measures(2.5), np.array([0.35, 0.5, 0.7, 1.0])
@@ -130,7 +130,7 @@ def test_error_falls_with_fourth_order() -> None:
 def test_other_angles_and_radii(degrees: float, radius: float) -> None:
     law = ExponentialLaw(p_c=5e9, u0=0.2e-6)
     model, (force,) = ball_on_cone(law, [2e6], radius=radius, angle=math.radians(degrees))
-    assert np.abs(deviations(model, solve(model, law, axial_force=force), law)).max() < 5e-4
+    assert np.abs(deviations(model, solve(model, law, contact_force=force), law)).max() < 5e-4
 
 
 @pytest.mark.parametrize(("closure", "seat"), [("tungsten carbide", "steel"), ("steel", "bronze")])
@@ -142,7 +142,7 @@ def test_dissimilar_materials(closure: str, seat: str) -> None:
     }
     model, forces = ball_on_cone(LAW, [2e5, 2e6], closure=library[closure], seat=library[seat])
     for force in forces:
-        assert np.abs(deviations(model, solve(model, LAW, axial_force=force), LAW)).max() < 5e-4
+        assert np.abs(deviations(model, solve(model, LAW, contact_force=force), LAW)).max() < 5e-4
 
 
 def test_swapping_the_materials_swaps_nothing_that_counts() -> None:
@@ -150,7 +150,7 @@ def test_swapping_the_materials_swaps_nothing_that_counts() -> None:
     profiles = []
     for closure, seat in ((hard, STEEL), (STEEL, hard)):
         model, (force,) = ball_on_cone(LAW, [2e6], closure=closure, seat=seat)
-        profiles.append(solve(model, LAW, axial_force=force).profile)
+        profiles.append(solve(model, LAW, contact_force=force).profile)
     assert profiles[0].peak_pressure == pytest.approx(profiles[1].peak_pressure, rel=2e-4)
     assert profiles[0].std == pytest.approx(profiles[1].std, rel=2e-4)
 
@@ -158,7 +158,7 @@ def test_swapping_the_materials_swaps_nothing_that_counts() -> None:
 @pytest.mark.parametrize("pressure", [2e5, 2e6, 2e7])
 def test_hard_contact_meets_hertz(pressure: float) -> None:
     model, (force,) = ball_on_cone(HardContact(), [pressure])
-    solution = solve(model, HardContact(), axial_force=force)
+    solution = solve(model, HardContact(), contact_force=force)
     exact = hertz_line(solution.line_load, model.relative_radius, model.effective_modulus)
     profile = solution.profile
     assert profile.peak_pressure == pytest.approx(exact.peak_pressure, rel=5e-4)
@@ -173,12 +173,12 @@ def test_hard_contact_meets_hertz(pressure: float) -> None:
 def test_stiff_law_tends_to_hertz_and_soft_law_to_the_gaussian() -> None:
     stiff, soft = ExponentialLaw(p_c=5e9, u0=2e-10), ExponentialLaw(p_c=5e9, u0=5e-6)
     model, (force,) = ball_on_cone(stiff, [2e6])
-    solution = solve(model, stiff, axial_force=force)
+    solution = solve(model, stiff, contact_force=force)
     hertz = hertz_line(solution.line_load, model.relative_radius, model.effective_modulus)
     c = solution.line_load / (math.pi * model.effective_modulus * stiff.u0)
     assert solution.profile.peak_pressure / hertz.peak_pressure - 1 == pytest.approx(-1 / (4 * c), abs=3e-4)
     model, (force,) = ball_on_cone(soft, [1e4])
-    profile = solve(model, soft, axial_force=force).profile
+    profile = solve(model, soft, contact_force=force).profile
     assert profile.std == pytest.approx(math.sqrt(0.02 * soft.u0), rel=5e-4)
 
 
@@ -189,7 +189,7 @@ def test_tabulated_law_against_independent_boundary_elements(
     pressures = [2 * row["line_load_N_per_m"] / 0.02 for row in rows]
     model, forces = ball_on_cone(law, pressures)
     for row, force in zip(rows, forces, strict=True):
-        profile = solve(model, law, axial_force=force).profile
+        profile = solve(model, law, contact_force=force).profile
         assert profile.peak_pressure == pytest.approx(row["peak_pressure_Pa"], rel=5e-4)
         assert profile.fwhm == pytest.approx(row["fwhm_m"], rel=5e-4)
         assert profile.std == pytest.approx(row["std_m"], rel=5e-4)
@@ -202,7 +202,7 @@ def test_virial_identity_for_a_tabulated_law(greenwood_williamson: TabulatedLaw)
     """f_N var(x)/R = f_N^2/(pi E*) + int Phi(u) dx, Phi(u) = int_u^inf p du': no closed solution is used."""
     law = greenwood_williamson
     model, (force,) = ball_on_cone(law, [2e6])
-    solution = solve(model, law, axial_force=force)
+    solution = solve(model, law, contact_force=force)
     profile, f_N = solution.profile, solution.line_load
     log_p = np.linspace(
         np.log(profile.pressure[profile.pressure > 0].min()), np.log(profile.peak_pressure), 20001
@@ -229,7 +229,7 @@ def test_result_does_not_depend_on_the_unit_system() -> None:
         law = ExponentialLaw(p_c=5e9 * stress, u0=0.76e-6 * length)
         material = Material("steel", 210e9 * stress, 0.3)
         model = condense(build(ball, seat, sizing), {"closure": material, "seat": material})
-        profiles.append(solve(model, law, axial_force=1000.0 * stress * length**2).profile)
+        profiles.append(solve(model, law, contact_force=1000.0 * stress * length**2).profile)
     assert profiles[1].peak_pressure == pytest.approx(profiles[0].peak_pressure * m, rel=1e-9)
     assert profiles[1].std == pytest.approx(profiles[0].std * k, rel=1e-9)
 
@@ -241,14 +241,14 @@ def test_size_of_the_housing_hardly_matters() -> None:
         seat = ConicalSeat.around(math.radians(45), ball, outer_radius=0.044 * scale, height=0.03 * scale)
         sizing = Sizing(2e-5, 3e-4, (-1e-3, 1e-3), 0.1, 0.25, 2.5e-3)
         model = condense(build(ball, seat, sizing), {"closure": STEEL, "seat": STEEL})
-        profiles.append(solve(model, LAW, axial_force=1256.0).profile)
+        profiles.append(solve(model, LAW, contact_force=1256.0).profile)
     assert profiles[0].peak_pressure == pytest.approx(profiles[1].peak_pressure, rel=3e-5)
 
 
 def test_p_c_only_shifts_the_approach() -> None:
     model, (force,) = ball_on_cone(LAW, [2e6])
     other = ExponentialLaw(p_c=LAW.p_c * math.e**2, u0=LAW.u0)
-    a, b = (solve(model, law, axial_force=force) for law in (LAW, other))
+    a, b = (solve(model, law, contact_force=force) for law in (LAW, other))
     assert b.profile.pressure == pytest.approx(a.profile.pressure, rel=1e-8)
     assert (a.approach - b.approach) * math.cos(math.pi / 4) == pytest.approx(2 * LAW.u0, rel=1e-6)
 
@@ -263,7 +263,7 @@ def test_compliance_is_symmetric_and_positive() -> None:
 def test_stress_under_hertz_contact() -> None:
     """von Mises maximum 0.5577 p0 at depth 0.704 a (line contact, plane strain, nu = 0.3; Johnson 1985, 4.2)."""
     model, (force,) = ball_on_cone(HardContact(), [2e5])
-    solution = solve(model, HardContact(), axial_force=force)
+    solution = solve(model, HardContact(), contact_force=force)
     exact = hertz_line(solution.line_load, 0.02, model.effective_modulus)
     for field in body_fields(solution).values():
         node = np.argmax(field.von_mises)
@@ -284,7 +284,7 @@ def test_the_largest_stress_is_that_of_a_finer_mesh() -> None:
     found = []
     for factor in (1, 2.5):
         model = condense(build_contact(contact, sizes.refined(factor)), {"closure": STEEL, "seat": STEEL})
-        fields = body_fields(solve(model, LAW, axial_force=1257.0))
+        fields = body_fields(solve(model, LAW, contact_force=1257.0))
         found.append([float(field.von_mises.max()) for field in fields.values()])
     assert found[0] == pytest.approx(found[1], rel=3e-3)
 
@@ -303,8 +303,8 @@ def test_a_wall_held_by_forces_is_a_wall_that_is_held() -> None:
     for name, expected in fixed.seat.loads.items():
         load = found.seat.loads[name]
         pairs += [(load.opening, expected.opening), (load.response, expected.response)]
-        assert load.axial_force == pytest.approx(
-            expected.axial_force, abs=1e-2
+        assert load.contact_force == pytest.approx(
+            expected.contact_force, abs=1e-2
         )  # of forces of GN by the wall
     forces = np.random.default_rng(0).normal(size=fixed.seat.basis.N)
     pairs.append((found.seat.solve(forces), fixed.seat.solve(forces)))
@@ -336,14 +336,14 @@ def test_non_convergence_says_which_load_and_what_to_do() -> None:
     with pytest.raises(
         ConvergenceError, match=r"axial force .* did not converge in 2 iterations.*\[mesh\] contact_size"
     ):
-        solve(model, LAW, axial_force=force, settings=ContactSettings(max_iterations=2))
+        solve(model, LAW, contact_force=force, settings=ContactSettings(max_iterations=2))
 
 
 @pytest.mark.parametrize("force", [0.0, -1.0, math.nan, math.inf])
 def test_force_must_close_the_seal(force: float) -> None:
     model, _ = ball_on_cone(LAW, [2e6], refine=0.3)
-    with pytest.raises(ValueError, match="axial_force"):
-        solve(model, LAW, axial_force=force)
+    with pytest.raises(ValueError, match="contact_force"):
+        solve(model, LAW, contact_force=force)
 
 
 @pytest.mark.slow
@@ -366,14 +366,14 @@ def test_random_seals_all_converge() -> None:
             seat=second,
             refine=1.0 if number % 4 == 0 else 0.5,
         )
-        solution = solve(model, law, axial_force=force)
+        solution = solve(model, law, contact_force=force)
         assert abs(solution.force_error) < 1e-10
         assert solution.residuals[-1] < 1e-10
 
 
 def test_contacts_moved_together_move_as_each_alone() -> None:
     model, forces = ball_on_cone(LAW, [2e6, 2e7])
-    together, alone = ([solve(model, LAW, axial_force=force) for force in forces] for _ in range(2))
+    together, alone = ([solve(model, LAW, contact_force=force) for force in forces] for _ in range(2))
     move_together(together)
     for one, other in zip(together, alone, strict=True):
         for name, moved in other.moved.items():

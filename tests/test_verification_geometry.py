@@ -67,7 +67,7 @@ def pressed(
         model: ContactModel = condense(
             build_contact(contact, sizing), dict(zip(("closure", "seat"), materials, strict=True))
         )
-        return [solve(model, law, axial_force=force)]
+        return [solve(model, law, contact_force=force)]
 
     sizing = element_sizes(law, [line_load], contact, modulus).refined(refine)
     return solve_fitted(sizing, contact, solve_on)[0]
@@ -218,7 +218,7 @@ def test_nearly_fitting_sphere_meets_an_independent_program() -> None:
     closure = Sector((0.0, 0.0), (10 * MM, 20 * MM), (0.0, math.pi))
     below = Sector((lapped.centre_offset, 0.0), (20.02 * MM, 35.02 * MM), (22 * DEG, 68 * DEG))
     x, pressure = press(
-        closure, below, STEEL.youngs_modulus, 0.3, law.p_c, law.u0, solution.axial_force, 45 * DEG
+        closure, below, STEEL.youngs_modulus, 0.3, law.p_c, law.u0, solution.contact_force, 45 * DEG
     )
     crossover = crossover_line(f, 20 * 20.02 / 0.02 * MM, effective_modulus(STEEL, STEEL), law.u0)
     # far from what half-planes would do

@@ -12,7 +12,8 @@ import numpy as np
 from fem_seal.analysis.problem import LARGEST_TURNING, TURNED, SealProblem
 from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
-from fem_seal.loads import blow_off_of_sealed_area, closing_force, expected_force, line_load
+from fem_seal.former_names import former_attribute
+from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force, line_load
 from leak import (
     CrossoverLine,
     GaussianLine,
@@ -40,7 +41,7 @@ class DerivedLoad:
     ----------
     fluid_pressure : float
         [Pa]
-    closing_force : float
+    contact_force : float
         Axial force F_N that presses the closure on the seat [N]; with closing "penetration" what is expected of it.
     line_load : float
         f_N [N/m].
@@ -59,7 +60,8 @@ class DerivedLoad:
     """
 
     fluid_pressure: float
-    closing_force: float
+    contact_force: float
+    closing_force = former_attribute("closing_force", "contact_force")
     line_load: float
     hertz: HertzLine | None
     gaussian: GaussianLine | None
@@ -210,7 +212,7 @@ def nearly_open(derived: Derived) -> str:
     ----------
     derived : Derived
     """
-    carried = [load.fluid_pressure / 1e5 for load in derived.loads if math.isnan(load.closing_force)]
+    carried = [load.fluid_pressure / 1e5 for load in derived.loads if math.isnan(load.contact_force)]
     if not carried:
         return ""
     return (
@@ -232,7 +234,7 @@ def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:
 def _derive_load(
     problem: SealProblem,
     fluid_pressure: float,
-    axial_force: float,
+    applied_force: float,
     decay_length: float | None,
     *,
     profiles: bool,
@@ -241,19 +243,19 @@ def _derive_load(
     r0, R, E = problem.touch_radius, problem.contact.relative_radius, problem.effective_modulus
     profiles = profiles and not math.isinf(R)
     side = problem.loads.pressure_side
-    force = expected_force(r0, fluid_pressure, axial_force, side, problem.loads.closing)
-    if force > closing_force(r0, fluid_pressure, axial_force, side):
+    force = expected_force(r0, fluid_pressure, applied_force, side, problem.loads.closing)
+    if force > contact_force(r0, fluid_pressure, applied_force, side):
         # what a run begins with where the fluid balances the applied force or nearly so, and no estimate of the force
         force, profiles = math.nan, False
     f = line_load(force, r0, problem.contact.angle)
     return DerivedLoad(
         fluid_pressure=fluid_pressure,
-        closing_force=force,
+        contact_force=force,
         line_load=f,
         hertz=hertz_line(f, R, E) if profiles else None,
         gaussian=gaussian_line(f, R, decay_length) if decay_length and profiles else None,
         crossover=crossover_line(f, R, E, decay_length) if decay_length and profiles else None,
-        blow_off_pressure=blow_off_of_sealed_area(r0, axial_force) if side == "inner" else None,
+        blow_off_pressure=blow_off_of_sealed_area(r0, applied_force) if side == "inner" else None,
         force_for_target=_force_for_target(problem, fluid_pressure),
     )
 
@@ -272,7 +274,7 @@ def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | No
         force = expected_contact_force(flow, fluid_pressure, target)
     except InputError:
         return None
-    return force - closing_force(problem.touch_radius, fluid_pressure, 0.0, problem.loads.pressure_side)
+    return force - contact_force(problem.touch_radius, fluid_pressure, 0.0, problem.loads.pressure_side)
 
 
 CLOSED_FORMS = ("hertz", "gaussian", "crossover")

@@ -14,6 +14,7 @@ from fem_seal.analysis.chain import solve
 from fem_seal.arrays import FloatArray
 from fem_seal.case.tables import curves
 from fem_seal.errors import InputError, Problem
+from fem_seal.former_names import former_attribute, formerly
 from fem_seal.loads import expected_force
 from fem_seal.units import briefly, given
 
@@ -40,7 +41,7 @@ class LeakMap:
         The volume of a gas is that at 101325 Pa and its temperature.
     fluid_pressure : ndarray
         Pressure difference, shape (m,) [Pa].
-    axial_force : ndarray
+    applied_force : ndarray
         Shape (n,) [N].
     leak_rate, leak_rate_low, leak_rate_high : ndarray
         Volume, and the ends of its interval; the leak rate itself where there is none; NaN where nothing was
@@ -67,7 +68,8 @@ class LeakMap:
     fluid: str
     is_gas: bool
     fluid_pressure: FloatArray
-    axial_force: FloatArray
+    applied_force: FloatArray
+    axial_force = former_attribute("axial_force", "applied_force")
     leak_rate: FloatArray
     leak_rate_low: FloatArray
     leak_rate_high: FloatArray
@@ -100,7 +102,7 @@ class LeakMap:
         InputError
             If nothing is left.
         """
-        rows, columns = list(range(self.fluid_pressure.size)), list(range(self.axial_force.size))
+        rows, columns = list(range(self.fluid_pressure.size)), list(range(self.applied_force.size))
         while rows and columns:
             gaps = np.isnan(self.leak_rate[np.ix_(rows, columns)])
             if not gaps.any():
@@ -117,7 +119,7 @@ class LeakMap:
         return replace(
             self,
             fluid_pressure=self.fluid_pressure[rows],
-            axial_force=self.axial_force[columns],
+            applied_force=self.applied_force[columns],
             leak_rate=self.leak_rate[part],
             leak_rate_low=self.leak_rate_low[part],
             leak_rate_high=self.leak_rate_high[part],
@@ -134,10 +136,11 @@ class LeakMap:
         )
 
 
+@formerly(axial_force="applied_force")
 def leak_map(
     case: Case,
     fluid_pressure: Sequence[float] | None = None,
-    axial_force: Sequence[float] | None = None,
+    applied_force: Sequence[float] | None = None,
     progress: Progress | None = None,
 ) -> LeakMap:
     """Leak rate and equivalent leakage area of a seal at every fluid pressure under every force.
@@ -153,7 +156,7 @@ def leak_map(
         With roughness and fluid.
     fluid_pressure : sequence of float, optional
         Above zero [Pa]; those of the case, or if these are fewer than three, eight up to its highest.
-    axial_force : sequence of float, optional
+    applied_force : sequence of float, optional
         [N]; those of the case unless given.
     progress : callable, optional
         Told in words what is being done.
@@ -178,7 +181,7 @@ def leak_map(
             Problem("table", "needs [roughness] and [fluid]: without them there is no leak rate")
         )
     pressures = _pressures(case) if fluid_pressure is None else _increasing("pressures", fluid_pressure)
-    forces = _forces(case) if axial_force is None else _increasing("forces", axial_force)
+    forces = _forces(case) if applied_force is None else _increasing("forces", applied_force)
     if not pressures[0] > 0:
         raise InputError(
             Problem(
@@ -205,9 +208,9 @@ def leak_map(
     return _with_memory(found, solution) if yields else found
 
 
-def _contact_force(case: Case, fluid_pressure: float, axial_force: float) -> float:
+def _contact_force(case: Case, fluid_pressure: float, applied_force: float) -> float:
     side, closing = case.load.pressure_side, case.load.closing
-    return expected_force(case.touch_radius, fluid_pressure, axial_force, side, closing)
+    return expected_force(case.touch_radius, fluid_pressure, applied_force, side, closing)
 
 
 def _check_formed(case: Case) -> None:
@@ -268,7 +271,7 @@ def _with_memory(found: LeakMap, solution: SealSolution) -> LeakMap:
 def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:
     grid = {
         "fluid_pressure": [pressure for pressure, _ in points],
-        "axial_force": [force for _, force in points],
+        "applied_force": [force for _, force in points],
         # what a table does not show
         "target_leak_rate": None,
     }
@@ -299,7 +302,7 @@ def _of_solution(
         fluid=case.fluid.name,
         is_gas=case.fluid.gas is not None,
         fluid_pressure=np.array(pressures),
-        axial_force=np.array(forces),
+        applied_force=np.array(forces),
         leak_rate=rate,
         leak_rate_low=low,
         leak_rate_high=high,

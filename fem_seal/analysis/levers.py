@@ -172,7 +172,7 @@ class _Bench:
         """More force of spring or actuator: a tenth of it or, where there is none, of the contact force."""
         applied = self.load.applied_force
         own = applied > 0
-        unit = applied if own else self.load.axial_force
+        unit = applied if own else self.load.contact_force
 
         def solved(factor: float) -> LoadResult:
             force = applied + (factor - 1.0) * unit
@@ -294,7 +294,7 @@ class _Bench:
         pressures, forces = zip(*points, self.load.point, strict=True)
         of_load = {
             "load.fluid_pressure": list(pressures),
-            "load.axial_force": list(forces),
+            "load.applied_force": list(forces),
             "requirement": None,
         }
         case = self.case.replace({**of_load, **entries})

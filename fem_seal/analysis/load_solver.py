@@ -27,7 +27,7 @@ from fem_seal.contact.newton import solve
 from fem_seal.contact.path_loads import FluidLoad, PathLoad
 from fem_seal.contact.penetration import (
     blow_off_pressure,
-    least_closing_force,
+    least_applied_force,
     solve_at_contact_force,
     solve_penetration,
 )
@@ -42,7 +42,7 @@ from fem_seal.errors import (
     Problem,
     SealError,
 )
-from fem_seal.loads import blow_off_of_sealed_area, closing_force
+from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.units import briefly
 from meshes import SealMesh, Sizing, build_contact
 
@@ -68,7 +68,7 @@ class LoadSolver:
     model: ContactModel
 
     def solve(
-        self, fluid_pressure: float, axial_force: float, start: ContactSolution | None = None
+        self, fluid_pressure: float, applied_force: float, start: ContactSolution | None = None
     ) -> ContactSolution:
         """Contact under a fluid pressure [Pa] and the force of spring or actuator [N].
 
@@ -81,9 +81,9 @@ class LoadSolver:
         ConvergenceError
         """
         if self._on_sealed_area:
-            force = axial_force + self._closes(fluid_pressure)
+            force = applied_force + self._closes(fluid_pressure)
             return self._sealed_area(force, start).after(self.earlier)
-        return self._penetrated(self.seal, fluid_pressure, axial_force, start).after(self.earlier)
+        return self._penetrated(self.seal, fluid_pressure, applied_force, start).after(self.earlier)
 
     @cached_property
     def earlier(self) -> ContactSolution | None:
@@ -112,41 +112,45 @@ class LoadSolver:
         return self.problem.loads.closing == "sealed-area"
 
     def _penetrated(
-        self, seal: FluidAndContact, fluid_pressure: float, axial_force: float, start: ContactSolution | None
+        self,
+        seal: FluidAndContact,
+        fluid_pressure: float,
+        applied_force: float,
+        start: ContactSolution | None,
     ) -> ContactSolution:
         try:
             return solve_penetration(
-                seal, closing_force=axial_force, fluid_pressure=fluid_pressure, start=start
+                seal, applied_force=applied_force, fluid_pressure=fluid_pressure, start=start
             )
         except OpenSealError as error:
-            raise self._open_seal(seal, fluid_pressure, axial_force, error) from error
+            raise self._open_seal(seal, fluid_pressure, applied_force, error) from error
 
     def open_seal(
-        self, fluid_pressure: float, axial_force: float, error: OpenSealError, model: ContactModel
+        self, fluid_pressure: float, applied_force: float, error: OpenSealError, model: ContactModel
     ) -> InputError:
         """What is said of a load that opens a seal whose bodies are those of a model."""
-        return self._open_seal(replace(self.seal, model=model), fluid_pressure, axial_force, error)
+        return self._open_seal(replace(self.seal, model=model), fluid_pressure, applied_force, error)
 
     def _open_seal(
-        self, seal: FluidAndContact, fluid_pressure: float, axial_force: float, error: OpenSealError
+        self, seal: FluidAndContact, fluid_pressure: float, applied_force: float, error: OpenSealError
     ) -> InputError:
-        least = least_closing_force(seal, fluid_pressure)
-        allowed = "" if least is None else f"; give an axial_force above {briefly('force', least)}"
+        least = least_applied_force(seal, fluid_pressure)
+        allowed = "" if least is None else f"; give an applied_force above {briefly('force', least)}"
         problem = Problem(
-            "load.axial_force",
+            "load.applied_force",
             f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",
-            f"{axial_force:.6g} N",
+            f"{applied_force:.6g} N",
         )
         return InputError(problem, file=self.problem.file)
 
-    def on_path(self, fluid_pressure: float, axial_force: float) -> PathLoad | FluidLoad:
+    def on_path(self, fluid_pressure: float, applied_force: float) -> PathLoad | FluidLoad:
         """A load of the problem as one on the path of bodies that yield, by its way of closing."""
         at_rest = self.problem.at_rest(self.model)
         if self._on_sealed_area:
-            return PathLoad(axial_force + self._closes(fluid_pressure), at_rest)
+            return PathLoad(applied_force + self._closes(fluid_pressure), at_rest)
         path = self._path
         remembers = None if self.problem.loads.earlier is None else self._path_after
-        return FluidLoad(axial_force, fluid_pressure, path, at_rest, remembers)
+        return FluidLoad(applied_force, fluid_pressure, path, at_rest, remembers)
 
     def at_contact_force(
         self, fluid_pressure: float, contact_force: float, start: ContactSolution | None = None
@@ -172,14 +176,14 @@ class LoadSolver:
         contact = solve_at_contact_force(
             self.seal, contact_force=contact_force, fluid_pressure=fluid_pressure, start=start
         ).after(self.earlier)
-        return contact, contact.closing_force
+        return contact, contact.applied_force
 
-    def blow_off_pressure(self, axial_force: float, contact: ContactSolution | None = None) -> float:
+    def blow_off_pressure(self, applied_force: float, contact: ContactSolution | None = None) -> float:
         """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not.
 
         Parameters
         ----------
-        axial_force : float
+        applied_force : float
             Of spring or actuator [N].
         contact : ContactSolution, optional
             From which the pressure rises, the force staying as it is: bodies that yield keep what they have gone
@@ -187,8 +191,8 @@ class LoadSolver:
         """
         loads = self.problem.loads
         if loads.closing == "penetration":
-            return blow_off_pressure(self._seal_after(contact), closing_force=axial_force)
-        return blow_off_of_sealed_area(self.problem.touch_radius, axial_force, loads.pressure_side)
+            return blow_off_pressure(self._seal_after(contact), applied_force=applied_force)
+        return blow_off_of_sealed_area(self.problem.touch_radius, applied_force, loads.pressure_side)
 
     def opening_force(self, fluid_pressure: float, contact: ContactSolution | None = None) -> float | None:
         """Force of spring or actuator [N] below which the seal is open at a fluid pressure [Pa]; None if not found.
@@ -196,7 +200,7 @@ class LoadSolver:
         `contact` as in `blow_off_pressure`.
         """
         if self.problem.loads.closing == "penetration":
-            return least_closing_force(self._seal_after(contact), fluid_pressure)
+            return least_applied_force(self._seal_after(contact), fluid_pressure)
         return -self._closes(fluid_pressure)
 
     def _seal_after(self, contact: ContactSolution | None) -> FluidAndContact:
@@ -252,10 +256,10 @@ class LoadSolver:
 
     def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
         at_rest = self.problem.at_rest(self.model)
-        return solve(self.model, self.problem.law, axial_force=force, loads=at_rest, start=start)
+        return solve(self.model, self.problem.law, contact_force=force, loads=at_rest, start=start)
 
     def _closes(self, fluid_pressure: float) -> float:
-        return closing_force(self.problem.touch_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side)
+        return contact_force(self.problem.touch_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side)
 
 
 # What keeps one load from being solved: it opens the seal, does not converge, or its numbers leave their range.
@@ -485,7 +489,7 @@ def linearised_again(
     for contact in contacts if earlier is None else (earlier, *contacts):
         assert isinstance(contact, ElastoplasticContact) and contact.linear is not None
         again = solve(
-            contact.linear, law, axial_force=contact.axial_force, loads=contact.loads, start=contact
+            contact.linear, law, contact_force=contact.contact_force, loads=contact.loads, start=contact
         )
         found.append(again if earlier is None else again.after(found[-1] if found else None))
     return found if earlier is None else found[1:]
@@ -514,7 +518,7 @@ def solved_again(
     """
 
     def again(contact: ContactSolution) -> ContactSolution:
-        return solve(model, law, axial_force=contact.axial_force, loads=contact.loads, start=contact)
+        return solve(model, law, contact_force=contact.contact_force, loads=contact.loads, start=contact)
 
     before = None if earlier is None else again(earlier)
     return [again(contact).after(before) for contact in contacts]

@@ -12,6 +12,7 @@ import numpy as np
 from fem_seal.analysis.caution import DIRECT_SCATTER, VALID, Caution, Level, Validity, either_way
 from fem_seal.analysis.flow import Conductivity, RoughFlow
 from fem_seal.analysis.lazy import Lazy
+from fem_seal.former_names import former_attribute
 from fem_seal.units import DIGITS, digits_within, given, leak_range_text, quantity_worth, share_text
 
 if TYPE_CHECKING:
@@ -171,9 +172,11 @@ class LoadResult(Lazy):
         return self.fluid_pressure, self.applied_force
 
     @property
-    def axial_force(self) -> float:
+    def contact_force(self) -> float:
         """Force F_N that the solid contact carries [N]."""
-        return self.contact.axial_force
+        return self.contact.contact_force
+
+    axial_force = former_attribute("axial_force", "contact_force")
 
     @property
     def line_load(self) -> float:
@@ -371,7 +374,7 @@ def leak_rates(
 
 def strongest_load(loads: Sequence[LoadResult]) -> int:
     """Number of the load with the largest closing force F_N."""
-    return max(range(len(loads)), key=lambda n: loads[n].axial_force)
+    return max(range(len(loads)), key=lambda n: loads[n].contact_force)
 
 
 def highest_load(loads: Sequence[LoadResult]) -> int:

@@ -7,7 +7,7 @@ import math
 from fem_seal.analysis.problem import SealProblem, largest_force
 from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.errors import InputError, Problem
-from fem_seal.loads import closing_force
+from fem_seal.loads import contact_force
 from fem_seal.units import briefly, given, quantity
 
 # Step of the force while a target is looked for, and how far down from the largest sensible force.
@@ -43,7 +43,7 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
 
     highest = math.log(largest_force(problem))
     area = math.pi * problem.touch_radius**2
-    at = min(math.log(abs(closing_force(problem.touch_radius, fluid_pressure)) + 1e-12 * area), highest)
+    at = min(math.log(abs(contact_force(problem.touch_radius, fluid_pressure)) + 1e-12 * area), highest)
     step = math.log(_STEP) * (1 if excess(at) > 0 else -1)
     while True:
         ahead = min(at + step, highest)

@@ -23,6 +23,7 @@ from fem_seal.case.tables import CaseTables
 from fem_seal.case.temperature import with_film_temperature
 from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
 from fem_seal.files import read_toml
+from fem_seal.former_names import in_present_entries
 from fem_seal.materials import ROOM_TEMPERATURE
 
 
@@ -51,6 +52,7 @@ class Case(CaseTables):
     _input: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     def __init__(self, /, **tables: Any) -> None:
+        tables = in_present_entries(tables)
         self._read(tables, None)
         self._input = copy.deepcopy(tables)
 
@@ -133,7 +135,7 @@ class Case(CaseTables):
         >>> case.replace({"closure.radius": 0.025, "load.fluid_pressure": ["1 bar", 5e5]}).load.fluid_pressure
         (100000.0, 500000.0)
         """
-        changed = _changed(self._with(changes or {}), copy.deepcopy(tables))
+        changed = _changed(self._with(changes or {}), in_present_entries(copy.deepcopy(tables)))
         new = {name: table for name, table in changed.items() if table is not self._input.get(name)}
         return self._checked({**changed, **with_units(CaseTables, new)})
 
@@ -154,6 +156,7 @@ class Case(CaseTables):
 
     def _with(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The tables as they were given, with entries changed at dotted keys."""
+        changes = in_present_entries(changes)
         kept = {key: value for key, value in changes.items() if value is not None}
         twice = said_twice(list(kept))
         if twice:

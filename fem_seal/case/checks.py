@@ -298,10 +298,10 @@ def _hardness(case: CaseTables) -> Iterator[Problem]:
 
 def _load(case: CaseTables) -> Iterator[Problem]:
     load = case.load
-    if isinstance(load.axial_force, tuple) and len(load.axial_force) != len(load.fluid_pressure):
+    if isinstance(load.applied_force, tuple) and len(load.applied_force) != len(load.fluid_pressure):
         yield Problem(
-            "load.axial_force",
-            f"has {len(load.axial_force)} entries, but fluid_pressure has {len(load.fluid_pressure)}; give one for "
+            "load.applied_force",
+            f"has {len(load.applied_force)} entries, but fluid_pressure has {len(load.fluid_pressure)}; give one for "
             "each fluid pressure, one for all, or a single fluid_pressure for all forces",
         )
     if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
@@ -373,7 +373,7 @@ def _earlier_pressure(case: CaseTables, pressure: float) -> Iterator[Problem]:
     elif len({force for _, force in load.points}) > 1:
         yield Problem(
             "load.largest_earlier_pressure",
-            "axial_force has several values, and which of them acted with it is not said; give largest_earlier_force "
+            "applied_force has several values, and which of them acted with it is not said; give largest_earlier_force "
             "instead, spring and fluid force on the sealed area together",
             written("fluid pressure", pressure),
         )

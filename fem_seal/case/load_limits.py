@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.errors import LoadProblem
-from fem_seal.loads import CONSTRAINT, closing_force, expected_force, line_load
+from fem_seal.loads import CONSTRAINT, contact_force, expected_force, line_load
 from fem_seal.units import briefly
 
 # Pressure over effective modulus that the whole face would have to carry in the mean, above which the contact runs over
@@ -82,15 +82,15 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
     """Why a load leaves the seal open, as far as this is known before where the fluid gets to; None if it does not."""
     load, r0 = case.load, case.touch_radius
     lifts = load.pressure_side == "inner"
-    needed = -closing_force(r0, fluid_pressure, 0.0, load.pressure_side)
+    needed = -contact_force(r0, fluid_pressure, 0.0, load.pressure_side)
     if load.closing == "penetration":
         # Where the fluid gets to is a result: only what no contact can hold is known before.
         if applied_force > 0 or not lifts:
             return None
         return LoadProblem(
-            "load.axial_force",
+            "load.applied_force",
             f"the fluid lifts the closure at {fluid_pressure / 1e5:.6g} bar and no applied force holds it; give an "
-            f"axial_force above about {briefly('force', needed)}, the fluid force on the circle of first "
+            f"applied_force above about {briefly('force', needed)}, the fluid force on the circle of first "
             f"touch, radius {_mm(r0)}",
             f"{applied_force:.6g} N",
         )
@@ -98,10 +98,10 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
         return None
     how = "lifts the closure with" if lifts else "closes with"
     return LoadProblem(
-        "load.axial_force",
+        "load.applied_force",
         f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: the fluid {how} "
         f"{briefly('force', abs(needed))} "
-        f"on the sealed area of radius {_mm(r0)}; give an axial_force above {needed:.6g} N",
+        f"on the sealed area of radius {_mm(r0)}; give an applied_force above {needed:.6g} N",
         f"{applied_force:.6g} N",
     )
 
@@ -110,7 +110,7 @@ def _too_large(
     case: CaseTables,
     fluid_pressure: float,
     applied_force: float,
-    lower: str = "fluid_pressure or axial_force",
+    lower: str = "fluid_pressure or applied_force",
 ) -> Iterator[LoadProblem]:
     """More than the faces can carry over all their length; `lower` is what to lower.
 

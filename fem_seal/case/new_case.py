@@ -54,7 +54,7 @@ QUESTIONS = (
     Question("process", ("roughness.process", "roughness.seat.process"), "process that made the face"),
     Question("fluid", ("fluid.name",), "fluid"),
     Question("pressure", ("load.fluid_pressure",), "fluid pressure, one or several with commas"),
-    Question("axial-force", ("load.axial_force",), "closing force of spring or actuator"),
+    Question("applied-force", ("load.applied_force",), "closing force of spring or actuator"),
     Question("leak-rate", ("requirement.leak_rate",), "largest allowed leak rate"),
     Question("class", ("requirement.class",), "required leakage class"),
 )

@@ -22,6 +22,7 @@ from fem_seal.case.roughness import Roughness
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.errors import InputError, Problem
+from fem_seal.former_names import say_once
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from meshes import ContactGeometry, Shape
 
@@ -73,7 +74,7 @@ class Load(Table):
         'stop = "20 bar", num = 20, spacing = "linear" or "log" }',
         examples=[["1 bar", "20 bar"]],
     )
-    axial_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = Field(
+    applied_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = Field(
         0.0,
         description="applied force of spring or actuator on the closure, positive when it closes the seal: one, or a "
         "list with one for each fluid pressure; with a single fluid pressure a list of any length, one result each",
@@ -99,34 +100,40 @@ class Load(Table):
     )
     largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = Field(
         None,
-        description="fluid pressure that once closed the seal, with the same axial_force, instead of "
+        description="fluid pressure that once closed the seal, with the same applied_force, instead of "
         'largest_earlier_force; with pressure_side = "outer"',
         examples=["64 bar"],
     )
     target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
         None,
-        description="also find the smallest axial_force for which the leak rate stays below this at each fluid "
+        description="also find the smallest applied_force for which the leak rate stays below this at each fluid "
         "pressure; of a gas the volume at 101325 Pa and its temperature, or pressure times volume (mbar l/s)",
         examples=["1e-3 cm^3/s"],
     )
 
     @model_validator(mode="after")
     def _one_pressure_under_all_forces(self) -> Load:
-        if isinstance(self.axial_force, tuple) and len(self.fluid_pressure) == 1:
+        if isinstance(self.applied_force, tuple) and len(self.fluid_pressure) == 1:
             # the only way into a frozen model, which is not handed out yet
-            object.__setattr__(self, "fluid_pressure", self.fluid_pressure * len(self.axial_force))
+            object.__setattr__(self, "fluid_pressure", self.fluid_pressure * len(self.applied_force))
         return self
 
     @property
+    def axial_force(self) -> float | tuple[float, ...]:
+        """Former name of `applied_force`."""
+        say_once("Load.axial_force", "applied_force")
+        return self.applied_force
+
+    @property
     def points(self) -> tuple[tuple[float, float], ...]:
-        """Fluid pressure [Pa] and axial force [N] of every load."""
-        forces = self.axial_force
+        """Fluid pressure [Pa] and applied force [N] of every load."""
+        forces = self.applied_force
         each = forces if isinstance(forces, tuple) else (forces,) * len(self.fluid_pressure)
         return tuple(zip(self.fluid_pressure, each, strict=True))
 
     @property
     def earlier(self) -> tuple[float, float] | None:
-        """Fluid pressure [Pa] and axial force [N] of the largest load before all of them; None if none is given."""
+        """Fluid pressure [Pa] and applied force [N] of the largest load before all of them; None if none is given."""
         if self.largest_earlier_force is not None:
             return 0.0, self.largest_earlier_force
         if self.largest_earlier_pressure is not None:
@@ -142,7 +149,7 @@ class Load(Table):
         """The same without some of the loads."""
         left = [point for number, point in enumerate(self.points) if number not in numbers]
         pressures, forces = zip(*left, strict=True)
-        return self.model_copy(update={"fluid_pressure": pressures, "axial_force": forces})
+        return self.model_copy(update={"fluid_pressure": pressures, "applied_force": forces})
 
 
 class Leak(Table):

@@ -10,7 +10,7 @@ Examples
 >>> cone = meshes.ConicalSeat.around(0.785, ball)
 >>> mesh = meshes.build(ball, cone, meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3))
 >>> model = contact.condense(mesh, {"closure": material("steel"), "seat": material("steel")})
->>> pressed = contact.solve(model, contact.HardContact(), axial_force=1257.0)
+>>> pressed = contact.solve(model, contact.HardContact(), contact_force=1257.0)
 >>> print(f"{pressed.profile.peak_pressure / 1e6:.0f} MPa")
 195 MPa
 """

@@ -98,7 +98,7 @@ def coupled_contact(
         solution = solve(
             seal.model,
             seal.law,
-            axial_force=force,
+            contact_force=force,
             loads=seal.loads(pressure, at),
             start=solution,
         )
@@ -143,5 +143,5 @@ def dry_unknowns(
     seal: FluidAndContact, force: float, fluid_pressure: float, start: ContactSolution | None
 ) -> FloatArray:
     """Unknowns of the fluid that belong to a contact which no fluid opens, under a force F_N [N]."""
-    contact = solve(seal.model, seal.law, axial_force=force, loads=seal.at_rest, start=start)
+    contact = solve(seal.model, seal.law, contact_force=force, loads=seal.at_rest, start=start)
     return seal.path.found(contact.profile, fluid_pressure)

@@ -18,7 +18,9 @@ def hat_functions(line: ContactLine) -> FloatArray:
     return np.stack([np.interp(line.x, line.vertices, unit) for unit in np.eye(len(line.vertices))], axis=1)
 
 
-def solve_hard(model: ContactModel, axial_force: float, loads: FurtherLoads | None = None) -> ContactSolution:
+def solve_hard(
+    model: ContactModel, contact_force: float, loads: FurtherLoads | None = None
+) -> ContactSolution:
     """Solve the contact of smooth bodies.
 
     The pressure is continuous and linear between the element ends, the gap is taken as its weighted mean
@@ -36,7 +38,7 @@ def solve_hard(model: ContactModel, axial_force: float, loads: FurtherLoads | No
     compliance = weights.T @ model.compliance @ weights
     gap0, axial = weights.T @ apart, weights.T @ line.normal[1]
     # A parabolic gap is as high as this where the contact of Hertz ends.
-    flattened = 2 * model.line_load(axial_force) / (np.pi * model.effective_modulus)
+    flattened = 2 * model.line_load(contact_force) / (np.pi * model.effective_modulus)
     distance = gap0 / weights.sum(axis=0)
     active = distance <= max(distance.min() + flattened, np.sort(distance)[2])
     for change in range(1, _MAX_CHANGES + 1):
@@ -47,7 +49,7 @@ def solve_hard(model: ContactModel, axial_force: float, loads: FurtherLoads | No
                 [-axial[None, inside], np.zeros((1, 1))],
             ]
         )
-        solution = np.linalg.solve(matrix, np.append(-gap0[inside], -axial_force))
+        solution = np.linalg.solve(matrix, np.append(-gap0[inside], -contact_force))
         pressure, approach = np.zeros(len(active)), float(solution[-1])
         pressure[inside] = solution[:-1]
         opening = gap0 + compliance @ pressure - approach * axial
@@ -58,10 +60,10 @@ def solve_hard(model: ContactModel, axial_force: float, loads: FurtherLoads | No
             with np.errstate(divide="ignore"):
                 log_pressure = np.log(np.maximum(p, 0.0))
             return ContactSolution(
-                model, axial_force, approach, log_pressure, np.where(p > 0, 0.0, gap), change, (), loads
+                model, contact_force, approach, log_pressure, np.where(p > 0, 0.0, gap), change, (), loads
             )
         active = settled
     raise ConvergenceError(
-        f"hard contact at axial force {axial_force:.6g} N did not settle in {_MAX_CHANGES} changes of the contact "
+        f"hard contact at axial force {contact_force:.6g} N did not settle in {_MAX_CHANGES} changes of the contact "
         "zone; refine [mesh] contact_size"
     )

@@ -151,8 +151,8 @@ def load_path(
     if not bodies:
         raise ValueError("no material has a hardening curve; solve the contact with fem_seal.contact.solve")
     for load in loads:
-        if isinstance(load, PathLoad) and not (math.isfinite(load.axial_force) and load.axial_force > 0):
-            raise ValueError(f"axial_force = {load.axial_force!r} N: must be positive and finite")
+        if isinstance(load, PathLoad) and not (math.isfinite(load.contact_force) and load.contact_force > 0):
+            raise ValueError(f"contact_force = {load.contact_force!r} N: must be positive and finite")
     walk = _Walk(model, bodies, law, settings or PlasticSettings())
     rest, nothing = (loads[0].rest(further) for further in (at_rest or NO_LOADS, NO_LOADS))
     contacts: list[ElastoplasticContact] = []

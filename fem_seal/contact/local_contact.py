@@ -244,7 +244,7 @@ class LocalContact:
             return self.at_mean
         v = float(self._over_mean(np.array([line_load]))[0])
         k = min(self._rungs, key=lambda k: abs(_STEP * k - v))
-        return self._solved(self.mean.axial_force * line_load / self.mean.line_load, self._rungs[k])
+        return self._solved(self.mean.contact_force * line_load / self.mean.line_load, self._rungs[k])
 
     def _logarithm(
         self,
@@ -324,7 +324,7 @@ class LocalContact:
             return
         model, loads = self.mean.model, self.mean.loads
         found = solve_together(
-            [Pressing(model, self.law, self.mean.axial_force * math.exp(_STEP * k), loads) for k in new],
+            [Pressing(model, self.law, self.mean.contact_force * math.exp(_STEP * k), loads) for k in new],
             _SETTINGS,
             [self._ahead(k) for k in new],
         )
@@ -358,9 +358,14 @@ class LocalContact:
             approach=float(weights @ np.array([one.approach for one in near])),
         )
 
-    def _solved(self, axial_force: float, near: ContactSolution) -> ContactSolution:
+    def _solved(self, contact_force: float, near: ContactSolution) -> ContactSolution:
         return solve(
-            near.model, self.law, axial_force=axial_force, loads=near.loads, settings=_SETTINGS, start=near
+            near.model,
+            self.law,
+            contact_force=contact_force,
+            loads=near.loads,
+            settings=_SETTINGS,
+            start=near,
         )
 
     def _of_bending(self, contact: ContactSolution) -> float:
@@ -368,7 +373,7 @@ class LocalContact:
         line, bend = contact.model.line, _BEND / contact.model.relative_radius
         bent = replace(line, initial_gap=line.initial_gap + bend * line.x**2)
         changed = replace(contact, model=replace(contact.model, line=bent))
-        peak = self._solved(contact.axial_force, changed).profile.peak_pressure
+        peak = self._solved(contact.contact_force, changed).profile.peak_pressure
         return math.log(peak / contact.profile.peak_pressure) / bend
 
     def _fades(self, k: int) -> bool:

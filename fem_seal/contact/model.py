@@ -186,9 +186,9 @@ class ContactModel:
         """E* of the pair [Pa]."""
         return effective_modulus(self.closure.material, self.seat.material)
 
-    def line_load(self, axial_force: float) -> float:
+    def line_load(self, contact_force: float) -> float:
         """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""
-        return axial_force / (2 * np.pi * self.touch_radius * self.touch_normal_z)
+        return contact_force / (2 * np.pi * self.touch_radius * self.touch_normal_z)
 
 
 def screened(model: ContactModel, names: Iterable[str]) -> ContactModel:

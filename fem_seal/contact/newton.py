@@ -18,6 +18,7 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
+from fem_seal.former_names import formerly
 
 # Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
 _FLOOR = 1e-6
@@ -30,11 +31,12 @@ _LEAST, _MOST, _SPARED, _SQUARED = 1e-8, 1e-4, 1e-3, 1e-3
 _SOFT = 1e-3
 
 
+@formerly(axial_force="contact_force")
 def solve(
     model: ContactModel,
     law: Law,
     *,
-    axial_force: float,
+    contact_force: float,
     loads: FurtherLoads | None = None,
     settings: ContactSettings | None = None,
     start: ContactSolution | None = None,
@@ -45,7 +47,7 @@ def solve(
     ----------
     law : InterfaceLaw or HardContact
         `leak.ExponentialLaw`, `leak.TabulatedLaw`, `RoughContact.interface_law()` or `HardContact()`.
-    axial_force : float
+    contact_force : float
         F_N that the solid contact carries [N], positive.
     loads : FurtherLoads, optional
         What else acts on the bodies, with given magnitudes. The force on the top of the closure is then F_N plus the
@@ -78,12 +80,12 @@ def solve(
     >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
     >>> steel = fem_seal.Material("steel", 210e9, 0.3)
     >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
-    >>> contact = fem_seal.solve(model, fem_seal.HardContact(), axial_force=1257.0)
+    >>> contact = fem_seal.solve(model, fem_seal.HardContact(), contact_force=1257.0)
     >>> print(f"{contact.profile.peak_pressure / 1e6:.0f} MPa over {contact.profile.fwhm * 1e3:.3f} mm")
     195 MPa over 0.106 mm
     """
     starts = None if start is None else [start]
-    (found,) = solve_together([Pressing(model, law, axial_force, loads)], settings, starts)
+    (found,) = solve_together([Pressing(model, law, contact_force, loads)], settings, starts)
     if isinstance(found, ConvergenceError):
         raise found
     return found
@@ -97,20 +99,20 @@ class Pressing:
     ----------
     model : ContactModel
     law : InterfaceLaw or HardContact
-    axial_force : float
+    contact_force : float
         [N]
     loads : FurtherLoads or None
     """
 
     model: ContactModel
     law: Law
-    axial_force: float
+    contact_force: float
     loads: FurtherLoads | None = None
 
     def __post_init__(self) -> None:
-        force = self.axial_force
+        force = self.contact_force
         if not (np.isfinite(force) and force > 0):
-            raise ValueError(f"axial_force = {force!r} N: must be positive and finite")
+            raise ValueError(f"contact_force = {force!r} N: must be positive and finite")
 
 
 @single_threaded
@@ -153,7 +155,7 @@ def _solve_alike(
     first = pressings[0]
     if isinstance(first.law, HardContact):
         try:
-            return [solve_hard(first.model, first.axial_force, first.loads)]
+            return [solve_hard(first.model, first.contact_force, first.loads)]
         except ConvergenceError as error:
             return [error]
     rows = _Rows.of(pressings)
@@ -194,8 +196,8 @@ def _softened_first(
             state, residuals = None, [np.inf]
         if state is None:
             return ConvergenceError(
-                f"contact at axial force {one.axial_force:.6g} N (line load "
-                f"{one.model.line_load(one.axial_force):.6g} N/m) did not converge in {settings.max_iterations} "
+                f"contact at axial force {one.contact_force:.6g} N (line load "
+                f"{one.model.line_load(one.contact_force):.6g} N/m) did not converge in {settings.max_iterations} "
                 f"iterations; last residual {residuals[-1]:.2g} decay lengths, refine [mesh] contact_size or soften "
                 "the interface law"
             )
@@ -209,7 +211,7 @@ def _solution(one: Pressing, state: State, residuals: Sequence[float], gap: Floa
     # the last residual is that of the solution, after which no step is taken
     return ContactSolution(
         one.model,
-        one.axial_force,
+        one.contact_force,
         d,
         v,
         gap,
@@ -247,7 +249,7 @@ class _Rows:
         return cls(
             model,
             LawOfRows.of([one.law for one in pressings if not isinstance(one.law, HardContact)]),
-            np.array([one.axial_force for one in pressings]),
+            np.array([one.contact_force for one in pressings]),
             np.stack([model.line.initial_gap + (one.loads or NO_LOADS).opening(model) for one in pressings]),
         )
 

@@ -62,17 +62,17 @@ class PathLoad:
 
     Parameters
     ----------
-    axial_force : float
+    contact_force : float
         F_N that the solid contact carries [N]; zero where the bodies are apart.
     further : FurtherLoads
         What else acts on the bodies.
     """
 
-    axial_force: float
+    contact_force: float
     further: FurtherLoads = NO_LOADS
 
     def __str__(self) -> str:
-        return f"{self.axial_force:.6g} N"
+        return f"{self.contact_force:.6g} N"
 
     @property
     def apart(self) -> FurtherLoads:
@@ -81,20 +81,20 @@ class PathLoad:
 
     def contact(self, model: ContactModel, law: Law, start: ContactSolution | None) -> ContactSolution | None:
         """The contact of linear bodies; None without a force."""
-        if not self.axial_force > 0:
+        if not self.contact_force > 0:
             return None
-        return solve(model, law, axial_force=self.axial_force, loads=self.further, start=start)
+        return solve(model, law, contact_force=self.contact_force, loads=self.further, start=start)
 
     def between(self, other: PathLoad, way: float) -> PathLoad:
         """The load a share `way` of the way to another one."""
         return PathLoad(
-            (1 - way) * self.axial_force + way * other.axial_force,
+            (1 - way) * self.contact_force + way * other.contact_force,
             _between(self.further, other.further, way),
         )
 
     def change(self, other: PathLoad, touch_radius: float) -> float:
         """How far it is to another one, as a share of the larger contact force."""
-        return _share(self.axial_force, other.axial_force)
+        return _share(self.contact_force, other.contact_force)
 
     def after(self, contacts: Sequence[ContactSolution]) -> PathLoad:
         """The same: given forces remember nothing."""
@@ -111,7 +111,7 @@ class FluidLoad:
 
     Parameters
     ----------
-    closing_force : float
+    applied_force : float
         Force of spring or actuator [N], positive when it closes.
     fluid_pressure : float
         Pressure difference across the seal [Pa]; nothing acts where both are zero.
@@ -124,22 +124,22 @@ class FluidLoad:
         that remember it; without it they remember nothing.
     """
 
-    closing_force: float
+    applied_force: float
     fluid_pressure: float
     path: FluidPath = field(repr=False)
     apart: FurtherLoads = NO_LOADS
     remembers: Callable[[FloatArray], FluidPath] | None = field(default=None, repr=False)
 
     def __str__(self) -> str:
-        return f"{self.closing_force:.6g} N at {self.fluid_pressure / 1e5:.6g} bar"
+        return f"{self.applied_force:.6g} N at {self.fluid_pressure / 1e5:.6g} bar"
 
     def contact(self, model: ContactModel, law: Law, start: ContactSolution | None) -> ContactSolution | None:
         """Contact and fluid of linear bodies; None without a load."""
         if self.fluid_pressure == 0.0:
-            return PathLoad(self.closing_force, self.apart).contact(model, law, start)
+            return PathLoad(self.applied_force, self.apart).contact(model, law, start)
         return solve_penetration(
             FluidAndContact(model, law, self.path, self.apart),
-            closing_force=self.closing_force,
+            applied_force=self.applied_force,
             fluid_pressure=self.fluid_pressure,
             start=start,
         )
@@ -148,7 +148,7 @@ class FluidLoad:
         """The load a share `way` of the way to another one, with that one's fluid."""
         return replace(
             other,
-            closing_force=(1 - way) * self.closing_force + way * other.closing_force,
+            applied_force=(1 - way) * self.applied_force + way * other.applied_force,
             fluid_pressure=(1 - way) * self.fluid_pressure + way * other.fluid_pressure,
             apart=_between(self.apart, other.apart, way),
         )
@@ -156,7 +156,7 @@ class FluidLoad:
     def change(self, other: FluidLoad, touch_radius: float) -> float:
         """How far it is to another one: in the force that is left to the contact, or in spring and fluid together."""
         area = math.pi * touch_radius**2
-        forces = [(one.closing_force, area * one.fluid_pressure) for one in (self, other)]
+        forces = [(one.applied_force, area * one.fluid_pressure) for one in (self, other)]
         sign = 1 if self.path.side == "outer" else -1
         left = _share(*(max(spring + sign * fluid, 0.0) for spring, fluid in forces))
         largest = max(abs(spring) + fluid for spring, fluid in forces)
@@ -172,7 +172,7 @@ class FluidLoad:
 
     def rest(self, further: FurtherLoads) -> FluidLoad:
         """Neither spring nor fluid, and these loads."""
-        return replace(self, closing_force=0.0, fluid_pressure=0.0, apart=further)
+        return replace(self, applied_force=0.0, fluid_pressure=0.0, apart=further)
 
 
 def _share(first: float, second: float) -> float:

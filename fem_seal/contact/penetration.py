@@ -12,16 +12,18 @@ from fem_seal.contact.coupled import FluidAndContact, coupled_contact, dry_unkno
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
+from fem_seal.former_names import formerly
 from fem_seal.loads import expected_force
 
 # Shares of the closing force that the solid contact carries on the way to an open seal.
 _SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)
 
 
+@formerly(closing_force="applied_force")
 def solve_penetration(
     seal: FluidAndContact,
     *,
-    closing_force: float,
+    applied_force: float,
     fluid_pressure: float,
     start: ContactSolution | None = None,
 ) -> ContactSolution:
@@ -29,7 +31,7 @@ def solve_penetration(
 
     Parameters
     ----------
-    closing_force : float
+    applied_force : float
         Force of spring or actuator on the closure [N], positive when it closes.
     fluid_pressure : float
         Pressure difference across the seal [Pa], positive.
@@ -64,20 +66,20 @@ def solve_penetration(
     >>> steel = fem_seal.Material("steel", 210e9, 0.3)
     >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
     >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("outer"))
-    >>> contact = fem_seal.solve_penetration(seal, closing_force=500.0, fluid_pressure=5e5)
-    >>> contact.axial_force > 500.0, round(contact.closing_force)
+    >>> contact = fem_seal.solve_penetration(seal, applied_force=500.0, fluid_pressure=5e5)
+    >>> contact.contact_force > 500.0, round(contact.applied_force)
     (True, 500)
     """
-    given = _under(closing_force, fluid_pressure)
+    given = _under(applied_force, fluid_pressure)
     carried = expected_force(
-        seal.model.touch_radius, fluid_pressure, closing_force, seal.path.side, "penetration", _SHARES[-1]
+        seal.model.touch_radius, fluid_pressure, applied_force, seal.path.side, "penetration", _SHARES[-1]
     )
     try:
         return coupled_contact(seal, given, dry_unknowns(seal, carried, fluid_pressure, start), start)
     except (OpenSealError, ConvergenceError):
-        if not fluid_lifts(seal, closing_force):
+        if not fluid_lifts(seal, applied_force):
             raise
-    return contact_near_blow_off(seal, closing_force, fluid_pressure)
+    return contact_near_blow_off(seal, applied_force, fluid_pressure)
 
 
 def solve_at_contact_force(
@@ -101,7 +103,7 @@ def solve_at_contact_force(
     return coupled_contact(seal, lambda lift: (fluid_pressure, contact_force), unknowns, start)
 
 
-def least_closing_force(seal: FluidAndContact, fluid_pressure: float) -> float | None:
+def least_applied_force(seal: FluidAndContact, fluid_pressure: float) -> float | None:
     """Force of spring or actuator above which the seal is closed at a fluid pressure [N]; None if none was found.
 
     Negative where the fluid itself closes the seal. A flow lets the contact vanish evenly: what holds it while it
@@ -121,7 +123,7 @@ def least_closing_force(seal: FluidAndContact, fluid_pressure: float) -> float |
                 contact = solve_at_contact_force(
                     seal, contact_force=share * fluid_force, fluid_pressure=fluid_pressure, start=contact
                 )
-                met.append(contact.closing_force)
+                met.append(contact.applied_force)
         if met:
             break
     return min(met, default=None)
@@ -138,9 +140,9 @@ def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:
     return math.sqrt(abs(solution.loads.lift(solution.model)) / (math.pi * fluid_pressure))
 
 
-def _under(closing_force: float, fluid_pressure: float) -> Callable[[float], tuple[float, float]]:
+def _under(applied_force: float, fluid_pressure: float) -> Callable[[float], tuple[float, float]]:
     """Fluid pressure, and the force that is left to the solid contact [N] for the fluid's lift [m^2]."""
-    return lambda lift: (fluid_pressure, closing_force - fluid_pressure * lift)
+    return lambda lift: (fluid_pressure, applied_force - fluid_pressure * lift)
 
 
 # Below this share a hard contact, whose width falls with the root of the force, is narrower than a few elements.
@@ -149,12 +151,13 @@ _NARROWEST_HARD = 1e-2
 _CLOSE = 1e-6
 
 
-def blow_off_pressure(seal: FluidAndContact, *, closing_force: float) -> float:
+@formerly(closing_force="applied_force")
+def blow_off_pressure(seal: FluidAndContact, *, applied_force: float) -> float:
     """Fluid pressure at which the fluid lifts the closure off [Pa]; infinite if it does not lift it.
 
     Parameters
     ----------
-    closing_force : float
+    applied_force : float
         Force of spring or actuator [N].
 
     Notes
@@ -176,17 +179,17 @@ def blow_off_pressure(seal: FluidAndContact, *, closing_force: float) -> float:
     >>> steel = fem_seal.Material("steel", 210e9, 0.3)
     >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
     >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("outer"))
-    >>> fem_seal.blow_off_pressure(seal, closing_force=500.0)
+    >>> fem_seal.blow_off_pressure(seal, applied_force=500.0)
     inf
     """
-    if not fluid_lifts(seal, closing_force):
+    if not fluid_lifts(seal, applied_force):
         return math.inf
-    return _way_to_blow_off(seal, closing_force)[-1].pressure
+    return _way_to_blow_off(seal, applied_force)[-1].pressure
 
 
-def fluid_lifts(seal: FluidAndContact, closing_force: float) -> bool:
+def fluid_lifts(seal: FluidAndContact, applied_force: float) -> bool:
     """Whether there is a fluid pressure that lifts the closure off."""
-    return seal.path.side == "inner" and closing_force > 0
+    return seal.path.side == "inner" and applied_force > 0
 
 
 @dataclass(frozen=True)
@@ -199,22 +202,22 @@ class _Step:
     unknowns: FloatArray | None = None
 
 
-def _step(seal: FluidAndContact, closing_force: float, share: float, before: _Step) -> _Step:
-    force = share * closing_force
+def _step(seal: FluidAndContact, applied_force: float, share: float, before: _Step) -> _Step:
+    force = share * applied_force
 
     def balance(lift: float) -> tuple[float, float]:
-        return (closing_force - force) / lift, force
+        return (applied_force - force) / lift, force
 
     unknowns = before.unknowns
     if unknowns is None:
-        expected = (closing_force - force) / (math.pi * seal.model.touch_radius**2)
+        expected = (applied_force - force) / (math.pi * seal.model.touch_radius**2)
         unknowns = dry_unknowns(seal, force, expected, None)
     contact = coupled_contact(seal, balance, unknowns, before.contact)
     pressure = contact.loads.closure[seal.path.side]
     return _Step(share, pressure, contact, seal.path.found(contact.profile, pressure))
 
 
-def _way_to_blow_off(seal: FluidAndContact, closing_force: float) -> list[_Step]:
+def _way_to_blow_off(seal: FluidAndContact, applied_force: float) -> list[_Step]:
     """Steps of rising fluid pressure, the last at blow-off."""
     way = [_Step(1.0, 0.0)]
     hard = isinstance(seal.law, HardContact)
@@ -222,55 +225,55 @@ def _way_to_blow_off(seal: FluidAndContact, closing_force: float) -> list[_Step]
         if hard and share < _NARROWEST_HARD:
             return [*way, _Step(0.0, way[-1].pressure / (1 - way[-1].share))]
         try:
-            way.append(_step(seal, closing_force, share, way[-1]))
+            way.append(_step(seal, applied_force, share, way[-1]))
         except OpenSealError:
-            way += _last_closed(seal, closing_force, way[-1], share)
+            way += _last_closed(seal, applied_force, way[-1], share)
             break
         if way[-1].pressure < way[-2].pressure:
-            turning = _turning_point(seal, closing_force, way[-3:])
+            turning = _turning_point(seal, applied_force, way[-3:])
             return [*(step for step in way[:-1] if step.share > turning.share), turning]
     return way
 
 
 def _last_closed(
-    seal: FluidAndContact, closing_force: float, closed: _Step, open_share: float
+    seal: FluidAndContact, applied_force: float, closed: _Step, open_share: float
 ) -> list[_Step]:
     """The contact just before the fluid gets through, which it does at `open_share`."""
     found: list[_Step] = []
     while closed.share > (1 + _CLOSE) * open_share:
         share = math.sqrt(closed.share * open_share)
         try:
-            closed = _step(seal, closing_force, share, closed)
+            closed = _step(seal, applied_force, share, closed)
             found = [closed]
         except OpenSealError:
             open_share = share
     return found
 
 
-def _turning_point(seal: FluidAndContact, closing_force: float, around: list[_Step]) -> _Step:
+def _turning_point(seal: FluidAndContact, applied_force: float, around: list[_Step]) -> _Step:
     """Where the fluid pressure is largest among three steps, and beyond which less of it lifts more."""
     from scipy.optimize import minimize_scalar
 
     first, _, last = around
     place = minimize_scalar(
-        lambda log_share: -_step(seal, closing_force, math.exp(log_share), first).pressure,
+        lambda log_share: -_step(seal, applied_force, math.exp(log_share), first).pressure,
         bounds=(math.log(last.share), math.log(first.share)),
         method="bounded",
         options={"xatol": 1e-3},
     )
-    return _step(seal, closing_force, math.exp(place.x), first)
+    return _step(seal, applied_force, math.exp(place.x), first)
 
 
 def contact_near_blow_off(
-    seal: FluidAndContact, closing_force: float, fluid_pressure: float
+    seal: FluidAndContact, applied_force: float, fluid_pressure: float
 ) -> ContactSolution:
     """Contact under a fluid pressure, found by the force that it carries."""
     from scipy.optimize import brentq
 
-    way = _way_to_blow_off(seal, closing_force)
+    way = _way_to_blow_off(seal, applied_force)
     if fluid_pressure >= way[-1].pressure:
         raise OpenSealError(
-            f"the fluid lifts the closure off: an applied force of {closing_force:.6g} N holds "
+            f"the fluid lifts the closure off: an applied force of {applied_force:.6g} N holds "
             f"{way[-1].pressure / 1e5:.6g} bar, not {fluid_pressure / 1e5:.6g} bar",
             way[-1].pressure,
         )
@@ -285,11 +288,11 @@ def contact_near_blow_off(
     def miss(log_share: float) -> float:
         if log_share == 0:
             return -1.0
-        steps.append(_step(seal, closing_force, math.exp(log_share), steps[-1]))
+        steps.append(_step(seal, applied_force, math.exp(log_share), steps[-1]))
         return steps[-1].pressure / fluid_pressure - 1
 
     brentq(miss, math.log(before.share), math.log(way[after].share), xtol=1e-6)
     nearest = min(steps, key=lambda step: abs(step.pressure / fluid_pressure - 1))
     assert nearest.unknowns is not None
-    given = _under(closing_force, fluid_pressure)
+    given = _under(applied_force, fluid_pressure)
     return coupled_contact(seal, given, nearest.unknowns, nearest.contact)

@@ -14,6 +14,7 @@ from fem_seal.bodies.condensed import CondensedBody, body_field
 from fem_seal.bodies.fields import BodyField
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
+from fem_seal.former_names import former_attribute
 from fem_seal.profile import PressureProfile, remembered
 from fem_seal.units import quantity
 
@@ -48,7 +49,7 @@ class ContactSolution:
 
     Parameters
     ----------
-    axial_force : float
+    contact_force : float
         Force F_N that the solid contact carries [N].
     approach : float
         Axial motion of the closure's loaded surface towards the seat's bottom since first touch of the mean
@@ -75,7 +76,7 @@ class ContactSolution:
     >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
     >>> steel = fem_seal.Material("steel", 210e9, 0.3)
     >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
-    >>> contact = fem_seal.solve(model, fem_seal.HardContact(), axial_force=1257.0)
+    >>> contact = fem_seal.solve(model, fem_seal.HardContact(), contact_force=1257.0)
     >>> round(contact.profile.peak_pressure / 1e6)
     195
     >>> abs(contact.force_error) < 1e-9
@@ -83,7 +84,7 @@ class ContactSolution:
     """
 
     model: ContactModel
-    axial_force: float
+    contact_force: float
     approach: float
     log_pressure: FloatArray = field(repr=False)
     gap: FloatArray = field(repr=False)
@@ -96,7 +97,7 @@ class ContactSolution:
     def __repr__(self) -> str:
         profile = self.profile
         return (
-            f"<{type(self).__name__} at F_N = {quantity('force', self.axial_force)}: "
+            f"<{type(self).__name__} at F_N = {quantity('force', self.contact_force)}: "
             f"peak {quantity('contact pressure', profile.peak_pressure)}, FWHM {quantity('length', profile.fwhm)}, "
             f"{len(self.log_pressure)} points, {self.iterations} iterations>"
         )
@@ -162,20 +163,23 @@ class ContactSolution:
         weight = line.arc_weight * self.pressure
         return float(2 * np.sqrt(weight @ slope**2 / weight.sum()))
 
+    axial_force = former_attribute("axial_force", "contact_force")
+    closing_force = former_attribute("closing_force", "applied_force")
+
     @property
-    def closing_force(self) -> float:
+    def applied_force(self) -> float:
         """Force of spring or actuator on the top of the closure [N], in balance with contact and further loads."""
-        return self.axial_force + self.loads.lift(self.model)
+        return self.contact_force + self.loads.lift(self.model)
 
     @property
     def force_error(self) -> float:
         """(axial contact force - F_N) / F_N."""
-        return float(self.model.line.normal[1] @ self.point_forces) / self.axial_force - 1
+        return float(self.model.line.normal[1] @ self.point_forces) / self.contact_force - 1
 
     @property
     def line_load(self) -> float:
         """f_N [N/m]."""
-        return self.model.line_load(self.axial_force)
+        return self.model.line_load(self.contact_force)
 
     @cached_property
     def profile(self) -> PressureProfile:
@@ -244,7 +248,7 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
     >>> steel = fem_seal.Material("steel", 210e9, 0.3)
     >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
-    >>> contact = fem_seal.solve(model, fem_seal.HardContact(), axial_force=1257.0)
+    >>> contact = fem_seal.solve(model, fem_seal.HardContact(), contact_force=1257.0)
     >>> fields = fem_seal.body_fields(contact)
     >>> sorted(fields), bool(fields["seat"].von_mises.max() > 50e6)
     (['closure', 'seat'], True)

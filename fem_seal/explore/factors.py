@@ -162,7 +162,7 @@ class Factors:
                         case, required, found["load.fluid_pressure"]
                     )
             elif one.key == "force":
-                found["load.axial_force"] = _forces(case, one, text)
+                found["load.applied_force"] = _forces(case, one, text)
             else:
                 found |= dict.fromkeys(one.paths, one.words.format(text))
         fluid = design.get("fluid", self.fluids[0] if self.fluids else "")
@@ -217,7 +217,7 @@ def _force(case: Case) -> Found:
     label = "largest force" if several else "force"
     if largest > 0:
         factor = _log_factor(
-            "force", label, "load", largest, "force", text=case.written["load"].get("axial_force")
+            "force", label, "load", largest, "force", text=case.written["load"].get("applied_force")
         )
     elif largest < 0:
         return ["The force of the case opens the seal: it is not offered as a slider."]
@@ -226,7 +226,7 @@ def _force(case: Case) -> Found:
         reach = math.pi * case.touch_radius**2 * max(case.load.fluid_pressure)
         factor = _linear_factor("force", label, "load", 0.0, "force", 0.0, 2 * reach)
     note = "the other forces of the case keep their share of it" if several else "of spring or actuator"
-    return [replace(factor, paths=("load.axial_force",), note=note)]
+    return [replace(factor, paths=("load.applied_force",), note=note)]
 
 
 # What the height of a face is called in its table, the first that is there.
@@ -422,7 +422,7 @@ def _at_loads(case: Case, required: Sequence[float], moved: str | list[str]) -> 
 
 
 def _forces(case: Case, factor: Factor, text: str) -> str | list[str]:
-    forces = case.load.axial_force
+    forces = case.load.applied_force
     return _scaled(forces, factor, text) if isinstance(forces, tuple) else text
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 LEAK = ("leak_rate_m3_per_s", "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 SHOWN = (
     "fluid_pressure_Pa",
-    "axial_force_N",
+    "contact_force_N",
     "line_load_N_per_m",
     "peak_pressure_Pa",
     "fwhm_m",

@@ -80,7 +80,7 @@ def numbers_of(screen: Screen) -> list[Number]:
         Number("leak", "leak rate", leak, f"at {at}{wider}", values["leak_rate_m3_per_s"]),
         number("peak", "peak contact pressure", "contact pressure", "peak_pressure_Pa"),
         number("width", "contact width (FWHM)", "length", "fwhm_m"),
-        number("force", "force on the seat", "force", "axial_force_N", "of spring and fluid together"),
+        number("force", "force on the seat", "force", "contact_force_N", "of spring and fluid together"),
         number("line", "line load", "line load", "line_load_N_per_m"),
     ]
     if load.classes:

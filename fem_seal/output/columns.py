@@ -203,11 +203,11 @@ COLUMNS = {
             shown_in="bar",
         ),
         Column(
-            "axial_force_N",
+            "contact_force_N",
             "force",
             "contact force F_N, the axial force that the solid contact carries: `applied_force_N` together with the "
             "axial force of the fluid",
-            lambda row: row.load.axial_force,
+            lambda row: row.load.contact_force,
             heading="contact force",
             title="contact force",
             short="F contact",
@@ -409,7 +409,7 @@ COLUMNS = {
         Column(
             "applied_force_N",
             "force",
-            "axial force of spring or actuator on the closure (load.axial_force), positive where it closes",
+            "axial force of spring or actuator on the closure (load.applied_force), positive where it closes",
             lambda row: row.load.applied_force,
             heading="applied force",
         ),
@@ -629,7 +629,7 @@ LEAK_ON_TERMINAL = tuple(
     COLUMNS[name].on_terminal
     for name in (
         "fluid_pressure_Pa",
-        "axial_force_N",
+        "contact_force_N",
         "peak_pressure_Pa",
         "fwhm_m",
         "std_m",
@@ -654,7 +654,7 @@ LEAK_ON_TERMINAL = tuple(
 )
 # What `fem-seal check` shows of the loads: what is known of the columns before a solve, and the closed forms.
 CHECK_ON_TERMINAL = (
-    *(COLUMNS[name].on_terminal for name in ("fluid_pressure_Pa", "axial_force_N", "line_load_N_per_m")),
+    *(COLUMNS[name].on_terminal for name in ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m")),
     Shown("hertz_peak_pressure_Pa", "Hertz p0", fixed_unit("MPa")),
     Shown("hertz_half_width_m", "half width", fixed_unit("mm")),
     Shown("gaussian_peak_pressure_Pa", "Gauss p0", fixed_unit("MPa")),

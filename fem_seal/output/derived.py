@@ -40,7 +40,7 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
         "loads": [
             {
                 "fluid_pressure_Pa": load.fluid_pressure,
-                "axial_force_N": load.closing_force,
+                "contact_force_N": load.contact_force,
                 "line_load_N_per_m": load.line_load,
                 "blow_off_pressure_Pa": load.blow_off_pressure,
                 "force_for_target_leak_N": load.force_for_target,

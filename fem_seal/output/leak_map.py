@@ -31,14 +31,14 @@ def map_rows(found: LeakMap) -> list[dict[str, Any]]:
     area, mass = found.leakage_area, found.mass_flow
     per_leak = found.area_of_leak_rate
     rows = []
-    for n, force in enumerate(found.axial_force.tolist()):
+    for n, force in enumerate(found.applied_force.tolist()):
         for m, pressure in enumerate(found.fluid_pressure.tolist()):
             validity = found.validity[m][n]
             low, high = float(found.leak_rate_low[m, n]), float(found.leak_rate_high[m, n])
             rows.append(
                 {
                     "fluid_pressure_Pa": pressure,
-                    "axial_force_N": force,
+                    "applied_force_N": force,
                     "leak_rate_m3_per_s": float(found.leak_rate[m, n]),
                     "leak_rate_low_m3_per_s": low,
                     "leak_rate_high_m3_per_s": high,
@@ -114,8 +114,8 @@ def modelica_text(found: LeakMap) -> str:
     lines = ["#1", *(f"# {line}" for line in _about(found))]
     for name, values in tables_of(found).items():
         pressure, rows = _with_zero(found.fluid_pressure, values)
-        lines.append(f"double {name}({len(pressure) + 1},{len(found.axial_force) + 1}) # {_unit(name)}")
-        lines.append(_numbers([0.0, *found.axial_force.tolist()]))
+        lines.append(f"double {name}({len(pressure) + 1},{len(found.applied_force) + 1}) # {_unit(name)}")
+        lines.append(_numbers([0.0, *found.applied_force.tolist()]))
         lines += [_numbers([p, *row]) for p, row in zip(pressure.tolist(), rows.tolist(), strict=True)]
     return "\n".join(lines) + "\n"
 
@@ -131,7 +131,7 @@ def matlab_text(found: LeakMap) -> str:
     lines = [f"% {line}" for line in _about(found)]
     pressure, _ = _with_zero(found.fluid_pressure, found.leak_rate)
     lines.append(f"leak_tables.fluid_pressure = [{_numbers(pressure.tolist())}]; % Pa")
-    lines.append(f"leak_tables.axial_force = [{_numbers(found.axial_force.tolist())}]; % N")
+    lines.append(f"leak_tables.applied_force = [{_numbers(found.applied_force.tolist())}]; % N")
     tables = {**tables_of(found), "valid": found.valid}
     for name, values in tables.items():
         # at no pressure as valid as at the least

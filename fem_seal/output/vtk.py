@@ -227,7 +227,7 @@ def _in_space(values: FloatArray) -> FloatArray:
 def _load_data(load: LoadResult) -> dict[str, NDArray[np.generic]]:
     return {
         "fluid_pressure_Pa": np.array([load.fluid_pressure]),
-        "axial_force_N": np.array([load.axial_force]),
+        "contact_force_N": np.array([load.contact_force]),
         "line_load_N_per_m": np.array([load.line_load]),
     }
 

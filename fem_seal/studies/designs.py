@@ -16,6 +16,7 @@ from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.fields import Quantity, shown
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import UnreadableFileError, read_text
+from fem_seal.former_names import in_present_words
 from fem_seal.studies.entries import Entry, Value, entry_at
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.tables import MOST_POINTS, Design
@@ -167,7 +168,7 @@ def _heading(cell: str, path: Path) -> tuple[str, str]:
         raise InputError(
             Problem("design.file", f"has a heading {shown(cell)} that is no path{advice}", shown(path.name))
         )
-    return match[1], (match[2] or "").strip()
+    return in_present_words(match[1]), (match[2] or "").strip()
 
 
 def _entry(case: Case, name: str, path: Path) -> Entry:

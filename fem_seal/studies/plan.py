@@ -290,15 +290,15 @@ def check_changes(changes: Mapping[str, Any], paths: Sequence[str]) -> None:
 
 def check_load(case: Case, paths: Collection[str]) -> None:
     """InputError if the case has several loads that no parameter replaces: a design has one."""
-    pressures, forces = case.load.fluid_pressure, case.load.axial_force
+    pressures, forces = case.load.fluid_pressure, case.load.applied_force
     several = {}
     force_count = len(forces) if isinstance(forces, tuple) else 1
     # a single pressure stands there once for each force
     repeated = force_count > 1 and len(set(pressures)) == 1
     if len(pressures) > 1 and not repeated and "load.fluid_pressure" not in paths:
         several['"load.fluid_pressure" = "10 bar"'] = f"{len(pressures)} fluid pressures"
-    if force_count > 1 and "load.axial_force" not in paths:
-        several['"load.axial_force" = "0 N"'] = f"{force_count} axial forces"
+    if force_count > 1 and "load.applied_force" not in paths:
+        several['"load.applied_force" = "0 N"'] = f"{force_count} applied forces"
     if several:
         raise InputError(
             Problem(

@@ -125,7 +125,13 @@ def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) 
 
         optimise(study, recipe, about, store, ready, progress)
     else:
+        held = store.size
         store.set_design((recipe.key(point) for point in study.points), **about)
+        if held and store.counts()["open"] == len(study.points):
+            progress.note(
+                f"none of the {held} designs held here is one of this study as fem-seal {__version__} calculates it; "
+                "all are calculated anew"
+            )
         _fill(recipe, store, ready, study, progress)
 
 

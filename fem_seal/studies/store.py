@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.files import UnreadableFileError, check_file
+from fem_seal.former_names import in_present_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -88,15 +89,18 @@ class Store:
         self.outputs = outputs
         status = path.stat()
         self._file = (status.st_dev, status.st_ino)
+        # files of before a column was renamed have it under its former name
+        self._stored = {in_present_words(name, aloud=False): name for name in _columns(connection)}
         types = _columns(connection)
         # SQLite knows numbers and texts only
-        self._truths = tuple(types[name] == TRUTH for name in inputs)
+        self._truths = tuple(types[self._stored[name]] == TRUTH for name in inputs)
 
     @property
     def about(self) -> dict[str, Any]:
         """What was written with `describe`."""
         return {
-            name: json.loads(text) for name, text in self._connection.execute("SELECT name, text FROM about")
+            name: in_present_words(json.loads(text), aloud=False)
+            for name, text in self._connection.execute("SELECT name, text FROM about")
         }
 
     def describe(self, **entries: Any) -> None:
@@ -160,7 +164,7 @@ class Store:
     def rows(self, keys: Sequence[str]) -> dict[str, Row]:
         """Rows of some keys."""
         columns = ", ".join(
-            ["key", "reason", "seconds", *_TOLD, *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
+            ["key", "reason", "seconds", *_TOLD, *map(self._read, (*self.inputs, *self.outputs))]
         )
         found = {}
         for start in range(0, len(keys), _AT_ONCE):
@@ -207,6 +211,11 @@ class Store:
         found = self._connection.execute(query, (number, DONE)).fetchone()
         return None if found is None else str(found[0])
 
+    @property
+    def size(self) -> int:
+        """Number of rows, those of other designs than the study's among them."""
+        return int(self._connection.execute("SELECT COUNT(*) FROM point").fetchone()[0])
+
     def counts(self) -> dict[str, int]:
         """Designs of the study that are done, failed and open."""
         query = "SELECT COALESCE(point.status, 'open'), COUNT(*) FROM design LEFT JOIN point USING (key) GROUP BY 1"
@@ -231,7 +240,7 @@ class Store:
         there = {row[1] for row in self._connection.execute("PRAGMA table_info(point)")}
         told = [name for name in _TOLD if name in there]
         columns = ", ".join(
-            ["number", "status", "reason", *told, *map(_quoted, self.inputs), *map(_quoted, self.outputs)]
+            ["number", "status", "reason", *told, *map(self._read, (*self.inputs, *self.outputs))]
         )
         query = f"SELECT {columns} FROM design JOIN point USING (key) ORDER BY number"
         table = pd.read_sql_query(query, self._connection)
@@ -244,6 +253,10 @@ class Store:
             if truth:
                 table[name] = table[name].astype(bool)
         return table.set_index("number")
+
+    def _read(self, name: str) -> str:
+        """A column of a query by its present name."""
+        return f"{_quoted(self._stored[name])} AS {_quoted(name)}"
 
     def close(self) -> None:
         """Fold the write-ahead log into the file and close it."""
@@ -290,6 +303,12 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
             for name in _TOLD:
                 if name not in there_already:
                     connection.execute(f"ALTER TABLE point ADD COLUMN {name} TEXT")
+            for name in there_already:
+                present = in_present_words(name)
+                if present != name:
+                    connection.execute(
+                        f"ALTER TABLE point RENAME COLUMN {_quoted(name)} TO {_quoted(present)}"
+                    )
     except sqlite3.Error as error:
         raise _fault(path, error) from error
     wanted, there = [*inputs, *outputs], list(_columns(connection))
@@ -324,11 +343,13 @@ def open_to_read(path: Path) -> Store:
         ) from None
     _check_pages(connection, path)
     try:
-        inputs = tuple({name: json.loads(text) for name, text in about.items()}["inputs"])
+        told = {name: json.loads(text) for name, text in about.items()}
+        inputs = tuple(in_present_words(told["inputs"], aloud=False))
     except (KeyError, TypeError, ValueError) as error:
         connection.close()
         raise _damaged(path, error) from None
-    return Store(connection, path, inputs, tuple(_columns(connection))[len(inputs) :])
+    columns = in_present_words(tuple(_columns(connection)), aloud=False)
+    return Store(connection, path, inputs, columns[len(inputs) :])
 
 
 def _reading(path: Path) -> sqlite3.Connection:

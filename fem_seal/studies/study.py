@@ -15,6 +15,7 @@ from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.messages import problems
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import UnreadableFileError, read_text, read_toml
+from fem_seal.former_names import in_present_entries, in_present_words
 from fem_seal.studies import designs
 from fem_seal.studies.entries import entry_at, with_open_materials
 from fem_seal.studies.parameters import Parameter, read_parameter
@@ -101,6 +102,7 @@ class Study(StudyPlan):
         name = (
             base if isinstance(base, str) else str(base.file or "") if isinstance(base, Case) else str(base)
         )
+        tables = _in_present_words(tables)
         read = _read_tables({**tables, "base": name})
         self.file = file
         case = base if isinstance(base, Case) else load_case(folder / base)
@@ -250,6 +252,18 @@ def _read_tables(tables: dict[str, Any]) -> StudyTables:
         raise InputError(*problems(error, StudyTables)) from None
 
 
+def _in_present_words(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a study without former names of entries and columns."""
+    found = dict(tables)
+    for name in ("changes", "parameters"):
+        if isinstance(found.get(name), Mapping):
+            found[name] = in_present_entries(found[name])
+    for name in ("responses", "derived", "constraints", "report", "optimise"):
+        if name in found:
+            found[name] = in_present_words(found[name])
+    return found
+
+
 def _as_tuple(value: Any) -> Any:
     """Lists become tuples where tables are read strictly."""
     if isinstance(value, dict):
@@ -351,4 +365,4 @@ def _first_row(path: Path) -> list[str]:
     except (UnreadableFileError, UnicodeDecodeError):
         # `read_list` says what is wrong with it
         return []
-    return [cell.split("[")[0].strip() for cell in first.split(",")]
+    return [in_present_words(cell.split("[")[0].strip()) for cell in first.split(",")]

@@ -25,6 +25,7 @@ from fem_seal.analysis.load_names import load_name
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import DrawingError, InputError, Problem
 from fem_seal.files import write_bytes
+from fem_seal.former_names import former_column
 from fem_seal.output.pictures.fields import QUARTERS
 from fem_seal.output.pictures.style import Picture, svg
 from fem_seal.output.prose import said
@@ -370,7 +371,7 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
     )
     if scale:
         pressure, force = (
-            float(_array(grid.field_data, name)[0]) for name in ("fluid_pressure_Pa", "axial_force_N")
+            float(_array(grid.field_data, name)[0]) for name in ("fluid_pressure_Pa", "contact_force_N")
         )
         text = f"{given('fluid pressure', pressure)}, contact force {quantity('force', force)}"
         plotter.add_text(
@@ -456,8 +457,10 @@ class _Section:
 
 
 def _array(data: Any, name: str) -> FloatArray:
-    """An array of a file by its name, which in folders of before has no unit at its end."""
-    return np.asarray(data[name if name in data else split_unit(name)[0]])
+    """An array of a file by its name, which in folders of before is a former one or has no unit at its end."""
+    names = (name, former_column(name))
+    tried = (*names, *(split_unit(one)[0] for one in names))
+    return np.asarray(data[next((one for one in tried if one in data), name)])
 
 
 def _pressure(files: LoadFiles, size: float) -> Any:

@@ -54,7 +54,7 @@ class ReadableTable:
 # Columns of the table of all loads, and what the next one asks about opening and target.
 _OF_LOADS = (
     "fluid_pressure_Pa",
-    "axial_force_N",
+    "contact_force_N",
     "line_load_N_per_m",
     "peak_pressure_Pa",
     "peak_pressure_max_Pa",
@@ -70,7 +70,7 @@ _OF_LOADS = (
 )
 # The page holds so many columns; where there are more, these go first. leak.csv has them all.
 _WIDEST, _SPARED = 12, ("std_m", "critical_separation_elastic_m")
-_GIVEN = ("fluid_pressure_Pa", "applied_force_N", "axial_force_N")
+_GIVEN = ("fluid_pressure_Pa", "applied_force_N", "contact_force_N")
 _ASKED = (
     "effective_seal_radius_m",
     "blow_off_pressure_Pa",
@@ -425,7 +425,7 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
             "all",
             opens=opens,
             share=percent(share, 2 if load.digits == 4 else 4),
-            contact_force=quantity_worth("force", load.axial_force, load.digits),
+            contact_force=quantity_worth("force", load.contact_force, load.digits),
             applied_force=given("force", load.applied_force),
         )
     target, force = result.case.load.target_leak_rate, load.force_for_target

@@ -192,7 +192,7 @@ class Display:
 
 # Parts of a path that say nothing more to a reader, and what some keys are called.
 _UNSAID = ("material", "spectrum", "load", "roughness", "interface", "leak", "mesh")
-_CALLED = {"axial_force": "applied force", "q_low": "q low", "q_rolloff": "roll-off", "q_high": "q high"}
+_CALLED = {"applied_force": "applied force", "q_low": "q low", "q_rolloff": "roll-off", "q_high": "q high"}
 _CALLED |= {
     "hurst": "Hurst exponent",
     "youngs_modulus": "Young's modulus",
@@ -209,7 +209,7 @@ def parameter_words(path: str) -> str:
 
     Examples
     --------
-    >>> [parameter_words(one) for one in ("seat.angle", "load.axial_force", "seat.material.hardness")]
+    >>> [parameter_words(one) for one in ("seat.angle", "load.applied_force", "seat.material.hardness")]
     ['seat angle', 'applied force', 'seat hardness']
     >>> parameter_words("form.seat.harmonics.0.amplitude")
     'form seat harmonics 1 amplitude'
