@@ -18,6 +18,8 @@ from typing import Any, ParamSpec, TypeVar
 ENTRIES = {"load.axial_force": "load.applied_force"}
 # Columns of leak.csv.
 COLUMNS = {"axial_force_N": "contact_force_N"}
+# Verdicts of studies that are stored.
+VERDICTS = {"holds": "pass", "fails": "fail", "undecided": "inconclusive"}
 _NAMES = ENTRIES | COLUMNS
 _NAME = re.compile(rf"(?<![\w./\\])(?:{'|'.join(map(re.escape, _NAMES))})(?![\w./\\])")
 _PACKAGE = str(Path(__file__).parent)

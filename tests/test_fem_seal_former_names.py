@@ -24,6 +24,21 @@ SMOOTH = {
     "seat": {"shape": "cone", "angle": "45 deg", "material": "steel"},
     "interface": {"law": "smooth"},
 }
+ROUGH = {
+    "closure": {"shape": "ball", "radius": "20 mm", "material": "316L"},
+    "seat": {"shape": "cone", "angle": "45 deg", "material": "316L"},
+    "roughness": {
+        "spectrum": {
+            "kind": "self-affine",
+            "rms_height": "0.3 um",
+            "hurst": 0.8,
+            "q_low": "1e4 1/m",
+            "q_rolloff": "1e4 1/m",
+            "q_high": "1e7 1/m",
+        }
+    },
+    "fluid": {"name": "water"},
+}
 
 
 @pytest.fixture(autouse=True)
@@ -158,3 +173,18 @@ def test_a_stored_study_in_former_words_is_read_and_calculated_anew(tmp_path, ca
     assert resumed.table.equals(before) and resumed.counts["done"] == 2
     fem_seal.Study(tables).run(folder=tmp_path, workers=0, resume=True, progress=Told())
     assert len(notes) == 1
+
+
+def test_stored_verdicts_are_told_in_present_words(tmp_path) -> None:
+    table = {**ROUGH, "requirement": {"leak_rate": "1 ml/min"}, "load": {"fluid_pressure": "20 bar"}}
+    study = fem_seal.Study(
+        table, parameters={"load.applied_force": ["0 N", "4 kN"]}, responses=["verdict", "leak_rate_m3_per_s"]
+    )
+    now = study.run(folder=tmp_path, workers=0).table["verdict"].tolist()
+    former = {present: word for word, present in former_names.VERDICTS.items()}
+    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
+        for present, word in former.items():
+            connection.execute("UPDATE point SET verdict = ? WHERE verdict = ?", (word, present))
+        stored = {word for (word,) in connection.execute("SELECT verdict FROM point")}
+    assert stored <= set(former_names.VERDICTS) and set(now) <= set(former_names.VERDICTS.values())
+    assert fem_seal.StudyResult(tmp_path).table["verdict"].tolist() == now

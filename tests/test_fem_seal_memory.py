@@ -281,8 +281,8 @@ def after_3_kN(**tables: Any) -> dict[str, Any]:
     [
         (load(largest_earlier_force="3 kN", largest_earlier_pressure="9 bar"), PRESSURE, "one of them"),
         (load(largest_earlier_pressure="9 bar", pressure_side="inner"), PRESSURE, "lifts"),
-        (load(largest_earlier_pressure="9 bar", contact_force=["1 kN", "2 kN"]), PRESSURE, "several values"),
-        (load(largest_earlier_pressure="1 bar", contact_force="-200 N"), PRESSURE, "open"),
+        (load(largest_earlier_pressure="9 bar", applied_force=["1 kN", "2 kN"]), PRESSURE, "several values"),
+        (load(largest_earlier_pressure="1 bar", applied_force="-200 N"), PRESSURE, "open"),
         (load(largest_earlier_force="9e7 N"), FORCE, "no contact on these faces carries it"),
         (load(largest_earlier_force="-1 N"), FORCE, "out of range"),
         (after_3_kN(leak={"fluid_in_gap": "local"}), "leak.fluid_in_gap", "penetration"),

@@ -122,7 +122,7 @@ def unevenness(model, p):
     ],
 )
 def test_fluid_all_around_leaves_a_closure_of_any_shape_under_even_pressure(closure, seat):
-    off, finer = (unevenness(wetted(closure, seat, n, contact_force="1.5 kN")[1], 10e5) for n in (0.7, 1.4))
+    off, finer = (unevenness(wetted(closure, seat, n, applied_force="1.5 kN")[1], 10e5) for n in (0.7, 1.4))
     # Straight edges against true arcs: of first order at the end of the line, where a ball stands 4 mm off its seat and
     # elements are large, of second order in the mean.
     assert off.max() < 2e-2
@@ -135,11 +135,11 @@ def test_fluid_all_around_leaves_a_closure_of_any_shape_under_even_pressure(clos
 def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lifts_nothing(tmp_path):
     """A ready mesh keeps its facets: those of the closure reach beyond the contact line by up to 0.2 mm here."""
     cone = {"shape": "cone", "angle": "45 deg"}
-    case, _ = wetted(BALL, cone, contact_force="1.5 kN")
+    case, _ = wetted(BALL, cone, applied_force="1.5 kN")
     coarse = meshes.Sizing(2e-4, 1e-3, (-2e-3, 2e-3), 0.1, 0.3, 2e-3)
     build_contact(case.contact, coarse).write(tmp_path / "coarse.msh")
     drawn = {"shape": "profile", "file": str(tmp_path / "coarse.msh")}
-    _, model = wetted(drawn, cone, contact_force="1.5 kN")
+    _, model = wetted(drawn, cone, applied_force="1.5 kN")
     p = 10e5
     loads = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p))
     # round-off of 310 N on the ball's section; the strips beyond the line would be 5 N
@@ -148,7 +148,7 @@ def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lift
 
 @pytest.mark.parametrize("seat", [LAND, {"shape": "conical-land", "angle": "45 deg", "land_width": "2 mm"}])
 def test_a_poppet_on_its_land_opens_where_the_fluid_carries_the_spring(seat):
-    case, _ = wetted(POPPET, seat, contact_force="1.5 kN")
+    case, _ = wetted(POPPET, seat, applied_force="1.5 kN")
     (load,) = run_loads(case).loads
     # No flow is known: the fluid gets through once the land nowhere presses harder. It then reaches over the bore at
     # least, and over the whole land at most, which carries as much once more.

@@ -48,23 +48,23 @@ def required(result=None, missing=None, **table):
 @pytest.mark.parametrize(
     ("ends", "verdict", "margin"),
     [
-        ((0.5, 1.0), "holds", 2.0),
-        ((0.5, 2.0), "holds", 1.0),
-        ((1.0, 4.0), "undecided", 0.5),
-        ((2.0, 4.0), "undecided", 0.5),
-        ((2.001, 4.0), "fails", 0.5),
-        ((0.0, 0.0), "holds", math.inf),
-        ((0.0, 4.0), "undecided", 0.5),
-        ((math.inf, math.inf), "fails", 0.0),
-        ((1.0, math.inf), "undecided", 0.0),
+        ((0.5, 1.0), "pass", 2.0),
+        ((0.5, 2.0), "pass", 1.0),
+        ((1.0, 4.0), "inconclusive", 0.5),
+        ((2.0, 4.0), "inconclusive", 0.5),
+        ((2.001, 4.0), "fail", 0.5),
+        ((0.0, 0.0), "pass", math.inf),
+        ((0.0, 4.0), "inconclusive", 0.5),
+        ((math.inf, math.inf), "fail", 0.0),
+        ((1.0, math.inf), "inconclusive", 0.0),
     ],
 )
-def test_upper_end_within_holds_lower_end_above_fails_all_else_is_undecided(ends, verdict, margin):
+def test_upper_end_within_is_pass_lower_end_above_fail_all_else_inconclusive(ends, verdict, margin):
     judged = Judgement.of(Limit("leak rate", 2.0), ends)
     assert (str(judged.verdict), judged.margin) == (verdict, margin)
     # outside the theory nothing is claimed, except of a seal that is open
     outside = Judgement.of(Limit("leak rate", 2.0), ends, OUTSIDE)
-    assert outside.verdict == ("fails" if math.isinf(ends[0]) else "undecided")
+    assert outside.verdict == ("fail" if math.isinf(ends[0]) else "inconclusive")
     assert outside.margin == margin
 
 
@@ -74,18 +74,18 @@ def test_upper_end_within_holds_lower_end_above_fails_all_else_is_undecided(ends
     factors=st.lists(st.tuples(st.floats(0.01, 1.0), st.floats(1.0, 100.0)), max_size=2),
 )
 def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, factors):
-    """Whatever leaks in truth, a seal that holds keeps its limit and one that fails does not."""
+    """Whatever leaks in truth, a seal that passes keeps its limit and one that fails does not."""
     doubt = Validity.of([Caution("x", Level.DOUBTFUL, f"by {one}", "...", one) for one in factors])
     judged = Judgement.of(Limit("leak rate", limit), ends, doubt)
     plain = Judgement.of(Limit("leak rate", limit), ends)
     low, high = (end * math.prod(one[n] for one in factors) for n, end in enumerate(ends))
     # three orders of magnitude are all that a calculation is taken to be off by
     low, high = max(low, 1e-3 * ends[0]), min(high, 1e3 * ends[1])
-    if judged.verdict == "holds":
+    if judged.verdict == "pass":
         assert high <= limit
-    if judged.verdict == "fails":
+    if judged.verdict == "fail":
         assert low > limit
-    assert judged.verdict in (plain.verdict, "undecided")
+    assert judged.verdict in (plain.verdict, "inconclusive")
     assert (judged.margin, judged.ends) == (plain.margin, plain.ends)
     if judged.verdict != plain.verdict:
         assert judged.why is Why.ACCURACY and any(one in judged.reason for one in doubt.reasons)
@@ -96,20 +96,20 @@ def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, fact
     ("factor", "ends", "verdict"),
     [
         # a factor of two either way
-        (either_way(2.0), (0.5, 0.9), "holds"),
-        (either_way(2.0), (0.5, 1.1), "undecided"),
-        (either_way(2.0), (3.9, 9.0), "undecided"),
-        (either_way(2.0), (4.1, 9.0), "fails"),
+        (either_way(2.0), (0.5, 0.9), "pass"),
+        (either_way(2.0), (0.5, 1.1), "inconclusive"),
+        (either_way(2.0), (3.9, 9.0), "inconclusive"),
+        (either_way(2.0), (4.1, 9.0), "fail"),
         # only less can leak, or only more
-        ((0.0, 1.0), (0.5, 1.9), "holds"),
-        ((0.0, 1.0), (3.0, 9.0), "undecided"),
-        ((1.0, math.inf), (3.0, 9.0), "fails"),
-        ((1.0, math.inf), (0.5, 0.9), "undecided"),
+        ((0.0, 1.0), (0.5, 1.9), "pass"),
+        ((0.0, 1.0), (3.0, 9.0), "inconclusive"),
+        ((1.0, math.inf), (3.0, 9.0), "fail"),
+        ((1.0, math.inf), (0.5, 0.9), "inconclusive"),
         # orders of magnitude are three
-        ((0.0, math.inf), (1e-9, 0.0019), "holds"),
-        ((0.0, math.inf), (1e-9, 0.0021), "undecided"),
+        ((0.0, math.inf), (1e-9, 0.0019), "pass"),
+        ((0.0, math.inf), (1e-9, 0.0021), "inconclusive"),
         # of nothing there is nothing more
-        ((0.0, math.inf), (0.0, 0.0), "holds"),
+        ((0.0, math.inf), (0.0, 0.0), "pass"),
     ],
 )
 def test_a_factor_that_the_theory_may_be_off_by_has_to_fit_between(factor, ends, verdict):
@@ -117,7 +117,7 @@ def test_a_factor_that_the_theory_may_be_off_by_has_to_fit_between(factor, ends,
     judged = Judgement.of(Limit("leak rate", 2.0), ends, few)
     assert judged.verdict == verdict
     assert (judged.why, judged.reason) == (
-        (Why.ACCURACY, "few channels") if verdict == "undecided" else (Why.LIMIT, "")
+        (Why.ACCURACY, "few channels") if verdict == "inconclusive" else (Why.LIMIT, "")
     )
 
 
@@ -127,10 +127,10 @@ def test_what_the_mesh_leaves_uncertain_has_to_fit_between_too():
     coarse = replace(solved, loads=tuple(load.knowing(mesh_error=error) for load in solved.loads))
     low, high = solved.leak_ranges[-1]
     for limit, fine, rough in (
-        (1.04 * high, "holds", "undecided"),
-        (1.06 * high, "holds", "holds"),
-        (low / 1.04, "fails", "undecided"),
-        (low / 1.06, "fails", "fails"),
+        (1.04 * high, "pass", "inconclusive"),
+        (1.06 * high, "pass", "pass"),
+        (low / 1.04, "fail", "inconclusive"),
+        (low / 1.06, "fail", "fail"),
     ):
         judged = [required(one, leak_rate=f"{limit!r} m^3/s") for one in (solved, coarse)]
         assert [one.loads[-1].verdict for one in judged] == [fine, rough]
@@ -147,16 +147,18 @@ def test_what_the_mesh_leaves_uncertain_has_to_fit_between_too():
 def test_without_a_leak_rate_or_a_limit_nothing_is_decided():
     for limit, ends in ((Limit("leak rate", 2.0), (math.nan, math.nan)), (Limit("x", math.nan), (1.0, 1.0))):
         judged = Judgement.of(limit, ends)
-        assert judged.verdict is Verdict.UNDECIDED and judged.why is Why.UNKNOWN and math.isnan(judged.margin)
+        assert (
+            judged.verdict is Verdict.INCONCLUSIVE and judged.why is Why.UNKNOWN and math.isnan(judged.margin)
+        )
 
 
 def test_no_visible_leakage_is_met_by_none_and_failed_by_a_drop_in_the_shortest_test():
     seen = visible_leak_rate(gas=False)
     limit = Limit("ISO 5208 A", 0.0, seen)
-    assert Judgement.of(limit, (0.0, 0.0)).verdict == "holds"
-    assert Judgement.of(limit, (1.01 * seen, 2 * seen)).verdict == "fails"
+    assert Judgement.of(limit, (0.0, 0.0)).verdict == "pass"
+    assert Judgement.of(limit, (1.01 * seen, 2 * seen)).verdict == "fail"
     few = Judgement.of(limit, (0.0, 0.5 * seen))
-    assert few.verdict == "undecided" and math.isnan(few.margin)
+    assert few.verdict == "inconclusive" and math.isnan(few.margin)
     # 1/16 ml in 15 s
     assert seen == pytest.approx(1e-6 / 16 / 15, rel=1e-12)
 
@@ -168,8 +170,8 @@ def test_the_limit_of_a_class_is_that_of_the_standard_and_the_tighter_of_two_cou
         ("leak rate", pytest.approx(1e-3)),
         ("ISO 5208 G", pytest.approx(50e-9, rel=1e-12)),
     ]
-    assert result.verdict == "fails" and result.judgement.worst.limit.name == "ISO 5208 G"
-    assert required(leak_rate="1e-3 m^3/s").verdict == "holds"
+    assert result.verdict == "fail" and result.judgement.worst.limit.name == "ISO 5208 G"
+    assert required(leak_rate="1e-3 m^3/s").verdict == "pass"
 
 
 def test_a_bubble_has_the_volume_of_its_standard_or_of_the_requirement():
@@ -202,8 +204,8 @@ def test_margin_is_the_limit_over_the_upper_end_of_both_readings():
         assert load.margin == pytest.approx(1e-3 / high, rel=1e-12)
     low, high = result.leak_ranges[-1]
     between = required(leak_rate=f"{math.sqrt(low * high)} m^3/s", fluid_pressure="2000 kPa")
-    assert [load.verdict for load in between.loads] == [None, None, "undecided"]
-    assert between.verdict == "undecided" and between.judgement.worst.why is Why.INTERVAL
+    assert [load.verdict for load in between.loads] == [None, None, "inconclusive"]
+    assert between.verdict == "inconclusive" and between.judgement.worst.why is Why.INTERVAL
     assert between.margin == pytest.approx(math.sqrt(low / high), rel=1e-9)
 
 
@@ -213,20 +215,20 @@ def test_the_worst_load_decides_and_a_load_that_opens_fails():
     assert result.margin == pytest.approx(1e-3 / worst[1], rel=1e-12)
     opened = {(64e5, 0.0): LoadProblem("load.applied_force", "the seal is open")}
     unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
-    assert required(missing=opened, leak_rate="1e-3 m^3/s").verdict == "fails"
+    assert required(missing=opened, leak_rate="1e-3 m^3/s").verdict == "fail"
     left = required(missing=unsolved, leak_rate="1e-3 m^3/s")
-    assert left.verdict == "undecided" and left.judgement.left_out == 1 and math.isnan(left.margin)
+    assert left.verdict == "inconclusive" and left.judgement.left_out == 1 and math.isnan(left.margin)
     # a failed load is worse than one that is not known
-    assert required(missing=unsolved, leak_rate="1e-12 m^3/s").verdict == "fails"
+    assert required(missing=unsolved, leak_rate="1e-12 m^3/s").verdict == "fail"
 
 
 def test_only_the_loads_that_are_asked_for_decide():
     opened = {(64e5, 0.0): LoadProblem("load.applied_force", "the seal is open")}
     result = required(missing=opened, leak_rate="1e-3 m^3/s", fluid_pressure=["2 bar", "5 bar"])
-    assert result.verdict == "holds" and result.judgement.judged == (0, 1)
+    assert result.verdict == "pass" and result.judgement.judged == (0, 1)
     assert result.loads[2].verdict is None and result.loads[2].margin is None
     table = leak_table(result)
-    assert table["verdict"].tolist() == ["holds", "holds", ""] and math.isnan(table["margin"].iloc[2])
+    assert table["verdict"].tolist() == ["pass", "pass", ""] and math.isnan(table["margin"].iloc[2])
 
 
 def test_shares_are_those_of_stress_and_peak():
@@ -270,10 +272,10 @@ def test_a_class_is_judged_for_the_fluid_of_its_test(fluid, test_fluid, ratio):
 
 def test_a_gas_that_is_not_that_of_the_test_widens_the_interval():
     limit = Limit("ISO 5208 D", 1.0, test_fluid="air", ratio=(0.4, 1.1))
-    assert Judgement.of(limit, (0.5, 0.9)).verdict == "holds"
-    assert Judgement.of(limit, (2.6, 3.0)).verdict == "fails"
+    assert Judgement.of(limit, (0.5, 0.9)).verdict == "pass"
+    assert Judgement.of(limit, (2.6, 3.0)).verdict == "fail"
     unsure = Judgement.of(limit, (1.5, 2.0))
-    assert unsure.verdict == "undecided" and unsure.why is Why.TEST_FLUID
+    assert unsure.verdict == "inconclusive" and unsure.why is Why.TEST_FLUID
     assert unsure.ends == pytest.approx((0.6, 2.2))
 
 
@@ -320,15 +322,15 @@ def test_standards_are_found_by_the_names_that_people_give_them():
 def test_report_terminal_and_summary_say_the_same_verdict(capsys):
     result = required(leak_rate="1 ml/min")
     first = verdict_sentences(result)[0]
-    assert first.startswith("Fails at 20 bar: at least ")
+    assert first.startswith("Fail at 20 bar: at least ")
     cli.show_verdict(result)
     assert first in capsys.readouterr().out
     page = report(result)
-    assert first in page and 'class="verdict fails"' in page
+    assert first in page and 'class="verdict fail"' in page
     told = json.loads(json.dumps(summary(result)["requirement"]))
-    assert told["verdict"] == "fails" and told["says"][0] == first
+    assert told["verdict"] == "fail" and told["says"][0] == first
     assert told["margin"] == result.margin and told["judged_loads"] == 3
-    assert [row["verdict"] for row in summary(result)["loads"]] == ["fails"] * 3
+    assert [row["verdict"] for row in summary(result)["loads"]] == ["fail"] * 3
 
 
 def test_each_way_to_a_verdict_has_its_sentence():
@@ -431,7 +433,7 @@ def test_check_says_what_will_be_judged_and_where():
 def test_a_design_of_a_study_is_judged_like_a_run():
     one = case(load={"fluid_pressure": "20 bar"}, requirement={"leak_rate": "1e-4 m^3/s"})
     found = evaluate(one, ["leak_rate_high_m3_per_s", "margin"])
-    assert found.verdict == "holds"
+    assert found.verdict == "pass"
     assert found.values["margin"] == pytest.approx(1e-4 / found.values["leak_rate_high_m3_per_s"], rel=1e-12)
     of_run = required(leak_rate="1e-4 m^3/s")
     assert found.values["margin"] == pytest.approx(of_run.loads[-1].margin, rel=5e-3)
@@ -461,7 +463,7 @@ def test_a_study_has_the_verdict_beside_its_margin(tmp_path):
         responses=["verdict"],
     )
     table = study.run(folder=tmp_path, workers=0).table
-    assert table["verdict"].tolist() == ["holds", "fails"]
+    assert table["verdict"].tolist() == ["pass", "fail"]
     assert table["margin"].iloc[0] > 1.0 > table["margin"].iloc[1]
     with pytest.raises(InputError, match=r"\[requirement\]"):
         fem_seal.Study(
@@ -554,13 +556,13 @@ def test_a_verdict_with_doubt_says_so_in_its_first_words():
 @pytest.mark.parametrize("ends", [(1e-12, 2e-12), (1e-6, 2e-6), (0.0, 0.0)])
 def test_without_its_interval_a_leak_rate_decides_nothing(ends):
     judged = Judgement.of(Limit("leak rate", 1e-9), ends, sampled=False)
-    assert (judged.verdict, judged.why) == (Verdict.UNDECIDED, Why.UNSAMPLED)
+    assert (judged.verdict, judged.why) == (Verdict.INCONCLUSIVE, Why.UNSAMPLED)
     assert math.isnan(judged.margin)
     opened = Judgement.of(Limit("leak rate", 1e-9), (math.inf, math.inf), sampled=False)
-    assert opened.verdict is Verdict.FAILS
+    assert opened.verdict is Verdict.FAIL
 
 
-def test_an_interval_that_cannot_be_calculated_leaves_the_verdict_undecided(monkeypatch):
+def test_an_interval_that_cannot_be_calculated_leaves_the_verdict_inconclusive(monkeypatch):
     def fails(*_, **__):
         raise ConvergenceError("nothing converges")
 
@@ -574,7 +576,7 @@ def test_an_interval_that_cannot_be_calculated_leaves_the_verdict_undecided(monk
     )
     assert result.judgement.worst.why is Why.UNSAMPLED
     (told, *_) = verdict_sentences(result)
-    assert told.startswith("Undecided at 20 bar") and "interval" in told
+    assert told.startswith("Inconclusive at 20 bar") and "interval" in told
 
 
 def test_of_several_doubts_the_sentence_names_all_and_what_they_come_to():

@@ -361,7 +361,7 @@ def test_a_relief_valve_from_its_case() -> None:
 
 @pytest.mark.parametrize("closing", ["penetration", "sealed-area"])
 def test_the_force_for_a_target_leaks_the_target_as_a_case_of_its_own(closing: str) -> None:
-    asked = valve(closing=closing, fluid_pressure="100 bar", contact_force="3 kN", largest_earlier_force=None)
+    asked = valve(closing=closing, fluid_pressure="100 bar", applied_force="3 kN", largest_earlier_force=None)
     target = 0.5 * leak_of(asked)
     (force,) = fem_seal.applied_force_for_leak(asked, target)
     # another mesh, sized for another force
@@ -415,7 +415,7 @@ MODULI = {"closure": 600e9, "seat": 210e9}
 @cache
 def sampled() -> tuple[SealProblem, SealSolution]:
     """One load of the valve as a result."""
-    case = valve(fluid_pressure="50 bar", contact_force="4 kN", largest_earlier_force=None).replace(
+    case = valve(fluid_pressure="50 bar", applied_force="4 kN", largest_earlier_force=None).replace(
         {
             "roughness.spectrum.rms_height": "2 um",
             "seat.material.stress_strain": {"plastic_strain": [0, 0.05], "stress": ["120 MPa", "180 MPa"]},

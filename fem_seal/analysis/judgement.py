@@ -1,4 +1,4 @@
-"""What is said of a leak rate that has a limit: it holds, it fails, or nobody can tell."""
+"""What is said of a leak rate that has a limit: pass, fail, or nobody can tell."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from fem_seal.analysis.caution import VALID, Validity
 class Verdict(StrEnum):
     """What is claimed of a requirement, worse and worse."""
 
-    HOLDS = "holds"
-    UNDECIDED = "undecided"
-    FAILS = "fails"
+    PASS = "pass"
+    INCONCLUSIVE = "inconclusive"
+    FAIL = "fail"
 
 
 class Why(StrEnum):
@@ -92,7 +92,7 @@ class Judgement:
     --------
     >>> judged = Judgement.of(Limit("leak rate", 2e-9), (0.5e-9, 1e-9))
     >>> str(judged.verdict), judged.margin
-    ('holds', 2.0)
+    ('pass', 2.0)
     """
 
     verdict: Verdict
@@ -119,24 +119,24 @@ class Judgement:
             Whether the interval holds what the inputs leave open.
         """
         if any(map(math.isnan, (*ends, limit.leak_rate))):
-            return cls(Verdict.UNDECIDED, math.nan, Why.UNKNOWN, limit)
+            return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNKNOWN, limit)
         tested = ends[0] * limit.ratio[0], ends[1] * limit.ratio[1]
         if math.isinf(ends[0]):
-            return cls(Verdict.FAILS, 0.0, Why.OPEN, limit, tested)
+            return cls(Verdict.FAIL, 0.0, Why.OPEN, limit, tested)
         verdict, why = _decided(limit, ends, tested)
         margin = _margin(limit, tested[1])
         if validity.outside:
-            return cls(Verdict.UNDECIDED, margin, Why.OUTSIDE, limit, tested, validity.reasons[0])
+            return cls(Verdict.INCONCLUSIVE, margin, Why.OUTSIDE, limit, tested, validity.reasons[0])
         if not sampled:
-            return cls(Verdict.UNDECIDED, math.nan, Why.UNSAMPLED, limit, tested)
+            return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNSAMPLED, limit, tested)
         least, most = validity.leak_factor
-        if verdict is Verdict.HOLDS and tested[1] * most > limit.leak_rate:
+        if verdict is Verdict.PASS and tested[1] * most > limit.leak_rate:
             return cls(
-                Verdict.UNDECIDED, margin, Why.ACCURACY, limit, tested, validity.leak_reason(more=True)
+                Verdict.INCONCLUSIVE, margin, Why.ACCURACY, limit, tested, validity.leak_reason(more=True)
             )
-        if verdict is Verdict.FAILS and tested[0] * least <= max(limit.leak_rate, limit.visible):
+        if verdict is Verdict.FAIL and tested[0] * least <= max(limit.leak_rate, limit.visible):
             return cls(
-                Verdict.UNDECIDED, margin, Why.ACCURACY, limit, tested, validity.leak_reason(more=False)
+                Verdict.INCONCLUSIVE, margin, Why.ACCURACY, limit, tested, validity.leak_reason(more=False)
             )
         return cls(verdict, margin, why, limit, tested)
 
@@ -150,13 +150,13 @@ def _margin(limit: Limit, highest: float) -> float:
 def _decided(limit: Limit, ends: tuple[float, float], tested: tuple[float, float]) -> tuple[Verdict, Why]:
     low, high = tested
     if high <= limit.leak_rate:
-        return Verdict.HOLDS, Why.LIMIT
+        return Verdict.PASS, Why.LIMIT
     if low > max(limit.leak_rate, limit.visible):
-        return Verdict.FAILS, Why.LIMIT
+        return Verdict.FAIL, Why.LIMIT
     if limit.leak_rate == 0:
-        return Verdict.UNDECIDED, Why.VISIBLE
+        return Verdict.INCONCLUSIVE, Why.VISIBLE
     own = ends[1] <= limit.leak_rate or ends[0] > limit.leak_rate
-    return Verdict.UNDECIDED, Why.TEST_FLUID if own else Why.INTERVAL
+    return Verdict.INCONCLUSIVE, Why.TEST_FLUID if own else Why.INTERVAL
 
 
 def severity(judged: Judgement) -> tuple[int, float]:
@@ -220,7 +220,7 @@ class SealJudgement:
 
     @property
     def verdict(self) -> Verdict:
-        """Holds, fails or undecided."""
+        """Pass, fail or inconclusive."""
         return self.worst.verdict
 
     @property

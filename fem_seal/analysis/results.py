@@ -153,7 +153,7 @@ class LoadResult(Lazy):
 
     @property
     def verdict(self) -> Verdict | None:
-        """Whether it "holds" or "fails", or "undecided"; None where nothing is required."""
+        """Verdict "pass", "fail" or "inconclusive"; None where nothing is required."""
         return None if self.judgement is None else self.judgement.verdict
 
     @property

@@ -154,8 +154,8 @@ def seal_judgement(
 def _of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> Judgement:
     limit = limits(case, point[0])[0]
     if problem.kind == "open":
-        return Judgement(Verdict.FAILS, 0.0, Why.OPEN, limit)
-    return Judgement(Verdict.UNDECIDED, math.nan, Why.UNKNOWN, limit, reason=problem.message)
+        return Judgement(Verdict.FAIL, 0.0, Why.OPEN, limit)
+    return Judgement(Verdict.INCONCLUSIVE, math.nan, Why.UNKNOWN, limit, reason=problem.message)
 
 
 def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Shares:

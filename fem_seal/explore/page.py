@@ -355,7 +355,7 @@ def _state(screen: Screen, answers: Answers) -> str:
     return "live; fem-seal run follows ..." if answers.works else "live"
 
 
-_COLOURS = {"holds": "good", "fails": "bad", "undecided": "warn"}
+_COLOURS = {"pass": "good", "fail": "bad", "inconclusive": "warn"}
 
 
 def _verdict(screen: Screen) -> list[Any]:

@@ -133,7 +133,7 @@ class Screen:
     between : tuple of ShownLoad
         Further loads that fill the curve; the case does not have them.
     verdict : str
-        "holds", "fails" or "undecided"; empty without a requirement, and while its interval is not there.
+        "pass", "fail" or "inconclusive"; empty without a requirement, and while its interval is not there.
     told : tuple of str
         The verdict in sentences, or the next class.
     facts : tuple of tuple

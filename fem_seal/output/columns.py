@@ -667,7 +667,7 @@ CHECK_ON_TERMINAL = (
 # Columns of leak.csv that hold words, after its numbers.
 TEXT_COLUMNS = ("verdict", *VALIDITY_COLUMNS)
 VERDICT_MEANING = (
-    'with `[requirement]`: "holds", "fails" or "undecided", see guide/verdict in the manual; empty where the '
+    'with `[requirement]`: "pass", "fail" or "inconclusive", see guide/verdict in the manual; empty where the '
     "load is not judged"
 )
 # The other tables: names of the columns and what they mean.

@@ -90,7 +90,7 @@ def leak_table(result: SealSolution) -> pd.DataFrame:
     """One row per load with `LEAK_COLUMNS`, SI, and `TEXT_COLUMNS`.
 
     reference/columns in the manual says what each of them means. NaN where nothing was calculated. ``verdict`` is
-    "holds", "fails", "undecided" or, without a requirement, empty. ``validity`` is "valid", "doubtful" or "outside the
+    "pass", "fail", "inconclusive" or, without a requirement, empty. ``validity`` is "valid", "doubtful" or "outside the
     theory"; ``validity_reasons`` says why, the worst reason first, with "; " between them (guide/validity in the
     manual).
 

@@ -88,7 +88,7 @@ class Designs:
 
     @property
     def verdicts(self) -> dict[str, int]:
-        """How many designs hold, fail and are undecided; empty where nothing was asked."""
+        """How many designs pass, fail and are inconclusive; empty where nothing was asked."""
         found = self.verdict[self.verdict != ""].value_counts()
         return {str(word): int(found[word]) for word in Verdict if word in found}
 

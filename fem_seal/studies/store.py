@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.files import UnreadableFileError, check_file
-from fem_seal.former_names import in_present_words
+from fem_seal.former_names import VERDICTS, in_present_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -176,7 +176,16 @@ class Store:
                     bool(value) if truth else value
                     for value, truth in zip(values[:split], self._truths, strict=True)
                 )
-                found[key] = Row(key, inputs, tuple(values[split:]), reason, seconds, level, why, verdict)
+                found[key] = Row(
+                    key,
+                    inputs,
+                    tuple(values[split:]),
+                    reason,
+                    seconds,
+                    level,
+                    why,
+                    VERDICTS.get(verdict, verdict),
+                )
         return found
 
     def write(self, rows: Sequence[Row]) -> None:
@@ -249,6 +258,8 @@ class Store:
             table[outputs] = table[outputs].astype(float)
         except (TypeError, ValueError) as error:
             raise _damaged(self.path, error) from None
+        if "verdict" in table:
+            table["verdict"] = table["verdict"].replace(VERDICTS)
         for name, truth in zip(self.inputs, self._truths, strict=True):
             if truth:
                 table[name] = table[name].astype(bool)

@@ -79,7 +79,7 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     if found is None:
         return []
     place = _place(result, found)
-    doubted = found.worst.verdict != "undecided" and _doubt(result, found)
+    doubted = found.worst.verdict != "inconclusive" and _doubt(result, found)
     told = _verdict(found, f"{place}, with doubt" if doubted else place, _digits(result, found))
     return [told, *_besides(result, found)]
 
@@ -108,7 +108,7 @@ def _verdict(found: SealJudgement, load: str, digits: int) -> str:
     judged, limit, sentence = found.worst, found.worst.limit, _sentence(found)
     low, high = (_like(limit, end) for end in judged.ends)
     # the ends that stand in the sentence have one unit with the limit
-    beside = {"holds": judged.ends[1:], "fails": judged.ends[:1]}.get(sentence, judged.ends)
+    beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(sentence, judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in judged.ends]
     return said(
         "verdict.said",
@@ -138,9 +138,9 @@ def _sentence(found: SealJudgement) -> str:
         return "visible_accuracy"
     if judged.why in _SENTENCES:
         return _SENTENCES[judged.why]
-    if judged.verdict == "fails":
-        return "fails" if judged.limit.leak_rate else "visible_fails"
-    return "sealed" if math.isinf(judged.margin) else "holds"
+    if judged.verdict == "fail":
+        return "fail" if judged.limit.leak_rate else "visible_fail"
+    return "sealed" if math.isinf(judged.margin) else "pass"
 
 
 def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:

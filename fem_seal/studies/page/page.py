@@ -94,7 +94,7 @@ def page(designs: Designs, counts: dict[str, int], reasons: list[tuple[str, int]
     )
 
 
-_VERDICTS = {"holds": "keep the requirement", "undecided": "undecided", "fails": "fail it"}
+_VERDICTS = {"pass": "keep the requirement", "inconclusive": "inconclusive", "fail": "fail it"}
 
 
 def _headline(designs: Designs, counts: dict[str, int]) -> str:
