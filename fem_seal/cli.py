@@ -23,8 +23,8 @@ from fem_seal.cli_pdf import pdf
 from fem_seal.cli_study import app as study_app
 from fem_seal.cli_table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError
-from fem_seal.files import as_json
 from fem_seal.former_names import said_to
+from fem_seal.terminal import cell, complain, note, say, say_json, show, warn
 from fem_seal.units import DIGITS, Unit, fixed_unit, rounded
 from fem_seal.version import __version__
 
@@ -66,10 +66,10 @@ def _version(
     if cite:
         from fem_seal.output.citation import citation
 
-        typer.echo(citation())
+        say(*citation().split("\n"))
         raise typer.Exit(DONE)
     if version:
-        typer.echo(f"fem-seal {__version__}")
+        say(f"fem-seal {__version__}")
         raise typer.Exit(DONE)
 
 
@@ -110,10 +110,10 @@ def run(
         with _left_alone():
             failures = files.write(result, folder)
     warnings = (*result.warnings, *failures)
-    _warn(warnings)
+    warn(warnings)
     rows = leak_rows(result)
     if json:
-        typer.echo(as_json({"folder": str(folder), "loads": rows, "warnings": warnings}))
+        say_json({"folder": str(folder), "loads": rows, "warnings": warnings})
     elif not quiet:
         show_leak_table(rows, case.title, result.loads)
         show_leakage(case, result.loads, result.leak_ranges)
@@ -185,18 +185,18 @@ def check(
     numbers["contact_size_m"] = sizing(problem).contact_size
     numbers["requirement"] = requirement_numbers(case)
     limits = [nearly_open(derived), strain_limit(derived), closed_form_limits(case, derived)]
-    _warn([*_remarks(case), *filter(None, limits)])
+    warn([*_remarks(case), *filter(None, limits)])
     if json:
-        typer.echo(as_json(numbers))
+        say_json(numbers)
     elif not quiet:
-        typer.echo(f"{case_file} is valid: {case.title}")
+        say(f"{case_file} is valid: {case.title}")
         for name, text in (*finish_rows(case), *temperature_rows(case, problem)):
-            typer.echo(f"  {name:30}{text}")
+            say(f"  {name:30}{text}")
         show_derived(numbers)
         for line in requirement_lines(case):
-            typer.echo(f"judged: {line}")
+            say(f"judged: {line}")
     if drawn is not None and not (json or quiet):
-        typer.echo(f"picture in {drawn}")
+        say(f"picture in {drawn}")
 
 
 @app.command()
@@ -224,14 +224,12 @@ def mesh(
     _warn_of_mixture(folder)
     quality = asdict(seal_mesh.quality)
     if json:
-        typer.echo(as_json({"file": str(path), **quality}))
+        say_json({"file": str(path), **quality})
     elif not quiet:
-        typer.echo(f"{quality['elements']} triangles, {quality['vertices']} vertices")
-        typer.echo(
-            f"shape (1 is equilateral): smallest {quality['smallest']:.3f}, mean {quality['mean']:.3f}"
-        )
-        typer.echo(f"relative error of the section area {quality['area_error']:.1e}")
-        typer.echo(f"Mesh in {path}")
+        say(f"{quality['elements']} triangles, {quality['vertices']} vertices")
+        say(f"shape (1 is equilateral): smallest {quality['smallest']:.3f}, mean {quality['mean']:.3f}")
+        say(f"relative error of the section area {quality['area_error']:.1e}")
+        say(f"Mesh in {path}")
 
 
 @app.command()
@@ -265,7 +263,7 @@ def leak(
         write_rows(rows, draft / "leak.csv")
     _warn_of_mixture(folder)
     if json:
-        typer.echo(as_json({"folder": str(folder), "loads": rows}))
+        say_json({"folder": str(folder), "loads": rows})
     elif not quiet:
         show_leak_table(rows, f"{profile_file.name}: {case.title}", loads)
         show_leakage(case, loads)
@@ -300,10 +298,10 @@ def direct(
         write_direct(table, folder, viscosity)
     rows = direct_rows(table, viscosity)
     if json:
-        typer.echo(as_json({"folder": str(folder), **direct_numbers(table), "pressures": rows}))
+        say_json({"folder": str(folder), **direct_numbers(table), "pressures": rows})
     elif not quiet:
         for line in direct_lines(table):
-            typer.echo(line)
+            say(line)
         show_table(f"Direct simulation: {case.title}", *shown_rows(rows), keys=2)
         _list_files(folder)
 
@@ -373,12 +371,12 @@ def surface(
     folder = _made(output or files[0].with_suffix(".surface"))
     with alone(folder), replaced_together(folder, whole=False) as draft:
         write_surface(measured, draft)
-    _warn(measured.warnings)
+    warn(measured.warnings)
     if json:
-        typer.echo(as_json({"folder": str(folder), **surface_numbers(measured)}))
+        say_json({"folder": str(folder), **surface_numbers(measured)})
     elif not quiet:
         for name, text in surface_lines(measured):
-            typer.echo(f"  {name:24}{text}")
+            say(f"  {name:24}{text}")
         _list_files(folder)
 
 
@@ -404,7 +402,7 @@ def view(
     _warn_of_mixture(folder)
     three_d.view(folder, png, load)
     if png is not None and not quiet:
-        typer.echo(f"picture in {png}")
+        say(f"picture in {png}")
 
 
 @app.command()
@@ -415,11 +413,11 @@ def schema(
     if study:
         from fem_seal.studies.schema import study_schema
 
-        typer.echo(as_json(study_schema()))
+        say_json(study_schema())
         return
     from fem_seal.case.schema import case_schema
 
-    typer.echo(as_json(case_schema()))
+    say_json(case_schema())
 
 
 def _results_folder(output: Path | None, case: Case) -> Path:
@@ -470,7 +468,7 @@ def _warn_of_mixture(folder: Path) -> None:
     from fem_seal.folders import unfinished
 
     said = unfinished(folder)
-    _warn([f"{folder}: {said}"] if said else [])
+    warn([f"{folder}: {said}"] if said else [])
 
 
 def _list_files(folder: Path) -> None:
@@ -478,12 +476,7 @@ def _list_files(folder: Path) -> None:
     steps = [name for name in names if name.endswith((".vtu", ".vtp"))]
     others = [name for name in names if name not in steps]
     listed = ", ".join(others) + (f" and {len(steps)} VTK files" if steps else "")
-    typer.echo(f"Results in {os.path.join(folder, '')}: {listed}")
-
-
-def _warn(warnings: Sequence[str]) -> None:
-    for warning in warnings:
-        typer.secho(f"warning: {warning}", err=True, fg=typer.colors.YELLOW)
+    say(f"Results in {os.path.join(folder, '')}: {listed}")
 
 
 @contextmanager
@@ -492,12 +485,12 @@ def _progress(quiet: bool) -> Iterator[Callable[[str], None]]:
     if quiet:
         yield lambda text: None
     elif not sys.stderr.isatty():
-        yield lambda text: typer.echo(text, err=True)
+        yield note
     else:
         from rich.console import Console
 
         with Console(stderr=True, highlight=False).status("starting") as status:
-            yield lambda text: status.update(text)
+            yield lambda text: status.update(cell(text))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -515,7 +508,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with said_to(lambda text: _warn([text])):
+        with said_to(lambda text: warn([text])):
             app(args=words, prog_name="fem-seal")
         sys.stdout.flush()
     except SystemExit as leave:
@@ -526,8 +519,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if "--debug" in words:
             raise
         code, message = _explained(error)
-        for line in message.splitlines():
-            typer.secho(f"error: {line}", err=True, fg=typer.colors.RED)
+        complain(message)
         return code
     return DONE
 
@@ -601,7 +593,7 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str, loads: Sequen
     for level in Level:
         if level.mark and level in levels:
             what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
-            print(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")  # noqa: T201
+            say(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
 
 
 def show_leakage(
@@ -621,7 +613,7 @@ def show_leakage(
 
     highest = highest_load(loads)
     for line in leakage_lines(case, loads[highest], loads, ends[highest] if ends else None):
-        print(line)  # noqa: T201
+        say(line)
 
 
 def show_memory(result: SealSolution) -> None:
@@ -634,7 +626,7 @@ def show_memory(result: SealSolution) -> None:
     from fem_seal.output.report.words import remembered
 
     for line in remembered(result):
-        print(line)  # noqa: T201
+        say(line)
 
 
 def show_form(result: SealSolution) -> None:
@@ -649,7 +641,7 @@ def show_form(result: SealSolution) -> None:
     from fem_seal.output.report.form import form_in_words
 
     for line in form_in_words(result):
-        print(line)  # noqa: T201
+        say(line)
 
 
 def show_particles(result: SealSolution) -> None:
@@ -664,7 +656,7 @@ def show_particles(result: SealSolution) -> None:
     from fem_seal.output.report.particles import particles_in_words
 
     for line in particles_in_words(result):
-        print(line)  # noqa: T201
+        say(line)
 
 
 def show_verdict(result: SealSolution) -> None:
@@ -678,7 +670,7 @@ def show_verdict(result: SealSolution) -> None:
     from fem_seal.output.report.verdict import verdict_lines
 
     for line in (*verdict_lines(result), *lever_lines(result)):
-        print(line)  # noqa: T201
+        say(line)
 
 
 def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
@@ -700,25 +692,24 @@ def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]
     # the terminal's own width decides how many columns stand side by side, never how many digits of one
     console = Console(width=_ENDLESS, highlight=False)
     # above the table and not its title, which would be broken to the width of the table
-    console.print(title, style="bold", markup=False, soft_wrap=True)
+    say(title, bold=True)
     widths = [
         max(len(line) for cell in (heading, *column) for line in cell.split("\n"))
         for heading, *column in zip(headings, *rows, strict=True)
     ]
     for part in _parts(widths, keys):
-        console.print(_table([headings[n] for n in part], [[row[n] for n in part] for row in rows]))
+        show(_table([headings[n] for n in part], [[row[n] for n in part] for row in rows]), console)
 
 
 def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
     from rich import box
-    from rich.markup import escape
     from rich.table import Table
 
     table = Table(box=box.SIMPLE_HEAD)
     for heading in headings:
-        table.add_column(escape(heading), justify="right", no_wrap=True)
+        table.add_column(cell(heading), justify="right", no_wrap=True)
     for row in rows:
-        table.add_row(*(escape(cell) for cell in row))
+        table.add_row(*map(cell, row))
     return table
 
 
@@ -783,11 +774,11 @@ def show_derived(numbers: Mapping[str, Any]) -> None:
         shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
         if body in numbers["sections"]:
             shown += section_text(numbers["sections"][body]).values()
-        print(f"  {body:10}" + ", ".join(shown))  # noqa: T201
+        say(f"  {body:10}" + ", ".join(shown))
     for name, words, unit in _CHECK_LINES:
         value = numbers[name]
         if value is not None and math.isfinite(value):
-            print(f"  {words:30}{_cell(value, fixed_unit(unit))} {unit}".rstrip())  # noqa: T201
+            say(f"  {words:30}{_cell(value, fixed_unit(unit))} {unit}".rstrip())
     rows = numbers["loads"]
     columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
     closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)

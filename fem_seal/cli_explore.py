@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from fem_seal.errors import InputError, Problem
+from fem_seal.terminal import say
 
 
 def explore(
@@ -42,7 +43,7 @@ def explore(
 
     def opened(address: str) -> None:
         if not quiet:
-            typer.echo(f"{case.title}: {address}   (Ctrl-C ends it)")
+            say(f"{case.title}: {address}   (Ctrl-C ends it)")
         if not no_browser:
             import webbrowser
 

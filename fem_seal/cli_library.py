@@ -9,6 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
+from fem_seal.terminal import cell, say, say_json, show
+
 Json = Annotated[bool, typer.Option("--json", help="Print the entries as JSON, in SI units.")]
 Csv = Annotated[bool, typer.Option("--csv", help="Print the entries as CSV, in SI units.")]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
@@ -42,9 +44,7 @@ def materials(
         _print_lines(material_lines(rows[0]))
     else:
         _print_table(*material_cells(rows), "condition", [row["condition"] for row in rows])
-        typer.echo(
-            f"{ONE_CONDITION}\nfem-seal materials NAME tells condition and source of one; --json of all."
-        )
+        say(ONE_CONDITION, "fem-seal materials NAME tells condition and source of one; --json of all.")
 
 
 def fluids(
@@ -70,7 +70,7 @@ def fluids(
         _print_lines(fluid_lines(rows[0]))
     else:
         _print_table(*fluid_cells(rows), "source", [row["source"] for row in rows])
-        typer.echo(
+        say(
             f"Viscosity and density at {temperature}. fem-seal fluids NAME tells the source of one; --json of all. "
             'A name "CoolProp:..." in a case takes any fluid of the optional package CoolProp.'
         )
@@ -78,9 +78,7 @@ def fluids(
 
 def _print_rows(rows: Sequence[dict[str, Any]], single: bool, as_json_text: bool) -> None:
     if as_json_text:
-        from fem_seal.files import as_json
-
-        typer.echo(as_json(rows[0] if single else rows))
+        say_json(rows[0] if single else rows)
         return
     writer = csv.writer(sys.stdout, lineterminator="\n")
     writer.writerow(rows[0])
@@ -91,13 +89,12 @@ def _print_rows(rows: Sequence[dict[str, Any]], single: bool, as_json_text: bool
 
 def _print_lines(lines: Iterable[tuple[str, str]]) -> None:
     from rich.console import Console
-    from rich.markup import escape
     from rich.table import Table
 
     table = Table.grid(padding=(0, 2))
     for word, text in lines:
-        table.add_row(word, escape(text))
-    _console(Console).print(table)
+        table.add_row(word, cell(text))
+    show(table, _console(Console))
 
 
 def _print_table(
@@ -106,19 +103,18 @@ def _print_table(
     """Print numbers beside the names, and where the terminal is wide or the output no terminal, words beside them."""
     from rich import box
     from rich.console import Console
-    from rich.markup import escape
     from rich.table import Table
 
     console = _console(Console)
     wide = console.width >= _WIDE
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for number, heading in enumerate(headings):
-        table.add_column(escape(heading), justify="left" if number == 0 else "right", no_wrap=True)
+        table.add_column(cell(heading), justify="left" if number == 0 else "right", no_wrap=True)
     if wide:
         table.add_column(f"{more}\n", justify="left", overflow="fold")
     for line, text in zip(cells, words, strict=True):
-        table.add_row(*(escape(cell) for cell in line), *([escape(text)] if wide else []))
-    console.print(table)
+        table.add_row(*(cell(one) for one in line), *([cell(text)] if wide else []))
+    show(table, console)
 
 
 def _console(make: Any) -> Any:

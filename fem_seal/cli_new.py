@@ -10,6 +10,7 @@ import typer
 
 from fem_seal.errors import InputError, NoLoadLeftError, Problem
 from fem_seal.former_names import say_once
+from fem_seal.terminal import complain, prompt, say
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -100,9 +101,9 @@ def new(
     text = _with_options(text, name, given, entries or [])
     text = _with_answers(text, given) if asks else _checked(text)
     _write(text, path)
-    typer.echo(f"{path} is written; next:")
-    typer.echo(f"  fem-seal check {_quoted(path)} --picture   (its section as a drawing)")
-    typer.echo(f"  fem-seal run {_quoted(path)}   (leak rate and report)")
+    say(f"{path} is written; next:")
+    say(f"  fem-seal check {_quoted(path)} --picture   (its section as a drawing)")
+    say(f"  fem-seal run {_quoted(path)}   (leak rate and report)")
 
 
 def _can_ask() -> bool:
@@ -112,16 +113,16 @@ def _can_ask() -> bool:
 def _chosen_template() -> str:
     from fem_seal.case.new_case import TEMPLATES, about
 
-    typer.echo("What is it like?")
+    say("What is it like?")
     for number, one in enumerate(TEMPLATES, start=1):
-        typer.echo(f"  {number}  {one:14}{about(one)}")
+        say(f"  {number}  {one:14}{about(one)}")
     while True:
-        answer = str(typer.prompt("number or name", default="1")).strip()
+        answer = prompt("number or name", "1")
         if answer.isdecimal() and 1 <= int(answer) <= len(TEMPLATES):
             return TEMPLATES[int(answer) - 1]
         if answer in TEMPLATES:
             return answer
-        typer.echo(f"1 to {len(TEMPLATES)}, or one of the names")
+        say(f"1 to {len(TEMPLATES)}, or one of the names")
 
 
 def _check_place(path: Path, force: bool) -> None:
@@ -166,7 +167,7 @@ def _with_answers(text: str, given: Mapping[str, str]) -> str:
     """Ask for every entry that no option has given; what does not fit together is asked again."""
     from fem_seal.case.new_case import asked, read_text_case
 
-    typer.echo("Enter keeps what stands in brackets.")
+    say("Enter keeps what stands in brackets.")
     while True:
         for question, path, value in asked(text):
             if question.name not in given:
@@ -176,8 +177,8 @@ def _with_answers(text: str, given: Mapping[str, str]) -> str:
         except InputError as error:
             given = {}
             for problem in error.problems:
-                typer.secho(str(problem), err=True, fg=typer.colors.RED)
-            typer.echo("Once more:")
+                complain(str(problem), "")
+            say("Once more:")
         else:
             return text
 
@@ -187,7 +188,7 @@ def _answered(text: str, words: str, path: str, value: str) -> str:
     from fem_seal.case.new_case import read_text_case, with_entries
 
     while True:
-        answer = str(typer.prompt(words, default=value)).strip()
+        answer = prompt(words, value)
         changed = with_entries(text, {path: answer}) if answer != value else text
         try:
             read_text_case(changed)
@@ -198,7 +199,7 @@ def _answered(text: str, words: str, path: str, value: str) -> str:
             wrong = [one for one in error.problems if one.key == path or one.key.startswith(f"{path}.")]
             if not wrong:
                 return changed
-            typer.secho(str(wrong[0]), err=True, fg=typer.colors.RED)
+            complain(str(wrong[0]), "")
         else:
             return changed
 

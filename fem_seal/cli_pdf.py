@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from fem_seal.errors import InputError, Problem
+from fem_seal.terminal import say
 
 
 def pdf(
@@ -31,4 +32,4 @@ def pdf(
         )
     written = print_pdf(page, output or folder / "report.pdf")
     if not quiet:
-        typer.echo(f"PDF in {written}")
+        say(f"PDF in {written}")

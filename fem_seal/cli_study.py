@@ -12,6 +12,7 @@ import typer
 from typer.core import TyperGroup
 
 from fem_seal.errors import NoLoadLeftError, Problem
+from fem_seal.terminal import say, say_json, warn
 
 if TYPE_CHECKING:
     from fem_seal.studies.results import StudyResult
@@ -123,7 +124,7 @@ def report(
 
     path = StudyResult(folder).report(output)
     if not quiet:
-        typer.echo(f"Page in {path}")
+        say(f"Page in {path}")
 
 
 @app.command()
@@ -143,28 +144,23 @@ def export(
 
     written = StudyResult(folder).export(path)
     if not quiet:
-        typer.echo(f"Table in {written}")
+        say(f"Table in {written}")
 
 
 def _show(result: StudyResult, quiet: bool, json: bool) -> None:
     if json:
-        from fem_seal.files import as_json
-
         designs = result.best().reset_index().to_dict("records")
-        typer.echo(
-            as_json(
-                {"folder": str(result.folder), **result.counts, "left_out": result.left_out, "best": designs}
-            )
+        say_json(
+            {"folder": str(result.folder), **result.counts, "left_out": result.left_out, "best": designs}
         )
         return
-    for reason, times in result.reasons:
-        typer.secho(f"warning: {times} failed: {reason}", err=True, fg=typer.colors.YELLOW)
+    warn(f"{times} failed: {reason}" for reason, times in result.reasons)
     if quiet:
         return
     _show_best(result.folder)
     counts = result.counts
-    typer.echo(f"{counts['done']} designs done, {counts['failed']} failed, {counts['open']} open")
-    typer.echo(f"Results in {result.folder}: study.sqlite, report.html")
+    say(f"{counts['done']} designs done, {counts['failed']} failed, {counts['open']} open")
+    say(f"Results in {result.folder}: study.sqlite, report.html")
 
 
 def _show_best(folder: Path) -> None:
@@ -176,16 +172,16 @@ def _show_best(folder: Path) -> None:
     designs = Designs.open(folder)
     numbers, columns = Display(designs).best(_BEST)
     if designs.about["goals"] and designs.left_out:
-        typer.echo(f"{outside_left_out(designs)}.")
+        say(f"{outside_left_out(designs)}.")
     if not numbers:
         return
     lines = {"design": [str(number) for number in numbers], **columns}
     labels = max(map(len, lines))
     cells = max(len(text) for line in lines.values() for text in line) + 2
     fitting = max((shutil.get_terminal_size().columns - labels) // cells, 1)
-    typer.secho("Best designs", bold=True)
+    say("Best designs", bold=True)
     for first in range(0, len(numbers), fitting):
         for label, line in lines.items():
             shown = "".join(text.rjust(cells) for text in line[first : first + fitting])
-            typer.echo(label.ljust(labels) + shown)
-        typer.echo()
+            say(label.ljust(labels) + shown)
+        say()

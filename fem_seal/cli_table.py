@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fem_seal.terminal import say, say_json, show, warn
+
 if TYPE_CHECKING:
     from fem_seal.analysis.leak_map import LeakMap
 
@@ -38,7 +40,6 @@ def table(
     """Leak rate and equivalent leakage area over pressure and force: CSV, Modelica and MATLAB tables."""
     from fem_seal.analysis.leak_map import leak_map
     from fem_seal.case.case import load_case
-    from fem_seal.files import as_json
     from fem_seal.folders import alone, replaced_together
     from fem_seal.output.leak_map import map_rows, write_map
 
@@ -52,15 +53,12 @@ def table(
             write_map(found, draft)
     whole = found.complete
     if json:
-        typer.echo(as_json({"folder": str(folder), "points": map_rows(found)}))
+        say_json({"folder": str(folder), "points": map_rows(found)})
     elif not quiet:
         _show(found)
-    for warning in _left_out(found, whole):
-        typer.secho(f"warning: {warning}", err=True, fg=typer.colors.YELLOW)
+    warn(_left_out(found, whole))
     if not (json or quiet):
-        typer.echo(
-            f"Tables in {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.suffix))}"
-        )
+        say(f"Tables in {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.suffix))}")
 
 
 def grid(text: str, dimension: str) -> list[float]:
@@ -100,7 +98,6 @@ def grid(text: str, dimension: str) -> list[float]:
 def _show(found: LeakMap) -> None:
     """Print the leak rates, one line per pressure, with a mark where they are not valid."""
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
     from fem_seal.analysis.caution import Level
@@ -121,9 +118,8 @@ def _show(found: LeakMap) -> None:
             digits = min(3, digits_within(one.leak_error))
             cells.append(f"{rounded(float(found.leak_rate[m, n]) * 6e7, digits):.3g}{Level(one.level).mark}")
         table.add_row(f"{pressure / 1e5:.4g}", *cells)
-    console = Console(highlight=False)
-    console.print(f"Leak rate of {found.fluid}: {found.title}", markup=False, soft_wrap=True)
-    console.print(table)
+    say(f"Leak rate of {found.fluid}: {found.title}")
+    show(table)
 
 
 def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:

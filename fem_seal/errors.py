@@ -5,6 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from fem_seal.printable import printable
+
+# Of an error with many problems.
+_MOST_LINES = 20
+
 
 class SealError(Exception):
     """Base of all errors that fem_seal raises on purpose.
@@ -40,9 +45,9 @@ class Problem:
     value: str | None = None
 
     def __str__(self) -> str:
-        """``key = value: message``, without the parts that do not exist."""
+        """``key = value: message``, without the parts that do not exist; one line that may be printed."""
         entry = self.key if self.value is None else f"{self.key} = {self.value}"
-        return f"{entry}: {self.message}" if entry else self.message
+        return printable(f"{entry}: {self.message}" if entry else self.message)
 
 
 @dataclass(frozen=True)
@@ -91,9 +96,13 @@ class InputError(SealError, ValueError):
         super().__init__(*problems)
 
     def __str__(self) -> str:
-        """One line per problem, each beginning with the file."""
-        prefix = "" if self.file is None else f"{self.file}: "
-        return "\n".join(f"{prefix}{problem}" for problem in self.problems)
+        """One line per problem, each beginning with the file, and how many more there are."""
+        prefix = "" if self.file is None else printable(f"{self.file}: ")
+        lines = [f"{prefix}{problem}" for problem in self.problems[:_MOST_LINES]]
+        more = len(self.problems) - len(lines)
+        if more:
+            lines.append(f"{prefix}{more} more entries are wrong; correct these first")
+        return "\n".join(lines)
 
     @property
     def key(self) -> str:

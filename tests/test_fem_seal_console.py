@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
+import unicodedata
+from pathlib import Path
 
 import pytest
 from sample_results import case
@@ -13,6 +16,7 @@ from fem_seal.analysis import caution
 from fem_seal.analysis.caution import Caution, Level, Validity
 from fem_seal.analysis.results import DiscretisationError, LoadResult
 from fem_seal.output import columns as output_columns
+from fem_seal.studies.progress import Lines
 from leak import LeakResult
 
 
@@ -177,3 +181,115 @@ def test_no_class_is_claimed_outside_the_theory(capsys):
     assert "ISO" not in outside and "FCI" not in outside
     assert "not claimed, because the leak rate is outside the theory" in outside
     assert "(outside the theory: seat: 7.4 times its yield stress)" in outside
+
+
+# --- text from outside --------------------------------------------------------------------------------------
+
+ESCAPES = "\x1b]0;PWNED\x07\x1b[31mred\x9b2J\u202e\u2028$\\frac{"
+
+
+def obeyed(text):
+    """What a terminal would not print but do, lines apart."""
+    return [sign for sign in text if unicodedata.category(sign) in ("Cc", "Cf", "Zl", "Cs") and sign != "\n"]
+
+
+def hostile_case(folder, **entries):
+    """A case whose names hold control characters, in a file whose name does."""
+    tables = {
+        "title": ESCAPES + "\nerror: all is well",
+        "closure": {"shape": "ball", "radius": "20 mm", "material": {**STEEL, "name": ESCAPES}},
+        "seat": {"shape": "cone", "angle": "45 deg", "material": "steel"},
+        "roughness": "lapped Ra 0.2 um",
+        "fluid": {"name": "water"},
+        "load": {"fluid_pressure": ["10 bar", "20 bar"]},
+        **entries,
+    }
+    path = folder / "a\x1b[31mb\nc.toml"
+    lines = [f"{key} = {inline(value)}" for key, value in tables.items()]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "3 GPa"}
+
+
+def inline(value):
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {inline(one)}" for key, one in value.items()) + "}"
+    # as JSON writes it, pure ASCII
+    return json.dumps(value)
+
+
+WRONG = {
+    "word": {"interface": {"law": ESCAPES}},
+    "quantity": {"load": {"fluid_pressure": "20 " + ESCAPES}},
+    "entry of a list": {"load": {"fluid_pressure": ["1 bar", ESCAPES]}},
+    "key": {"load": {"fluid_pressure": "20 bar", ESCAPES: 1}},
+    "table": {ESCAPES: {"a": 1}},
+    "fluid": {"fluid": {"name": ESCAPES}},
+    "library": {"seat": {"shape": "cone", "angle": "45 deg", "material": ESCAPES}},
+    "file": {"roughness": {"spectrum": {"kind": "table", "file": ESCAPES}}},
+    "finish": {"roughness": {"seat": ESCAPES, "closure": "lapped Ra 0.2 um"}},
+    "class": {"requirement": {"leakage_class": ESCAPES, "standard": ESCAPES}},
+    "particles": {"fluid": {"name": "water", "particles": {"iso_4406": ESCAPES}}},
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_a_wrong_text_is_shown_without_its_control_characters(what, capfd, tmp_path):
+    assert cli.main(["check", str(hostile_case(tmp_path, **WRONG[what]))]) == 2
+    out, err = capfd.readouterr()
+    assert err.startswith("error: ")
+    assert all(line.startswith("error: ") for line in err.splitlines())
+    assert not obeyed(out + err)
+
+
+@pytest.mark.parametrize(
+    "arguments", [["check", "--picture", "p.png"], ["check", "--json"], ["table", "-o", "o"]]
+)
+def test_names_are_shown_without_their_control_characters(arguments, capfd, tmp_path, monkeypatch):
+    """And drawn letter by letter: a dollar sign begins no formula."""
+    monkeypatch.chdir(tmp_path)
+    command, *options = arguments
+    assert cli.main([command, str(hostile_case(tmp_path)), *options]) == 0
+    out, err = capfd.readouterr()
+    assert "PWNED" in out
+    assert not obeyed(out + err)
+    assert not any(line.startswith("error") for line in out.splitlines())
+    if "--json" in options:
+        assert json.loads(out)["title"] == ESCAPES + "\nerror: all is well"
+
+
+def test_progress_is_shown_without_control_characters(capfd):
+    lines = Lines()
+    lines.note(ESCAPES)
+    with cli._progress(False) as progress:
+        progress(ESCAPES)
+    assert not obeyed("".join(capfd.readouterr()))
+
+
+def test_only_one_file_prints():
+    """What is printed elsewhere would not be looked through."""
+    folder = Path(cli.__file__).parent
+    prints = re.compile(r"typer\.(echo|secho|prompt)\(|^\s*print\(", re.M)
+    found = [path.name for path in folder.rglob("*.py") if prints.search(path.read_text(encoding="utf-8"))]
+    assert found == ["terminal.py"]
+
+
+def test_many_wrong_entries_make_a_short_message(capfd, tmp_path):
+    path = hostile_case(tmp_path)
+    path.write_text("".join(f"k{n} = 1\n" for n in range(20_000)) + path.read_text(encoding="utf-8"))
+    assert cli.main(["check", str(path)]) == 2
+    lines = capfd.readouterr().err.splitlines()
+    assert len(lines) == 21
+    assert "k0: unknown key" in lines[0]
+    assert lines[-1].endswith("19980 more entries are wrong; correct these first")
+
+
+def test_plastic_law_of_asperities_that_do_not_yield_names_its_key(capfd, tmp_path):
+    path = hostile_case(tmp_path, interface={"law": "persson", "plastic": True}, leak={"plasticity": False})
+    assert cli.main(["check", str(path)]) == 2
+    err = capfd.readouterr().err
+    assert "interface.plastic = true: the asperities do not yield with leak.plasticity = false" in err
+    right = hostile_case(tmp_path, interface={"law": "persson", "plastic": True})
+    assert cli.main(["check", str(right), "-q"]) == 0

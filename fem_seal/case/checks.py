@@ -259,6 +259,12 @@ def _interface(case: CaseTables) -> Iterator[Problem]:
         yield Problem(
             "interface.plastic", f'only with law = "persson", but law = "{interface.law}"; remove it', "true"
         )
+    if interface.law == "persson" and interface.plastic and rough and not case.leak.plasticity:
+        yield Problem(
+            "interface.plastic",
+            "the asperities do not yield with leak.plasticity = false; set plastic = false, or plasticity = true",
+            "true",
+        )
     if interface.law == "exponential" and interface.gamma is not None and interface.u0 is not None:
         yield Problem(
             "interface.gamma",

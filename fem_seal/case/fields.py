@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaH
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
+from fem_seal.printable import printable
 from fem_seal.units import DIMENSIONS, NUMBER, QuantityError, parse_quantity, short_text
 
 # Pattern of a quantity, for schemas.
@@ -371,7 +372,7 @@ def shown(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
-        text = '"' + value.replace("\n", "\\n") + '"'
+        text = '"' + printable(value[:60]) + '"'
     elif isinstance(value, float) and math.isfinite(value):
         text = f"{value:g}"
     elif isinstance(value, int) and abs(value) > 10**18:

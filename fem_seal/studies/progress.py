@@ -7,6 +7,8 @@ import time
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from fem_seal.printable import printable
+
 # Seconds between two lines where there is no terminal.
 _PAUSE = 10.0
 
@@ -91,7 +93,7 @@ class Lines:
         return f"{self.done} of {self.total} designs{failed}, {rate:.3g}/s, {left} left"
 
     def _say(self, text: str) -> None:
-        sys.stderr.write(text + "\n")
+        sys.stderr.write(printable(text) + "\n")
         sys.stderr.flush()
 
 
@@ -140,7 +142,7 @@ class Bar:
 
     def note(self, text: str) -> None:
         """See `Progress`."""
-        self._bar.console.print(text)
+        self._bar.console.print(printable(text), markup=False, highlight=False)
 
     def end(self) -> None:
         """See `Progress`."""

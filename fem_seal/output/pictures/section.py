@@ -15,7 +15,7 @@ import numpy as np
 
 from fem_seal.errors import InputError, Problem
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
-from fem_seal.output.pictures.style import BLUE, FILL, GREY, INK, ORANGE, style
+from fem_seal.output.pictures.style import BLUE, FILL, GREY, INK, ORANGE, outside_text, style
 from fem_seal.units import rounded, trimmed
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Segment
@@ -75,7 +75,7 @@ def section_figure(case: Case) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(_WIDTH, _HEIGHT))
-    figure.suptitle(case.title, x=0.02, y=0.975, ha="left", fontsize=11, weight="bold")
+    figure.suptitle(outside_text(case.title), x=0.02, y=0.975, ha="left", fontsize=11, weight="bold")
     whole = figure.add_axes((0.01, 0.03, _SHARE, 0.89))
     detail = figure.add_axes((_SHARE + 0.045, 0.45, 0.94 - _SHARE, 0.46))
     listed = figure.add_axes((_SHARE + 0.045, 0.03, 0.94 - _SHARE, 0.37))
@@ -325,7 +325,7 @@ def _list(axes: Axes, case: Case) -> None:
     lines: list[tuple[str, str, str]] = []
     for name in ("closure", "seat"):
         body = getattr(case, name)
-        lines.append((name, f"{body.shape}, {body.material.name}", "title"))
+        lines.append((name, f"{body.shape}, {outside_text(body.material.name)}", "title"))
         drawn = section(case, name)
         for key, text in (section_text(drawn) if drawn else {}).items():
             for row, part in enumerate(text.split(", ")):

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fem_seal.printable import printable
 from fem_seal.units import superscript
 
 if TYPE_CHECKING:
@@ -107,6 +108,17 @@ def style() -> Iterator[None]:
 
     with matplotlib.rc_context(cast(Any, _STYLE)):
         yield
+
+
+def outside_text(text: str) -> str:
+    r"""A title or name from outside as matplotlib shows it letter by letter: no formula, no control characters.
+
+    Examples
+    --------
+    >>> outside_text("5 $")
+    '5 \\\\$'
+    """
+    return printable(text).replace("$", r"\$")
 
 
 def panels(

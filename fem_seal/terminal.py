@@ -1,0 +1,68 @@
+"""What the commands print: every line of it passes here, and none moves a cursor or sets a colour but by this file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from fem_seal.files import as_json
+from fem_seal.printable import printable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rich.console import Console
+    from rich.table import Table
+
+
+def say(*lines: str, bold: bool = False) -> None:
+    """Print lines; an empty one without any."""
+    for line in lines or ("",):
+        typer.secho(printable(line), bold=bold or None)
+
+
+def say_json(value: object) -> None:
+    """Print a value as JSON."""
+    say(*as_json(value).split("\n"))
+
+
+def note(line: str) -> None:
+    """Print what is being done, on standard error."""
+    typer.secho(printable(line), err=True)
+
+
+def warn(warnings: Iterable[str]) -> None:
+    """Print warnings on standard error."""
+    for warning in warnings:
+        _call("warning: ", warning, typer.colors.YELLOW)
+
+
+def complain(message: str, word: str = "error: ") -> None:
+    """Print an error on standard error, each of its lines behind a word."""
+    _call(word, message, typer.colors.RED)
+
+
+def _call(word: str, message: str, colour: str) -> None:
+    for line in message.split("\n"):
+        typer.secho(f"{word}{printable(line)}", err=True, fg=colour)
+
+
+def cell(text: str) -> str:
+    """A cell of a table, or a line of progress, for rich: no markup in it, its own line breaks kept."""
+    from rich.markup import escape
+
+    return escape("\n".join(map(printable, text.split("\n"))))
+
+
+def show(table: Table, console: Console | None = None) -> None:
+    """Print a table of cells."""
+    from rich.console import Console
+
+    (console or Console(highlight=False)).print(table)
+
+
+def prompt(words: str, default: str) -> str:
+    """Ask a question; the answer without blanks around it."""
+    answer: Any = typer.prompt(printable(words), default=printable(default))
+    return default if answer == printable(default) else str(answer).strip()
