@@ -16,6 +16,8 @@ from fem_seal.case.checks import contradictions
 from fem_seal.case.direct import place_direct_files
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry
 from fem_seal.case.form import place_trace_files
+from fem_seal.case.gauge import as_differences, is_said_of_one_side
+from fem_seal.case.leak_rate import of_this_gas
 from fem_seal.case.messages import choices, problems, tables_of
 from fem_seal.case.roughness import place_files, roughness_like
 from fem_seal.case.si_numbers import with_units
@@ -63,7 +65,12 @@ class Case(CaseTables):
         if before.get("temperature") is not tables.get("temperature"):
             # the fluid is as warm as the bodies unless it has its own temperature
             known.discard("fluid")
+        if before.get("fluid") is not tables.get("fluid"):
+            # whose outlet makes differences of absolute pressures
+            known -= {name for name in ("load", "requirement") if name in known and _one_sided(tables[name])}
         written, wrong = _in_keys({name: table for name, table in tables.items() if name not in known})
+        written, without = as_differences(written, tables.get("fluid"))
+        wrong += without
         if "fluid" in written:
             written["fluid"] = with_film_temperature(written["fluid"], tables.get("temperature"))
         try:
@@ -74,13 +81,18 @@ class Case(CaseTables):
             raise InputError(*wrong)
         if like is not None and ({"closure", "seat"} <= known or self._of_the_shape_of(like)):
             self._take_bodies(like)
+        told, not_told = of_this_gas(self)
+        if not_told:
+            raise InputError(*not_told)
+        for name, table in told.items():
+            # the only way into a frozen model, which is not handed out yet
+            object.__setattr__(self, name, table)
         heat = self.temperature
         warm = [
             ROOM_TEMPERATURE if heat is None else heat.of_body(name) or ROOM_TEMPERATURE
             for name in ("closure", "seat")
         ]
         for name, body in self.bodies_at(*warm).items():
-            # the only way into a frozen model, which is not handed out yet
             object.__setattr__(self, name, body)
         contradicting = [as_written(problem, tables) for problem in contradictions(self)]
         if contradicting:
@@ -253,6 +265,11 @@ def _named_files(entry: Any, name: str = "") -> Iterator[str]:
             yield from _named_files(value, name)
     elif name in ("file", "files", "trace", "profile") and isinstance(entry, str):
         yield entry
+
+
+def _one_sided(table: object) -> bool:
+    """Whether a table has gauge or absolute pressures."""
+    return isinstance(table, Mapping) and any(map(is_said_of_one_side, table.values()))
 
 
 def _changed(tables: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:

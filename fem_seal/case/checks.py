@@ -6,7 +6,8 @@ import math
 import re
 from collections.abc import Iterator
 
-from fem_seal.case.fields import Drops, Throughput, shown
+from fem_seal.case.fields import shown
+from fem_seal.case.leak_rate import problems_with_leak_rates
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import SelfAffine
@@ -40,7 +41,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *_direct(case),
         *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
         *_form(case),
-        *_throughput(case),
+        *problems_with_leak_rates(case),
         *([] if case.requirement is None else _requirement(case, case.requirement)),
     ]
 
@@ -456,27 +457,6 @@ def _form(case: CaseTables) -> Iterator[Problem]:
             "form.scratches" if form.scratches else "form.lay",
             f"leak beside the rough contact, and there is no leak rate without [{missing}]; add it",
         )
-
-
-def _throughput(case: CaseTables) -> Iterator[Problem]:
-    """Pressure times volume is said of gases: of a liquid it is no amount; and no gas falls in drops."""
-    required = None if case.requirement is None else case.requirement.leak_rate
-    written = {"load.target_leak_rate": case.load.target_leak_rate, "requirement.leak_rate": required}
-    if case.fluid is not None and case.fluid.gas is not None:
-        for key, limit in written.items():
-            if isinstance(limit, Drops):
-                yield Problem(
-                    key,
-                    'is counted in drops, and the fluid is a gas; give a volume over time, such as "0.1 ml/min"',
-                )
-    elif case.fluid is not None:
-        for key, limit in written.items():
-            if isinstance(limit, Throughput):
-                yield Problem(
-                    key,
-                    "is pressure times volume over time, the leak rate of a gas, and the fluid is a liquid; give a "
-                    'volume over time, such as "0.1 ml/min"',
-                )
 
 
 def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:

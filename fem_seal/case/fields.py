@@ -7,7 +7,6 @@ floats, and it describes itself in the JSON Schema of the case file.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -18,16 +17,13 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
 from fem_seal.printable import printable
-from fem_seal.units import DIMENSIONS, NUMBER, QuantityError, parse_quantity, short_text
+from fem_seal.units import DIMENSIONS, NUMBER, parse_quantity, short_text
 
 # Pattern of a quantity, for schemas.
 NUMBER_WITH_UNIT = rf"^\s*{NUMBER}(\s+\S|[^\s\d.eE]).*$"
 
 # More loads than this in one case are a slip (num = 20000): a study is made of several cases.
 MOST_PRESSURES = 1000
-
-# At which the volume of a leaking gas is given [Pa].
-_ATMOSPHERE = 101325.0
 
 
 class Entry:
@@ -101,40 +97,6 @@ class Quantity(Entry):
 def _limits(quantity: Quantity) -> tuple[float, float]:
     """Both ends of its range, in SI."""
     return parse_quantity(quantity.low, quantity.dimension), parse_quantity(quantity.high, quantity.dimension)
-
-
-class Throughput(float):
-    """A leak rate [m^3/s] that was written as pressure times volume over time, which is said of gases only."""
-
-    @property
-    def pressure_volume(self) -> float:
-        """As it was written [Pa m^3/s]."""
-        return self * _ATMOSPHERE
-
-
-class Drops(float):
-    """A leak rate [m^3/s] that was counted in drops, which liquids fall in."""
-
-
-_DROPS = re.compile(rf"\s*({NUMBER})\s*drops?\s*/\s*(s|min|h)\s*")
-
-
-@dataclass(frozen=True)
-class LeakRate(Quantity):
-    """A leak rate: a volume over time, drops of a liquid, or pressure times volume of a gas, which is at 101325 Pa."""
-
-    def read(self, text: object) -> float:
-        """Volume over time [m^3/s], a `Throughput` or `Drops` where that was written; ValueError as of a quantity."""
-        counted = _DROPS.fullmatch(short_text(text, self.dimension)) if isinstance(text, str) else None
-        if counted:
-            from leak.standards import DROP_VOLUME
-
-            return Drops(super().read(f"{float(counted[1]) * DROP_VOLUME!r} m^3/{counted[2]}"))
-        try:
-            throughput = parse_quantity(text, "throughput")
-        except QuantityError:
-            return super().read(text)
-        return Throughput(super().read(f"{throughput / _ATMOSPHERE!r} m^3/s"))
 
 
 @dataclass(frozen=True)

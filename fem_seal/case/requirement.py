@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field, create_model
 
-from fem_seal.case.fields import LeakRate, OneOrMany, Quantity, Table
+from fem_seal.case.fields import OneOrMany, Quantity, Table
+from fem_seal.case.leak_rate import LeakRate
 
 # Pressures that are written in other units than those of the loads are the same up to rounding.
 _SAME = 1e-6
@@ -19,7 +20,8 @@ class _Requirement(Table):
     leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
         None,
         description='largest allowed leak rate; of a liquid also in drops of 1/16 ml, such as "3 drops/min"; of a gas '
-        'the volume at 101325 Pa and its temperature, or pressure times volume, such as "1e-3 mbar l/s"',
+        'the volume at 101325 Pa and its temperature, or at 101325 Pa and 0 degC ("1 Nml/min", "1 sccm", "0.1 slm"), '
+        'bubbles ("5 bubbles/min", see bubble_volume), or pressure times volume, such as "1e-3 mbar l/s"',
         examples=["0.1 ml/min"],
     )
     standard: str | None = Field(
@@ -29,7 +31,7 @@ class _Requirement(Table):
         examples=["ISO 5208"],
         max_length=40,
     )
-    rated_capacity: Annotated[float, Quantity("leak rate", "1e-12 m^3/s", "1e6 m^3/s")] | None = Field(
+    rated_capacity: Annotated[float, LeakRate("leak rate", "1e-12 m^3/s", "1e6 m^3/s")] | None = Field(
         None,
         description="flow through the open valve under the conditions of the test, which classes II to IV of FCI 70-2 "
         "are a share of",
@@ -37,9 +39,9 @@ class _Requirement(Table):
     )
     bubble_volume: Annotated[float, Quantity("volume", "1e-6 ml", "100 ml")] | None = Field(
         None,
-        description="of a gas: volume of one bubble of the test, where a standard counts them (API 598) or allows "
-        "none to be seen (ISO 5208 A); unless given that of the standard: ISO 5208 0.065 ml, API 598 0.01 ml, "
-        "FCI 70-2 0.15 ml",
+        description="of a gas: volume of one bubble of the test, where leak_rate or a standard counts them (API 598) "
+        "or allows none to be seen (ISO 5208 A); unless given that of the standard: ISO 5208 0.065 ml, "
+        "API 598 0.01 ml, FCI 70-2 0.15 ml",
         examples=["0.065 ml"],
     )
     fluid_pressure: Annotated[float | tuple[float, ...], OneOrMany("pressure", "0 Pa", "10 GPa")] | None = (

@@ -14,9 +14,10 @@ from pydantic import Field, PrivateAttr, model_validator
 from fem_seal.case import closures, seats
 from fem_seal.case.direct import Direct
 from fem_seal.case.drawn import ClosureProfile, SeatProfile
-from fem_seal.case.fields import LeakRate, NominalSizeEntry, Number, OneOrMany, Pressures, Quantity, Table
+from fem_seal.case.fields import NominalSizeEntry, Number, OneOrMany, Pressures, Quantity, Table
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.form import Form
+from fem_seal.case.leak_rate import LeakRate, of_this_gas
 from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import Roughness
 from fem_seal.case.temperature import Temperature
@@ -107,7 +108,8 @@ class Load(Table):
     target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
         None,
         description="also find the smallest applied_force for which the leak rate stays below this at each fluid "
-        "pressure; of a gas the volume at 101325 Pa and its temperature, or pressure times volume (mbar l/s)",
+        "pressure; of a gas the volume at 101325 Pa and its temperature, at 0 degC (Nml/min, sccm), or pressure times "
+        "volume (mbar l/s)",
         examples=["1e-3 cm^3/s"],
     )
 
@@ -347,6 +349,7 @@ class CaseTables(Table):
         if self.fluid is not None and "temperature" not in self.fluid.model_fields_set:
             update["fluid"] = self.fluid.at(0.5 * (closure + seat))
         warm = self.model_copy(update=update)
+        warm = warm.model_copy(update=of_this_gas(warm)[0])
         warm._warm = {"closure": closure, "seat": seat}
         return warm
 

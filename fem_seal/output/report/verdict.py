@@ -11,7 +11,7 @@ from fem_seal.analysis.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.analysis.leakage import next_class, nominal_size
 from fem_seal.analysis.load_names import load_name
 from fem_seal.analysis.verdict import OF_LEAK_RATE, limits
-from fem_seal.case.fields import Throughput
+from fem_seal.case.leak_rate import Throughput
 from fem_seal.output.prose import said
 from fem_seal.units import (
     digits_beside,

@@ -1,0 +1,166 @@
+"""Pressures above that of the atmosphere and above vacuum, as data sheets write them: barg, psig, bara, psia.
+
+A case has pressure differences across the seal, and one absolute pressure, that at the outlet of a gas.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from fem_seal.case.fields import shown
+from fem_seal.errors import Problem, QuantityError
+from fem_seal.units import NUMBER, exact_quantity
+
+_WRITTEN = re.compile(rf"\s*({NUMBER})\s*(m?bar|psi|[kM]?Pa)\s?(?:\(([ga])\)|([ga]))\s*")
+# As long as a quantity may be.
+_LONGEST = 60
+_DIFFERENCES = (
+    ("load", "fluid_pressure"),
+    ("load", "largest_earlier_pressure"),
+    ("requirement", "fluid_pressure"),
+)
+_ATMOSPHERE = 101325
+# By how much the outlet may differ from one atmosphere for a gauge pressure to be the difference across the seal.
+_NEAR = 0.05
+
+
+def is_said_of_one_side(entry: object) -> bool:
+    """Whether a pressure, a list or a range of them is gauge or absolute anywhere.
+
+    Parameters
+    ----------
+    entry : anything
+        As it stands in a case file.
+
+    Examples
+    --------
+    >>> is_said_of_one_side(["1 bar", "20 barg"]), is_said_of_one_side("20 bar")
+    (True, False)
+    """
+    return any(_match(one) for _, one in _texts(entry))
+
+
+def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, Any], list[Problem]]:
+    """Tables whose pressures are differences across the seal, and what cannot be made one.
+
+    Parameters
+    ----------
+    tables : mapping
+        Tables of a case as they are written.
+    fluid : anything
+        The table [fluid] as it is written.
+
+    Returns
+    -------
+    tuple
+    """
+    changed, wrong = dict(tables), list[Problem]()
+    outlet = fluid.get("outlet_pressure") if isinstance(fluid, Mapping) else None
+    if (match := _match(outlet)) and "fluid" in changed:
+        if _kind(match) == "g":
+            wrong.append(
+                Problem(
+                    "fluid.outlet_pressure",
+                    'is a gauge pressure, and the pressure on the low side is absolute; write it as "1.01325 bara"',
+                    shown(outlet),
+                )
+            )
+        changed["fluid"] = {**changed["fluid"], "outlet_pressure": _bare(match)}
+    for table, key in _DIFFERENCES:
+        entries = changed.get(table)
+        if isinstance(entries, Mapping) and is_said_of_one_side(entries.get(key)):
+            made = _Differences(f"{table}.{key}", fluid)
+            changed[table] = {**entries, key: made.of(entries[key])}
+            wrong += made.wrong
+    return changed, wrong
+
+
+class _Differences:
+    """What pressures of one key become across the seal of this fluid."""
+
+    def __init__(self, key: str, fluid: object) -> None:
+        self.key, self.wrong = key, list[Problem]()
+        self.outlet, self.is_gas = _outlet(fluid)
+
+    def of(self, entry: Any) -> Any:
+        if isinstance(entry, Mapping):
+            return {name: self.of(value) for name, value in entry.items()}
+        if isinstance(entry, (list, tuple)):
+            return [self.of(value) for value in entry]
+        match = _match(entry)
+        return entry if match is None else self._of_text(entry, match)
+
+    def _of_text(self, text: str, match: re.Match[str]) -> str:
+        plain = _bare(match)
+        if _kind(match) == "g":
+            if self.outlet is not None and abs(self.outlet / _ATMOSPHERE - 1) > _NEAR:
+                self._refuse(
+                    "is a gauge pressure, above that of the atmosphere, but fluid.outlet_pressure is "
+                    f"{self.outlet / 1e5:.6g} bar; give the difference of both sides in bar, or the absolute "
+                    "pressure in bara",
+                    text,
+                )
+            return plain
+        if not self.is_gas or self.outlet is None:
+            self._refuse(
+                "is an absolute pressure, and a liquid has no fluid.outlet_pressure to subtract; give the "
+                'difference of both sides, such as "20 bar"',
+                text,
+            )
+            return plain
+        difference = float(exact_quantity(plain, "pressure")) - self.outlet
+        if difference < 0:
+            self._refuse(
+                f"is an absolute pressure below fluid.outlet_pressure, {self.outlet / 1e5:.6g} bar; the fluid "
+                "comes from the side of the higher one",
+                text,
+            )
+            return plain
+        return f"{difference!r} Pa"
+
+    def _refuse(self, message: str, text: str) -> None:
+        self.wrong.append(Problem(self.key, message, shown(text)))
+
+
+def _texts(entry: object, name: str = "") -> Iterator[tuple[str, object]]:
+    if isinstance(entry, Mapping):
+        for key, value in entry.items():
+            yield from _texts(value, str(key))
+    elif isinstance(entry, (list, tuple)):
+        for value in entry:
+            yield from _texts(value, name)
+    else:
+        yield name, entry
+
+
+def _match(entry: object) -> re.Match[str] | None:
+    return _WRITTEN.fullmatch(entry) if isinstance(entry, str) and len(entry) <= _LONGEST else None
+
+
+def _kind(match: re.Match[str]) -> str:
+    return match[3] or match[4]
+
+
+def _bare(match: re.Match[str]) -> str:
+    """The number and the unit without what it is measured from."""
+    return f"{match[1]} {match[2]}"
+
+
+def _outlet(fluid: object) -> tuple[float | None, bool]:
+    """Absolute pressure at the outlet [Pa], None where it is not known; and whether the fluid is a gas."""
+    from leak import is_gas
+
+    if not isinstance(fluid, Mapping):
+        return None, False
+    name, outlet = fluid.get("name"), fluid.get("outlet_pressure")
+    gas = isinstance(name, str) and (is_gas(name) or name.startswith("CoolProp:"))
+    if outlet is None:
+        return (_ATMOSPHERE if gas else None), gas
+    match = _match(outlet)
+    try:
+        return float(exact_quantity(_bare(match) if match else str(outlet), "pressure")), gas
+    except (QuantityError, OverflowError):
+        # which the reading of the table says
+        return None, gas
