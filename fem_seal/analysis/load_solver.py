@@ -148,9 +148,8 @@ class LoadSolver:
         at_rest = self.problem.at_rest(self.model)
         if self._on_sealed_area:
             return PathLoad(applied_force + self._closes(fluid_pressure), at_rest)
-        path = self._path
-        remembers = None if self.problem.loads.earlier is None else self._path_after
-        return FluidLoad(applied_force, fluid_pressure, path, at_rest, remembers)
+        remembers = self._path_after if self.asperities_remember else None
+        return FluidLoad(applied_force, fluid_pressure, self._path, at_rest, remembers)
 
     def at_contact_force(
         self, fluid_pressure: float, contact_force: float, start: ContactSolution | None = None
@@ -208,7 +207,7 @@ class LoadSolver:
         if not isinstance(contact, ElastoplasticContact):
             return self.seal
         seal = replace(self.seal, model=contact.unloading)
-        if self.problem.loads.earlier is None:
+        if not self.asperities_remember:
             return seal
         pressure = contact.pressure
         largest = pressure if contact.largest is None else np.maximum(pressure, contact.largest)
@@ -218,6 +217,12 @@ class LoadSolver:
     def yields(self) -> bool:
         """Whether a body yields, so that its loads are no questions of their own but a path."""
         return bool(yielding_bodies(self.model))
+
+    @property
+    def asperities_remember(self) -> bool:
+        """Whether asperities yield, so that a place which was pressed harder before stays tighter."""
+        surface = self.problem.surface
+        return surface is not None and surface.hardness is not None
 
     @cached_property
     def flow(self) -> SealFlow | None:
@@ -411,7 +416,7 @@ def _path(
 ) -> tuple[LoadPath, ElastoplasticContact | None]:
     """Fluid pressures [Pa] and applied forces [N] one after the other; the largest load before them is the first.
 
-    It is returned beside the path, and each contact remembers those before it.
+    It is returned beside the path. Where asperities yield each contact remembers all those before it.
     """
     problem, settings = solver.problem, PlasticSettings()
     first = () if problem.loads.earlier is None else (problem.loads.earlier,)
@@ -427,13 +432,15 @@ def _path(
         if not isinstance(error.partial, LoadPath):
             raise
         path = error.partial
+    if solver.asperities_remember:
+        path = replace(path, contacts=_remembering(path.contacts))
     if not first:
         return path, None
     if 0 in path.opened:
         raise solver.open_seal(*first[0], path.opened[0].error, path.opened[0].model)
     if not path.contacts:
         return replace(path, stopped=ConvergenceError(f"the largest earlier load: {path.stopped}")), None
-    earlier, *contacts = _remembering(path.contacts)
+    earlier, *contacts = path.contacts
     opened = {number - 1: one for number, one in path.opened.items()}
     return replace(path, contacts=tuple(contacts), opened=opened), earlier
 
@@ -466,9 +473,7 @@ def path_again(solver: LoadSolver) -> list[ContactSolution]:
     return list(path.contacts)
 
 
-def linearised_again(
-    contacts: Sequence[ContactSolution], law: Law, earlier: ContactSolution | None = None
-) -> list[ContactSolution]:
+def linearised_again(contacts: Sequence[ContactSolution], law: Law) -> list[ContactSolution]:
     """The same loads of bodies that yield with another law, the bodies linearised where they are.
 
     What they would have yielded otherwise on the way to the last load step of each load is left out.
@@ -476,23 +481,27 @@ def linearised_again(
     Parameters
     ----------
     contacts : sequence of ElastoplasticContact
-        Along a path.
+        All or some of a path. Those that they remember are solved again, too.
     law : InterfaceLaw or HardContact
-    earlier : ElastoplasticContact, optional
-        The one before them, which they remember.
 
     Raises
     ------
     ConvergenceError
     """
-    found: list[ContactSolution] = []
-    for contact in contacts if earlier is None else (earlier, *contacts):
-        assert isinstance(contact, ElastoplasticContact) and contact.linear is not None
-        again = solve(
-            contact.linear, law, contact_force=contact.contact_force, loads=contact.loads, start=contact
-        )
-        found.append(again if earlier is None else again.after(found[-1] if found else None))
-    return found if earlier is None else found[1:]
+    found: dict[int, ContactSolution] = {}
+    for contact in contacts:
+        for one in reversed([one for one in _history(contact) if id(one) not in found]):
+            assert isinstance(one, ElastoplasticContact) and one.linear is not None
+            again = solve(one.linear, law, contact_force=one.contact_force, loads=one.loads, start=one)
+            found[id(one)] = again.after(found.get(id(one.earlier)))
+    return [found[id(contact)] for contact in contacts]
+
+
+def _history(contact: ContactSolution | None) -> Iterator[ContactSolution]:
+    """A contact and all that it remembers, back in time."""
+    while contact is not None:
+        yield contact
+        contact = contact.earlier
 
 
 def solved_again(

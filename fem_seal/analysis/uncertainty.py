@@ -558,7 +558,7 @@ class _Study:
     ) -> Sequence[ContactSolution]:
         result = self.result
         if self.linearised:
-            return linearised_again(result.contact, law, result.earlier)
+            return linearised_again(result.contact, law)
         if not problem.curves:
             return solved_again(result.contact, stiffer(result.model, stiffness), law, result.earlier)
         changed = replace(problem, surface=surface, materials=stiffer_bodies(problem.materials, stiffness))

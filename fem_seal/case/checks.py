@@ -34,6 +34,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *(load := list(_load(case))),
         *([] if geometry or load else problems_of_all_loads(case)),
         *(earlier := list(_earlier(case))),
+        *_history(case),
         *([] if geometry or load or earlier else filter(None, [problem_of_earlier_load(case)])),
         *([] if geometry or case.temperature is None else _temperature(case, case.temperature)),
         *_fluid(case),
@@ -341,20 +342,6 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
         )
     elif given is not None:
         yield from _earlier_pressure(case, given)
-    if case.leak.fluid_in_gap == "local":
-        yield Problem(
-            "leak.fluid_in_gap",
-            f"what the fluid pressure takes off asperities that were pressed harder before ({key}) is not known; "
-            f'remove it, or {key}, or take [load] closing = "penetration"',
-            '"local"',
-        )
-    if case.leak.conductivity == "direct":
-        yield Problem(
-            "leak.conductivity",
-            f"is simulated for first loading, and {key} asks what is left after a larger load; use "
-            f'"bruggeman", or remove {key} ([direct] unload shows the simulation after a larger pressure)',
-            '"direct"',
-        )
     leaks = case.roughness is not None and case.fluid is not None
     if not curves(case) and not (leaks and case.leak.plasticity):
         missing = "fluid" if case.roughness else "roughness"
@@ -365,6 +352,34 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
             f"has no effect: elastic bodies come back, and with {why} nothing else remembers it; remove it, {remedy}, "
             "or give a material stress_strain",
             value,
+        )
+
+
+def _history(case: CaseTables) -> Iterator[Problem]:
+    """What says nothing of asperities that were pressed harder before, by an earlier load or on the way."""
+    load = case.load
+    if load.earlier is not None:
+        key = load.earlier_key
+        before, instead = key, f"remove {key}"
+    elif (
+        len(load.fluid_pressure) > 1 and curves(case) and case.roughness is not None and case.leak.plasticity
+    ):
+        before, instead = "stress_strain with several loads", "give one load, or set leak.plasticity = false"
+    else:
+        return
+    if case.leak.fluid_in_gap == "local":
+        yield Problem(
+            "leak.fluid_in_gap",
+            f"what the fluid pressure takes off asperities that were pressed harder before ({before}) is not known; "
+            f'remove it, or {instead}, or take [load] closing = "penetration"',
+            '"local"',
+        )
+    if case.leak.conductivity == "direct":
+        yield Problem(
+            "leak.conductivity",
+            f"is simulated for first loading, and {before} asks what is left after a larger load; use "
+            f'"bruggeman", or {instead} ([direct] unload shows the simulation after a larger pressure)',
+            '"direct"',
         )
 
 

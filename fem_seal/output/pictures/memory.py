@@ -35,19 +35,19 @@ _FOOT = 0.1
 
 
 def memory_picture(result: SealSolution) -> Picture | None:
-    """Leak rate of every load on first loading and after the largest earlier load; None where none is known.
+    """Leak rate of every load on first loading and after the loads before it; None where nothing is remembered.
 
     Parameters
     ----------
     result : SealSolution
     """
     loads = [load for load in result.loads if load.leak_range is not None]
-    if result.earlier is None or not loads:
+    if not loads or not (result.earlier or any(load.remembers for load in loads)):
         return None
     if result.unloaded is None:
         loads.sort(key=lambda load: load.point)
     over = load_axis(loads)
-    earlier = earlier_load(result.case.load)
+    earlier = earlier_load(result.case.load) or "the loads before it"
     first, after = _ends([load.first_loading for load in loads]), _ends(loads)
     unit = unit_for("flow", float(max(first.max(), after.max())))
     figure, (axes,) = panels(1, height=3.6, width=6.8)

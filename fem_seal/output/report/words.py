@@ -253,10 +253,14 @@ def headline(result: SealSolution) -> str:
 
 
 def remembered(result: SealSolution) -> list[str]:
-    """That the results hold after a larger load, in a sentence; empty where none is known."""
+    """That the results hold after larger loads, in a sentence; empty where none is known."""
     earlier = earlier_load(result.case.load)
-    how = "remembers" if any(load.remembers for load in result.loads) else "forgets"
-    return [said("notes.headline", how, earlier=earlier)] if earlier else []
+    remembers = any(load.remembers for load in result.loads)
+    if not earlier:
+        return [said("notes.headline", "path")] if remembers else []
+    return [
+        said("notes.headline", "remembers" if remembers or result.unloaded else "forgets", earlier=earlier)
+    ]
 
 
 def _how_sure(result: SealSolution) -> str:
