@@ -16,7 +16,7 @@ from fem_seal.analysis.chain import solve
 from fem_seal.analysis.problem import SealProblem
 from fem_seal.analysis.results import SealSolution
 from fem_seal.arrays import FloatArray
-from fem_seal.case.case import Case
+from fem_seal.case.case import CaseSource, case_of
 from fem_seal.errors import InputError, Problem
 
 if TYPE_CHECKING:
@@ -195,13 +195,14 @@ class SealResult(SealSolution):
 
 
 def run(
-    case: Case, progress: Callable[[str], None] | None = None, *, levers: bool | None = None
+    case: CaseSource, progress: Callable[[str], None] | None = None, *, levers: bool | None = None
 ) -> SealResult:
     """Solve every load of a case.
 
     Parameters
     ----------
-    case : Case
+    case : Case, path or mapping
+        Itself, its file or its tables, as `load_case` takes them.
     progress : callable, optional
         Told in words what is being done.
     levers : bool, optional
@@ -239,16 +240,16 @@ def run(
     >>> print(f"{result.loads[0].contact.profile.peak_pressure / 1e6:.0f} MPa")
     192 MPa
     """
-    solution = solve(case, progress, levers=levers)
+    solution = solve(case_of(case), progress, levers=levers)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
 
-def applied_force_for_leak(case: Case, target_leak_rate: float | None = None) -> FloatArray:
+def applied_force_for_leak(case: CaseSource, target_leak_rate: float | None = None) -> FloatArray:
     """Smallest force of spring or actuator for which the leak rate stays below a target, at each fluid pressure.
 
     Parameters
     ----------
-    case : Case
+    case : Case, path or mapping
         With roughness and fluid.
     target_leak_rate : float, optional
         [m^3/s], of a gas at 101325 Pa and its temperature; the case's own target unless given.
@@ -270,11 +271,11 @@ def applied_force_for_leak(case: Case, target_leak_rate: float | None = None) ->
     >>> fem_seal.applied_force_for_leak(case, 1e-9)     # doctest: +SKIP
     array([312.6])
     """
-    found = questions.contacts_at_target(SealProblem.of(case), target_leak_rate)
+    found = questions.contacts_at_target(SealProblem.of(case_of(case)), target_leak_rate)
     return np.array([one.applied_force for one in found])
 
 
-def blow_off_pressures(case: Case) -> FloatArray:
+def blow_off_pressures(case: CaseSource) -> FloatArray:
     """Fluid pressure at which the seal opens under the force of spring or actuator of each load [Pa], shape (loads,).
 
     Infinite where the fluid does not lift the closure. With closing = "sealed-area" this is the force over the area of
@@ -282,7 +283,7 @@ def blow_off_pressures(case: Case) -> FloatArray:
 
     Parameters
     ----------
-    case : Case
+    case : Case, path or mapping
         Its fluid pressures only size the mesh.
 
     Raises
@@ -302,11 +303,11 @@ def blow_off_pressures(case: Case) -> FloatArray:
     >>> print(f"{fem_seal.blow_off_pressures(against)[0] / 1e5:.1f} bar")
     31.8 bar
     """
-    return questions.blow_off_pressures(SealProblem.of(case))
+    return questions.blow_off_pressures(SealProblem.of(case_of(case)))
 
 
 def direct(
-    case: Case,
+    case: CaseSource,
     *,
     folder: str | os.PathLike[str] | None = None,
     jobs: int = 1,
@@ -316,7 +317,7 @@ def direct(
 
     Parameters
     ----------
-    case : Case
+    case : Case, path or mapping
         Its [direct] says how; without that table the settings are the usual ones.
     folder : path, optional
         Where finished pieces are kept and looked for; that of [direct] unless given.
@@ -358,6 +359,7 @@ def direct(
     from fem_seal.analysis.direct import DirectSettings
     from fem_seal.analysis.problem import direct_settings, rough_contact
 
+    case = case_of(case)
     surface = rough_contact(case)
     if surface is None:
         raise InputError(

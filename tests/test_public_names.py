@@ -124,3 +124,39 @@ def test_every_public_name_has_a_docstring_with_an_example(package, name):
         parameters = inspect.signature(thing).parameters.values()
         missing = {one.name for one in parameters if plain.search(str(one.annotation))} - described
         assert not missing, f"{name} says nothing about {missing}"
+
+
+TAKE_A_CASE = [
+    name
+    for name in fem_seal.__all__
+    if inspect.isfunction(one := getattr(fem_seal, name)) and "case" in inspect.signature(one).parameters
+]
+
+
+def test_the_functions_that_take_a_case_are_known():
+    assert {"run", "direct", "derive", "leak_map", "applied_force_for_leak", "blow_off_pressures"} == set(
+        TAKE_A_CASE
+    )
+
+
+@pytest.mark.parametrize("name", [*TAKE_A_CASE, "Study"])
+def test_what_takes_a_case_takes_its_file_and_its_tables(name, tmp_path):
+    """Each comes as far as to say what is wrong inside, wherever the case is from."""
+    tables = {"closure": {"shape": "ball"}}
+    path = tmp_path / "case.toml"
+    path.write_text('[closure]\nshape = "ball"\n', encoding="utf-8")
+    for source in (path, str(path), tables):
+        with pytest.raises(fem_seal.InputError, match=r"closure\.radius: is missing"):
+            getattr(fem_seal, name)(source)
+    with pytest.raises(
+        fem_seal.InputError, match="must be a Case, the path of a case file or its tables, not int"
+    ):
+        getattr(fem_seal, name)(3)
+
+
+def test_a_file_and_a_case_of_it_give_the_same():
+    case = fem_seal.load_case(ROOT / "examples" / "smooth.toml")
+    told = [
+        fem_seal.derive(source).touch_radius for source in (case, case.file, str(case.file), case.written)
+    ]
+    assert told == [case.touch_radius] * 4

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.analysis.problem import LARGEST_TURNING, TURNED, SealProblem
+from fem_seal.case.case import CaseSource, case_of
 from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute
@@ -106,12 +107,12 @@ class Derived:
     loads: tuple[DerivedLoad, ...]
 
 
-def derive(case: Case) -> Derived:
+def derive(case: CaseSource) -> Derived:
     """Closed-form numbers of a case: geometry, loads, and the Hertz, Gaussian and crossover profiles.
 
     Parameters
     ----------
-    case : Case
+    case : Case, path or mapping
 
     Returns
     -------
@@ -131,7 +132,7 @@ def derive(case: Case) -> Derived:
     >>> print(f"r0 = {derived.touch_radius * 1e3:.2f} mm, Hertz {derived.loads[0].hertz.peak_pressure / 1e6:.0f} MPa")
     r0 = 14.14 mm, Hertz 192 MPa
     """
-    problem = SealProblem.of(case)
+    problem = SealProblem.of(case_of(case))
     surface, loads = problem.surface, problem.loads
     decay_length, law_pressure = problem.interface.exponential(surface)
     return Derived(

@@ -12,6 +12,7 @@ import numpy as np
 from fem_seal.analysis.caution import Caution, Level, Validity
 from fem_seal.analysis.chain import solve
 from fem_seal.arrays import FloatArray
+from fem_seal.case.case import CaseSource, case_of
 from fem_seal.case.tables import curves
 from fem_seal.errors import InputError, Problem
 from fem_seal.former_names import former_attribute, formerly
@@ -138,7 +139,7 @@ class LeakMap:
 
 @formerly(axial_force="applied_force")
 def leak_map(
-    case: Case,
+    case: CaseSource,
     fluid_pressure: Sequence[float] | None = None,
     applied_force: Sequence[float] | None = None,
     progress: Progress | None = None,
@@ -152,7 +153,7 @@ def leak_map(
 
     Parameters
     ----------
-    case : Case
+    case : Case, path or mapping
         With roughness and fluid.
     fluid_pressure : sequence of float, optional
         Above zero [Pa]; those of the case, or if these are fewer than three, eight up to its highest.
@@ -176,6 +177,7 @@ def leak_map(
     >>> found.leak_rate.shape, bool(found.leak_rate[0, 1] < found.leak_rate[0, 0])
     ((1, 2), True)
     """
+    case = case_of(case)
     if case.roughness is None or case.fluid is None:
         raise InputError(
             Problem("table", "needs [roughness] and [fluid]: without them there is no leak rate")

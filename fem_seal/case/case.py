@@ -195,6 +195,10 @@ class Case(CaseTables):
         return case
 
 
+CaseSource = Case | str | os.PathLike[str] | Mapping[str, Any]
+"""What public functions take for a case."""
+
+
 def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
     """Read and check a case, from its file or from a dict of its tables.
 
@@ -234,6 +238,28 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
         raise error.in_file(path) from None
     case._file = path
     return case
+
+
+def case_of(source: CaseSource) -> Case:
+    """The case that a public function is given: itself, its file or its tables.
+
+    Parameters
+    ----------
+    source : Case, path or mapping
+        A file or tables as `load_case` takes them.
+
+    Raises
+    ------
+    InputError
+        If it is none of them, or not a sound case.
+    """
+    if isinstance(source, Case):
+        return source
+    if isinstance(source, (str, os.PathLike, Mapping)):
+        return load_case(source)
+    raise InputError(
+        Problem("case", f"must be a Case, the path of a case file or its tables, not {type(source).__name__}")
+    )
 
 
 def _case_of(tables: Mapping[str, Any]) -> Case:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -14,6 +17,7 @@ from fem_seal.case.bodies import CURVE_FORMS, MaterialTable
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, shown
 from fem_seal.errors import Problem
+from fem_seal.former_names import ENTRIES
 from fem_seal.materials import Material
 
 # What a table with several forms looks like, by the key that tells them apart.
@@ -95,7 +99,7 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
     if kind == "missing":
         return Problem(key, f"is missing; {_what_to_write(table, name)}")
     if kind == "extra_forbidden":
-        return Problem(key, _unknown_key(name, table))
+        return Problem(key, _unknown_key(path, value, table, case))
     if kind == "union_tag_not_found":
         return _without_tag(key, value, tables_of(table.model_fields[name]) if table else [])
     if kind == "union_tag_invalid":
@@ -164,12 +168,119 @@ def _listed(field: FieldInfo) -> str:
     return ", ".join(keys)
 
 
-def _unknown_key(name: str, table: type[BaseModel] | None) -> str:
-    known = [*table.model_fields, *words_of(table)] if table else []
+# So many places of a key are named where it has several.
+_PLACES = 3
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A table that knows a key, by its path; "[[form.scratches]]" is one of a list of tables."""
+
+    path: str
+    heading: str
+    table: type[BaseModel]
+
+
+def _unknown_key(
+    path: Sequence[str], value: object, table: type[BaseModel] | None, case: type[BaseModel]
+) -> str:
+    present = ENTRIES.get(".".join(path))
+    if present is not None:
+        return f"is the former name of {present}, which stands there as well; remove one of them"
+    known = _keys(table) if table else []
+    return f"unknown key; {_hint(path, value, table, known, case)}known keys here are {', '.join(known)}"
+
+
+def _hint(
+    path: Sequence[str],
+    value: object,
+    table: type[BaseModel] | None,
+    known: Sequence[str],
+    case: type[BaseModel],
+) -> str:
+    """Where an unknown key belongs: the very word in another table counts more than one like it in this table."""
     # "hurts" for "hurst", but also "Radius" and "youngs-modulus"
-    near = difflib.get_close_matches(name.lower().replace("-", "_"), known, n=1, cutoff=0.6)
-    hint = f"do you mean {near[0]}? " if near else ""
-    return f"unknown key; {hint}known keys here are {', '.join(known)}"
+    name = _plain_word(path[-1])
+    here, everywhere = {_plain_word(key): key for key in known}, _places(case)
+    if name in here:
+        return f"do you mean {here[name]}? "
+    if name in everywhere:
+        key, places = everywhere[name]
+        again = "" if key == path[-1] else f"as {key} "
+        return f"it belongs {again}{_belongs(key, places, path, value, table, case)}; "
+    if near := difflib.get_close_matches(name, here, n=1, cutoff=0.6):
+        return f"do you mean {here[near[0]]}? "
+    if near := difflib.get_close_matches(name, everywhere, n=1, cutoff=0.8):
+        key, places = everywhere[near[0]]
+        return f"do you mean {key}, which belongs {_belongs(key, places, path, value, table, case)}? "
+    return ""
+
+
+def _plain_word(key: str) -> str:
+    return key.lower().replace("-", "_")
+
+
+def _belongs(
+    key: str,
+    places: Sequence[_Place],
+    path: Sequence[str],
+    value: object,
+    table: type[BaseModel] | None,
+    case: type[BaseModel],
+) -> str:
+    """In words: the places that take such a value, those nearest to where the key was written."""
+    here = [re.sub(r"\[\d+\]$", "", part) for part in path[:-1]]
+    own = [one.table for one in places if one.path == ".".join(here) and one.table is not table]
+    tags = [(one, tag) for one in own for tag in ("shape", "kind") if tag in one.model_fields]
+    words = dict.fromkeys(f'{tag} = "{word}"' for one, tag in tags for word in choices(one, tag))
+    if words:
+        return f"to {_either(list(words))}"
+
+    def distance(place: _Place) -> tuple[bool, int, int]:
+        field = place.table.model_fields.get(key)
+        other_form = bool(field is not None and tables_of(field)) is not isinstance(value, Mapping)
+        parts = place.path.split(".")
+        shared = next((n for n, (a, b) in enumerate(zip(parts, here, strict=False)) if a != b), len(here))
+        return other_form, -shared, len(parts)
+
+    least = min(map(distance, places))
+    headings = dict.fromkeys(place.heading for place in places if distance(place) == least)
+    if any(headings):
+        return f"in {_either(list(headings))}"
+    return f"in a table of its own, [{key}]" if tables_of(case.model_fields[key]) else "above all tables"
+
+
+def _either(listed: Sequence[str]) -> str:
+    if len(listed) > _PLACES:
+        listed = [*listed[:_PLACES], f"{len(listed) - _PLACES} others"]
+    return " or ".join(filter(None, [", ".join(listed[:-1]), listed[-1]]))
+
+
+def _keys(table: type[BaseModel]) -> list[str]:
+    return [*table.model_fields, *words_of(table)]
+
+
+@cache
+def _places(case: type[BaseModel]) -> Mapping[str, tuple[str, Sequence[_Place]]]:
+    """Every key of every table as it is written, and where it is known."""
+    found: dict[str, tuple[str, list[_Place]]] = {}
+    for place in _all_tables(_Place("", "", case)):
+        for key in _keys(place.table):
+            found.setdefault(_plain_word(key), (key, []))[1].append(place)
+    return found
+
+
+def _all_tables(place: _Place) -> Iterator[_Place]:
+    yield place
+    for key, field in place.table.model_fields.items():
+        path = f"{place.path}.{key}".lstrip(".")
+        heading = f"[[{path}]]" if _is_list(field.annotation) else f"[{path}]"
+        for below in tables_of(field):
+            yield from _all_tables(_Place(path, heading, below))
+
+
+def _is_list(annotation: Any) -> bool:
+    return get_origin(annotation) in (tuple, list) or any(map(_is_list, get_args(annotation)))
 
 
 def _without_tag(key: str, value: object, tables: list[type[Table]]) -> Problem:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import ValidationError
 
-from fem_seal.case.case import Case, load_case
+from fem_seal.case.case import Case, case_of, load_case
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.messages import problems
 from fem_seal.errors import InputError, Problem
@@ -87,6 +88,8 @@ class Study(StudyPlan):
     def __init__(self, base: Case | str | Path | Mapping[str, Any], /, **tables: Any) -> None:
         if isinstance(base, Mapping):
             base, tables = _base_and_tables(base, tables)
+        if not isinstance(base, (str, os.PathLike)):
+            base = case_of(base)
         self._set_up(base, tables, Path.cwd(), None)
 
     def __repr__(self) -> str:

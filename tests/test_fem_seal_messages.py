@@ -1,0 +1,121 @@
+"""What is said of a key that stands in the wrong table."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any, get_args, get_origin
+
+import pytest
+
+import fem_seal
+from fem_seal.case.case import Case
+from fem_seal.case.drawing_words import words_of
+from fem_seal.case.messages import choices, tables_of
+
+CASE = {
+    "closure": {"shape": "ball", "radius": "20 mm", "material": "316L"},
+    "seat": {"shape": "cone", "angle": "45 deg", "material": "316L"},
+    "interface": {"law": "smooth"},
+    "load": {"fluid_pressure": "20 bar"},
+}
+
+
+def is_list(annotation: Any) -> bool:
+    return get_origin(annotation) in (tuple, list) or any(map(is_list, get_args(annotation)))
+
+
+def tables(path: tuple[str, ...] = (), model: Any = Case, inside: tuple = ()) -> Iterator[tuple]:
+    """Path, model, and what stands around it, of every table; of each form of a table one."""
+    yield path, model, inside
+    for key, field in model.model_fields.items():
+        for below in tables_of(field):
+            yield from tables((*path, key), below, (*inside, (key, is_list(field.annotation), below)))
+
+
+def tag(model: Any) -> dict[str, str]:
+    """The word that tells forms of a table apart."""
+    return {key: choices(model, key)[0] for key in ("shape", "kind") if key in model.model_fields}
+
+
+def written(inside: tuple, key: str) -> dict[str, Any]:
+    """A case with a key in a table; what else the table needs is left out."""
+    entry: Any = {key: "1"}
+    for name, several, model in reversed(inside):
+        entry = {**tag(model), **entry}
+        entry = {name: [entry] if several else entry}
+    return {**CASE, **entry}
+
+
+def keys(model: Any) -> set[str]:
+    return {*model.model_fields, *words_of(model)}
+
+
+# what a material may be does not depend on the shape around it
+ALL = list({(path, model): (path, model, inside) for path, model, inside in tables()}.values())
+KEYS = {key for _, model, _ in ALL for key in keys(model)}
+
+
+def pairs() -> Iterator[tuple[tuple, str, str]]:
+    """A table, a key that it does not know, and where that key belongs where this is one place."""
+    for path, model, inside in ALL:
+        for key in sorted(KEYS - keys(model)):
+            if key in ("shape", "kind"):
+                continue
+            places = {other for other, one, _ in ALL if key in keys(one)}
+            forms = [one for other, one, _ in ALL if other == path and key in keys(one)]
+            if forms:
+                yield inside, key, "it belongs to "
+            elif len(places) == 1 and places != {()}:
+                (place,) = places
+                yield inside, key, f"[{'.'.join(place)}]"
+            elif places == {()}:
+                yield inside, key, f"in a table of its own, [{key}]" if key != "title" else "above all tables"
+
+
+def said_of(inside: tuple, key: str) -> str:
+    with pytest.raises(fem_seal.InputError) as caught:
+        Case(**written(inside, key))
+    here = ".".join(name for name, _, _ in inside)
+    found = [
+        one.message
+        for one in caught.value.problems
+        if re.sub(r"\[\d+\]", "", one.key) == f"{here}.{key}".lstrip(".")
+    ]
+    return " ".join(found)
+
+
+def test_every_key_is_looked_for_in_every_table() -> None:
+    asked, missed = 0, []
+    for inside, key, place in pairs():
+        asked += 1
+        message = said_of(inside, key)
+        if "belongs" not in message or place not in message:
+            missed.append((".".join(name for name, _, _ in inside), key, place, message[:120]))
+    assert asked > 2000 and not missed, missed[:20]
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "said"),
+    [
+        ("load", "outlet_pressure", "it belongs in [fluid];"),
+        ("load", "Outlet-Pressure", "it belongs as outlet_pressure in [fluid];"),
+        ("load", "viscocity", "do you mean viscosity, which belongs in [fluid]?"),
+        ("load", "hurts", "do you mean hurst, which belongs in [roughness]?"),
+        ("load", "fluid_presure", "do you mean fluid_pressure? known"),
+        ("closure", "hardness", "it belongs in [closure.material];"),
+        ("load", "hardness", "it belongs in [closure.material] or [seat.material];"),
+        ("seat", "land_width", 'it belongs to shape = "conical-land";'),
+        ("load", "depth", "it belongs in [[form.scratches]] or [form.lay];"),
+        ("load", "nonsense", "unknown key; known keys here are"),
+    ],
+)
+def test_says_where_a_key_belongs(table, key, said) -> None:
+    with pytest.raises(fem_seal.InputError, match=re.escape(f"{table}.{key}: ")) as caught:
+        Case(**{**CASE, table: {**CASE[table], key: "1"}})
+    assert said in str(caught.value)
+
+
+def test_a_key_above_all_tables() -> None:
+    with pytest.raises(fem_seal.InputError, match=r"^viscosity: unknown key; it belongs in \[fluid\];"):
+        Case(**CASE, viscosity="1 mPa s")
