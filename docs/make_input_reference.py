@@ -28,7 +28,7 @@ from fem_seal.output.columns import (
     VARIANT_MEANINGS,
     VERDICT_MEANING,
 )
-from fem_seal.output.library import material_cells, material_rows
+from fem_seal.output.library import material_cells, material_rows, over_temperature_lines
 from fem_seal.studies.complete_runs import FAST
 from fem_seal.studies.schema import study_schema
 from fem_seal.units import DIMENSIONS, split_unit
@@ -203,8 +203,8 @@ def _materials() -> Iterator[str]:
     yield "## Materials\n"
     yield (
         "Capitals and signs do not count, and other words for them are understood (`1.4404`, `AISI 316L`). "
-        "[materials](materials.md) has hardness, yield strength and thermal expansion with the condition that they "
-        "belong to and their sources, as has `fem-seal materials`.\n"
+        "[materials](materials.md) has hardness, yield strength, thermal expansion and conductivity with the condition "
+        "that they belong to and their sources, as has `fem-seal materials`.\n"
     )
     yield ", ".join(f'`"{name}"`' for name in LIBRARY) + "\n"
 
@@ -229,8 +229,9 @@ A table with a name of the library inherits what it leaves out; the report says 
 modulus and Poisson's ratio of its own it is another state of the material and inherits neither hardness nor yield
 strength. A `stress_strain` curve brings its own yield stress.
 
-`fem-seal materials` lists the library, `fem-seal materials NAME`
-tells source and condition, `--json` and `--csv` are for other programs; in Python `fem_seal.material("stellite 6")`.
+`fem-seal materials` lists the library, with `--temperature "200 degC"` at that temperature.
+`fem-seal materials NAME` tells source, condition and tables over temperature, `--json` and `--csv` are for other
+programs; in Python `fem_seal.material("stellite 6")`.
 
 ## Hardness
 
@@ -248,8 +249,18 @@ over the area of the indent under load, a pressure already.
 Hardness and yield strength are those of **one condition**, which the table names. Another heat treatment or temper,
 cold work, or a weld deposit instead of a casting, changes them by factors: give your own where you know them.
 Asperities are smaller than the indents of these tests, and a machined surface is harder than the metal below it.
-Where a number is missing, no source was found. Thermal expansion is that of a case with `[temperature]`
-([temperature](../guide/temperature.md)); all other numbers are those of room temperature.
+Where a number is missing, no source was found.
+
+## Over temperature
+
+A case with `[temperature]` takes each number at the temperature of its body, from the tables below
+([temperature](../guide/temperature.md)). A number without a table is that of 20 °C, of thermal expansion the mean from
+20 °C to 100 °C (300 °C where the condition says so). Outside what is known the nearest value is kept, and a warning
+says so: a remark from 25 K on, and the load is "doubtful" from 100 K on. Give your own table there. The library has no
+hot hardness: that of every material is the one of 20 °C.
+
+Where a source has another value at 20 °C than the list, because it is of another heat or condition, its values are
+taken in proportion: times the number of the list over the source's value at 20 °C.
 
 ## Polymers creep
 
@@ -274,14 +285,21 @@ def materials_reference() -> str:
 
 def _material_table() -> Iterator[str]:
     yield (
-        "| name | E [GPa] | nu | hardness [GPa] | yield strength [MPa] | expansion [1e-6/K] |\n"
-        "|---|---|---|---|---|---|"
+        "| name | E [GPa] | nu | hardness [GPa] | yield strength [MPa] | expansion [1e-6/K] | "
+        "conductivity [W/(m K)] |\n|---|---|---|---|---|---|---|"
     )
     rows = material_rows()
     for row in rows:
         _, ((_, *numbers),) = material_cells([row])
         name = f'`"{row["name"]}"`' + (" (creeps)" if row["creeps"] else "")
         yield "| " + " | ".join([name, *("" if number == "-" else number for number in numbers)]) + " |"
+    yield ""
+    yield "## Numbers over temperature\n"
+    yield "| name | number | at [°C] | value |\n|---|---|---|---|"
+    for row in rows:
+        for word, told in over_temperature_lines(row):
+            at, value = told.split(" degC: ")
+            yield f"| {row['name']} | {word.removesuffix(' at')} | {at} | {value} |"
     yield ""
     yield "## Conditions and sources\n"
     yield "| name | condition | source |\n|---|---|---|"

@@ -439,6 +439,7 @@ def _made(folder: Path) -> Path:
 
 def _remarks(case: Case) -> list[str]:
     from fem_seal.analysis.left_out import left_out
+    from fem_seal.analysis.material_warnings import temperature_cautions
     from fem_seal.analysis.problem import SealProblem
     from fem_seal.materials import creep_remarks
 
@@ -456,6 +457,7 @@ def _remarks(case: Case) -> list[str]:
         remarks.extend(case.form.without_effect(case.contact.angle))
     problem = SealProblem.of(case)
     remarks.extend(creep_remarks(problem.materials))
+    remarks.extend(one.text for one in temperature_cautions(problem))
     remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))
     if case.load.target_leak_rate is not None:
         from fem_seal.analysis.target import target_remarks

@@ -13,6 +13,9 @@ from fem_seal.terminal import cell, say, say_json, show
 
 Json = Annotated[bool, typer.Option("--json", help="Print the entries as JSON, in SI units.")]
 Csv = Annotated[bool, typer.Option("--csv", help="Print the entries as CSV, in SI units.")]
+Temperature = Annotated[
+    str, typer.Option("--temperature", "-t", metavar="TEMPERATURE", help='Such as "60 degC".')
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 # So wide a terminal has room for a column of words beside the numbers.
 _WIDE = 120
@@ -23,11 +26,15 @@ def materials(
         str | None,
         typer.Argument(metavar="[NAME]", show_default=False, help="One of them, with source and condition."),
     ] = None,
+    temperature: Temperature = "20 degC",
     json: Json = False,
     csv: Csv = False,
     debug: Debug = False,
 ) -> None:
-    """List the materials of the library: modulus, hardness, yield strength, expansion, condition, source."""
+    """List the materials of the library: modulus, hardness, yield strength, expansion, conductivity, condition, source.
+
+    Numbers that are not known at the temperature are left out.
+    """
     from fem_seal.material_library import material
     from fem_seal.output.library import (
         ONE_CONDITION,
@@ -36,24 +43,27 @@ def materials(
         material_row,
         material_rows,
     )
+    from fem_seal.units import parse_quantity
 
-    rows = material_rows() if name is None else [material_row(material(name))]
+    kelvin = parse_quantity(temperature, "temperature")
+    rows = material_rows(kelvin) if name is None else [material_row(material(name), kelvin)]
     if json or csv:
         _print_rows(rows, name is not None, json)
     elif name is not None:
         _print_lines(material_lines(rows[0]))
     else:
         _print_table(*material_cells(rows), "condition", [row["condition"] for row in rows])
-        say(ONE_CONDITION, "fem-seal materials NAME tells condition and source of one; --json of all.")
+        say(
+            f"Numbers at {temperature}. {ONE_CONDITION}",
+            "fem-seal materials NAME tells condition, source and tables over temperature of one; --json of all.",
+        )
 
 
 def fluids(
     name: Annotated[
         str | None, typer.Argument(metavar="[NAME]", show_default=False, help="One of them, with its source.")
     ] = None,
-    temperature: Annotated[
-        str, typer.Option("--temperature", "-t", metavar="TEMPERATURE", help='Such as "60 degC".')
-    ] = "20 degC",
+    temperature: Temperature = "20 degC",
     json: Json = False,
     csv: Csv = False,
     debug: Debug = False,
@@ -81,6 +91,8 @@ def _print_rows(rows: Sequence[dict[str, Any]], single: bool, as_json_text: bool
         say_json(rows[0] if single else rows)
         return
     writer = csv.writer(sys.stdout, lineterminator="\n")
+    # tables have no place in a cell
+    rows = [{key: cell for key, cell in row.items() if not isinstance(cell, dict)} for row in rows]
     writer.writerow(rows[0])
     for row in rows:
         cells = (", ".join(cell) if isinstance(cell, list) else cell for cell in row.values())

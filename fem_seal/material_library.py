@@ -11,11 +11,12 @@ from types import MappingProxyType
 from typing import Any
 
 from fem_seal.errors import InputError, Problem
-from fem_seal.materials import Material
+from fem_seal.materials import ROOM_TEMPERATURE, Material, OverTemperature, celsius
 
 # Half the angle between opposite faces of the Vickers pyramid, 136 degrees.
 _VICKERS_HALF_ANGLE = math.radians(68)
 _STANDARD_GRAVITY = 9.80665
+_ROOM = ROOM_TEMPERATURE - 273.15
 
 
 def vickers_pressure(vickers: float) -> float:
@@ -61,24 +62,95 @@ def _read() -> tuple[dict[str, Material], dict[str, str]]:
     return {name: _material(name, entry, sources) for name, entry in tables.items()}, aliases
 
 
-def _material(name: str, entry: dict[str, Any], sources: dict[str, str]) -> Material:
-    def si(key: str, exponent: int) -> float | None:
-        # of the decimal fraction the float beside it: 129.8 * 1e9 is another one
-        return float(f"{entry[key]}e{exponent}") if key in entry else None
+# Number of a material -> its key in the file, and the power of ten of its unit there.
+_KEYS = {
+    "youngs_modulus": ("E", 9),
+    "hardness": ("hardness", 9),
+    "yield_stress": ("yield", 6),
+    "thermal_expansion": ("expansion", -6),
+    "thermal_conductivity": ("conductivity", 0),
+}
+# ... and what it is called among the sources.
+_WORDS = {
+    "youngs_modulus": "E",
+    "hardness": "hardness",
+    "yield_stress": "yield strength",
+    "thermal_expansion": "expansion",
+    "thermal_conductivity": "conductivity",
+}
+# Up to where a mean expansion from 20 degC on holds unless its entry says [degC].
+_EXPANSION_TO = 100
 
-    # three digits: no hardness is known better
-    hardness = float(f"{vickers_pressure(entry['HV']):.3g}") if "HV" in entry else si("hardness", 9)
+
+def _material(name: str, entry: dict[str, Any], sources: dict[str, str]) -> Material:
+    tables = tuple(table for key in _KEYS if (table := _over_temperature(key, entry, sources)) is not None)
+    beside = [f"{_WORDS[table.key]}: {table.source}" for table in tables if table.source]
+    source = entry["source"].format(**sources)
     return Material(
         name,
-        youngs_modulus=float(f"{entry['E']}e9"),
         poissons_ratio=entry["nu"],
-        hardness=hardness,
-        yield_stress=si("yield", 6),
-        source=entry["source"].format(**sources),
-        thermal_expansion=si("expansion", -6),
+        source=f"{source}. Over temperature: {'; '.join(beside)}" if beside else source,
         condition=entry["condition"],
         creeps=entry.get("creeps", False),
+        over_temperature=tables,
+        **{table.key: table.value[0] for table in tables},  # type: ignore[arg-type]
     )
+
+
+def _over_temperature(key: str, entry: dict[str, Any], sources: dict[str, str]) -> OverTemperature | None:
+    """What the file says of a number: from 20 degC on, where its first value holds; None if nothing."""
+    word, exponent = _KEYS[key]
+    table = entry.get("over", {}).get(word, {})
+    # of the decimal fraction the float beside it: 129.8 * 1e9 is another one
+    warm = [float(f"{one}e{exponent}") for one in table.get("value", ())]
+    if key == "hardness" and "HV" in entry:
+        # three digits: no hardness is known better
+        first = float(f"{vickers_pressure(entry['HV']):.3g}")
+    elif word in entry:
+        first = float(f"{entry[word]}e{exponent}")
+    elif warm:
+        first = warm[0]
+    else:
+        return None
+    if table.get("scaled"):
+        warm = [float(f"{first * one / warm[0]:.6g}") for one in warm]
+    at = [float(one) for one in table.get("C", ())]
+    if key == "thermal_expansion" and not at:
+        at, warm = [float(entry.get("expansion_to", _EXPANSION_TO))], [first]
+    if not at or at[0] > _ROOM:
+        at, warm = [_ROOM, *at], [first, *warm]
+    return OverTemperature(
+        key,
+        (ROOM_TEMPERATURE, *(round(one + 273.15, 6) for one in at[1:])),
+        (first, *warm[1:]),
+        nearest=True,
+        source=table.get("source", "").format(**sources),
+    )
+
+
+def suggestion(name: str, key: str, unit: str) -> str:
+    """What to write for a number that a case needs and does not have.
+
+    Parameters
+    ----------
+    name : str
+        Of the material, as the case has it.
+    key : str
+        Of the number.
+    unit : str
+
+    Examples
+    --------
+    >>> suggestion("AISI 316L", "thermal_conductivity", "W/(m K)")
+    'give it, in W/(m K); the library has "14.3 W/(m K)" for 316L at 20 degC'
+    >>> suggestion("my steel", "thermal_conductivity", "W/(m K)")
+    'give it, in W/(m K), from the data sheet of the material'
+    """
+    known = library_name(name)
+    number = None if known is None else getattr(LIBRARY[known], key)
+    if number is None:
+        return f"give it, in {unit}, from the data sheet of the material"
+    return f'give it, in {unit}; the library has "{number:.4g} {unit}" for {known} at {celsius(ROOM_TEMPERATURE)}'
 
 
 _MATERIALS, _ALIASES = _read()

@@ -26,7 +26,7 @@ _EXPANSION = "thermal_expansion"
 
 @dataclass(frozen=True)
 class OverTemperature:
-    """A number of a material at several temperatures, linear in between and not known beyond.
+    """A number of a material at one temperature or several, linear in between and not known beyond.
 
     Parameters
     ----------
@@ -36,6 +36,11 @@ class OverTemperature:
         Increasing [K].
     value : tuple of float
         [SI]
+    nearest : bool, optional
+        Whether the value at an end stands for what is not known beyond it, as of the numbers of the library; whoever
+        takes it says so (`beyond`). Otherwise to ask there is an error.
+    source : str, optional
+        Where the table is from.
 
     Raises
     ------
@@ -51,6 +56,8 @@ class OverTemperature:
     key: str
     temperature: tuple[float, ...]
     value: tuple[float, ...]
+    nearest: bool = False
+    source: str = ""
 
     def __post_init__(self) -> None:
         if len(self.temperature) != len(self.value) or not self.value:
@@ -70,6 +77,23 @@ class OverTemperature:
         low, high = self.temperature[0] - 1e-6, self.temperature[-1] + 1e-6
         return low <= np.min(temperature) and bool(np.max(temperature) <= high)
 
+    def beyond(self, temperature: float) -> float:
+        """How far a temperature lies outside the table [K]; zero inside."""
+        if self.reaches(temperature):
+            return 0.0
+        return max(self.temperature[0] - temperature, temperature - self.temperature[-1])
+
+    @property
+    def changes(self) -> bool:
+        """Whether the number is another one at another temperature."""
+        return len(set(self.value)) > 1
+
+    @property
+    def reach(self) -> str:
+        """Where the number is known, in words."""
+        low, high = self.temperature[0], self.temperature[-1]
+        return f"from {celsius(low)} to {celsius(high)}" if low < high else f"at {celsius(low)} only"
+
     @overload
     def at(self, temperature: float) -> float: ...
 
@@ -77,15 +101,14 @@ class OverTemperature:
     def at(self, temperature: FloatArray) -> FloatArray: ...
 
     def at(self, temperature: float | FloatArray) -> float | FloatArray:
-        """The number at a temperature, or an array of them [K]; InputError outside the table."""
-        low, high = self.temperature[0], self.temperature[-1]
-        if not self.reaches(temperature):
-            reach = f"from {celsius(low)} to {celsius(high)}" if low < high else f"at {celsius(low)} only"
+        """The number at a temperature, or an array of them [K]; InputError outside the table unless `nearest`."""
+        if not self.nearest and not self.reaches(temperature):
+            high = self.temperature[-1]
             asked = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
             raise InputError(
                 Problem(
                     self.key,
-                    f"is known {reach} and asked for at {celsius(float(asked))}; "
+                    f"is known {self.reach} and asked for at {celsius(float(asked))}; "
                     "extend the table, or change the temperature",
                 )
             )
@@ -130,7 +153,8 @@ class Material:
     thermal_conductivity : float, optional
         [W/(m K)]; None if unknown.
     over_temperature : tuple of OverTemperature, optional
-        Which of the numbers depend on the temperature, and how; those beside it are of one temperature, see `at`.
+        Which of the numbers depend on the temperature, and how, and of those of the library where they are known; the
+        numbers beside it are those of one temperature, see `at`.
     hardening_over_temperature : HardeningOverTemperature, optional
         Hardening curves at several temperatures; `hardening` is then the curve at one of them, or between.
 
@@ -223,14 +247,20 @@ class Material:
             return self
         numbers: dict[str, Any] = {
             table.key: None
-            if table.key == _EXPANSION and not table.reaches(temperature)
+            if table.key == _EXPANSION and not (table.nearest or table.reaches(temperature))
             else table.at(temperature)
             for table in self.over_temperature
         }
+        if curves is None and all(getattr(self, key) == number for key, number in numbers.items()):
+            return self
         if curves is not None:
             # the curve brings its own
             numbers |= {"hardening": curves.at(temperature), "yield_stress": None}
         return replace(self, **numbers)
+
+    def table(self, key: str) -> OverTemperature | None:
+        """What is known of a number over temperature; None of one that is given without."""
+        return next((one for one in self.over_temperature if one.key == key), None)
 
     def conductivity(self, temperature: FloatArray) -> FloatArray:
         """Thermal conductivity at temperatures [W/(m K)].
@@ -249,19 +279,19 @@ class Material:
             raise InputError(
                 Problem(
                     f"{self.name}: thermal_conductivity",
-                    'is not known, and the temperature of the seal is calculated; give it, such as "45 W/(m K)"',
+                    "is not known, and the temperature of the seal is calculated; give it, in W/(m K)",
                 )
             )
-        for table in self.over_temperature:
-            if table.key == "thermal_conductivity":
-                return np.asarray(table.at(temperature))
+        table = self.table("thermal_conductivity")
+        if table is not None:
+            return np.asarray(table.at(temperature))
         return np.full(np.shape(temperature), self.thermal_conductivity)
 
     @property
     def largest_conductivity(self) -> float:
         """Largest thermal conductivity at any temperature [W/(m K)]; zero if none is known."""
-        tables = [max(table.value) for table in self.over_temperature if table.key == "thermal_conductivity"]
-        return max([*tables, self.thermal_conductivity or 0.0])
+        table = self.table("thermal_conductivity")
+        return max((self.thermal_conductivity or 0.0, *(() if table is None else table.value)))
 
     @overload
     def thermal_strain(self, temperature: float, reference: float) -> float: ...
@@ -291,13 +321,13 @@ class Material:
         def since_room(at: float | FloatArray) -> float | FloatArray:
             if np.array_equal(at, ROOM_TEMPERATURE):
                 return 0.0
-            tables = [table for table in self.over_temperature if table.key == _EXPANSION]
-            coefficient = tables[0].at(at) if tables else self.thermal_expansion
+            table = self.table(_EXPANSION)
+            coefficient = self.thermal_expansion if table is None else table.at(at)
             if coefficient is None:
                 raise InputError(
                     Problem(
                         f"{self.name}: thermal_expansion",
-                        'is not known, and the seal is heated or cooled; give it, such as "11e-6 1/K"',
+                        "is not known, and the seal is heated or cooled; give it, in 1/K",
                     )
                 )
             return coefficient * (at - ROOM_TEMPERATURE)

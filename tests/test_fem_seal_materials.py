@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -129,6 +130,79 @@ def test_every_material_of_the_list_is_there():
         "polyimide",
     ]:
         assert library_name(word) is not None, word
+
+
+# Nodes of the tables in the units of their sources, where these are others than those of the file, or formulas.
+FT = 5 / 9
+INCH_UNITS = 0.1442279  # Btu in/(ft2 h degF) in W/(m K)
+OVER = [
+    ("Inconel 718", "thermal_conductivity", (70 - 32) * FT, 79 * INCH_UNITS),
+    ("Inconel 718", "thermal_conductivity", (1200 - 32) * FT, 148 * INCH_UNITS),
+    ("Inconel 718", "thermal_expansion", (800 - 32) * FT, 7.97 * PER_F),
+    ("Inconel 718", "yield_stress", (1000 - 32) * FT, 1034e6 * 148 / 163),
+    ("Inconel 718", "youngs_modulus", (800 - 32) * FT, 200e9 * 26.5 / 29.6),
+    ("nickel", "thermal_conductivity", (70 - 32) * FT, 487 * INCH_UNITS),
+    ("nickel", "thermal_conductivity", (400 - 32) * FT, 426 * INCH_UNITS),
+    ("nickel", "thermal_expansion", (200 - 32) * FT, 7.4 * PER_F),
+    ("titanium Ti-6Al-4V", "thermal_conductivity", 315, 6.1 * 1.730735),
+    ("titanium Ti-6Al-4V", "thermal_expansion", 315, 5.11 * PER_F),
+    ("titanium Ti-6Al-4V", "youngs_modulus", 230, 110.3e9 * (13.8 + 16.2) / (15.5 + 17.7)),
+    *(("316L", "thermal_conductivity", T, 13.98 + 1.502e-2 * T) for T in (20, 200, 500)),
+    *(("304", "thermal_conductivity", T, 14.6 + 1.27e-2 * T) for T in (20, 300)),
+    *(("copper", "thermal_conductivity", T, 402 - 7.08e-2 * T + 2.46e-6 * T**2) for T in (20, 400)),
+    *(
+        ("copper", "thermal_expansion", T, (16.73 + 5.26e-3 * T - 5.53e-6 * T**2 + 4.2e-9 * T**3) * 1e-6)
+        for T in (100, 300)
+    ),
+    ("copper Cu-ETP R220", "youngs_modulus", 300, 115e9 * (117 - 2.17e-2 * 300 - 6.29e-5 * 300**2) / 116.54),
+    ("aluminium 6061-T6", "yield_stress", 200, 0.79 * 276e6),
+    ("aluminium 6061-T6", "youngs_modulus", 150, 68.9e9 * 65100 / 70000),
+    ("aluminium 6061-T6", "thermal_expansion", 300, 14.0 * PER_F),
+    ("steel 1.4122", "yield_stress", 300, 500e6 * 510 / 550),
+    ("steel 1.4122", "youngs_modulus", 400, 210e9 * 190 / 215),
+    ("steel 1.4122", "thermal_expansion", 400, 11.6e-6),
+    ("316L", "yield_stress", 550, 98e6),
+    ("304", "yield_stress", 150, 142e6),
+]
+
+
+@pytest.mark.parametrize(("name", "key", "celsius", "value"), OVER)
+def test_tables_over_temperature_are_those_of_their_sources(name, key, celsius, value):
+    assert LIBRARY[name].table(key).at(celsius + 273.15) == pytest.approx(value, rel=6e-3)
+
+
+@pytest.mark.parametrize("one", LIBRARY.values(), ids=LIBRARY)
+def test_tables_over_temperature_fit_the_list(one):
+    for table in one.over_temperature:
+        # every number is known at 20 degC and is the one of the list there
+        assert table.nearest and table.reaches(293.15)
+        assert table.at(293.15) == getattr(one, table.key) == table.value[0]
+        assert table.source or not table.changes
+        assert not table.source or table.source in one.source
+        steps = [after - before for before, after in pairwise(table.value)]
+        # hot metals are softer, and expand more
+        if table.key in ("youngs_modulus", "yield_stress"):
+            assert all(step < 0 for step in steps)
+        if table.key == "thermal_expansion":
+            assert all(step >= 0 for step in steps)
+    assert {table.key for table in one.over_temperature} == {
+        key
+        for key in ("youngs_modulus", "hardness", "yield_stress", "thermal_expansion", "thermal_conductivity")
+        if getattr(one, key) is not None
+    }
+    assert one.at(293.15) is one
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["304", "316L", "copper", "copper Cu-ETP R220", "copper Cu-ETP R290", "nickel", "aluminium 6061-T6"],
+)
+def test_conductivity_and_resistivity_obey_wiedemann_and_franz(name):
+    # resistivity at 20 degC [Ohm m]: EN 10088-1 (0.73, 0.75), 100 % IACS, Nickel 200 (0.096), 43 % IACS
+    resistivity = {"304": 0.73e-6, "316L": 0.75e-6, "nickel": 0.096e-6, "aluminium 6061-T6": 1.7241e-8 / 0.43}
+    lorenz = LIBRARY[name].thermal_conductivity * resistivity.get(name, 1.7241e-8) / 293.15
+    # the lattice conducts beside the electrons in steels
+    assert 2.1e-8 < lorenz < 4.0e-8
 
 
 # --- words ------------------------------------------------------------------------------------------------
@@ -319,6 +393,21 @@ def test_listings_for_other_programs_are_si(call):
     assert json.loads(call("fluids", "water", "--json")[1])["viscosity_Pa_s"] == pytest.approx(
         1.0016e-3, rel=1e-4
     )
+
+
+def test_materials_are_listed_at_a_temperature(call):
+    code, out, _ = call("materials", "--temperature", "200 degC")
+    assert code == 0 and "Numbers at 200 degC" in out
+    # EN 10088-1, EN 10028-7; no hardness is known there
+    line = next(line for line in out.splitlines() if line.split()[:1] == ["316L"])
+    assert line.split()[1:7] == ["186", "0.3", "-", "137", "16.5", "17"]
+    _, out, _ = call("materials", "316L", "-t", "200 degC")
+    assert "not known at 200 degC" in out and "200, 166, 152, 137" in out
+    row = json.loads(call("materials", "316L", "--json", "-t", "300 degC")[1])
+    assert (row["youngs_modulus_Pa"], row["hardness_Pa"], row["temperature_K"]) == (179e9, None, 573.15)
+    assert row["over_temperature"]["yield_stress_Pa"]["value"][1] == 166e6
+    code, _, err = call("materials", "-t", "200")
+    assert code == 2 and "unit" in err
 
 
 def test_fluids_are_listed_at_a_temperature(call):

@@ -17,8 +17,10 @@ from skfem import Basis, ElementTriP2, MeshTri, condense, solve
 import fem_seal
 import leak
 import meshes
+from fem_seal.analysis.caution import Level
 from fem_seal.analysis.heating import Heating
 from fem_seal.analysis.load_solver import LoadSolver, solve_load
+from fem_seal.analysis.material_warnings import temperature_cautions
 from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.bodies.condensed import body_field
 from fem_seal.bodies.elasticity import (
@@ -38,6 +40,7 @@ from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.solution import fields_at_rest
 from fem_seal.errors import InputError
+from fem_seal.material_library import LIBRARY
 from fem_seal.materials import HardeningCurve, Material, OverTemperature
 from fem_seal.studies.responses import responses
 
@@ -389,6 +392,166 @@ def test_expansion_counts_from_twenty_degrees() -> None:
     assert material.thermal_strain(593.15, 593.15) == 0.0
 
 
+def test_a_linear_coefficient_is_integrated_between_temperatures() -> None:
+    # alpha(T) = a + b (T - 20 degC), whose mean from 20 degC to T is a + b/2 (T - 20 degC): a table of two rows
+    a, b, room = 10e-6, 8e-9, 293.15
+    ends = (293.15, 693.15)
+    table = OverTemperature("thermal_expansion", ends, tuple(a + b / 2 * (T - room) for T in ends))
+    material = Material("m", 2e11, 0.3, thermal_expansion=a, over_temperature=(table,))
+
+    def integral(low: float, high: float) -> float:
+        return a * (high - low) + b / 2 * ((high - room) ** 2 - (low - room) ** 2)
+
+    for low, high in ((293.15, 473.15), (373.15, 673.15), (600.0, 350.0)):
+        assert material.thermal_strain(high, low) == pytest.approx(integral(low, high), rel=1e-12)
+    field = np.array([300.0, 450.0, 690.0])
+    assert material.thermal_strain(field, 400.0) == pytest.approx(integral(400.0, field), rel=1e-12)
+
+
+# ---------------------------------------------------------------- hot numbers of the library
+
+
+def hot(
+    closure: Any = "316L", seat: Any = "316L", temperature: Any = "200 degC", **more: Any
+) -> fem_seal.Case:
+    heat = {"uniform": temperature} if isinstance(temperature, str) else temperature
+    tables = {"fluid": {"name": "nitrogen"}, "load": {"fluid_pressure": "10 bar"}, **more}
+    return case(
+        closure={"shape": "ball", "radius": "10 mm", "material": closure},
+        seat=cone(seat),
+        temperature=heat,
+        **tables,
+    )
+
+
+def said_of(one: fem_seal.Case) -> dict[str, tuple[Level, str]]:
+    return {
+        f"{caution.kind}, {caution.reason.split(':')[0]}": (caution.level, caution.text)
+        for caution in temperature_cautions(SealProblem.of(one))
+    }
+
+
+def test_a_hot_case_takes_the_hot_numbers_of_the_library() -> None:
+    cold, warm = hot(temperature="20 degC").seat.material, hot().seat.material
+    assert cold is LIBRARY["316L"]
+    # EN 10088-1 and EN 10028-7 at 200 degC
+    assert (warm.youngs_modulus, warm.yield_stress, warm.thermal_expansion) == (186e9, 137e6, 16.5e-6)
+    assert (warm.hardness, warm.poissons_ratio) == (cold.hardness, cold.poissons_ratio)
+    half = hot(temperature="250 degC").seat.material
+    assert half.youngs_modulus == pytest.approx(182.5e9) and half.yield_stress == pytest.approx(127e6)
+    # a part of its own keeps the rest, and another temperature takes other numbers
+    own = hot(seat={"name": "AISI 316L", "hardness": "3 GPa"}).seat.material
+    assert (own.youngs_modulus, own.yield_stress, own.hardness) == (186e9, 137e6, 3e9)
+    again = hot().replace({"temperature.uniform": "100 degC"}).seat.material
+    assert (again.youngs_modulus, again.yield_stress) == (194e9, 166e6)
+    changed = hot().replace({"seat.material.hardness": "3 GPa"}).replace({"temperature.uniform": "100 degC"})
+    assert (changed.seat.material.youngs_modulus, changed.seat.material.hardness) == (194e9, 3e9)
+
+
+def test_a_study_of_a_hot_seal_keeps_the_tables_of_the_library() -> None:
+    study = fem_seal.Study(
+        hot(),
+        parameters={
+            "seat.material.hardness": ["2 GPa", "3 GPa"],
+            "temperature.uniform": ["100 degC", "200 degC"],
+        },
+        responses=["peak_pressure_Pa"],
+    )
+    found = [study.case_of(point).seat.material for point in study.points]
+    assert {(one.hardness, one.youngs_modulus) for one in found} == {
+        (hardness, modulus) for hardness in (2e9, 3e9) for modulus in (194e9, 186e9)
+    }
+    # a number that a study sets holds whatever the temperature
+    fixed = fem_seal.Study(
+        hot(), parameters={"seat.material.youngs_modulus": ["200 GPa"]}, responses=["peak_pressure_Pa"]
+    )
+    assert fixed.case_of(fixed.points[0]).seat.material.youngs_modulus == 200e9
+
+
+def test_a_number_that_is_not_known_when_hot_is_doubtful() -> None:
+    said = said_of(hot())
+    assert list(said) == ["hot hardness, closure", "hot hardness, seat"]
+    level, text = said["hot hardness, seat"]
+    assert level is Level.DOUBTFUL
+    assert (
+        "seat.material.hardness: the library knows the hardness of 316L at 20 degC only; the 1.64 GPa" in text
+    )
+    assert 'hardness = { temperature = ["20 degC", "200 degC"], value = ["1.64 GPa", "..."] }' in text
+    # the remedy, and what the limits are
+    table = {"temperature": ["20 degC", "200 degC"], "value": ["1.64 GPa", "1.3 GPa"]}
+    cured = {"name": "316L", "hardness": table}
+    assert not said_of(hot(cured, cured))
+    assert hot(cured, cured).hardness == pytest.approx(1.3e9)
+    levels = {
+        at: [level for level, _ in said_of(hot(temperature=at)).values()]
+        for at in ("40 degC", "60 degC", "125 degC")
+    }
+    assert levels == {"40 degC": [], "60 degC": [Level.VALID] * 2, "125 degC": [Level.DOUBTFUL] * 2}
+    # without yielding asperities nobody asks for the hardness of a material that has none
+    assert not said_of(hot("stainless steel", "stainless steel", leak={"plasticity": False}))
+    cold = said_of(hot(temperature="-100 degC", fluid={"name": "nitrogen", "temperature": "0 degC"}))
+    assert '["-100 degC", "20 degC"], value = ["...", "1.64 GPa"]' in cold["hot hardness, seat"][1]
+
+
+def test_beyond_a_table_of_the_library_its_end_is_kept_with_a_word() -> None:
+    said = said_of(hot(temperature="620 degC"))
+    assert (
+        "from 20 degC to 500 degC; the 165 GPa of 500 degC stands for 620 degC"
+        in said["hot youngs_modulus, seat"][1]
+    )
+    assert (
+        said["hot youngs_modulus, seat"][0] is Level.DOUBTFUL
+        and said["hot yield_stress, seat"][0] is Level.VALID
+    )
+    assert hot(temperature="620 degC").seat.material.youngs_modulus == 165e9
+    # expansion counts where the bodies grow differently
+    assert "hot thermal_expansion, seat" not in said
+    grown = said_of(hot(seat="stellite 6"))
+    assert "from 20 degC to 100 degC; the 11.4e-6 1/K of 100 degC" in grown["hot thermal_expansion, seat"][1]
+
+
+def test_a_number_of_ones_own_without_a_temperature_is_a_remark() -> None:
+    own = {
+        "youngs_modulus": "190 GPa",
+        "poissons_ratio": 0.3,
+        "hardness": "3 GPa",
+        "thermal_expansion": {"temperature": ["200 degC"], "value": ["12e-6 1/K"]},
+    }
+    told = {
+        "youngs_modulus": {"temperature": ["200 degC"], "value": ["190 GPa"]},
+        "hardness": {"temperature": ["200 degC"], "value": ["3 GPa"]},
+    }
+    ((level, text),) = said_of(hot(own, {**own, **told})).values()
+    assert level is Level.VALID
+    assert text.startswith("closure.material: youngs_modulus and hardness of the case have no temperature")
+    assert not said_of(hot(own, own, temperature="30 degC"))
+
+
+def test_doubt_reaches_the_loads_of_a_run_and_a_remark_only_the_warnings() -> None:
+    result = fem_seal.run(hot(temperature="200 degC"))
+    assert "seat: hardness of 20 degC, not of 200 degC" in result.loads[0].validity.reasons
+    assert result.loads[0].validity.level is not Level.VALID
+    mild = fem_seal.run(hot(temperature="60 degC"))
+    assert not any("hardness of" in reason for reason in mild.loads[0].validity.reasons)
+    assert any("seat.material.hardness: the library knows" in warning for warning in mild.warnings)
+    # yield onset is that of the hot metal
+    stress = SealProblem.of(hot()).materials["seat"].yield_stress
+    assert stress == 137e6
+
+
+def test_what_a_conducting_seal_lacks_is_suggested_from_the_library() -> None:
+    own = {"name": "316L", "youngs_modulus": "190 GPa", "poissons_ratio": 0.3}
+    with pytest.raises(InputError) as error:
+        hot(own, {**own, "name": "mine"}, temperature={"inner": {"temperature": "200 degC"}})
+    told = {one.key: one.message for one in error.value.problems}
+    assert '"14.3 W/(m K)" for 316L at 20 degC' in told["closure.material.thermal_conductivity"]
+    assert "45" not in str(error.value) and "data sheet" in told["seat.material.thermal_conductivity"]
+    # with names alone it runs, at the conductivity of each place
+    case = hot(temperature={"inner": {"temperature": "200 degC"}, "wall": {"temperature": "100 degC"}})
+    field = SealProblem.of(case)
+    assert field.heating is not None and 373.15 < field.temperatures["seat"] < 473.15
+
+
 SLIPS = [
     ({"uniform": "80"}, "temperature.uniform", "no temperature|has no unit"),
     ({}, "temperature", "give either uniform, or closure and seat"),
@@ -409,7 +572,7 @@ def test_slips_name_key_and_remedy(table: dict[str, str], key: str, message: str
 
 def test_what_is_missing_or_cannot_hold_is_said() -> None:
     plain = {name: entry for name, entry in STEADY.items() if name != "thermal_expansion"}
-    with pytest.raises(InputError, match=r'1.4122: is not known.*"11e-6 1/K"') as error:
+    with pytest.raises(InputError, match=r"1.4122: is not known.*give it, in 1/K") as error:
         heated(plain, STEADY, temperature={"uniform": "80 degC"})
     assert error.value.key == "closure.material.thermal_expansion"
     # the same material at the same temperature needs none

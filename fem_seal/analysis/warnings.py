@@ -13,6 +13,7 @@ from fem_seal.analysis.caution import DIRECT_SCATTER, Caution, Level, Validity, 
 from fem_seal.analysis.fluid_warnings import fluid_cautions, molecule_cautions
 from fem_seal.analysis.form_warnings import LARGEST_EXCESS, form_cautions
 from fem_seal.analysis.load_names import load_name
+from fem_seal.analysis.material_warnings import temperature_cautions
 from fem_seal.analysis.problem import LARGEST_TURNING, TURNED
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.load_path import yielding_bodies
@@ -120,7 +121,14 @@ def contact_cautions(
     surface : RoughContact, optional
         The problem's rough contact.
     """
-    return (*_of_surface(problem), *load_cautions(problem, model, loads, surface), *_coarse(model, error))
+    # remarks that are nothing against the numbers
+    near = [one for one in temperature_cautions(problem) if one.level is Level.VALID]
+    return (
+        *_of_surface(problem),
+        *load_cautions(problem, model, loads, surface),
+        *_coarse(model, error),
+        *near,
+    )
 
 
 def load_cautions(
@@ -148,6 +156,7 @@ def load_cautions(
         _slides,
         _above_hardness,
         _creeps,
+        _hot,
         _moved_by_heat,
     )
     yield from (caution for check in bodies for caution in check(problem, model, loads))
@@ -204,6 +213,7 @@ def profile_validity(problem: SealProblem, surface: Surface, load: GivenLoad) ->
             *_of_surface(problem),
             *_above_hardness(problem, None, [load]),
             *_creeps(problem, None, [load]),
+            *(one for one in temperature_cautions(problem, bodies=False) if one.level is not Level.VALID),
             *_interface_cautions(problem, surface, [load]),
         )
     )
@@ -495,6 +505,10 @@ def _creeps(
     creeping = [name for name, material in problem.materials.items() if material.creeps]
     for name, text in zip(creeping, creep_remarks(problem.materials), strict=True):
         yield Caution("creep", Level.DOUBTFUL, f"{name}: {problem.materials[name].name} creeps", text)
+
+
+def _hot(problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    yield from (one for one in temperature_cautions(problem) if one.level is not Level.VALID)
 
 
 def _mpa(pressure: float, load: LoadResult, limit: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, cast
@@ -241,7 +241,7 @@ class MaterialTable(Table):
         examples=["11.5e-6 1/K"],
     )
     thermal_conductivity: Conductivity | None = Field(
-        None, description="of a seal whose temperature is calculated", examples=["45 W/(m K)"]
+        None, description="of a seal whose temperature is calculated", examples=["15 W/(m K)"]
     )
     creeps: bool = Field(
         False,
@@ -288,7 +288,7 @@ class MaterialEntry:
         inherited = _left_out(value)
         table = read_table({**inherited, **value})
         try:
-            numbers, over = _over_temperature(table.model_dump(exclude={"stress_strain"}))
+            numbers, over = _over_temperature(table.model_dump(exclude={"stress_strain"}), _of_library(value))
             _check_hardness(numbers["hardness"], numbers["yield_stress"], inherited)
             modulus = next((one for one in over if one.key == "youngs_modulus"), None)
             hardening = _hardening(
@@ -313,9 +313,23 @@ def _check_hardness(hardness: float | None, yield_stress: float | None, inherite
         )
 
 
-def _over_temperature(entries: dict[str, Any]) -> tuple[dict[str, Any], tuple[OverTemperature, ...]]:
-    """Numbers at 20 degC, or at the end of a table next to it, and the tables; the case takes them elsewhere."""
-    tables = {key: OverTemperature(key, *entry) for key, entry in entries.items() if isinstance(entry, tuple)}
+def _over_temperature(
+    entries: dict[str, Any], of_library: Mapping[str, OverTemperature]
+) -> tuple[dict[str, Any], tuple[OverTemperature, ...]]:
+    """Numbers at 20 degC, or at the end of a table next to it, and the tables; the case takes them elsewhere.
+
+    Parameters
+    ----------
+    entries : dict
+        Of the table as it was read.
+    of_library : mapping
+        What the library knows of those that are its own.
+    """
+    tables = {
+        key: of_library[key] if key in of_library else OverTemperature(key, *entry)
+        for key, entry in entries.items()
+        if key in of_library or isinstance(entry, tuple)
+    }
     numbers = {
         key: table.at(min(max(ROOM_TEMPERATURE, table.temperature[0]), table.temperature[-1]))
         for key, table in tables.items()
@@ -351,13 +365,42 @@ def library_table(name: str) -> dict[str, Any]:
     known = library_name(name)
     if known is None:
         return {}
-    numbers = {key: getattr(LIBRARY[known], key) for key in _INHERITED}
-    written = {
-        key: number if _INHERITED[key] is None else f"{number!r}{_INHERITED[key]}"
-        for key, number in numbers.items()
-        if number is not None
-    }
+    one, written = LIBRARY[known], dict[str, Any]()
+    for key, unit in _INHERITED.items():
+        number, table = getattr(one, key), one.table(key)
+        if table is not None and table.changes:
+            written[key] = {
+                "temperature": [f"{at!r} K" for at in table.temperature],
+                "value": [f"{value!r}{unit}" for value in table.value],
+            }
+        elif number is not None:
+            written[key] = number if unit is None else f"{number!r}{unit}"
     return {"name": name, **written}
+
+
+def inheriting(value: dict[str, Any]) -> dict[str, Any]:
+    """A table of a material with what it takes from the library written out.
+
+    Parameters
+    ----------
+    value : dict
+        As it stands in a case.
+
+    Examples
+    --------
+    >>> inheriting({"name": "brass", "hardness": "1 GPa"})["youngs_modulus"]
+    '100600000000.0 Pa'
+    """
+    return {**_left_out(value), **value}
+
+
+def _of_library(value: dict[str, Any]) -> dict[str, OverTemperature]:
+    """What the library knows over temperature of the numbers that a table takes from it, or has written out."""
+    of_library, whole = library_table(str(value.get("name", ""))), inheriting(value)
+    if not of_library:
+        return {}
+    tables = material(of_library["name"]).over_temperature
+    return {one.key: one for one in tables if whole.get(one.key) == of_library[one.key]}
 
 
 def _left_out(value: dict[str, Any]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from fem_seal.case.tables import CaseTables, curves
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.errors import InputError, Problem
+from fem_seal.material_library import suggestion
 from fem_seal.units import given as written
 from meshes import GeometryError
 
@@ -157,17 +158,14 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
     if heat.faces:
         for name in ("closure", "seat"):
             material = getattr(case, name).material
-            for number, example in (
-                ("thermal_conductivity", "45 W/(m K)"),
-                ("thermal_expansion", "11e-6 1/K"),
-            ):
+            for number, unit in (("thermal_conductivity", "W/(m K)"), ("thermal_expansion", "1/K")):
                 if getattr(material, number) is None and number not in {
                     one.key for one in material.over_temperature
                 }:
                     yield Problem(
                         f"{name}.material.{number}",
-                        f"{material.name}: is not known, and the temperature is calculated; give it, such as "
-                        f'"{example}"',
+                        f"{material.name}: is not known, and the temperature is calculated; "
+                        f"{suggestion(material.name, number, unit)}",
                     )
         return
     strains = []
@@ -175,10 +173,15 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
         try:
             strains.append(case.thermal_strain(name))
         except InputError as error:
-            message = error.message
-            yield Problem(
-                f"{name}.material.thermal_expansion", f"{getattr(case, name).material.name}: {message}"
+            material = getattr(case, name).material
+            missing = material.thermal_expansion is None and material.table("thermal_expansion") is None
+            message = (
+                "is not known, and the seal is heated or cooled; "
+                + suggestion(material.name, "thermal_expansion", "1/K")
+                if missing
+                else error.message
             )
+            yield Problem(f"{name}.material.thermal_expansion", f"{material.name}: {message}")
     for name, strain in zip(("closure", "seat"), strains, strict=False):
         if abs(strain) > _LARGEST_STRAIN:
             yield Problem(

@@ -191,7 +191,8 @@ def conduct(
     """
     system = _System.of(seal_mesh, materials, surroundings, x, area_weight)
     temperature = np.full(system.size, np.mean([face.temperature for face in surroundings.faces.values()]))
-    steps = 1 if not any(material.over_temperature for material in materials.values()) else _MOST_STEPS
+    tables = [material.table("thermal_conductivity") for material in materials.values()]
+    steps = _MOST_STEPS if any(table is not None and table.changes for table in tables) else 1
     for _ in range(steps):
         before, temperature = temperature, system.solved(temperature)
         if steps == 1 or np.abs(temperature - before).max() < _SAME:

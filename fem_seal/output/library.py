@@ -26,34 +26,77 @@ MATERIAL_COLUMNS = (
     ("poissons_ratio", "nu\n", 1.0),
     ("hardness_Pa", "hardness\nGPa", 1e-9),
     ("yield_stress_Pa", "yield\nMPa", 1e-6),
-    ("thermal_expansion_1_per_K", "expansion\n1e-6/K", 1e6),
+    ("thermal_expansion_1_per_K", "expand\n1e-6/K", 1e6),
+    ("thermal_conductivity_W_per_m_K", "conduct\nW/(m K)", 1.0),
 )
+# Number of a material -> its column.
+_COLUMN_OF = {
+    "youngs_modulus": "youngs_modulus_Pa",
+    "hardness": "hardness_Pa",
+    "yield_stress": "yield_stress_Pa",
+    "thermal_expansion": "thermal_expansion_1_per_K",
+    "thermal_conductivity": "thermal_conductivity_W_per_m_K",
+}
+# Of one material in words: what a column is called, factor to the unit that follows.
+_WORDS = {
+    "youngs_modulus_Pa": ("Young's modulus", 1e-9, " GPa"),
+    "poissons_ratio": ("Poisson's ratio", 1.0, ""),
+    "hardness_Pa": ("penetration hardness", 1e-9, " GPa"),
+    "yield_stress_Pa": ("yield strength", 1e-6, " MPa"),
+    "thermal_expansion_1_per_K": ("thermal expansion", 1e6, "e-6/K"),
+    "thermal_conductivity_W_per_m_K": ("thermal conductivity", 1.0, " W/(m K)"),
+}
 
 
-def material_row(material: Material) -> dict[str, Any]:
-    """One material in SI units, None where a number is not known.
+def material_row(material: Material, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any]:
+    """One material in SI units, None where a number is not known, or not at this temperature.
 
     Parameters
     ----------
     material : Material
+    temperature : float
+        [K]
     """
+    known = {
+        column: table.at(temperature)
+        if (table := material.table(key)) and table.reaches(temperature)
+        else None
+        for key, column in _COLUMN_OF.items()
+    }
+    over = {
+        _COLUMN_OF[table.key]: {
+            "temperature_K": list(table.temperature),
+            "value": list(table.value),
+            "source": table.source,
+        }
+        for table in material.over_temperature
+    }
     return {
         "name": material.name,
         "aliases": [word for word, name in ALIASES.items() if name == material.name],
-        "youngs_modulus_Pa": material.youngs_modulus,
+        "temperature_K": temperature,
+        "youngs_modulus_Pa": known["youngs_modulus_Pa"],
         "poissons_ratio": material.poissons_ratio,
-        "hardness_Pa": material.hardness,
-        "yield_stress_Pa": material.yield_stress,
-        "thermal_expansion_1_per_K": material.thermal_expansion,
+        "hardness_Pa": known["hardness_Pa"],
+        "yield_stress_Pa": known["yield_stress_Pa"],
+        "thermal_expansion_1_per_K": known["thermal_expansion_1_per_K"],
+        "thermal_conductivity_W_per_m_K": known["thermal_conductivity_W_per_m_K"],
         "creeps": material.creeps,
         "condition": material.condition,
         "source": material.source,
+        "over_temperature": over,
     }
 
 
-def material_rows() -> list[dict[str, Any]]:
-    """All materials of the library."""
-    return [material_row(one) for one in LIBRARY.values()]
+def material_rows(temperature: float = ROOM_TEMPERATURE) -> list[dict[str, Any]]:
+    """All materials of the library.
+
+    Parameters
+    ----------
+    temperature : float
+        [K]
+    """
+    return [material_row(one, temperature) for one in LIBRARY.values()]
 
 
 def fluid_rows(temperature: float = ROOM_TEMPERATURE) -> list[dict[str, Any]]:
@@ -194,19 +237,32 @@ def material_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "name", row["name"]
     if row["aliases"]:
         yield "also called", ", ".join(row["aliases"])
-    words = {
-        "Young's modulus": ("youngs_modulus_Pa", 1e-9, " GPa"),
-        "Poisson's ratio": ("poissons_ratio", 1.0, ""),
-        "penetration hardness": ("hardness_Pa", 1e-9, " GPa"),
-        "yield strength": ("yield_stress_Pa", 1e-6, " MPa"),
-        "thermal expansion": ("thermal_expansion_1_per_K", 1e6, "e-6/K"),
-    }
-    for word, (key, factor, unit) in words.items():
-        yield word, "not given" if row[key] is None else shown(row[key], factor) + unit
+    at = row["temperature_K"] - 273.15
+    for key, (word, factor, unit) in _WORDS.items():
+        missing = f"not known at {at:.4g} degC" if key in row["over_temperature"] else "not given"
+        yield word, missing if row[key] is None else shown(row[key], factor) + unit
+    yield from over_temperature_lines(row)
     if row["creeps"]:
         yield "creep", CREEPS
     yield "condition", row["condition"]
     yield "source", row["source"]
+
+
+def over_temperature_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """The numbers of one material that are known over temperature, in words.
+
+    Parameters
+    ----------
+    row : dict
+        Of `material_row`.
+    """
+    for key, table in row["over_temperature"].items():
+        if len(set(table["value"])) < 2:
+            continue
+        word, factor, unit = _WORDS[key]
+        values = [shown(value, factor) for value in table["value"]]
+        at = [f"{one - 273.15:.4g}" for one in table["temperature_K"]]
+        yield f"{word} at", f"{', '.join(at)} degC: {', '.join(values)}{unit}"
 
 
 def fluid_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:

@@ -7,11 +7,10 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
-from fem_seal.case.bodies import MaterialTable, library_table
+from fem_seal.case.bodies import MaterialTable, inheriting, library_table
 from fem_seal.case.drawing_words import same_entry, words_of
 from fem_seal.case.fields import Number, OneOrMany, OverTemperatureTable, Pressures, Quantity, Table, shown
 from fem_seal.errors import InputError, Problem
-from fem_seal.material_library import LIBRARY
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
 
@@ -148,17 +147,18 @@ def with_open_materials(case: Case, paths: list[str]) -> Case:
     """The case with library materials written as tables, where a path changes a part of one."""
     changes = {}
     for body in ("closure", "seat"):
-        material = getattr(case, body).material
-        # one with a curve or a table over temperature is no name from the library but a table already
-        tabulated = material.hardening is not None or bool(material.over_temperature)
-        if not tabulated and any(path.startswith(f"{body}.material.") for path in paths):
-            changes[f"{body}.material"] = _as_table(material)
+        if any(path.startswith(f"{body}.material.") for path in paths):
+            written, material = case.written[body]["material"], getattr(case, body).material
+            if isinstance(written, str):
+                changes[f"{body}.material"] = library_table(written)
+            elif isinstance(written, dict):
+                changes[f"{body}.material"] = inheriting(written)
+            elif material.hardening is None and not material.over_temperature:
+                changes[f"{body}.material"] = _as_table(material)
     return case.replace_written(changes) if changes else case
 
 
 def _as_table(material: Material) -> dict[str, Any]:
-    if LIBRARY.get(material.name) == material:
-        return library_table(material.name)
     numbers = asdict(material)
     entries = {name: Entry(name, _marker(field)) for name, field in _fields(material).items()}
     return {

@@ -146,7 +146,7 @@ def _material(material: Material) -> list[tuple[str, str]]:
         rows.append(("thermal expansion", f"{trimmed(1e6 * material.thermal_expansion)}·10⁻⁶ 1/K"))
     if material.thermal_conductivity is not None:
         rows.append(("thermal conductivity", f"{trimmed(material.thermal_conductivity)} W/(m K)"))
-    keys = [table.key.replace("_", " ") for table in material.over_temperature]
+    keys = [table.key.replace("_", " ") for table in material.over_temperature if table.changes]
     if material.hardening_over_temperature is not None:
         keys.append("stress over plastic strain")
     if keys:
