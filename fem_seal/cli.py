@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
     from fem_seal.analysis.results import LoadResult, SealSolution
     from fem_seal.case.case import Case
+    from fem_seal.units import LeakVolume
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -115,7 +116,7 @@ def run(
     if json:
         say_json({"folder": str(folder), "loads": rows, "warnings": warnings})
     elif not quiet:
-        show_leak_table(rows, case.title, result.loads)
+        show_leak_table(rows, case.title, result.loads, _volume_of(case))
         show_leakage(case, result.loads, result.leak_ranges)
         show_memory(result)
         show_form(result)
@@ -265,7 +266,7 @@ def leak(
     if json:
         say_json({"folder": str(folder), "loads": rows})
     elif not quiet:
-        show_leak_table(rows, f"{profile_file.name}: {case.title}", loads)
+        show_leak_table(rows, f"{profile_file.name}: {case.title}", loads, _volume_of(case))
         show_leakage(case, loads)
         _list_files(folder)
 
@@ -558,7 +559,12 @@ def _said_by_system(error: OSError) -> str:
 _ENDLESS = 100_000
 
 
-def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str, loads: Sequence[LoadResult]) -> None:
+def show_leak_table(
+    rows: Sequence[Mapping[str, Any]],
+    title: str,
+    loads: Sequence[LoadResult],
+    volume: LeakVolume | None = None,
+) -> None:
     """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks.
 
     Parameters
@@ -567,15 +573,28 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str, loads: Sequen
     title : str
     loads : sequence of LoadResult
         Of the rows: they know how many digits a number is worth.
+    volume : LeakVolume, optional
+        What a volume is that leaks; that of a liquid unless given.
     """
     from fem_seal.analysis.caution import Level
     from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL
+    from fem_seal.output.report.words import volume_notes
+    from fem_seal.units import LIQUID
 
     columns = [column for column in LEAK_ON_TERMINAL if any(_filled(row.get(column.name)) for row in rows)]
     cells = [
         [_cell(row.get(column.name), column.unit, COLUMNS[column.name].digits(load)) for column in columns]
         for row, load in zip(rows, loads, strict=True)
     ]
+    volume, unmeasured = volume or LIQUID, False
+    for line, row in zip(cells, rows, strict=True):
+        for n, column in enumerate(columns):
+            if _not_measurable(row.get(column.name), COLUMNS[column.name].kind, volume):
+                line[n] = "<"
+                unmeasured = True
+            elif column.name == "margin":
+                line[n] = _margin(row.get("margin"), line[n])
+    flows = [column.unit.name for column in columns if COLUMNS[column.name].kind == "flow"]
     headings = [f"{column.heading}\n{column.unit.name}" for column in columns]
     levels = [Level(row["validity"]) for row in rows]
     # what tells the rows apart stays beside every part of a table that is too wide
@@ -596,6 +615,27 @@ def show_leak_table(rows: Sequence[Mapping[str, Any]], title: str, loads: Sequen
         if level.mark and level in levels:
             what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
             say(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
+    for told in volume_notes(volume, flows, unmeasured=unmeasured):
+        say(f"  {told}")
+
+
+def _volume_of(case: Case) -> LeakVolume | None:
+    return None if case.fluid is None else case.fluid.volume
+
+
+def _not_measurable(value: float | None, kind: str, volume: LeakVolume) -> bool:
+    """Whether a leak rate is less than anybody could measure; a throughput is its volume times 101325 Pa."""
+    if value is None or kind not in ("flow", "throughput"):
+        return False
+    rate = value / 101325.0 if kind == "throughput" else value
+    return rate > 0 and not volume.measurable(rate)
+
+
+def _margin(value: float | None, shown: str) -> str:
+    """A margin that is read: none above a million."""
+    if value is None or not value > 1e6:
+        return shown
+    return "sealed" if math.isinf(value) else ">1e6"
 
 
 def show_leakage(

@@ -101,6 +101,7 @@ def _show(found: LeakMap) -> None:
     from rich.table import Table
 
     from fem_seal.analysis.caution import Level
+    from fem_seal.output.report.words import volumes_of_gas
     from fem_seal.units import digits_within, rounded
 
     # a volume too small to be seen in ml is read in its power of ten
@@ -118,7 +119,7 @@ def _show(found: LeakMap) -> None:
             digits = min(3, digits_within(one.leak_error))
             cells.append(f"{rounded(float(found.leak_rate[m, n]) * 6e7, digits):.3g}{Level(one.level).mark}")
         table.add_row(f"{pressure / 1e5:.4g}", *cells)
-    say(f"Leak rate of {found.fluid}: {found.title}")
+    say(f"Leak rate of {found.fluid}{volumes_of_gas(found.is_gas)}: {found.title}")
     show(table)
 
 

@@ -9,7 +9,7 @@ import difflib
 import math
 import re
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
@@ -570,13 +570,86 @@ def _in_sentence(value: float, digits: int) -> str:
     return worth(value, digits) if digits < DIGITS else number(value)
 
 
-def leak_rate_text(leak_rate: float, digits: int = 3, *, claimed: bool = True) -> str:
+# Of one molecule [J/K].
+_BOLTZMANN = 1.380649e-23
+# At which volumes of a leaking gas are given [Pa].
+_ATMOSPHERE = 101325.0
+
+
+@dataclass(frozen=True)
+class LeakVolume:
+    """What a volume that leaks is: of a gas its state, and how much of it is too little to be measured.
+
+    Parameters
+    ----------
+    state : str
+        Of a gas; empty for a liquid.
+    least : float
+        Leak rates below it are called none measurable [m^3/s]: of a liquid a cubic nanometre per hour, some thirty
+        molecules of water or one of oil.
+    least_name : str
+    """
+
+    state: str = ""
+    least: float = 1e-27 / 3600.0
+    least_name: str = "a cubic nanometre per hour"
+
+    @classmethod
+    def of_gas(cls, temperature: float) -> LeakVolume:
+        """That of a gas at 101325 Pa, the least of which is one molecule per hour.
+
+        Parameters
+        ----------
+        temperature : float
+            [K]
+
+        Examples
+        --------
+        >>> nitrogen = LeakVolume.of_gas(293.15)
+        >>> nitrogen.state, f"{nitrogen.least:.2e}"
+        ('20 °C and 1.01325 bar', '1.11e-29')
+        """
+        volume = _BOLTZMANN * temperature / _ATMOSPHERE
+        return cls(
+            f"{trimmed(round(temperature - 273.15, 6))} °C and 1.01325 bar",
+            volume / 3600.0,
+            "a molecule per hour",
+        )
+
+    def measurable(self, leak_rate: float) -> float:
+        """A leak rate, or zero where nobody could measure it [m^3/s]."""
+        return 0.0 if 0.0 < leak_rate < self.least else leak_rate
+
+    def named(self, unit: Unit) -> Unit:
+        """A unit with the state behind it, for headings and axes.
+
+        Examples
+        --------
+        >>> LeakVolume.of_gas(473.15).named(Unit("ml/min", 1e-6 / 60)).name
+        'ml/min at 200 °C and 1.01325 bar'
+        """
+        return replace(unit, name=f"{unit.name} at {self.state}") if self.state else unit
+
+
+LIQUID = LeakVolume()
+
+
+def leak_rate_text(
+    leak_rate: float, digits: int = 3, *, claimed: bool = True, volume: LeakVolume = LIQUID
+) -> str:
     """A leak rate with the unit that suits it, and no more digits than it is worth.
 
-    Only a zero that may be claimed is called sealed.
+    Only a zero that may be claimed is called sealed; less than anybody could measure is called so.
+
+    Examples
+    --------
+    >>> leak_rate_text(8e-62)
+    'none measurable, less than a cubic nanometre per hour'
     """
     if leak_rate == 0:
         return "none, sealed" if claimed else "zero, as calculated"
+    if not volume.measurable(leak_rate):
+        return f"none measurable, less than {volume.least_name}"
     return quantity_worth("flow", leak_rate, digits)
 
 
@@ -604,6 +677,7 @@ def leak_range_text(
     *,
     claimed: bool = True,
     beside: Collection[float] = (),
+    volume: LeakVolume = LIQUID,
 ) -> str:
     """A leak rate, or both ends of its interval, in one unit unless the ends are too far apart to be read in it.
 
@@ -617,6 +691,8 @@ def leak_range_text(
         See `leak_rate_text`.
     beside : collection of float, optional
         Leak rates in the same sentence, for one unit of all [m^3/s].
+    volume : LeakVolume
+        What leaks; an end that nobody could measure is told as zero.
 
     Examples
     --------
@@ -626,8 +702,10 @@ def leak_range_text(
     ['0.600 ml/min', '1200 ml/min']
     """
     low, high = leak_rate if isinstance(leak_rate, tuple) else (leak_rate, leak_rate)
-    if math.isnan(high) or high == 0 or low == math.inf:
-        return leak_rate_text(high, digits, claimed=claimed)
+    if math.isnan(high) or not volume.measurable(high) or low == math.inf:
+        return leak_rate_text(high, digits, claimed=claimed, volume=volume)
+    low = volume.measurable(low)
+    beside = [volume.measurable(one) for one in beside]
     if low < high:
         digits = min(digits, _RANGE_DIGITS)
     if high == math.inf:

@@ -32,6 +32,7 @@ from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate
+from fem_seal.units import leak_range_text
 from leak import FluidError
 from leak.standards import classes_of, leakage_limits, standard_named, visible_leak_rate
 
@@ -65,7 +66,11 @@ def test_upper_end_within_is_pass_lower_end_above_fail_all_else_inconclusive(end
     # outside the theory nothing is claimed, except of a seal that is open
     outside = Judgement.of(Limit("leak rate", 2.0), ends, OUTSIDE)
     assert outside.verdict == ("fail" if math.isinf(ends[0]) else "inconclusive")
-    assert outside.margin == margin
+    if math.isinf(margin):
+        # of a zero that may not be claimed there is no margin
+        assert math.isnan(outside.margin)
+    else:
+        assert outside.margin == margin
 
 
 @given(
@@ -377,12 +382,13 @@ def test_a_factor_has_no_more_digits_than_the_leak_rate_it_is_made_of(over, told
 
 
 def test_factors_claim_no_more_than_two_digits():
-    assert [factor_text(one) for one in (0.0123, 1.05, 12.34, 123.4, 5000.0)] == [
+    assert [factor_text(one) for one in (0.0123, 1.05, 12.34, 123.4, 5000.0, 2e6)] == [
         "0.012",
         "1.1",
         "12",
         "120",
-        "more than 1000",
+        "5000",
+        "more than a million",
     ]
 
 
@@ -608,3 +614,68 @@ def test_what_the_interval_holds_is_not_counted_again():
     scatter = Validity.of([Caution("direct scatter", Level.DOUBTFUL, "scatter", "...", either_way(4.0))])
     load = rough_result().highest.knowing(validity=scatter, mesh_error=None)
     assert load.leak_validity.leak_factor == (1.0, 1.0) and load.leak_digits == 1
+
+
+def test_less_than_a_molecule_per_hour_is_told_as_none_measurable():
+    # k T / p = 1.380649e-23 x 293.15 / 101325 m^3 in 3600 s
+    assert case(fluid={"name": "air"}).fluid.volume.least == pytest.approx(1.10957e-29, rel=1e-5)
+    assert case(fluid={"name": "water"}).fluid.volume.least == pytest.approx(1e-27 / 3600)
+    little = (8e-62, 8e-62)
+    assert leak_range_text(little) == "none measurable, less than a cubic nanometre per hour"
+    assert leak_range_text((8e-62, 1e-9)) == "0 to 60 µl/min"
+    gas = case(fluid={"name": "air"}).fluid.volume
+    assert leak_range_text(1.05e-29, volume=gas) == "none measurable, less than a molecule per hour"
+    assert "measurable" not in leak_range_text(1.2e-29, volume=gas)
+    judged = Judgement.of(Limit("leak rate", 1e-9), little)
+    # the number itself is kept
+    assert judged.verdict == "pass" and judged.margin == pytest.approx(1e-9 / 8e-62)
+    solved = required(leak_rate="1e-3 m^3/s")
+    said = verdict_sentences(replace(solved, judgement=replace(solved.judgement, worst=judged)))[0]
+    assert said.startswith("Pass at 20 bar: none measurable, less than a cubic nanometre per hour, and ")
+    assert said.endswith("a margin of more than a million.")
+
+
+def test_the_terminal_shows_no_number_that_nobody_could_measure(capsys):
+    rows = [
+        {
+            "fluid_pressure_Pa": 1e5,
+            "leak_rate_m3_per_s": 8e-62,
+            "leak_rate_high_m3_per_s": 1e-9,
+            "margin": 1e40,
+            "validity": "valid",
+        },
+        {
+            "fluid_pressure_Pa": 2e5,
+            "leak_rate_m3_per_s": 0.0,
+            "leak_rate_high_m3_per_s": 0.0,
+            "margin": math.inf,
+            "validity": "valid",
+        },
+    ]
+    cli.show_leak_table(
+        rows,
+        "",
+        rough_result().loads[:2],
+        case(fluid={"name": "air", "temperature": "200 degC"}).fluid.volume,
+    )
+    shown = capsys.readouterr().out
+    assert "e-" not in shown and "inf" not in shown
+    assert ">1e6" in shown and "sealed" in shown
+    assert "<: none measurable, less than a molecule per hour" in shown
+    assert "mm³/s: volume of the gas at 200 °C and 1.01325 bar" in shown
+
+
+def test_a_gas_has_one_state_on_its_page_and_a_limit_in_another_says_so():
+    warm = {"name": "nitrogen", "temperature": "200 degC"}
+    told = requirement_lines(case(fluid=warm, requirement={"leak_rate": "1 Nml/min"}))
+    # 1 ml x 473.15/273.15
+    assert told[0].startswith("leak rate: 1.7 ml/min")
+    assert "volumes are those of the gas at 200 °C and 1.01325 bar" in told
+    assert not any("volumes" in one for one in requirement_lines(case(requirement={"leak_rate": "1 ml/min"})))
+    limit = Limit("leak rate", case(fluid=warm, requirement={"leak_rate": "1 Nml/min"}).requirement.leak_rate)
+    judged = Judgement.of(limit, (1e-9, 2e-9))
+    solved = required(leak_rate="1e-3 m^3/s")
+    shown = replace(solved, case=solved.case.replace({"fluid": {"name": "nitrogen"}}))
+    sentences = verdict_sentences(replace(shown, judgement=replace(solved.judgement, worst=judged)))
+    assert "is allowed (required, 1 Nml/min)" in sentences[0]
+    assert "Volumes are those of the gas at 20 °C and 1.01325 bar." in sentences

@@ -166,7 +166,7 @@ def _closing_force(solver: LoadSolver, load: LoadResult) -> float | None:
 
     springs: dict[float, float] = {}
     highest = math.log(largest_force(solver.problem))
-    root = _smallest(lacking, math.log(load.applied_force), highest)
+    root = _smallest(lacking, math.log(load.contact_force), highest)
     return None if root is None else springs[root]
 
 

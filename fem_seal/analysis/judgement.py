@@ -126,6 +126,8 @@ class Judgement:
         verdict, why = _decided(limit, ends, tested)
         margin = _margin(limit, tested[1])
         if validity.outside:
+            # of what may not be claimed to be sealed there is no margin
+            margin = math.nan if math.isinf(margin) else margin
             return cls(Verdict.INCONCLUSIVE, margin, Why.OUTSIDE, limit, tested, validity.reasons[0])
         if not sampled:
             return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNSAMPLED, limit, tested)

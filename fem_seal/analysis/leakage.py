@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem_seal.units import quantity
+from fem_seal.units import LIQUID, LeakVolume, quantity
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult
@@ -19,6 +19,16 @@ _TEST_LIQUID, _TEST_GASES = "water", ("air", "nitrogen")
 _ROOM = 293.15
 # ... at 5 to 40 °C (ISO 5208).
 _TEST_TEMPERATURES = (278.15, 313.15)
+
+
+def volume_of(case: Case) -> LeakVolume:
+    """What a volume is that leaks: of a gas its state.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    return LIQUID if case.fluid is None else case.fluid.volume
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from fem_seal.case.fields import Number, Numbers, OneOrMany, Quantity, Table, shown
 from fem_seal.errors import InputError, Problem, QuantityError
-from fem_seal.units import parse_quantity
+from fem_seal.units import LIQUID, LeakVolume, parse_quantity
 
 if TYPE_CHECKING:
     from leak import Gas, Liquid, ParticleCounts, PressureLaw
@@ -166,6 +166,11 @@ class Fluid(Table):
 
         entry = self.library_entry
         return replace(entry, viscosity=self.viscosity) if isinstance(entry, Gas) else None
+
+    @property
+    def volume(self) -> LeakVolume:
+        """What a volume is that leaks: of a gas that at 101325 Pa and its temperature."""
+        return LIQUID if self.gas is None else LeakVolume.of_gas(self.temperature)
 
     @property
     def pressure_law(self) -> PressureLaw | None:

@@ -209,7 +209,13 @@ def leak_figure(shown: Shown, dark: bool) -> Figure:
     for name, allowed in shown[0][0].limits:
         if allowed > 0:
             figure.add_level(unit.of(allowed), f"allowed: {name}", "#c8443b")
-    figure.update("yaxis", type="log", title=f"leak rate [{unit.name}]", exponentformat="power", dtick=1)
+    figure.update(
+        "yaxis",
+        type="log",
+        title=f"leak rate [{shown[0][0].volume.named(unit).name}]",
+        exponentformat="power",
+        dtick=1,
+    )
     if rates and max(rates) < 100 * min(rates):
         figure.update("yaxis", dtick="D2")
     if rates and max(rates) < 3 * min(rates):

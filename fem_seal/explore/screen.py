@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.analysis.caution import Level
-from fem_seal.analysis.leakage import leakage_classes
+from fem_seal.analysis.leakage import leakage_classes, volume_of
 from fem_seal.analysis.results import highest_load
 from fem_seal.analysis.verdict import limits
 from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.report.verdict import next_class_in_words, verdict_facts, verdict_sentences
+from fem_seal.units import LIQUID, LeakVolume
 
 if TYPE_CHECKING:
     from fem_seal.analysis.judgement import SealJudgement
@@ -144,6 +145,8 @@ class Screen:
         Whether the interval is still that of both readings alone, and a complete run will widen it.
     round : bool
         Whether a seal that is not round is still shown as if it were.
+    volume : LeakVolume
+        What a volume is that leaks.
     """
 
     design: dict[str, str]
@@ -162,6 +165,7 @@ class Screen:
     limits: tuple[tuple[str, float], ...] = ()
     widens: bool = False
     round: bool = False
+    volume: LeakVolume = LIQUID
 
     @property
     def load(self) -> ShownLoad | None:
@@ -210,6 +214,7 @@ def screen_of(
         limits=tuple(
             (one.name, one.leak_rate / one.ratio[1]) for one in limits(case, loads[number].fluid_pressure)
         ),
+        volume=volume_of(case),
         **more,
     )
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from fem_seal.analysis.caution import Level
 from fem_seal.explore.screen import Screen, ShownLoad
-from fem_seal.units import given, leak_range_text, leak_rate_text, quantity_worth
+from fem_seal.output.report.words import state_in_words
+from fem_seal.units import LIQUID, LeakVolume, given, leak_range_text, leak_rate_text, quantity_worth
 
 if TYPE_CHECKING:
     from fem_seal.explore.factors import Factors
@@ -40,15 +41,15 @@ class Number:
     si: float | None = None
 
 
-def leak_words(load: ShownLoad) -> str:
+def leak_words(load: ShownLoad, volume: LeakVolume = LIQUID) -> str:
     """The leak rate of a load, an interval where there is one."""
     rate, low, high = (load.values[f"leak_rate_{end}m3_per_s"] for end in ("", "low_", "high_"))
     if not math.isfinite(rate) and not math.isfinite(low):
         return "–"
     digits, claimed = load.digits["leak_rate_m3_per_s"], load.level != str(Level.OUTSIDE)
     if math.isfinite(low) and math.isfinite(high):
-        return leak_range_text((low, high), digits, claimed=claimed)
-    return leak_rate_text(rate, digits, claimed=claimed)
+        return leak_range_text((low, high), digits, claimed=claimed, volume=volume)
+    return leak_rate_text(rate, digits, claimed=claimed, volume=volume)
 
 
 def numbers_of(screen: Screen) -> list[Number]:
@@ -71,8 +72,10 @@ def numbers_of(screen: Screen) -> list[Number]:
     wider = "; what is not known widens it when the sliders rest" if screen.widens else ""
     wider = "; that of the round seal until the sliders rest" + wider if screen.round else wider
     at = given("fluid pressure", values["fluid_pressure_Pa"])
+    state = state_in_words(screen.volume)
+    wider = f"; {state}{wider}" if state else wider
     leak = (
-        leak_words(load)
+        leak_words(load, screen.volume)
         if math.isfinite(values["leak_rate_m3_per_s"]) or not screen.waiting
         else "calculating ..."
     )

@@ -580,7 +580,8 @@ COLUMNS = {
             "margin",
             "",
             "with `[requirement]`: allowed leak rate over the upper end of the calculated one; infinite where sealed, "
-            "zero where the seal is open, nan where the load is not judged or nothing visible may leak",
+            "zero where the seal is open, nan where the load is not judged, nothing visible may leak, or a zero is "
+            "outside the theory",
             lambda row: row.load.margin,
             heading="margin",
             short="margin",

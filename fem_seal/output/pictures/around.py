@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.around import Around
+from fem_seal.analysis.leakage import volume_of
 from fem_seal.analysis.load_names import different, load_axis, load_name
 from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.fields import SCALE_ROOM, scale_of_colours
@@ -175,7 +176,7 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
     figure, (axes,) = panels(1, height=3.3)
     over, colour = load_axis(result.loads), load_colours(len(shown))
     rates = np.concatenate([rate for _, _, rate in shown])
-    unit = unit_for("flow", float(rates.max()))
+    unit = volume_of(result.case).named(unit_for("flow", float(rates.max())))
     for n, (load, angle, rate) in enumerate(shown):
         turn, values = _closed(angle / _DEGREE, rate / unit.size, 360.0)
         values = np.where(values > 0, values, np.nan)

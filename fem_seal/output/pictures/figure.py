@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from fem_seal.analysis.leakage import volume_of
 from fem_seal.analysis.load_names import different, load_axis
 from fem_seal.analysis.results import SealSolution
 from fem_seal.output.pictures.contact import all_profiles
@@ -80,7 +81,7 @@ def leak_rates(axes: Axes, result: SealSolution) -> None:
     rates = np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
     low, high = np.array([ends or (np.nan, np.nan) for _, ends in pairs]).T
     shown = np.concatenate([rates, low, high])
-    unit = unit_for("flow", float(np.nanmax(shown)))
+    unit = volume_of(result.case).named(unit_for("flow", float(np.nanmax(shown))))
     positive = np.where(rates > 0, rates, np.nan) / unit.size
     axes.plot(over.shown, positive, "o-", color=BLUE, ms=4, label=_result_name(result))
     outside = np.array([load.validity.outside for load in loads])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.analysis.leakage import volume_of
 from fem_seal.analysis.load_names import load_axis, load_name
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -23,7 +24,7 @@ from fem_seal.output.pictures.style import (
     svg,
 )
 from fem_seal.output.prose import said
-from fem_seal.units import Unit, percent, unit_for, worth
+from fem_seal.units import LeakVolume, Unit, percent, unit_for, worth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,12 +61,13 @@ def leak_picture(result: SealSolution) -> Picture | None:
     if plastic and np.isfinite(elastic).any():
         series.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
     shown = np.concatenate([rates for _, rates, _, _ in series])
-    unit = unit_for("flow", float(rates.max() or np.nanmax(shown)))
+    volume, unit = volume_of(result.case), unit_for("flow", float(rates.max() or np.nanmax(shown)))
     if len(loads) == 1:
         return _single_leak(
             load_name(loads[0], result.loads) + (", outside the theory" if outside[0] else ""),
             [(name, float(values[0]), colour) for name, values, colour, _ in series],
             unit,
+            volume,
             loads[0].leak_digits,
             "zero" if outside[0] else "sealed",
         )
@@ -95,7 +97,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
     if over.returns:
         number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
     axes.legend(loc="best")
-    label(axes, "Leak rate", over.label, f"leak rate  [{unit.name}]")
+    label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]")
     if factor is not None:
         readings = [("C_pl", rates, BLUE)]
         if np.isfinite(capped).any():
@@ -111,7 +113,12 @@ def leak_picture(result: SealSolution) -> Picture | None:
 
 
 def _single_leak(
-    load: str, series: list[tuple[str, float, str]], unit: Unit, digits: int, zero: str
+    load: str,
+    series: list[tuple[str, float, str]],
+    unit: Unit,
+    volume: LeakVolume,
+    digits: int,
+    zero: str,
 ) -> Picture:
     """Bars for a case with one load, with so many digits; `zero` is what a leak rate of zero is called."""
     figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
@@ -125,7 +132,7 @@ def _single_leak(
     for n, name in enumerate(names):
         axes.text(0.004, n - 0.31, name, transform=axes.get_yaxis_transform(), va="bottom")
     axes.set_ylim(len(series) - 0.6, -0.8)
-    label(axes, f"Leak rate at {load}", f"leak rate  [{unit.name}]", "")
+    label(axes, f"Leak rate at {load}", f"leak rate  [{volume.named(unit).name}]", "")
     return Picture(
         "leak",
         svg(figure),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.analysis.leakage import volume_of
 from fem_seal.analysis.load_names import load_axis
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.pictures.style import (
@@ -49,7 +50,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     over = load_axis(loads)
     earlier = earlier_load(result.case.load) or "the loads before it"
     first, after = _ends([load.first_loading for load in loads]), _ends(loads)
-    unit = unit_for("flow", float(max(first.max(), after.max())))
+    unit = volume_of(result.case).named(unit_for("flow", float(max(first.max(), after.max()))))
     figure, (axes,) = panels(1, height=3.6, width=6.8)
     for name, ends, colour in (("first loading", first, ORANGE), (f"after {earlier}", after, BLUE)):
         _band(axes, over.shown, ends / unit.size, colour, name)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem_seal.analysis.leakage import volume_of
 from fem_seal.analysis.problem import exponential_law
 from fem_seal.case.tables import curves
 from fem_seal.output.case_words import (
@@ -210,11 +211,16 @@ def _load(case: Case) -> list[tuple[str, str]]:
         ("high pressure", f"on the {case.load.pressure_side} side"),
         ("fluid acts on", _FLUID_ACTS_ON[case.load.closing]),
         *(
-            [("target leak rate", given("flow", case.load.target_leak_rate))]
+            [("target leak rate", _with_state(case, given("flow", case.load.target_leak_rate)))]
             if case.load.target_leak_rate is not None
             else []
         ),
     ]
+
+
+def _with_state(case: Case, leak_rate: str) -> str:
+    state = volume_of(case).state
+    return f"{leak_rate} at {state}" if state else leak_rate
 
 
 def _forces(forces: list[float]) -> str:

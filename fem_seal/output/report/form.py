@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from fem_seal.analysis.leakage import volume_of
 from fem_seal.analysis.load_names import load_name
 from fem_seal.analysis.results import (
     AGREE,
@@ -49,6 +50,8 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
             rate=_rate(load, *own, beside=(*own, *as_round)),
             round=_rate(load, *as_round, beside=(*own, *as_round)),
         )
+        if state := volume_of(result.case).state:
+            yield said("form.leak", "volume", state=state)
     if answers.tolerance_waves is not None:
         yield said("form.tolerance", "worst", waves=answers.tolerance_waves)
     if len(answers.waves) > 1:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from fem_seal.analysis.leakage import volume_of
 from fem_seal.analysis.load_names import load_name
 from fem_seal.analysis.particle_answers import KEPT, answers_of_highest
 from fem_seal.output.prose import said
@@ -107,7 +108,7 @@ def particle_table(result: SealSolution) -> ReadableTable:
     answers = answers_of_highest(result)
     if answers is None:
         return ReadableTable((), ())
-    digits = min(result.highest.leak_digits, 2)
+    digits, state = min(result.highest.leak_digits, 2), volume_of(result.case).state
     rows = [
         (
             quantity("length", one.size, 2),
@@ -122,7 +123,7 @@ def particle_table(result: SealSolution) -> ReadableTable:
         "particle size",
         "particles per ml",
         "gaps narrower",
-        "leak rate with these shut",
+        f"leak rate with these shut{f' (gas at {state})' if state else ''}",
         "of the leak",
     )
     return ReadableTable(headings, tuple(rows))

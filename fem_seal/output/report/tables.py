@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_seal.analysis.caution import Level
 from fem_seal.analysis.closed_forms import Sizes, closed_form_limits, derive
+from fem_seal.analysis.leakage import volume_of
 from fem_seal.analysis.load_names import load_name
 from fem_seal.analysis.results import AGREE, Comparison, LoadResult, SealSolution, highest_load
 from fem_seal.analysis.variants import ratio_to_case
@@ -20,6 +21,8 @@ from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import said
 from fem_seal.output.tables import rows_of
 from fem_seal.units import (
+    LIQUID,
+    LeakVolume,
     Unit,
     given,
     leak_rate_text,
@@ -129,11 +132,14 @@ class Filled:
         One per row, SI.
     digits : list of int
         Significant digits that the values are worth.
+    volume : LeakVolume
+        What a volume is that leaks.
     """
 
     column: Column
     values: list[float | None]
     digits: list[int]
+    volume: LeakVolume = LIQUID
 
     @property
     def some(self) -> bool:
@@ -144,7 +150,8 @@ class Filled:
     def unit(self) -> Unit:
         """The one that suits the largest of the values."""
         largest = max(abs(value) for value in self.values if value is not None)
-        return unit_for(self.column.kind, largest)
+        found = unit_for(self.column.kind, largest)
+        return self.volume.named(found) if self.column.kind == "flow" else found
 
 
 def _filled(name: str, result: SealSolution) -> Filled:
@@ -153,6 +160,7 @@ def _filled(name: str, result: SealSolution) -> Filled:
         column,
         [column.of(row) for row in rows_of(result)],
         [column.digits(load) for load in result.loads],
+        volume_of(result.case),
     )
 
 
@@ -181,6 +189,8 @@ def _cell(filled: Filled, unit: Unit, n: int) -> str:
         return "–"
     if filled.column.name == "fluid_pressure_Pa":
         return trimmed(unit.of(value))
+    if filled.column.kind == "flow" and value and not filled.volume.measurable(value):
+        return "none measurable"
     return worth(unit.of(value), filled.digits[n])
 
 
@@ -226,7 +236,8 @@ def variant_table(result: SealSolution) -> ReadableTable:
     """What the interface law does to the load with the largest contact force; no rows if there was no choice."""
     ends = [rate for one in result.interface_variants for rate in (one.leak_rate, one.leak_rate_capped)]
     rates = [rate for rate in ends if rate is not None]
-    unit = unit_for("flow", max(rates, default=0.0))
+    volume = volume_of(result.case)
+    unit = volume.named(unit_for("flow", max(rates, default=0.0)))
     load = result.strongest
     rows = [
         (
@@ -235,7 +246,7 @@ def variant_table(result: SealSolution) -> ReadableTable:
             quantity_worth("contact pressure", variant.peak_pressure, load.pressure_digits),
             quantity_worth("length", variant.fwhm, load.digits_of("fwhm")),
             quantity_worth("length", variant.std, load.digits_of("std")),
-            _both_readings(variant, unit, load),
+            _both_readings(variant, unit, load, volume),
         )
         for variant in result.interface_variants
     ]
@@ -243,7 +254,7 @@ def variant_table(result: SealSolution) -> ReadableTable:
     return ReadableTable(("interface law", "peak pressure", "FWHM", "std. deviation", leak_rate), tuple(rows))
 
 
-def _both_readings(variant: Comparison, unit: Unit, load: LoadResult) -> str:
+def _both_readings(variant: Comparison, unit: Unit, load: LoadResult, volume: LeakVolume) -> str:
     """The leak rate in both readings of yielding asperities, or the only one."""
     claimed = not load.validity.outside
     if variant.leak_rate is None:
@@ -252,7 +263,8 @@ def _both_readings(variant: Comparison, unit: Unit, load: LoadResult) -> str:
     low, high = sorted((variant.leak_rate, other))
     digits = min(load.leak_digits, 3 if high <= AGREE * low else 2)
     told = [
-        worth(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed) for one in (low, high)
+        worth(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed)
+        for one in map(volume.measurable, (low, high))
     ]
     return range_text(*told)
 
@@ -289,7 +301,8 @@ def interval_table(result: SealSolution) -> ReadableTable:
     if interval is None:
         return ReadableTable((), ())
     ends = [one or (math.nan, math.nan) for one in result.leak_ranges]
-    unit = unit_for("flow", max(high for _, high in ends))
+    volume = volume_of(result.case)
+    unit = volume.named(unit_for("flow", max(high for _, high in ends)))
     span = percent(interval.confidence)
     headings = (
         "load",
@@ -302,7 +315,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
         (
             load_name(load, result.loads),
             *(
-                worth(unit.of(rate), min(load.leak_digits, digits))
+                worth(unit.of(volume.measurable(rate)), min(load.leak_digits, digits))
                 for rate, digits in (
                     (load.leak.leak_rate if load.leak else None, 3),
                     *((end, 2) for end in ends[n]),
@@ -349,7 +362,8 @@ def theory_table(result: SealSolution) -> ReadableTable:
     shown = list(dict.fromkeys((lowest, highest_load(result.loads))))
     of_case = [load.leak.leak_rate if load.leak else 0.0 for load in result.loads]
     largest = max(variant.leak_rate[n] for variant in result.theory_variants for n in shown)
-    unit = unit_for("flow", largest)
+    volume = volume_of(result.case)
+    unit = volume.named(unit_for("flow", largest))
     headings = ["p(u)", "channels", "P(u)", "percolation threshold"]
     for n in shown:
         pressure = load_name(result.loads[n], result.loads)
@@ -365,7 +379,10 @@ def theory_table(result: SealSolution) -> ReadableTable:
         for n in shown:
             rate = variant.leak_rate[n]
             digits = min(result.loads[n].leak_digits, 3)
-            cells += [worth(unit.of(rate), digits), number(ratio_to_case(rate, of_case[n]), 2)]
+            cells += [
+                worth(unit.of(volume.measurable(rate)), digits),
+                number(ratio_to_case(rate, of_case[n]), 2),
+            ]
         rows.append(tuple(cells))
     return ReadableTable(tuple(headings), tuple(rows))
 
@@ -412,7 +429,11 @@ def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, s
             if force is not None
         ]
         named = "; the two ends are readings of asperities that yield" if both[0] != both[-1] else ""
-        yield TARGET_FORCE, range_text(both[0], both[-1]), f"applied force for {given('flow', target)}{named}"
+        yield (
+            TARGET_FORCE,
+            range_text(both[0], both[-1]),
+            f"applied force for {_target(result, target)}{named}",
+        )
 
 
 def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -440,12 +461,17 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
         "fluid" if force < 0 else "",
         "capped" if load.force_for_target_capped is not None else "",
         capped=_target_force(load, load.force_for_target_capped),
-        target=given("flow", target),
+        target=_target(result, target),
         pressure=given("fluid pressure", load.fluid_pressure),
         force=_target_force(load, force),
         difference=quantity_worth("force", abs(force - acting), load.digits_of("force_for_target")),
         acting=given("force", acting),
     )
+
+
+def _target(result: SealSolution, leak_rate: float) -> str:
+    state = volume_of(result.case).state
+    return f"{given('flow', leak_rate)} at {state}" if state else given("flow", leak_rate)
 
 
 def _target_force(load: LoadResult, force: float | None) -> str:

@@ -8,16 +8,18 @@ from typing import TYPE_CHECKING
 
 from fem_seal.analysis.caution import Level
 from fem_seal.analysis.judgement import Limit, SealJudgement, Shares, Why
-from fem_seal.analysis.leakage import next_class, nominal_size
+from fem_seal.analysis.leakage import next_class, nominal_size, volume_of
 from fem_seal.analysis.load_names import load_name
 from fem_seal.analysis.verdict import OF_LEAK_RATE, limits
-from fem_seal.case.leak_rate import Throughput
+from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
 from fem_seal.output.prose import said
 from fem_seal.units import (
+    LeakVolume,
     digits_beside,
     flow_unit,
     given,
     leak_range_text,
+    leak_rate_text,
     number,
     percent,
     range_text,
@@ -26,14 +28,14 @@ from fem_seal.units import (
     unit_for,
     worth,
 )
-from leak import millibar_litres_per_second
+from leak import millibar_litres_per_second, millilitres_per_minute
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult, SealSolution
     from fem_seal.case.case import Case
 
 # Factors beyond this are told as "more than".
-_FAR = 1000.0
+_FAR, _FAR_IN_WORDS = 1e6, "a million"
 
 
 _SENTENCES = {
@@ -58,13 +60,13 @@ def factor_text(factor: float, digits: int = 2) -> str:
 
     Examples
     --------
-    >>> factor_text(3.1415), factor_text(43210.0), factor_text(0.99)
-    ('3.1', 'more than 1000', '0.99')
+    >>> factor_text(3.1415), factor_text(43210.0), factor_text(4e7), factor_text(0.99)
+    ('3.1', '43000', 'more than a million', '0.99')
     >>> factor_text(1.004)
     '1.004'
     """
     if factor > _FAR:
-        return f"more than {_FAR:.0f}"
+        return f"more than {_FAR_IN_WORDS}"
     return worth(factor, digits_beside(factor, 1.0, digits))
 
 
@@ -80,7 +82,8 @@ def verdict_sentences(result: SealSolution) -> list[str]:
         return []
     place = _place(result, found)
     doubted = found.worst.verdict != "inconclusive" and _doubt(result, found)
-    told = _verdict(found, f"{place}, with doubt" if doubted else place, _digits(result, found))
+    at = f"{place}, with doubt" if doubted else place
+    told = _verdict(found, at, _digits(result, found), volume_of(result.case))
     return [told, *_besides(result, found)]
 
 
@@ -97,6 +100,14 @@ def _doubt(result: SealSolution, found: SealJudgement) -> str:
     return validity.reasons[0] if validity.level is Level.DOUBTFUL else ""
 
 
+# Verdicts whose sentences have no leak rate.
+_WITHOUT_RATES = (Why.OPEN, Why.OUTSIDE, Why.UNKNOWN)
+
+
+def _in_mbar(limit: Limit) -> bool:
+    return isinstance(limit.leak_rate, Throughput)
+
+
 def _place(result: SealSolution, found: SealJudgement) -> str:
     if found.number is not None:
         return load_name(result.loads[found.number], result.loads)
@@ -104,21 +115,26 @@ def _place(result: SealSolution, found: SealJudgement) -> str:
     return f"{pressure} with {given('force', found.applied_force)}" if found.applied_force else pressure
 
 
-def _verdict(found: SealJudgement, load: str, digits: int) -> str:
+def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -> str:
     judged, limit, sentence = found.worst, found.worst.limit, _sentence(found)
-    low, high = (_like(limit, end) for end in judged.ends)
+    measured = [volume.measurable(end) for end in judged.ends]
+    if sentence == "pass" and not measured[1]:
+        sentence = "unmeasurable"
+    low, high = (_like(limit, end) for end in measured)
     # the ends that stand in the sentence have one unit with the limit
     beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(sentence, judged.ends)
-    over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in judged.ends]
+    over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
     return said(
         "verdict.said",
         sentence,
         load=load,
         low=_amount(low, digits, limit.leak_rate),
-        high=_amount(high, digits, limit.leak_rate),
+        high=_amount(high, digits, limit.leak_rate)
+        if high
+        else leak_rate_text(judged.ends[1], volume=volume),
         range=_range(low, high, digits, limit.leak_rate),
         allowed=_limit_text(limit.leak_rate, beside=beside),
-        limit="required" if limit.name == OF_LEAK_RATE else limit.name,
+        limit=f"required{_as_written(limit.leak_rate)}" if limit.name == OF_LEAK_RATE else limit.name,
         factor=factor_text(judged.margin, digits),
         times_low=factor_text(over[0], digits),
         times_range=range_text(*(factor_text(one, digits) for one in over)),
@@ -143,7 +159,19 @@ def _sentence(found: SealJudgement) -> str:
     return "sealed" if math.isinf(judged.margin) else "pass"
 
 
+def _as_written(leak_rate: float) -> str:
+    """A limit that was written in another state, or in bubbles: ", 1 Nml/min"; empty for all others."""
+    if isinstance(leak_rate, NormalVolume):
+        return f", {trimmed(rounded(millilitres_per_minute(leak_rate.normal), 4))} Nml/min"
+    if isinstance(leak_rate, Bubbles):
+        return f", {trimmed(rounded(60.0 * leak_rate.count, 4))} bubbles/min"
+    return ""
+
+
 def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
+    volume = volume_of(result.case)
+    if volume.state and found.worst.why not in _WITHOUT_RATES and not _in_mbar(found.worst.limit):
+        yield said("verdict.said", "volume", state=volume.state)
     limit, decided = found.worst.limit, found.worst.why in (Why.LIMIT, Why.INTERVAL, Why.ACCURACY)
     if limit.bubble_volume is not None:
         yield said("verdict.said", "bubble", volume=_bubble(limit.bubble_volume))
@@ -318,6 +346,8 @@ def requirement_lines(case: Case) -> list[str]:
             for limit in limits(case, pressure):
                 at.setdefault((limit.name, limit.leak_rate), []).append(pressure)
     told = [_announced(name, rate, pressures) for (name, rate), pressures in at.items()]
+    if fluid.volume.state and not all(_in_mbar(one) for one in limits(case, case.load.fluid_pressure[0])):
+        told.append(said("verdict.check", "volume", state=fluid.volume.state))
     of_class = [limit for limit in limits(case, case.load.fluid_pressure[0]) if limit.name != OF_LEAK_RATE]
     for limit in of_class:
         told.append(said("verdict.check", "size", size=nominal_size(case)))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.caution import Level, Validity
-from fem_seal.analysis.leakage import fluid_of_test, leakage_classes, nominal_size
+from fem_seal.analysis.leakage import fluid_of_test, leakage_classes, nominal_size, volume_of
 from fem_seal.analysis.load_names import load_name, load_values
 from fem_seal.analysis.results import AGREE, LoadResult, SealSolution, highest_load
 from fem_seal.analysis.warnings import FLUID_OPENS
@@ -27,8 +27,9 @@ from fem_seal.output.report.tables import (
     what_yielded,
 )
 from fem_seal.units import (
+    LIQUID,
+    LeakVolume,
     leak_range_text,
-    leak_rate_text,
     number,
     percent,
     quantity,
@@ -110,9 +111,13 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     if imprint := imprint_in_words(result):
         found.append(Fact("Permanent imprint", *imprint))
     if load.leak is not None:
-        told = leak_range_text(rate_of(load), load.leak_digits, claimed=not load.validity.outside)
+        volume = volume_of(result.case)
+        told = leak_range_text(
+            rate_of(load), load.leak_digits, claimed=not load.validity.outside, volume=volume
+        )
         one = rate_of(load) if _told_apart(load) else load.leak.leak_rate
-        remarks = [_least(load) or per_day(one, load.leak_digits), readings_in_words(load)]
+        collected = per_day(one, load.leak_digits, volume)
+        remarks = [state_in_words(volume), _least(load) or collected, readings_in_words(load, volume)]
         ends = result.leak_ranges[result.loads.index(load)]
         sampled = was_sampled(load, ends)
         name = said(
@@ -121,9 +126,9 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
         found.insert(0, Fact(name, told, "; ".join(filter(None, remarks))))
         if load.leak.leak_rate > 0:
             # the first of these units may be the one that stands there already
-            widest = leakage_text(load, ends if sampled else None)
-            lead = leak_range_text(ends, load.leak_digits) if sampled and ends else told
-            others = [part for part in widest.split(" = ") if part != lead]
+            widest = leakage_text(load, ends if sampled else None, volume)
+            lead = leak_range_text(ends, load.leak_digits, volume=volume) if sampled and ends else told
+            others = [part for part in widest.split(" = ") if part.split(" (")[0] != lead]
             found.insert(0 if sampled else 1, Fact("In other units", others[0], " = ".join(others[1:])))
         found.append(_class_fact(result.case, load, ends))
     if result.uncertainty is not None:
@@ -184,7 +189,36 @@ def rate_of(load: LoadResult) -> float | tuple[float, float]:
     return ends[0].leak_rate, ends[1].leak_rate
 
 
-def readings_in_words(load: LoadResult) -> str:
+def state_in_words(volume: LeakVolume) -> str:
+    """The state of a gas whose volumes are told; empty for a liquid."""
+    return said("readings.volume", "at", state=volume.state) if volume.state else ""
+
+
+def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) -> list[str]:
+    """What stands below a table of leak rates.
+
+    Parameters
+    ----------
+    volume : LeakVolume
+    units : sequence of str
+        Of the volumes in it.
+    unmeasured : bool
+        Whether some of them are too small to be measured.
+    """
+    found = [said("readings.volume", "least", least=volume.least_name)] if unmeasured else []
+    if volume.state:
+        found += [
+            said("readings.volume", "column", unit=unit, state=volume.state) for unit in dict.fromkeys(units)
+        ]
+    return found
+
+
+def volumes_of_gas(gas: bool) -> str:
+    """What volumes of a gas are where its temperature differs from row to row, " (...)"; empty for a liquid."""
+    return f" ({said('readings.volume', 'heading')})" if gas else ""
+
+
+def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
     """Which reading of yielding asperities gives which leak rate; empty where there is but one."""
     if not load.yields or load.leak_conserved is None or load.leak_capped is None:
         return ""
@@ -192,7 +226,9 @@ def readings_in_words(load: LoadResult) -> str:
         return said("readings.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
     rates = load.leak_conserved.leak_rate, load.leak_capped.leak_rate
-    conserved, capped = (leak_range_text(one, digits, claimed=claimed, beside=rates) for one in rates)
+    conserved, capped = (
+        leak_range_text(one, digits, claimed=claimed, beside=rates, volume=volume) for one in rates
+    )
     return said("readings.load", "both", conserved=conserved, capped=capped)
 
 
@@ -217,12 +253,14 @@ def _class_fact(case: Case, load: LoadResult, ends: tuple[float, float] | None) 
 def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     assert result.uncertainty is not None
     n = result.loads.index(load)
-    ends = result.leak_ranges[n]
+    ends, volume = result.leak_ranges[n], volume_of(result.case)
+    state = state_in_words(volume)
     assert ends is not None  # uncertain inputs make one
     return Fact(
         f"{percent(result.uncertainty.confidence)} interval of the leak rate",
-        leak_range_text(ends, load.leak_digits, claimed=not load.validity.outside),
-        (
+        leak_range_text(ends, load.leak_digits, claimed=not load.validity.outside, volume=volume),
+        (f"{state}; " if state else "")
+        + (
             "from what the drawing's finish leaves open"
             if has_finish(result.case)
             else "from the uncertain inputs"
@@ -231,16 +269,16 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     )
 
 
-def per_day(leak_rate: float | tuple[float, float], digits: int = 2) -> str:
+def per_day(leak_rate: float | tuple[float, float], digits: int = 2, volume: LeakVolume = LIQUID) -> str:
     """A leak rate, or both ends of its interval, as what collects in a day, with two digits at most."""
     ends = leak_rate if isinstance(leak_rate, tuple) else (leak_rate,)
-    litres = [rate * 86400e3 for rate in ends]
+    litres = [volume.measurable(rate) * 86400e3 for rate in ends]
     for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
         if litres[-1] >= size:
             shown = (one / size for one in litres)
             told = [worth(one, min(digits, 2)) for one in shown]
             return f"{range_text(told[0], told[-1])} {unit} per day"
-    return "" if ends[-1] == 0 else "less than 1 µl per day"
+    return "" if litres[-1] == 0 else "less than 1 µl per day"
 
 
 def headline(result: SealSolution) -> str:
@@ -314,13 +352,14 @@ def _what_leaks(result: SealSolution) -> str:
     if all(load.leak and rate_of(load) in (0, (0, 0)) and not load.validity.outside for load in loads):
         return said("notes.headline", "sealed", load=span)
     ends = [end for rate in rates for end in (rate if isinstance(rate, tuple) else (rate,))]
+    volume = volume_of(result.case)
     told = [
         (
             "at an unknown rate"
             if load.validity.outside
             else "nothing"
             if rate in (0, (0, 0))
-            else leak_range_text(rate, load.leak_digits, beside=ends)
+            else leak_range_text(rate, load.leak_digits, beside=ends, volume=volume)
         )
         + f" at {load_values(load, loads)}"
         for rate, load in zip(rates, shown, strict=True)
@@ -331,7 +370,8 @@ def _what_leaks(result: SealSolution) -> str:
     held = (
         samples_in_words(result.case, sampled[0]) if sampled else ends_in_words(claimed[0]) if claimed else ""
     )
-    return f"The seal leaks {' and '.join(told)}{then}. {held}".rstrip()
+    state = f" ({state_in_words(volume)})" if volume.state else ""
+    return f"The seal leaks {' and '.join(told)}{then}{state}. {held}".rstrip()
 
 
 def has_finish(case: Case) -> bool:
@@ -479,7 +519,9 @@ def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
-def leakage_text(load: LoadResult, interval: tuple[float, float] | None = None) -> str:
+def leakage_text(
+    load: LoadResult, interval: tuple[float, float] | None = None, volume: LeakVolume = LIQUID
+) -> str:
     """The leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min".
 
     Parameters
@@ -488,31 +530,35 @@ def leakage_text(load: LoadResult, interval: tuple[float, float] | None = None) 
         With a leak rate.
     interval : tuple of float, optional
         Its ends [m^3/s]; those of both readings of yielding asperities unless given.
+    volume : LeakVolume
+        What leaks.
     """
     assert load.leak is not None
-    if interval is None and rate_of(load) in (0, (0, 0)):
-        return leak_rate_text(0.0, claimed=not load.validity.outside)
+    known = rate_of(load) if interval is None else interval
+    if not volume.measurable(known[1] if isinstance(known, tuple) else known):
+        return leak_range_text(known, claimed=not load.validity.outside, volume=volume)
     if interval is not None and load.leak.leak_rate == 0:
         # of what is sealed no mass is known that could be scaled
-        return leak_range_text(interval, load.leak_digits)
+        told_alone = leak_range_text(interval, load.leak_digits, volume=volume)
+        return f"{told_alone} ({volume.state})" if volume.state else told_alone
     if interval is not None:
         ends = load.leak.scaled(interval[0]), load.leak.scaled(interval[1])
     else:
         ends = ends_told(load) or (load.leak, load.leak)
     digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
-    columns = zip(*(_in_units(one) for one in ends), strict=True)
+    measured = (one if volume.measurable(one.leak_rate) else one.scaled(0.0) for one in ends)
+    columns = zip(*(_in_units(one, volume) for one in measured), strict=True)
     told = [(worth(low, digits), worth(high, digits), unit) for (low, unit), (high, _) in columns]
     # ends that are one number in one unit are no two in another
     as_one = told[0][0] == told[0][1]
     return " = ".join(f"{range_text(high if as_one else low, high)} {unit}" for low, high, unit in told)
 
 
-def _in_units(found: LeakResult) -> Iterator[tuple[float, str]]:
-    if found.throughput is not None and found.standard_leak_rate is not None:
+def _in_units(found: LeakResult, volume: LeakVolume) -> Iterator[tuple[float, str]]:
+    if found.throughput is not None:
         yield millibar_litres_per_second(found.throughput), "mbar l/s"
         yield found.throughput, "Pa m³/s"
-        standard = millilitres_per_minute(found.standard_leak_rate)
-        yield standard, "standard ml/min (0 °C, 1.01325 bar)"
+        yield millilitres_per_minute(found.leak_rate), f"ml/min ({volume.state})"
     else:
         yield millilitres_per_minute(found.leak_rate), "ml/min"
         yield drops_per_minute(found.leak_rate), "drops/min"
@@ -567,9 +613,9 @@ def leakage_lines(
     why = ", because the leak rate is outside the theory" if found.outside else ""
     tested = "" if found.outside else judged_as(case, load)
     classes = classes_in_words(leakage_classes(case, load, ends))
-    sampled = was_sampled(load, ends)
+    sampled, volume = was_sampled(load, ends), volume_of(case)
     return [
-        f"Leak rate at {load_values(load, loads)}: {leakage_text(load, ends if sampled else None)}{doubt}",
+        f"Leak rate at {load_values(load, loads)}: {leakage_text(load, ends if sampled else None, volume)}{doubt}",
         *([f"  {samples_in_words(case, load)}", f"  {_as_given(case, load)}"] if sampled else []),
         *([f"  {ends_in_words(load)}"] if not sampled and _told_apart(load) else []),
         f"Leakage class for {nominal_size(case)}: {classes}{why}",
@@ -580,8 +626,8 @@ def leakage_lines(
 def _as_given(case: Case, load: LoadResult) -> str:
     """The leak rate without what is uncertain, in both readings of yielding asperities."""
     # in the unit of the line above
-    known = load.leak is not None and load.leak.leak_rate > 0
-    rate = leakage_text(load).split(" = ")[0] if known else leak_range_text(rate_of(load), load.leak_digits)
+    volume = volume_of(case)
+    rate = leakage_text(load, volume=volume).split(" = ")[0]
     return said("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)
 
 

@@ -15,6 +15,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import write_text
 from fem_seal.output.prose import said
+from fem_seal.output.report.words import volumes_of_gas
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.designs_table import (
     LEAK_RATE,
@@ -358,7 +359,8 @@ def _distribution(display: Display) -> Iterator[Section]:
         if any(one["distribution"] for one in designs.about["parameters"])
         else "they were chosen and not drawn, so this is no probability"
     )
-    headings: tuple[str, ...] = ("share of the designs below", "leak rate", "[m³/s]")
+    leak_rate = f"leak rate{volumes_of_gas(bool(designs.about['seal'].get('gas')))}"
+    headings: tuple[str, ...] = ("share of the designs below", leak_rate, "[m³/s]")
     rows: list[tuple[str, ...]] = [
         (f"{100 * share:g} %", leak_rate_text(value), short(value)) for share, value in found.items()
     ]
