@@ -7,14 +7,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from sample_results import STEEL, run_loads
+from test_fem_seal_shapes import PAIRS, tables
 
 import fem_seal
 from fem_seal.case.case import Case
-from fem_seal.output.columns import LEAK_COLUMNS
-from fem_seal.output.tables import leak_rows
+from fem_seal.output.columns import LEAK_COLUMNS, PROFILE_COLUMNS
+from fem_seal.output.tables import leak_rows, profile_array
 from fem_seal.result import SealResult
 
 # Round-off of the input, and what a Newton iteration leaves.
@@ -77,25 +76,38 @@ def assert_same(one, other, factors=None) -> None:
         assert other[name] == pytest.approx(factor * value, rel=SAME, nan_ok=True), name
 
 
-@given(
-    shape=st.sampled_from(sorted(SHAPES)),
-    radius=st.floats(3.0, 40.0),
-    bar=st.floats(5.0, 80.0),
-    spring=st.floats(-0.5, 2.0),
-)
-@settings(max_examples=6, deadline=None)
-def test_the_pressure_carries_the_contact_force(shape, radius, bar, spring) -> None:
-    """F_N = int 2 pi r p n_z dx over the profile, with the exact radius and normal of the seat."""
-    lifts = math.pi * seal(shape, radius).touch_radius ** 2 * bar * 1e5
-    case = seal(
-        shape, radius, load={"fluid_pressure": f"{bar!r} bar", "applied_force": f"{spring * lifts!r} N"}
-    )
-    (load,) = run_loads(case).loads
-    profile = load.contact.profile
-    normal = case.contact.normal(profile.x)[1]
-    carried = profile.arc_weight @ (2 * math.pi * case.contact.radius(profile.x) * profile.pressure * normal)
-    assert carried == pytest.approx(load.contact_force, rel=1e-6)
-    assert load.contact_force == pytest.approx((1 + spring) * lifts, rel=1e-9)
+@pytest.mark.parametrize(("closure", "seat"), PAIRS)
+def test_the_pressure_carries_the_axial_force(closure, seat) -> None:
+    """F_N = int 2 pi r p n_z facing dx, the seat's own normal from differences of its outline."""
+    area = math.pi * Case(**tables(closure, seat)).touch_radius ** 2
+    pressures, springs = (7e5, 45e5), (0.8 * area * 7e5, -0.4 * area * 45e5)
+    load = {
+        "fluid_pressure": [f"{one!r} Pa" for one in pressures],
+        "applied_force": [f"{one!r} N" for one in springs],
+    }
+    result = run_loads(Case(**tables(closure, seat, load=load)))
+    contact = result.case.contact
+    columns = dict(zip(PROFILE_COLUMNS, profile_array(result).T, strict=True))
+    for one, pressure, spring in zip(result.loads, pressures, springs, strict=True):
+        profile = one.contact.profile
+        x, step = profile.x, 1e-8
+        rise_r, rise_z = (
+            (line(x + step) - line(x - step)) / (2 * step) for line in (contact.radius, contact.height)
+        )
+        n_r, n_z = contact.normal(x)
+        facing = (n_z * rise_r - n_r * rise_z) / np.hypot(rise_r, rise_z)
+        carried = 2 * math.pi * contact.radius(x) * profile.pressure * n_z * facing
+        assert profile.arc_weight @ carried == pytest.approx(one.contact_force, rel=1e-6)
+        assert one.contact_force == pytest.approx(spring + area * pressure, rel=1e-9)
+        # what a user finds in profile.csv
+        of_load = columns["fluid_pressure_Pa"] == pressure
+        column = columns["contact_force_per_length_N_per_m"][of_load]
+        np.testing.assert_allclose(column, carried, rtol=1e-6, atol=1e-6 * carried.max())
+        along = columns["x_m"][of_load]
+        assert np.trapezoid(column, along) == pytest.approx(one.contact_force, rel=1e-4)
+        # f_N is the force along the normal, not along the axis
+        at_touch = profile.arc_weight @ (profile.pressure * facing * profile.radius) / contact.touch_radius
+        assert one.line_load == pytest.approx(at_touch, rel=3e-3)
 
 
 @pytest.mark.parametrize("shape", SHAPES)

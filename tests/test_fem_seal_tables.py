@@ -35,7 +35,10 @@ LEAK_HEADER = (
     "leak_rate_conserved_m3_per_s,leak_rate_capped_m3_per_s,force_for_target_leak_capped_N,"
     "contact_temperature_K,effective_viscosity_Pa_s,margin,verdict,validity,validity_reasons"
 )
-PROFILE_HEADER = "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa"
+PROFILE_HEADER = (
+    "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa,"
+    "contact_force_per_length_N_per_m"
+)
 
 
 def test_leak_csv_has_the_agreed_columns_and_the_numbers_of_the_table(tmp_path):

@@ -12,7 +12,7 @@ from paper_surface import HARDNESS, E, spectrum, surface
 
 import leak
 from leak.flow.effective_gap import folded_above
-from leak.theory.separation import density, mean_lost_separation
+from leak.theory.separation import density, magnification_nodes, mean_lost_separation
 
 # ------------------------------------------------------------------ reference numbers
 
@@ -226,6 +226,24 @@ def test_doubling_every_grid_changes_less_than_1e_4(name, hardness_over_slope):
     p = contact.sealing_pressure * np.array([1e-12, 1e-8, 1e-5, 1e-3, 0.01, 0.1, 0.2, 0.3])
     coarse, fine = contact.effective_separation(p), contact.effective_separation(p, refinement=2)
     np.testing.assert_allclose(coarse, fine, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("hurst", "octaves"), [(0.5, 1.6), (0.8, 1.6), (0.8, 3.3), (1.0, 3.3)])
+def test_what_remains_above_each_magnification_of_a_soft_surface_is_resolved(hurst, octaves):
+    """C_pl falls like exp(-pi^2 t), t = kappa M: its integral to the end is known in closed form."""
+    soft = spectrum(hurst=hurst, q_low=1e4, q_rolloff=1e4, q_high=1e4 * 2**octaves)
+    contact = leak.RoughContact(soft, effective_modulus=E, hardness=0.1 * E * soft.rms_slope)
+    p = np.array([1e-3 * contact.hardness])
+    seen = contact._seen(p)
+    nodes = magnification_nodes(soft, seen, p / E)
+    rate = np.pi**2 * seen.kappa
+    found = (nodes.to_end @ (nodes.moment_weight * np.exp(-rate * nodes.M)).T)[:, 0]
+    M = nodes.M[0]
+    exact = (np.exp(-rate * M) - np.exp(-rate * seen.last_loss)) / rate
+    # up to 15 e-folds; the points below the first yielding are coarser, whatever yields
+    at = seen.kappa * M < 1.5
+    assert rate * M[at].max() > 13.0
+    np.testing.assert_allclose(found[at], exact[at], rtol=3e-4)
 
 
 @pytest.mark.parametrize("p", [1e5, 50e6, 8e8])

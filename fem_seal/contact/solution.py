@@ -113,6 +113,12 @@ class ContactSolution:
         return self.model.line.area_weight * self.pressure
 
     @property
+    def force_per_length(self) -> FloatArray:
+        """Axial force that the contact carries per arc length [N/m], shape (m,): dF_N/dx = 2 pi r p n_z facing."""
+        line = self.model.line
+        return line.normal[1] * line.area_weight / line.arc_weight * self.pressure
+
+    @property
     def line_forces(self) -> FloatArray:
         """Normal forces of solid contact and fluid at the points of the contact line [N]."""
         between = self.loads.gap_pressure

@@ -689,6 +689,9 @@ PROFILE_MEANINGS = {
     "contact_pressure_Pa": "pressure between the bodies, averaged over many asperities, positive in compression",
     "gap_m": "distance between the mean planes of the surfaces",
     "fluid_pressure_in_gap_Pa": "fluid pressure there, above that of the outlet; nan where it is not known",
+    "contact_force_per_length_N_per_m": "axial force that the contact carries per arc length, "
+    "`2 pi r p n_z cos(alpha)` with the contact normal `n` and the angle `alpha` between it and the normal of the "
+    "seat's own face; its integral over `x_m` is `contact_force_N` of the load",
 }
 IMPRINT_MEANINGS = {
     "body": '"closure" or "seat"',

@@ -123,9 +123,8 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
         profile = load.contact.profile
         fluid = np.full(len(profile.x), math.nan) if load.gap_pressure is None else load.gap_pressure
         pressure = np.full(len(profile.x), load.fluid_pressure)
-        blocks.append(
-            np.column_stack([pressure, profile.x, profile.radius, profile.pressure, profile.gap, fluid])
-        )
+        along = [profile.x, profile.radius, profile.pressure, profile.gap]
+        blocks.append(np.column_stack([pressure, *along, fluid, load.contact.force_per_length]))
     return np.concatenate(blocks)
 
 
