@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 import warnings
+from contextlib import closing
 from pathlib import Path
 
 import pandas as pd
@@ -279,6 +280,7 @@ def test_the_local_cluster_listens_on_this_machine_only():
 
 READER = """
 import sys
+from contextlib import closing
 from pathlib import Path
 from fem_seal import StudyResult
 from fem_seal.cli import main
@@ -560,3 +562,31 @@ def test_a_search_that_was_killed_while_it_told_a_result_resumes_in_silence(tmp_
         resumed = run_study(searching, folder=tmp_path / "part", workers=0, resume=True)
     assert capsys.readouterr().err == ""
     pd.testing.assert_frame_equal(resumed.table, whole.table, check_exact=True)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "UPDATE trial_params SET distribution_json = '{'",
+        "UPDATE trial_params SET param_value = 'a lot'",
+        "UPDATE trials SET state = 'x' WHERE number = 1",
+        "UPDATE study_user_attributes SET value_json = '{'",
+        "UPDATE study_directions SET direction = 'x'",
+    ],
+)
+def test_damaged_tables_of_a_search_are_called_damaged(damage, a_search, tmp_path):
+    folder = shutil.copytree(a_search, tmp_path / "out")
+    with closing(sqlite3.connect(folder / store.FILE)) as file, file:
+        file.execute(damage)
+    with pytest.raises(InputError, match=r"study\.sqlite: is damaged \(.*; restore it from a copy"):
+        run_study(study(**SEARCH), folder=folder, workers=0, resume=True)
+
+
+SEARCH = {"optimise": {"minimise": "line_load_N_per_m", "trials": 4, "batch": 2}}
+
+
+@pytest.fixture(scope="module")
+def a_search(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("search") / "out"
+    run_study(study(**SEARCH), folder=folder, workers=0)
+    return folder

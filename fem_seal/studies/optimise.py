@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from fem_seal.analysis.caution import Level
 from fem_seal.analysis.sampling import LogUniform, Uniform
 from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.studies.progress import Progress
-from fem_seal.studies.store import Row, Store
+from fem_seal.studies.store import Row, Store, damaged
 from fem_seal.studies.work import Chunk, Recipe, check_unchanged
 
 if TYPE_CHECKING:
@@ -91,11 +92,12 @@ def _optimise(
     assert settings is not None
     space = search_space(study)
     search = _search(study, store)
-    there = _trials(search)
-    # only the last one can have been cut short while it was proposed
-    proposed = [trial for trial in there if trial.params.keys() == space.keys()]
-    keys = [recipe.key(_point(trial, space)) for trial in proposed]
-    finished = [key for key, trial in zip(keys, proposed, strict=True) if trial.state.is_finished()]
+    with _readable(store):
+        there = _trials(search)
+        # only the last one can have been cut short while it was proposed
+        proposed = [trial for trial in there if trial.params.keys() == space.keys()]
+        keys = [recipe.key(_point(trial, space)) for trial in proposed]
+        finished = [key for key, trial in zip(keys, proposed, strict=True) if trial.state.is_finished()]
     if not set(finished) <= store.known(finished):
         raise _another_search()
     store.set_design(keys, **about)
@@ -164,12 +166,14 @@ def _search(study: StudyPlan, store: Store) -> OptunaStudy:
     storage = RDBStorage(
         f"sqlite:///{store.path.absolute()}", engine_kwargs={"connect_args": {"timeout": 60}}
     )
-    search = optuna.create_study(
-        storage=storage,
-        study_name=_NAME,
-        directions=["minimize"] * len(study.goals),
-        load_if_exists=True,
-    )
+    with _readable(store):
+        search = optuna.create_study(
+            storage=storage,
+            study_name=_NAME,
+            directions=["minimize"] * len(study.goals),
+            load_if_exists=True,
+        )
+        asked_before = search.user_attrs.get("asked")
     asked = json.dumps(
         [
             study.names,
@@ -179,10 +183,24 @@ def _search(study: StudyPlan, store: Store) -> OptunaStudy:
             [settings.seed, settings.batch, study.keeps_outside],
         ]
     )
-    if search.user_attrs.get("asked", asked) != asked:
+    if asked_before not in (None, asked):
         raise _another_search()
     search.set_user_attr("asked", asked)
     return search
+
+
+@contextmanager
+def _readable(store: Store) -> Iterator[None]:
+    """Reading optuna's tables: whatever it makes of entries that it has not written means that they are damaged."""
+    from optuna.exceptions import StorageInternalError
+    from sqlalchemy.exc import SQLAlchemyError
+
+    try:
+        yield
+    except (StorageInternalError, SQLAlchemyError):
+        raise
+    except Exception as error:
+        raise damaged(store.path, f"the search cannot be read: {error}") from error
 
 
 def _another_search() -> InputError:

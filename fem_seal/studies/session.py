@@ -17,7 +17,8 @@ from fem_seal.folders import alone
 from fem_seal.studies.pools import KEPT, Pool, pool
 from fem_seal.studies.progress import Progress, Silent
 from fem_seal.studies.results import StudyResult
-from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, create
+from fem_seal.studies.store import FILE, FORMAT_VERSION, Row, Store, create
+from fem_seal.studies.stored import TRUTH
 from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
 from fem_seal.studies.work import Chunk, Recipe, check_unchanged, chunks
 from fem_seal.version import __version__

@@ -21,6 +21,17 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.files import UnreadableFileError, check_file
 from fem_seal.former_names import VERDICTS, in_present_words
+from fem_seal.studies.stored import (
+    ABOUT_ROW,
+    DONE,
+    FAILED,
+    TOLD,
+    TRUTH,
+    check_about,
+    check_rows,
+    quoted,
+    read_about,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,12 +40,6 @@ FILE = "study.sqlite"
 # Raised when a table changes its meaning.
 FORMAT_VERSION = 1
 _AT_ONCE = 500
-DONE, FAILED = "done", "failed"
-# Columns of a row besides parameters and outputs. Files of before validity or a verdict was told do not have the last
-# ones.
-_ABOUT_ROW = ("key", "status", "reason", "seconds")
-_TOLD = ("validity", "validity_reasons", "verdict")
-TRUTH = "BOOLEAN"
 
 
 @dataclass(frozen=True)
@@ -98,10 +103,7 @@ class Store:
     @property
     def about(self) -> dict[str, Any]:
         """What was written with `describe`."""
-        return {
-            name: in_present_words(json.loads(text), aloud=False)
-            for name, text in self._connection.execute("SELECT name, text FROM about")
-        }
+        return read_about(self._connection)
 
     def describe(self, **entries: Any) -> None:
         """Keep facts about the study, replacing those of the same names."""
@@ -164,7 +166,7 @@ class Store:
     def rows(self, keys: Sequence[str]) -> dict[str, Row]:
         """Rows of some keys."""
         columns = ", ".join(
-            ["key", "reason", "seconds", *_TOLD, *map(self._read, (*self.inputs, *self.outputs))]
+            ["key", "reason", "seconds", *TOLD, *map(self._read, (*self.inputs, *self.outputs))]
         )
         found = {}
         for start in range(0, len(keys), _AT_ONCE):
@@ -190,7 +192,7 @@ class Store:
 
     def write(self, rows: Sequence[Row]) -> None:
         """Keep rows, all of them or - if the process dies - none."""
-        columns = (*_ABOUT_ROW, *_TOLD, *map(_quoted, self.inputs), *map(_quoted, self.outputs))
+        columns = (*ABOUT_ROW, *TOLD, *map(quoted, self.inputs), *map(quoted, self.outputs))
         values = [
             (
                 row.key,
@@ -247,17 +249,14 @@ class Store:
         import pandas as pd
 
         there = {row[1] for row in self._connection.execute("PRAGMA table_info(point)")}
-        told = [name for name in _TOLD if name in there]
+        told = [name for name in TOLD if name in there]
         columns = ", ".join(
             ["number", "status", "reason", *told, *map(self._read, (*self.inputs, *self.outputs))]
         )
         query = f"SELECT {columns} FROM design JOIN point USING (key) ORDER BY number"
         table = pd.read_sql_query(query, self._connection)
         outputs = list(self.outputs)
-        try:
-            table[outputs] = table[outputs].astype(float)
-        except (TypeError, ValueError) as error:
-            raise _damaged(self.path, error) from None
+        table[outputs] = table[outputs].astype(float)
         if "verdict" in table:
             table["verdict"] = table["verdict"].replace(VERDICTS)
         for name, truth in zip(self.inputs, self._truths, strict=True):
@@ -267,7 +266,7 @@ class Store:
 
     def _read(self, name: str) -> str:
         """A column of a query by its present name."""
-        return f"{_quoted(self._stored[name])} AS {_quoted(name)}"
+        return f"{quoted(self._stored[name])} AS {quoted(name)}"
 
     def close(self) -> None:
         """Fold the write-ahead log into the file and close it."""
@@ -292,46 +291,56 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
         If it cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
+    connection = None
     try:
         connection = _connect(path, "mode=rwc")
         _check_pages(connection, path)
-        connection.execute("PRAGMA journal_mode = WAL")
-        # In the write-ahead log this is safe against any death of the process; only a power cut costs the last rows.
-        connection.execute("PRAGMA synchronous = NORMAL")
-        with connection:
-            connection.execute("CREATE TABLE IF NOT EXISTS about (name TEXT PRIMARY KEY, text TEXT NOT NULL)")
-            connection.execute(
-                "CREATE TABLE IF NOT EXISTS design (number INTEGER PRIMARY KEY, key TEXT NOT NULL)"
+        _lay_out(connection, inputs, outputs)
+        there = list(_columns(connection))
+        if there != [*inputs, *outputs]:
+            wrong = (
+                f"holds a study with other columns ({', '.join(there)}); choose another folder, or put the study "
+                "back"
             )
-            listed = [f"{name} TEXT" for name in _TOLD]
-            listed += [f"{_quoted(name)} {kind}" for name, kind in inputs.items()]
-            listed += [f"{_quoted(name)} REAL" for name in outputs]
-            connection.execute(
-                "CREATE TABLE IF NOT EXISTS point (key TEXT PRIMARY KEY, status TEXT NOT NULL, reason TEXT, "
-                f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
-            )
-            there_already = {row[1] for row in connection.execute("PRAGMA table_info(point)")}
-            for name in _TOLD:
-                if name not in there_already:
-                    connection.execute(f"ALTER TABLE point ADD COLUMN {name} TEXT")
-            for name in there_already:
-                present = in_present_words(name)
-                if present != name:
-                    connection.execute(
-                        f"ALTER TABLE point RENAME COLUMN {_quoted(name)} TO {_quoted(present)}"
-                    )
-    except sqlite3.Error as error:
-        raise _fault(path, error) from error
-    wanted, there = [*inputs, *outputs], list(_columns(connection))
-    if wanted != there:
-        connection.close()
-        raise InputError(
-            Problem(
-                str(path),
-                f"holds a study with other columns ({', '.join(there)}); choose another folder, or put the study back",
-            )
-        )
+            raise InputError(Problem(str(path), wrong))
+        if any(connection.execute("SELECT 1 FROM about UNION ALL SELECT 1 FROM point LIMIT 1")):
+            _check_contents(connection, path)
+    except BaseException as error:
+        if connection is not None:
+            connection.close()
+        if isinstance(error, sqlite3.Error):
+            raise _fault(path, error) from error
+        if isinstance(error, UnicodeDecodeError):
+            raise damaged(path, error) from None
+        raise
     return Store(connection, path, tuple(inputs), tuple(outputs))
+
+
+def _lay_out(connection: sqlite3.Connection, inputs: Mapping[str, str], outputs: Sequence[str]) -> None:
+    """Make the tables that are not there, in present words."""
+    connection.execute("PRAGMA journal_mode = WAL")
+    # In the write-ahead log this is safe against any death of the process; only a power cut costs the last rows.
+    connection.execute("PRAGMA synchronous = NORMAL")
+    with connection:
+        connection.execute("CREATE TABLE IF NOT EXISTS about (name TEXT PRIMARY KEY, text TEXT NOT NULL)")
+        connection.execute(
+            "CREATE TABLE IF NOT EXISTS design (number INTEGER PRIMARY KEY, key TEXT NOT NULL)"
+        )
+        listed = [f"{name} TEXT" for name in TOLD]
+        listed += [f"{quoted(name)} {kind}" for name, kind in inputs.items()]
+        listed += [f"{quoted(name)} REAL" for name in outputs]
+        connection.execute(
+            "CREATE TABLE IF NOT EXISTS point (key TEXT PRIMARY KEY, status TEXT NOT NULL, reason TEXT, "
+            f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
+        )
+        there_already = {row[1] for row in connection.execute("PRAGMA table_info(point)")}
+        for name in TOLD:
+            if name not in there_already:
+                connection.execute(f"ALTER TABLE point ADD COLUMN {name} TEXT")
+        for name in there_already:
+            present = in_present_words(name)
+            if present != name:
+                connection.execute(f"ALTER TABLE point RENAME COLUMN {quoted(name)} TO {quoted(present)}")
 
 
 def open_to_read(path: Path) -> Store:
@@ -345,22 +354,21 @@ def open_to_read(path: Path) -> Store:
     try:
         check_file(path, sys.maxsize)
         connection = _reading(path)
-        about = dict(connection.execute("SELECT name, text FROM about"))
+    except UnicodeDecodeError as error:
+        raise damaged(path, error) from None
     except (sqlite3.Error, UnreadableFileError) as error:
         if getattr(error, "sqlite_errorname", "") == "SQLITE_CORRUPT":
-            raise _damaged(path, error) from None
+            raise damaged(path, error) from None
         raise InputError(
             Problem(str(path.parent), f"holds no study ({path.name} is missing or no study file)")
         ) from None
-    _check_pages(connection, path)
     try:
-        told = {name: json.loads(text) for name, text in about.items()}
-        inputs = tuple(in_present_words(told["inputs"], aloud=False))
-    except (KeyError, TypeError, ValueError) as error:
+        _check_pages(connection, path)
+        inputs, outputs = _check_contents(connection, path)
+    except InputError:
         connection.close()
-        raise _damaged(path, error) from None
-    columns = in_present_words(tuple(_columns(connection)), aloud=False)
-    return Store(connection, path, inputs, columns[len(inputs) :])
+        raise
+    return Store(connection, path, inputs, outputs)
 
 
 def _reading(path: Path) -> sqlite3.Connection:
@@ -392,14 +400,35 @@ def _reading(path: Path) -> sqlite3.Connection:
 def _check_pages(connection: sqlite3.Connection, path: Path) -> None:
     """InputError if the file is damaged inside, where reading would come to it sooner or later."""
     try:
-        ((found, *_), *_) = connection.execute("PRAGMA quick_check(1)")
+        ((found, *_), *_) = connection.execute("PRAGMA integrity_check(1)")
     except sqlite3.Error as error:
-        raise _damaged(path, error) from None
+        raise damaged(path, error) from None
     if found != "ok":
-        raise _damaged(path, found)
+        raise damaged(path, found)
 
 
-def _damaged(path: Path, why: object) -> InputError:
+def _check_contents(connection: sqlite3.Connection, path: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Parameters and outputs of a file; InputError unless all that it holds is what a study writes."""
+    try:
+        kinds = _columns(connection)
+        about = read_about(connection)
+        columns = in_present_words(tuple(kinds), aloud=False)
+        check_about(about, columns)
+        inputs = len(about["inputs"])
+        check_rows(connection, kinds, inputs)
+    except (sqlite3.Error, ValueError) as error:
+        raise damaged(path, error) from None
+    return columns[:inputs], columns[inputs:]
+
+
+def damaged(path: Path, why: object) -> InputError:
+    """What is said of a study file that does not hold what a study writes.
+
+    Parameters
+    ----------
+    path : Path
+    why : object
+    """
     reason = " ".join(str(why).split())
     return InputError(
         Problem(
@@ -413,7 +442,7 @@ def _fault(path: Path, error: sqlite3.Error) -> InputError | OutputError:
     """What an error while writing means: a full disc and the like, or a damaged file."""
     if isinstance(error, sqlite3.OperationalError):
         return OutputError(f"{path}: cannot be written ({error})")
-    return _damaged(path, error)
+    return damaged(path, error)
 
 
 def _connect(path: Path, how: str) -> sqlite3.Connection:
@@ -423,8 +452,4 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
 def _columns(connection: sqlite3.Connection) -> dict[str, str]:
     """Columns of parameters and outputs, with their types."""
     listed = {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)")}
-    return {name: kind for name, kind in listed.items() if name not in (*_ABOUT_ROW, *_TOLD)}
-
-
-def _quoted(name: str) -> str:
-    return '"' + name.replace('"', '""') + '"'
+    return {name: kind for name, kind in listed.items() if name not in (*ABOUT_ROW, *TOLD)}

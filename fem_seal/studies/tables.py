@@ -11,10 +11,13 @@ from fem_seal.case.fields import Quantity, Table, Whole
 MOST_POINTS = 10_000_000
 
 
+Kind = Literal["grid", "list", "latin-hypercube", "sobol", "sobol-sensitivity", "morris"]
+
+
 class Design(Table):
     """[design]: which designs are calculated."""
 
-    kind: Literal["grid", "list", "latin-hypercube", "sobol", "sobol-sensitivity", "morris"] = Field(
+    kind: Kind = Field(
         "grid",
         description='"grid": every combination; "list": rows of a CSV file; "latin-hypercube", "sobol": spread over '
         'the distributions; "sobol-sensitivity", "morris": points for sensitivity indices',

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
@@ -20,6 +19,7 @@ from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.store import Row
+from fem_seal.studies.stored import storable
 from fem_seal.studies.time_limit import overtime_reason
 from fem_seal.studies.together import Steps, Turn, together, unwatched
 from fem_seal.version import __version__
@@ -199,7 +199,7 @@ def _outputs(
     for name, formula in recipe.derived.items():
         values[name] = formula(values)
     names = (*recipe.columns, *recipe.derived)
-    outputs = tuple(values[name] if math.isfinite(values[name]) else None for name in names)
+    outputs = tuple(storable(values[name]) for name in names)
     verdict = None if found.verdict is None else str(found.verdict)
     return outputs, (str(found.validity.level), "; ".join(found.validity.reasons), verdict)
 
