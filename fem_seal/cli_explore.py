@@ -42,11 +42,12 @@ def explore(
     from fem_seal.explore.server import serve
 
     def opened(address: str) -> None:
-        if not quiet:
+        if no_browser or not quiet:
+            # without the token in it nobody can open the page
             say(f"{case.title}: {address}   (Ctrl-C ends it)")
         if not no_browser:
             import webbrowser
 
             webbrowser.open(address)
 
-    serve(case, folder, port, opened)
+    serve(case, folder, port, opened, debug=debug)

@@ -1,6 +1,9 @@
 """The session behind the live page, without a browser: what is shown is what `fem-seal run` gives."""
 
+import json
 import math
+import os
+import re
 import sys
 from pathlib import Path
 
@@ -274,23 +277,222 @@ def test_what_takes_a_complete_run_is_not_pretended_to_be_live(example, words):
     assert not screen.loads
 
 
-def test_only_the_page_itself_is_answered(session):
-    pytest.importorskip("dash")
-    from fem_seal.explore.page import page_of
-    from fem_seal.explore.server import only_from_here
+TOKEN, HERE = "the-token", {"Host": "127.0.0.1:8050"}
 
-    page = page_of(Answers(session, alone=True), EXAMPLES, "case")
-    only_from_here(page, 8050)
+
+def client_of(session, title="case", *, opened=True):
+    """Who asks the page of a session, with the cookie of its address if it has been opened."""
+    pytest.importorskip("dash")
+    from fem_seal.explore.gate import guard
+    from fem_seal.explore.page import page_of
+
+    page = page_of(Answers(session, alone=True), EXAMPLES, title)
+    guard(page, 8050, TOKEN)
     client = page.server.test_client()
-    assert client.get("/", headers={"Host": "127.0.0.1:8050"}).status_code == 200
-    assert client.get("/", headers={"Host": "evil.example:8050"}).status_code == 403
-    assert (
-        client.get("/", headers={"Host": "localhost:8050", "Origin": "http://evil.example"}).status_code
-        == 403
-    )
-    text = client.get("/", headers={"Host": "127.0.0.1:8050"}).text
+    if opened:
+        assert (
+            client.get(f"/?token={TOKEN}", headers=HERE, base_url="http://127.0.0.1:8050").status_code == 200
+        )
+    return client
+
+
+def asked(client, path="/", **more):
+    headers = {**HERE, **more.pop("headers", {})}
+    return client.open(path, base_url="http://127.0.0.1:8050", headers=headers, **more)
+
+
+def test_only_the_page_itself_is_answered(session):
+    client = client_of(session)
+    text = asked(client).text
     assert "http://" not in text.replace("http://127.0.0.1", "")
     assert "https://" not in text
+    for headers in (
+        {"Host": "evil.example:8050"},
+        {"Host": "127.0.0.1:8051"},
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+    ):
+        refused = asked(client, headers=headers)
+        assert (refused.status_code, refused.text) == (403, "this page answers only itself\n")
+
+
+@pytest.mark.parametrize(
+    "path", ["/", "/?token=", "/?token=another", "/_dash-layout", "/report/0", "/nothing"]
+)
+def test_without_the_token_nothing_is_answered(session, path):
+    refused = asked(client_of(session, opened=False), path)
+    assert refused.status_code == 403
+    assert (
+        refused.text == "open the address that fem-seal explore printed: it carries the token of the page\n"
+    )
+    assert "Set-Cookie" not in refused.headers
+
+
+def test_the_token_is_exchanged_for_a_cookie_of_this_page_alone(session):
+    client = client_of(session, opened=False)
+    # the token itself, which other users may see among the arguments of a browser, is no cookie
+    assert asked(client, "/_dash-layout", headers={"Cookie": f"fem-seal-8050={TOKEN}"}).status_code == 403
+    cookie = asked(client, f"/?token={TOKEN}").headers["Set-Cookie"]
+    assert all(word in cookie for word in ("fem-seal-8050=", "HttpOnly", "SameSite=Strict"))
+    assert TOKEN not in cookie
+    assert asked(client, "/_dash-layout").status_code == 200
+
+
+def test_a_connection_of_another_user_is_told_from_ones_own(monkeypatch, tmp_path):
+    pytest.importorskip("dash")
+    from fem_seal.explore import gate
+
+    row = "   1: 0100007F:{:04X} 0100007F:1F72 01 00000000:00000000 00:00000000 00000000 {:5d}        0 1 1 0 20\n"
+    table = tmp_path / "tcp"
+    others = os.getuid() + 1
+    table.write_text("  sl\n" + row.format(40001, os.getuid()) + row.format(40002, others), encoding="ascii")
+    monkeypatch.setattr(gate, "_SOCKETS", table)
+    assert gate.own_connection(40001, 8050)
+    assert not gate.own_connection(40002, 8050)
+    # where nothing is known the token alone decides
+    assert gate.own_connection(40003, 8050)
+    assert gate.own_connection(None, 8050)
+
+
+HOSTILE = "</title><script>alert(document.domain)</script>{%config%}"
+
+
+def test_a_hostile_title_is_text_in_the_head(session):
+    text = asked(client_of(session, HOSTILE)).text
+    assert "<script>alert" not in text
+    assert "<title>&lt;/title&gt;&lt;script&gt;" in text
+    assert text.count("_dash-config") == 1
+
+
+def test_the_page_says_what_may_run_in_it_and_is_never_in_a_frame(session):
+    import base64
+    import hashlib
+
+    answer = asked(client_of(session))
+    policy = dict(part.strip().split(" ", 1) for part in answer.headers["Content-Security-Policy"].split(";"))
+    assert policy["default-src"] == policy["frame-ancestors"] == "'none'"
+    assert "unsafe" not in policy["script-src"]
+    # all that stands in the page itself has its hash
+    for script in re.findall(
+        r"<script(?: id=\"_dash-renderer\"[^>]*)?>(.+?)</script>", answer.text, re.DOTALL
+    ):
+        digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+        assert f"'sha256-{digest}'" in policy["script-src"]
+    for name, value in (
+        ("X-Frame-Options", "DENY"),
+        ("X-Content-Type-Options", "nosniff"),
+        ("Referrer-Policy", "no-referrer"),
+    ):
+        assert answer.headers[name] == value
+        assert asked(client_of(session, opened=False)).headers[name] == value
+
+
+def line_and_silence(answer, capfd, *codes):
+    """One line for who asks, none on the terminal of the page."""
+    assert answer.status_code in codes, answer.text
+    assert answer.text.count("\n") == 1
+    assert answer.mimetype == "text/plain"
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/_dash-component-suites/nothing/x.js",
+        "/_dash-component-suites/dash/nothing.js",
+        "/_dash-component-suites/dash/../../../etc/passwd",
+        "/_dash-component-suites/../../etc/passwd",
+        "/_dash-component-suites/dash/%2e%2e%2f%2e%2e%2fetc/passwd",
+        "/_dash-component-suites/dash/%00",
+        "/_dash-component-suites/os/path.py",
+        "/assets/../page.py",
+        "/report/0",
+        "/report/99999999999999999999",
+    ],
+)
+def test_odd_paths_end_in_one_line(session, path, capfd):
+    line_and_silence(asked(client_of(session), path), capfd, 404)
+
+
+CALLBACK = {
+    "output": "pins.data",
+    "outputs": {"id": "pins", "property": "data"},
+    "inputs": [{"id": "pin", "property": "n_clicks", "value": 1}, []],
+    "changedPropIds": ["pin.n_clicks"],
+    "state": [
+        {"id": "pins", "property": "data", "value": []},
+        {"id": "asked", "property": "data", "value": {"page": "1", "number": 1, "design": {}}},
+    ],
+}
+
+
+def test_a_question_of_the_page_is_answered(session):
+    answer = asked(client_of(session), "/_dash-update-component", method="POST", json=CALLBACK)
+    assert answer.status_code == 200
+    assert answer.json["response"]["pins"]["data"] == [session.factors.given]
+
+
+def broken_questions():
+    yield b'{"a":', "application/json"
+    yield b"[" * 100_000, "application/json"
+    yield b"\xff\xfe", "application/json"
+    yield b"1" * 10_000, "application/json"
+    yield b"x", "text/plain"
+    yield b"a=1", "application/x-www-form-urlencoded"
+    yield json.dumps(CALLBACK).encode(), "text/plain"
+    for sent in (
+        {},
+        [],
+        1,
+        None,
+        "text",
+        {"output": "nothing.data"},
+        {"output": 1},
+        {"output": ["pins.data"]},
+    ):
+        yield json.dumps(sent).encode(), "application/json"
+    for key in ("outputs", "inputs", "state", "changedPropIds"):
+        for sent in (1, [1], [[[]]], [{"id": 1}]):
+            yield json.dumps({**CALLBACK, key: sent}).encode(), "application/json"
+    for which, sent in (
+        (0, 1),
+        (0, [1]),
+        (0, [{}] * 99),
+        (1, 1),
+        (1, {}),
+        (1, {"number": "1", "design": {}}),
+    ):
+        state = [dict(one) for one in CALLBACK["state"]]
+        state[which]["value"] = sent
+        yield json.dumps({**CALLBACK, "state": state}).encode(), "application/json"
+
+
+def test_malformed_questions_end_in_one_line(session, capfd):
+    client = client_of(session)
+    for body, kind in broken_questions():
+        answer = asked(client, "/_dash-update-component", method="POST", data=body, content_type=kind)
+        line_and_silence(answer, capfd, 400, 415)
+
+
+def test_a_huge_question_is_refused(session, capfd):
+    body = b'{"output": "' + b"x" * 2_000_000 + b'"}'
+    answer = asked(
+        client_of(session),
+        "/_dash-update-component",
+        method="POST",
+        data=body,
+        content_type="application/json",
+    )
+    line_and_silence(answer, capfd, 413)
+
+
+def test_a_defect_of_the_page_is_one_line_on_its_terminal(session, capfd, monkeypatch):
+    client = client_of(session)
+    monkeypatch.setattr(session, "design", lambda design: {}["gone"])
+    answer = asked(client, "/_dash-update-component", method="POST", json=CALLBACK)
+    assert answer.status_code == 500
+    said = "unexpected KeyError: 'gone'. This is a defect of fem-seal; --debug shows the traceback\n"
+    assert (answer.text, *capfd.readouterr()) == (said, "", f"error: {said}")
 
 
 def test_a_port_in_use_is_an_error_with_advice(session):

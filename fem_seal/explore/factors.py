@@ -96,6 +96,14 @@ class Factor:
                 )
             )
 
+    def wrong(self, text: str) -> str:
+        """What is wrong with a text; empty if it may stand here."""
+        try:
+            self.check(text)
+        except InputError as error:
+            return error.message
+        return ""
+
     def value(self, text: str) -> float:
         """A value in SI.
 
@@ -133,6 +141,28 @@ class Factors:
         own = {one.key: one.given for one in self.sliders}
         return own | ({"fluid": self.fluids[0]} if self.fluids else {})
 
+    def named(self, entry: str) -> str:
+        """Key of the factor that sets an entry of a case, by its path or its label; empty if none does."""
+        kept = entry.replace("included_angle", "angle").replace("diameter", "radius")
+        for one in self.sliders:
+            paths = [
+                path.replace("included_angle", "angle").replace("diameter", "radius") for path in one.paths
+            ]
+            if entry == one.label or kept in paths:
+                return one.key
+        return "fluid" if entry in ("fluid", "fluid.name") else ""
+
+    def wrong(self, texts: Mapping[str, str]) -> dict[str, str]:
+        """What is wrong with texts, by the keys of their factors.
+
+        Parameters
+        ----------
+        texts : mapping
+            From keys of factors to texts; others are left out.
+        """
+        found = {one.key: one.wrong(texts[one.key]) for one in self.sliders if one.key in texts}
+        return {key: message for key, message in found.items() if message}
+
     def changes(self, case: Case, design: Mapping[str, str]) -> dict[str, Any]:
         """Entries of a case file that make a design of a case; only what differs from it.
 
@@ -148,11 +178,16 @@ class Factors:
             If a text is no such quantity.
         """
         found: dict[str, Any] = {}
+        problems: list[Problem] = []
         for one in self.sliders:
             text = design.get(one.key, one.given)
             if text == one.given:
                 continue
-            one.check(text)
+            try:
+                one.check(text)
+            except InputError as error:
+                problems += error.problems
+                continue
             if one.key == "fluid_pressure":
                 found["load.fluid_pressure"] = _scaled(case.load.fluid_pressure, one, text)
                 required = () if case.requirement is None else case.requirement.pressures
@@ -168,6 +203,8 @@ class Factors:
         fluid = design.get("fluid", self.fluids[0] if self.fluids else "")
         if self.fluids and fluid != self.fluids[0]:
             found |= _other_fluid(case, fluid)
+        if problems:
+            raise InputError(*problems)
         return found
 
 

@@ -197,7 +197,11 @@ class Session:
                 return Screen(design, section=section, waiting=self.not_live)
             return self._answer(design, case)
         except InputError as error:
-            return Screen(design, problem="; ".join(str(one) for one in error.problems))
+            return Screen(
+                design,
+                problem="; ".join(str(one) for one in error.problems),
+                wrong={key: one.message for one in error.problems if (key := self.factors.named(one.key))},
+            )
         except WRONG as error:
             return Screen(design, problem=str(error))
 

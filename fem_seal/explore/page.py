@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import threading
+from contextlib import suppress
+from html import escape
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,21 +13,24 @@ from typing import TYPE_CHECKING, Any
 from dash import ALL, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.exceptions import PreventUpdate
 
-from fem_seal.errors import InputError, SealError
+from fem_seal.errors import SealError
+from fem_seal.explore import pieces
 from fem_seal.explore.case_file import free_name, write_case
-from fem_seal.explore.figures import HEIGHT, LIVE, PINS, figures
-from fem_seal.explore.words import Number, changed, numbers_of, validity_words
+from fem_seal.explore.figures import HEIGHT, PINS, figures
+from fem_seal.explore.gate import answered
+from fem_seal.explore.questions import Asked, asked_of, designs_of, place_of, refuse, text_of, texts_of
+from fem_seal.explore.words import not_taken_words, still_words
 
 if TYPE_CHECKING:
     from flask import Response
 
-    from fem_seal.explore.factors import Factor
+    from fem_seal.explore.factors import Factor, Factors
     from fem_seal.explore.screen import Screen
     from fem_seal.explore.worker import Answers
 
-_MOST_PINS = len(PINS)
-# Rest of the sliders after which the complete run begins [s], and how often the page asks for what is missing [ms].
-_REST, _ASK_AGAIN = 0.4, 300
+# Rest of the sliders after which the complete run begins [s]; how often the page asks for what is missing, and whether
+# anything has happened where nothing is [ms].
+_REST, _ASK_AGAIN, _ASK_AT_REST = 0.4, 300, 2000
 _GROUPS = {"load": "Load", "surface": "Surfaces and fluid", "dimension": "Geometry"}
 _PICTURES = {
     "section": "Section",
@@ -36,25 +41,64 @@ _PICTURES = {
 _GRAPH = {"displaylogo": False, "responsive": True, "displayModeBar": False}
 _TALL = {"height": f"{HEIGHT}px"}
 
-# The texts of the moment from the places of the sliders; a typed text stands until its slider is moved.
+# The texts of the moment from the places of the sliders; a typed text stands until its slider is moved, and so does one
+# that cannot be taken: it stays in its field, beside the value that is calculated with.
 # While an answer is on its way nothing else is asked; then for what the sliders say by then, so that the page moves on.
 _GATHER = """
 function(places, fluid, typed, _, meta, before) {
     const none = window.dash_clientside.no_update;
-    const design = {};
+    const design = {}, wrong = {};
     meta.keys.forEach((key, n) => {
-        const own = (typed || {})[key];
-        design[key] = own && own.at === places[n] ? own.text : meta.stops[key][places[n]];
+        const own = (typed || {})[key], stands = own && own.at === places[n];
+        design[key] = stands ? own.text : meta.stops[key][places[n]];
+        if (stands && own.wrong !== undefined) { wrong[key] = own.wrong; }
     });
     if (fluid) { design.fluid = fluid; }
-    const texts = meta.keys.map(key => design[key]);
-    if (before && JSON.stringify(before.design) === JSON.stringify(design)) { return [none, texts]; }
+    // one that is being typed in stays as it is
+    meta.keys.forEach(key => {
+        const text = key in wrong ? wrong[key] : design[key];
+        const field = document.getElementById(JSON.stringify({key: key, kind: "text"}));
+        if (field && field !== document.activeElement && field.value !== text) {
+            window.dash_clientside.set_props({kind: "text", key: key}, {value: text});
+        }
+    });
+    const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);
+    if (before && same([before.design, before.wrong], [design, wrong])) { return none; }
     const way = window.onItsWay;
-    if (way && way.answered < way.number && Date.now() - way.since < 5000) { return [none, texts]; }
+    if (way && way.answered < way.number && Date.now() - way.since < 5000) { return none; }
     const page = (before && before.page) || String(Math.random());
     const number = ((before && before.number) || 0) + 1;
     window.onItsWay = {number: number, since: Date.now(), answered: (way && way.answered) || 0};
-    return [{page: page, number: number, design: design}, texts];
+    return {page: page, number: number, design: design, wrong: wrong};
+}
+"""
+# What was typed and not moved away from since. All of it is asked about each time, and only the newest answer is taken,
+# since one may overtake another; the text is that of the field itself, which dash knows a moment later.
+_ENTER = """
+function(_a, _b, entered, typed, places, meta) {
+    const kept = {}, stands = {};
+    let changed = false;
+    meta.keys.forEach((key, n) => {
+        const own = (typed || {})[key], one = ((entered || {}).fields || {})[key];
+        stands[key] = own && own.at === places[n] ? own : {at: places[n], text: meta.stops[key][places[n]]};
+        if (one && (one.at === places[n] || (own && own.at === places[n]))) { kept[key] = one; }
+    });
+    window.dash_clientside.callback_context.triggered.forEach(one => {
+        const id = one.prop_id.slice(0, one.prop_id.lastIndexOf(".")), field = document.getElementById(id);
+        if (!field || !one.value) { return; }
+        const key = JSON.parse(id).key, text = field.value.trim(), now = stands[key];
+        if (text === (kept[key] || {text: now.wrong === undefined ? now.text : now.wrong}).text) { return; }
+        kept[key] = {at: now.at, text: text, before: now.text};
+        changed = true;
+    });
+    return changed ? {number: Date.now(), fields: kept} : window.dash_clientside.no_update;
+}
+"""
+_JUDGED = """
+function(judged, entered, places, meta) {
+    const none = window.dash_clientside.no_update;
+    if (!judged || !entered || judged.number !== entered.number) { return [none, places.map(() => none)]; }
+    return [judged.typed, meta.keys.map((key, n) => judged.typed[key] ? judged.typed[key].at : places[n])];
 }
 """
 _ANSWERED = """
@@ -91,7 +135,7 @@ def page_of(answers: Answers, folder: Path, title: str) -> Dash:
     """
     app = Dash(
         "fem_seal.explore",
-        title=f"{title} - fem-seal",
+        title=_in_head(f"{title} - fem-seal"),
         update_title="",
         serve_locally=True,
         suppress_callback_exceptions=True,
@@ -108,6 +152,11 @@ def page_of(answers: Answers, folder: Path, title: str) -> Dash:
     return app
 
 
+def _in_head(title: str) -> str:
+    """A title as it may stand in the head, into which dash puts it as it is; it fills in what stands between braces."""
+    return escape(title).replace("{", "&#123;")
+
+
 def _layout(answers: Answers, title: str, name: str) -> html.Div:
     factors = answers.session.factors
     meta = {
@@ -118,6 +167,8 @@ def _layout(answers: Answers, title: str, name: str) -> html.Div:
         className="page",
         children=[
             dcc.Store(id="meta", data=meta),
+            dcc.Store(id="entered", data={}),
+            dcc.Store(id="judged"),
             dcc.Store(id="typed", data={}),
             dcc.Store(id="asked"),
             dcc.Store(id="shown"),
@@ -125,7 +176,7 @@ def _layout(answers: Answers, title: str, name: str) -> html.Div:
             dcc.Store(id="news"),
             dcc.Store(id="pins", data=[], storage_type="session"),
             dcc.Store(id="dark"),
-            dcc.Interval(id="again", interval=_ASK_AGAIN, disabled=True),
+            dcc.Interval(id="again", interval=_ASK_AGAIN),
             dcc.Interval(id="report-again", interval=500, disabled=True),
             dcc.Store(id="report-folder"),
             html.Header([html.H1(title), html.Span("", id="state", className="state", role="status")]),
@@ -133,7 +184,7 @@ def _layout(answers: Answers, title: str, name: str) -> html.Div:
                 className="columns",
                 children=[
                     html.Div(_controls(answers), className="card controls"),
-                    html.Div(_results(name), className="results"),
+                    html.Div(_results(name), id="results", className="results"),
                 ],
             ),
         ],
@@ -178,8 +229,10 @@ def _row(factor: Factor) -> html.Div:
     return html.Div(
         [
             html.Div([html.Label(factor.label, title=factor.note), typed], className="name"),
+            html.Div(id={"kind": "wrong", "key": factor.key}, className="wrong", role="alert"),
             html.Div(slider, id=f"slider-{factor.key}"),
         ],
+        id={"kind": "row", "key": factor.key},
         className="row",
     )
 
@@ -204,6 +257,7 @@ def _results(name: str) -> list[Any]:
     headline = html.Div(
         [
             html.Div(id="problem", className="problem", role="alert"),
+            html.Div(id="lost", className="lost", role="status"),
             html.Div(id="verdict"),
             html.Div(id="numbers", className="numbers"),
         ],
@@ -254,7 +308,6 @@ def _follow(app: Dash, answers: Answers) -> None:
     app.clientside_callback(
         _GATHER,
         Output("asked", "data"),
-        Output({"kind": "text", "key": ALL}, "value"),
         Input({"kind": "slider", "key": ALL}, "value"),
         Input("fluid", "value"),
         Input("typed", "data"),
@@ -266,81 +319,96 @@ def _follow(app: Dash, answers: Answers) -> None:
     app.clientside_callback(_DARK, Output("dark", "data"), Input("meta", "data"))
 
     @app.callback(Output("news", "data"), Input("again", "n_intervals"), State("news", "data"))
+    @answered
     def ask_for_news(_: Any, before: Any) -> int:
         # a question of its own, which takes no time: the answer of the other one is never overtaken by it
         if answers.news == before:
             raise PreventUpdate
         return answers.news
 
+    outputs = {
+        "figures": [Output(f"graph-{key}", "figure") for key in _PICTURES],
+        "verdict": Output("verdict", "children"),
+        "numbers": Output("numbers", "children"),
+        "warnings": Output("warnings", "children"),
+        "compare": Output("compare", "children"),
+        "problem": Output("problem", "children"),
+        "lost": Output("lost", "children"),
+        "wrong": Output({"kind": "wrong", "key": ALL}, "children"),
+        "rows": Output({"kind": "row", "key": ALL}, "className"),
+        "results": Output("results", "className"),
+        "state": Output("state", "children"),
+        "again": Output("again", "interval"),
+        "shown": Output("shown", "data"),
+    }
+
     @app.callback(
-        *(Output(f"graph-{key}", "figure") for key in _PICTURES),
-        Output("problem", "children"),
-        Output("verdict", "children"),
-        Output("numbers", "children"),
-        Output("numbers", "className"),
-        Output("warnings", "children"),
-        Output("compare", "children"),
-        Output("state", "children"),
-        Output("again", "disabled"),
-        Output("shown", "data"),
+        outputs,
         Input("asked", "data"),
         Input("news", "data"),
         Input("pins", "data"),
         Input("dark", "data"),
         State("shown", "data"),
     )
-    def follow(asked: Any, _: Any, pins: Any, dark: Any, shown: Any) -> Any:
-        if not asked or dark is None:
+    @answered
+    def follow(sent: Any, _: Any, pins: Any, dark: Any, shown: Any) -> Any:
+        if not sent or dark is None:
             raise PreventUpdate
-        screen = answers.answer(asked["design"], asked["page"], asked["number"])
+        asked, factors = asked_of(sent), answers.session.factors
+        pinned_designs = designs_of(pins, len(PINS))
+        before = texts_of((shown or {}).get("design") or {}, "shown") if isinstance(shown or {}, dict) else {}
+        screen = answers.answer(asked.design, asked.page, asked.number)
         if screen is None:
             raise PreventUpdate
-        pinned = [answers.screen(design) for design in pins or []]
-        state = _state(screen, answers)
-        signature = json.dumps(
-            [screen.design, state, bool(screen.waiting), pins, dark, [p.complete for p in pinned]]
-        )
-        now = {"signature": signature, "number": asked["number"]}
-        if shown and signature == shown["signature"]:
-            return (*[no_update] * (len(_PICTURES) + 8), now)
+        pinned = [answers.screen(design) for design in pinned_designs]
+        state, lost = _state(screen, answers), answers.lost
+        kinds = [bool(screen.waiting), asked.wrong, lost, pins, dark, [one.complete for one in pinned]]
+        signature = json.dumps([screen.design, state, *kinds])
+        now = {"signature": signature, "number": asked.number, "design": before}
+        if shown and signature == shown.get("signature"):
+            found = _all(outputs, no_update, factors)
+            return {**found, "shown": now}
         if not screen.complete and not screen.problem:
             _settle_later(answers, asked)
+        wrong = {**screen.wrong, **factors.wrong(asked.wrong)}
+        found = {
+            **_all(outputs, no_update, factors),
+            "wrong": [wrong.get(one.key, "") for one in factors.sliders],
+            "rows": ["row not-taken" if one.key in wrong else "row" for one in factors.sliders],
+            "lost": lost,
+            "state": state,
+            "again": _ASK_AGAIN if not screen.complete and answers.follows(screen.design) else _ASK_AT_REST,
+        }
         if screen.problem:
             # what was there before stays, faded
-            kept = [no_update] * len(_PICTURES)
-            return (
-                *kept,
-                screen.problem,
-                no_update,
-                no_update,
-                "numbers stale",
-                [],
-                no_update,
-                "",
-                True,
-                signature,
-            )
+            said = f"{screen.problem}. {still_words(factors, screen.design, before)}"
+            return {**found, "problem": said, "results": "results stale", "warnings": [], "shown": now}
         drawn = figures(screen, pinned, bool(dark))
-        return (
-            *(drawn[key].plain() for key in _PICTURES),
-            "",
-            _verdict(screen),
-            [_number(one) for one in numbers_of(screen)],
-            "numbers",
-            _warnings(screen),
-            _compared(screen, pinned, answers),
-            state,
-            screen.complete or not answers.works,
-            now,
-        )
+        return {
+            **found,
+            "figures": [drawn[key].plain() for key in _PICTURES],
+            "verdict": pieces.verdict(screen),
+            "numbers": pieces.numbers(screen),
+            "warnings": pieces.warnings(screen),
+            "compare": pieces.compared(screen, pinned, factors),
+            "problem": not_taken_words(factors, screen.design, asked.wrong),
+            "results": "results",
+            "shown": {**now, "design": screen.design},
+        }
 
 
-def _settle_later(answers: Answers, asked: dict[str, Any]) -> None:
+def _all(outputs: dict[str, Any], what: Any, factors: Factors) -> dict[str, Any]:
+    """The same for all outputs of a callback."""
+    several = {"figures": len(_PICTURES), "wrong": len(factors.sliders), "rows": len(factors.sliders)}
+    return {name: [what] * several[name] if name in several else what for name in outputs}
+
+
+def _settle_later(answers: Answers, asked: Asked) -> None:
     """Begin with the complete run when nothing newer was asked for a while."""
 
     def begin() -> None:
-        if answers.is_newest(asked["page"], asked["number"]):
-            answers.settle(asked["design"])
+        if answers.is_newest(asked.page, asked.number):
+            answers.settle(asked.design)
 
     timer = threading.Timer(_REST, begin)
     timer.daemon = True
@@ -348,151 +416,108 @@ def _settle_later(answers: Answers, asked: dict[str, Any]) -> None:
 
 
 def _state(screen: Screen, answers: Answers) -> str:
+    if screen.problem:
+        return ""
     if screen.complete:
         return "the numbers of fem-seal run"
-    if screen.waiting:
+    follows = answers.follows(screen.design)
+    if screen.waiting and (follows or not answers.session.not_live):
         return f"calculating: {screen.waiting}"
-    return "live; fem-seal run follows ..." if answers.works else "live"
-
-
-_COLOURS = {"pass": "good", "fail": "bad", "inconclusive": "warn"}
-
-
-def _verdict(screen: Screen) -> list[Any]:
-    """What is said of the requirement, and how far the numbers can be trusted."""
-    load = screen.load
-    if load is None:
-        return []
-    found = []
-    if screen.verdict:
-        first, *others = screen.told
-        words = [
-            html.Span(screen.verdict, id="verdict-word"),
-            html.Div(" ".join([first, *others]), className="why"),
-        ]
-        found.append(html.Div(words, className=f"verdict {_COLOURS.get(screen.verdict, 'warn')}"))
-    elif screen.limits and not screen.complete:
-        found.append(html.Div("The verdict follows when the sliders rest.", className="verdict"))
-    colour, level = validity_words(load, screen.round)
-    why = "; ".join(load.reasons)
-    told = "" if screen.verdict else " ".join(screen.told)
-    below = [html.Div(text, className="why") for text in (why, told) if text]
-    found.append(html.Div([level, *below], className=f"verdict {colour}", id="validity"))
-    facts = [
-        html.Div([html.Span(name, className="what"), html.B(value), html.Span(remark, className="more")])
-        for name, value, remark in screen.facts
-    ]
-    return [*found, *([html.Div(facts, className="facts")] if facts else [])]
-
-
-def _number(number: Number) -> html.Div:
-    return html.Div(
-        [
-            html.Div(number.what, className="what"),
-            html.Div(
-                number.value, className="value", id=f"value-{number.name}", **{"data-si": repr(number.si)}
-            ),
-            *([html.Div(number.more, className="more")] if number.more else []),
-        ],
-        className="number",
-    )
-
-
-def _warnings(screen: Screen) -> list[Any]:
-    if not screen.warnings:
-        return []
-    return [
-        html.Div(
-            [html.H2("To know before believing it"), html.Ul([html.Li(one) for one in screen.warnings])],
-            className="card",
-        )
-    ]
-
-
-def _compared(screen: Screen, pinned: list[Screen], answers: Answers) -> list[Any]:
-    if not pinned:
-        return [
-            html.Div(
-                f"Pin up to {_MOST_PINS} designs to see them beside what the sliders show.", className="note"
-            )
-        ]
-    factors = answers.session.factors
-    shown = [(screen, LIVE, "now"), *((pin, PINS[n], chr(ord("A") + n)) for n, pin in enumerate(pinned))]
-    heads = [html.Th("")]
-    for number, (_, colour, name) in enumerate(shown):
-        buttons = (
-            []
-            if name == "now"
-            else [
-                html.Button("take", id={"kind": "take", "number": number - 1}),
-                html.Button("remove", id={"kind": "remove", "number": number - 1}),
-            ]
-        )
-        heads.append(html.Th([html.Span(className="dot", style={"background": colour}), name, " ", *buttons]))
-    labels = {one.key: one.label for one in factors.sliders} | {"fluid": "fluid"}
-    rows = [
-        html.Tr([html.Td(labels[key]), *(html.Td(one.design.get(key, "")) for one, _, _ in shown)])
-        for key in changed(factors, screen.design, [pin.design for pin in pinned])
-    ]
-    numbers = [{one.name: one for one in numbers_of(each)} for each, _, _ in shown]
-    for name, first in numbers[0].items():
-        rows.append(
-            html.Tr(
-                [
-                    html.Td(first.what),
-                    *(html.Td(each[name].value if name in each else "–") for each in numbers),
-                ]
-            )
-        )
-    validity = [validity_words(one.load)[1] if one.load else "–" for one, _, _ in shown]
-    rows.append(html.Tr([html.Td("validity"), *(html.Td(one) for one in validity)]))
-    return [html.Table([html.Thead(html.Tr(heads)), html.Tbody(rows)])]
+    if follows:
+        return "live; fem-seal run follows ..."
+    given_up = answers.given_up(screen.design)
+    return f"live, without a complete run: {given_up}" if given_up else "live"
 
 
 def _type(app: Dash, answers: Answers) -> None:
     factors = answers.session.factors
 
-    @app.callback(
-        Output("typed", "data"),
-        Output({"kind": "slider", "key": ALL}, "value"),
-        Output("fluid", "value"),
-        Output("problem", "children", allow_duplicate=True),
+    app.clientside_callback(
+        _ENTER,
+        Output("entered", "data"),
         Input({"kind": "text", "key": ALL}, "n_submit"),
         Input({"kind": "text", "key": ALL}, "n_blur"),
+        State("entered", "data"),
+        State("typed", "data"),
+        State({"kind": "slider", "key": ALL}, "value"),
+        State("meta", "data"),
+        prevent_initial_call=True,
+    )
+
+    @app.callback(Output("judged", "data"), Input("entered", "data"), prevent_initial_call=True)
+    @answered
+    def judge(entered: Any) -> Any:
+        if not entered:
+            raise PreventUpdate
+        if not isinstance(entered, dict) or not isinstance(entered.get("fields"), dict):
+            refuse("entered")
+        typed: dict[str, Any] = {}
+        for factor in factors.sliders:
+            one = entered["fields"].get(factor.key)
+            if one is None:
+                continue
+            if not isinstance(one, dict):
+                refuse("entered")
+            text, before = (text_of(one.get(key), "entered") for key in ("text", "before"))
+            if factor.wrong(text):
+                # it stays in its field, beside what is calculated with
+                place = place_of(one.get("at"), factor.stops, "entered")
+                typed[factor.key] = {"at": place, "text": before, "wrong": text}
+            else:
+                typed[factor.key] = {"at": factor.nearest(text), "text": text}
+        return {"number": entered.get("number"), "typed": typed}
+
+    app.clientside_callback(
+        _JUDGED,
+        Output("typed", "data"),
+        Output({"kind": "slider", "key": ALL}, "value"),
+        Input("judged", "data"),
+        State("entered", "data"),
+        State({"kind": "slider", "key": ALL}, "value"),
+        State("meta", "data"),
+        prevent_initial_call=True,
+    )
+
+    @app.callback(
+        Output("typed", "data", allow_duplicate=True),
+        Output({"kind": "slider", "key": ALL}, "value", allow_duplicate=True),
+        Output("fluid", "value"),
+        Output("entered", "data", allow_duplicate=True),
         Input({"kind": "take", "number": ALL}, "n_clicks"),
         Input("reset", "n_clicks"),
-        State({"kind": "text", "key": ALL}, "value"),
-        State("typed", "data"),
-        State("asked", "data"),
         State("pins", "data"),
         prevent_initial_call=True,
     )
-    def type_or_take(
-        _a: Any, _b: Any, takes: Any, _c: Any, texts: Any, typed: Any, asked: Any, pins: Any
-    ) -> Any:
-        who = ctx.triggered_id
-        keep = [no_update] * len(factors.sliders)
-        if who is None or not any(one.get("value") for one in ctx.triggered):
-            raise PreventUpdate
-        if who == "reset" or who.get("kind") == "take":
-            design = factors.given if who == "reset" else pins[who["number"]]
-            at = [one.nearest(design[one.key]) for one in factors.sliders]
-            own = {
-                one.key: {"at": place, "text": design[one.key]}
-                for one, place in zip(factors.sliders, at, strict=True)
-            }
-            return own, at, design.get("fluid", no_update), ""
-        number = [one.key for one in factors.sliders].index(who["key"])
-        factor, text = factors.sliders[number], str(texts[number] or "").strip()
-        if asked and text == asked["design"].get(factor.key):
-            raise PreventUpdate
-        try:
-            factor.check(text)
-        except InputError as error:
-            return no_update, keep, no_update, "; ".join(str(one) for one in error.problems)
-        place = factor.nearest(text)
-        keep[number] = place
-        return {**(typed or {}), factor.key: {"at": place, "text": text}}, keep, no_update, no_update
+    @answered
+    def take(_a: Any, _b: Any, pins: Any) -> Any:
+        who, pinned, design = _who(), designs_of(pins, len(PINS)), factors.given
+        if who != "reset":
+            design |= pinned[_number_of(who, pinned)]
+        if factors.wrong(design):
+            refuse("pins")
+        at = [one.nearest(design[one.key]) for one in factors.sliders]
+        own = {
+            one.key: {"at": place, "text": design[one.key]}
+            for one, place in zip(factors.sliders, at, strict=True)
+        }
+        return own, at, design.get("fluid", no_update), {}
+
+
+def _who() -> Any:
+    """Which element something was done with: its id, a text or a table."""
+    try:
+        who, done = ctx.triggered_id, any(one.get("value") for one in ctx.triggered)
+    except (AttributeError, LookupError, TypeError, ValueError):
+        # dash reads what the browser says of it only now
+        refuse("changedPropIds")
+    if not who or not done:
+        raise PreventUpdate
+    return who
+
+
+def _number_of(who: Any, several: list[Any]) -> int:
+    """The place that an element with a number belongs to."""
+    return place_of(who.get("number") if isinstance(who, dict) else None, several, "number")
 
 
 def _pin(app: Dash, answers: Answers) -> None:
@@ -504,15 +529,15 @@ def _pin(app: Dash, answers: Answers) -> None:
         State("asked", "data"),
         prevent_initial_call=True,
     )
+    @answered
     def pin(_: Any, removes: Any, pins: Any, asked: Any) -> Any:
-        who, pins = ctx.triggered_id, list(pins or [])
-        if who is None or not any(one.get("value") for one in ctx.triggered):
-            raise PreventUpdate
+        who, pins = _who(), designs_of(pins, len(PINS))
         if who == "pin":
-            design = answers.session.design(asked["design"])
+            design = answers.session.design(asked_of(asked).design)
             # the fifth takes the place of the first
-            return pins if design in pins else [*pins, design][-_MOST_PINS:]
-        return [one for number, one in enumerate(pins) if number != who["number"]]
+            return pins if design in pins else [*pins, design][-len(PINS) :]
+        gone = _number_of(who, pins)
+        return [one for number, one in enumerate(pins) if number != gone]
 
 
 def _files(app: Dash, answers: Answers, folder: Path) -> None:
@@ -525,15 +550,17 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         State("asked", "data"),
         prevent_initial_call=True,
     )
-    def write(_: Any, name: Any, asked: Any) -> str:
-        session = answers.session
+    @answered
+    def write(_: Any, name: Any, sent: Any) -> str:
+        session, asked = answers.session, asked_of(sent)
         try:
             source = session.given.file
             remark = f"Written by fem-seal explore from {source.name if source else 'a case'}."
-            path = write_case(session.case(asked["design"]), folder, str(name or ""), remark)
+            path = write_case(session.case(asked.design), folder, str(name or ""), remark)
         except (SealError, OSError) as error:
             return f"Not written: {error}"
-        return f"Written: {path}. It runs with: fem-seal run {path.name}"
+        not_taken = not_taken_words(session.factors, session.design(asked.design), asked.wrong)
+        return f"Written: {path}. It runs with: fem-seal run {path.name}. {not_taken}".strip()
 
     @app.callback(
         Output("report-folder", "data"),
@@ -544,15 +571,18 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         State("asked", "data"),
         prevent_initial_call=True,
     )
-    def report(_: Any, name: Any, asked: Any) -> Any:
+    @answered
+    def report(_: Any, name: Any, sent: Any) -> Any:
+        session, asked = answers.session, asked_of(sent)
         try:
             target = free_name(folder, str(name or ""), ".out")
-            answers.session.case(asked["design"])
+            session.case(asked.design)
             target.mkdir(parents=True)
         except (SealError, OSError) as error:
             return no_update, True, f"No report: {error}"
-        answers.report(asked["design"], target)
-        return str(target), False, f"The report is being made in {target} ..."
+        answers.report(asked.design, target)
+        not_taken = not_taken_words(session.factors, session.design(asked.design), asked.wrong)
+        return str(target), False, f"The report is being made in {target} ... {not_taken}".strip()
 
     @app.callback(
         Output("report-said", "children"),
@@ -561,11 +591,15 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         State("report-folder", "data"),
         prevent_initial_call=True,
     )
+    @answered
     def made(_: Any, target: Any) -> Any:
-        done = answers.written(Path(target)) if target else None
+        done = answers.written(Path(text_of(target, "report"))) if target else None
         if done is None:
             raise PreventUpdate
         if done.problem:
+            with suppress(OSError):
+                # nothing has been written into it
+                Path(target).rmdir()
             return f"No report: {done.problem}", True
         path = Path(target)
         if path not in reports:
@@ -578,5 +612,8 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         from flask import abort, send_file
 
         if number >= len(reports):
-            abort(404)
-        return send_file(reports[number].absolute() / "report.html")
+            abort(404, "the page has no such report")
+        path = reports[number].absolute() / "report.html"
+        if not path.exists():
+            abort(404, f"{path} is not there any more")
+        return send_file(path)

@@ -131,6 +131,8 @@ class Screen:
     warnings : tuple of str
     problem : str
         Why there is nothing to show; empty if there is.
+    wrong : dict
+        From keys of factors to what is wrong with their values, where the problem is that of one.
     between : tuple of ShownLoad
         Further loads that fill the curve; the case does not have them.
     verdict : str
@@ -166,6 +168,7 @@ class Screen:
     widens: bool = False
     round: bool = False
     volume: LeakVolume = LIQUID
+    wrong: dict[str, str] = field(default_factory=dict)
 
     @property
     def load(self) -> ShownLoad | None:

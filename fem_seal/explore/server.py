@@ -7,20 +7,17 @@ import signal
 import socket
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fem_seal.errors import InputError, Problem
 
 if TYPE_CHECKING:
-    from dash import Dash
-
     from fem_seal.case.case import Case
 
-HOST = "127.0.0.1"
 _MISSING = "needs packages that are not there; install them with: pip install 'fem-seal[explore]'"
 
 
-def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None]) -> None:
+def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None], *, debug: bool = False) -> None:
     """Serve the page of a case until it is interrupted.
 
     Parameters
@@ -31,7 +28,9 @@ def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None]) ->
     port : int
         0 takes one that is free.
     opened : callable
-        Gets the address as soon as the page can be opened.
+        Gets the address as soon as the page can be opened; without the token in it the page answers nobody.
+    debug : bool
+        Whether tracebacks of defects are printed.
 
     Raises
     ------
@@ -41,6 +40,7 @@ def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None]) ->
     try:
         from werkzeug.serving import make_server
 
+        from fem_seal.explore.gate import HOST, guard, new_token
         from fem_seal.explore.page import page_of
     except ImportError as error:
         if (error.name or "").split(".")[0] not in ("dash", "plotly", "flask", "werkzeug"):
@@ -53,7 +53,7 @@ def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None]) ->
     if hasattr(signal, "pthread_sigmask"):
         # blocked in all threads that follow: gmsh takes back what is only ignored
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
-    _check_free(port)
+    _check_free(HOST, port)
     session = Session(case)
     answers = Answers(session)
     try:
@@ -61,9 +61,10 @@ def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None]) ->
         page = page_of(answers, folder, title)
         logging.getLogger("werkzeug").setLevel(logging.ERROR)
         server = make_server(HOST, port, page.server, threaded=True)
-        only_from_here(page, server.server_port)
+        token = new_token()
+        guard(page, server.server_port, token, debug=debug)
         answers.warm_up()
-        opened(f"http://{HOST}:{server.server_port}")
+        opened(f"http://{HOST}:{server.server_port}/?token={token}")
         try:
             server.serve_forever()
         except KeyboardInterrupt:
@@ -74,31 +75,12 @@ def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None]) ->
         answers.close()
 
 
-def _check_free(port: int) -> None:
+def _check_free(host: str, port: int) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
         try:
-            probe.bind((HOST, port))
+            probe.bind((host, port))
         except (OSError, OverflowError):
             what = (
                 "cannot be used: another page or program has it; choose another one, 0 for any that is free"
             )
             raise InputError(Problem("--port", what, str(port))) from None
-
-
-def only_from_here(page: Dash, port: int) -> None:
-    """Refuse what does not come from this very page: another site cannot ask for it under a name of its own.
-
-    Parameters
-    ----------
-    page : Dash
-    port : int
-    """
-    from flask import abort, request
-
-    names = {f"{host}:{port}" for host in (HOST, "localhost")}
-
-    @page.server.before_request
-    def check() -> Any:
-        origin = request.headers.get("Origin", "")
-        if request.host not in names or (origin and origin.removeprefix("http://") not in names):
-            abort(403)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import signal
+import time
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -110,3 +112,79 @@ def validity_words(load: ShownLoad, as_round: bool = False) -> tuple[str, str]:
     if as_round and colour == "good":
         return "", "within the theory as a round seal; its form error follows"
     return colour, {"good": "within the theory"}.get(colour, load.level)
+
+
+def lost_words(code: int, again: bool, left: bool) -> str:
+    """What became of a process of the page.
+
+    Parameters
+    ----------
+    code : int
+        With which it ended; minus the number of the signal that killed it.
+    again : bool
+        Whether another one does its work again.
+    left : bool
+        Whether it is not tried again, since it has ended two.
+    """
+    try:
+        how = f"was killed ({signal.Signals(-code).name})" if code < 0 else f"ended with code {code}"
+    except ValueError:
+        how = f"was killed (signal {-code})"
+    perhaps = "; the system does so where memory runs out" if code == -9 else ""
+    said = f"At {time.strftime('%H:%M:%S')} a process of this page {how}{perhaps}."
+    if left:
+        return f"{said} It was the second one over the same work, which is not tried again by itself."
+    return f"{said} Another one has taken its place{' and begins its work anew' if again else ''}."
+
+
+def unexpected_words(error: BaseException) -> str:
+    """What is said of an error that nobody thought of, in one line.
+
+    Parameters
+    ----------
+    error : BaseException
+    """
+    if isinstance(error, MemoryError):
+        return "not enough memory; try a coarser mesh or fewer loads"
+    said = f"unexpected {type(error).__name__}: {error}. This is a defect of fem-seal; --debug shows the traceback"
+    return " ".join(said.split())
+
+
+def not_taken_words(factors: Factors, design: Mapping[str, str], wrong: Mapping[str, str]) -> str:
+    """That texts stand in fields that are not calculated with, and what is; empty if there are none.
+
+    Parameters
+    ----------
+    factors : Factors
+    design : mapping
+        That the numbers belong to.
+    wrong : mapping
+        From keys of factors to the texts that stand in their fields.
+    """
+    labels = {one.key: one.label for one in factors.sliders if one.key in wrong}
+    if not labels:
+        return ""
+    refused = "; ".join(f'{label} = "{wrong[key]}"' for key, label in labels.items())
+    return f"Not taken: {refused}. The numbers belong to {_inputs(labels, design)}."
+
+
+def still_words(factors: Factors, design: Mapping[str, str], shown: Mapping[str, str]) -> str:
+    """Which inputs the faded numbers of an earlier design belong to.
+
+    Parameters
+    ----------
+    factors : Factors
+    design : mapping
+        That cannot be calculated.
+    shown : mapping
+        That is still shown.
+    """
+    labels = {one.key: one.label for one in factors.sliders} | {"fluid": "fluid"}
+    other = {key: label for key, label in labels.items() if key in shown and shown[key] != design.get(key)}
+    if not other:
+        return ""
+    return f"The faded numbers and pictures still belong to {_inputs(other, shown)}."
+
+
+def _inputs(labels: Mapping[str, str], design: Mapping[str, str]) -> str:
+    return "; ".join(f"{label} = {design[key]}" for key, label in labels.items() if key in design)

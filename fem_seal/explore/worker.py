@@ -1,12 +1,14 @@
 """Processes beside the page: one makes ahead what the next move of a slider will need, one runs cases to the end.
 
 They only see the newest design: what was asked before it and has not begun is dropped, and a run is left at its next
-step. Both end with the page.
+step. Both end with the page; one that ends before it (killed, out of memory) is replaced, and what it was doing is done
+once more.
 """
 
 from __future__ import annotations
 
 import signal
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -14,17 +16,22 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from threading import Event, RLock, Thread
+from threading import RLock, Thread
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.explore.live import WRONG, Session
 from fem_seal.explore.screen import Screen, screen_of, without_interval
+from fem_seal.explore.words import lost_words, unexpected_words
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.result import SealResult
 
 _SCREENS = 64
+# Processes that may end over the same work.
+_MOST_DEATHS = 2
+# For so long the page says that a process was replaced [s].
+_TOLD_FOR = 60.0
 
 
 @dataclass(frozen=True)
@@ -62,8 +69,27 @@ class _NewerAskedForError(BaseException):
     """A newer design is waiting: the run of the old one is left."""
 
 
+@dataclass(frozen=True)
+class Lost:
+    """A process has ended that was not to; another one has its work, or nobody has.
+
+    Parameters
+    ----------
+    code : int
+        With which it ended; minus the number of the signal that killed it.
+    again : tuple of Ask
+        What the other one does again.
+    left : tuple of Ask
+        What is not tried again.
+    """
+
+    code: int
+    again: tuple[Ask, ...] = ()
+    left: tuple[Ask, ...] = ()
+
+
 class Worker:
-    """A process that works for the newest design.
+    """A process that works for the newest design; where it ends before its time, another one takes its place.
 
     Parameters
     ----------
@@ -71,7 +97,7 @@ class Worker:
     work : callable
         `make_ahead` or `run_to_the_end`.
     told : callable
-        Gets what the process gives, from a thread of its own.
+        Gets what the process gives and what becomes of it, from a thread of its own.
     """
 
     def __init__(
@@ -82,52 +108,93 @@ class Worker:
     ) -> None:
         self._case, self._work, self._told = case, work, told
         self._lock = RLock()
-        self._ended = Event()
         self._mine: Connection | None = None
         self._process: BaseProcess | None = None
+        # what it has not answered, and how many processes have ended over it
+        self._open: list[tuple[Ask, int]] = []
+        # whether the process has proved that it can work
+        self._proved, self._closed = False, False
 
     def ask(self, ask: Ask) -> None:
         """Work for a design from now on; the first time the process is started."""
         with self._lock:
-            if not self.works:
+            if self._closed:
                 return
+            if any(one == ask for one, _ in self._open):
+                return
+            # of designs the newest is left, of reports all
+            self._open = [one for one in self._open if ask.folder or one[0].folder] + [(ask, 0)]
             if self._mine is None:
-                self._mine = self._started()
-            try:
-                self._mine.send(ask)
-            except (OSError, ValueError):
-                self._ended.set()
+                self._start()
+            else:
+                self._send(ask)
 
-    def _started(self) -> Connection:
+    def _start(self) -> None:
+        """Start a process and give it all that is open."""
         context = get_context("spawn")
         mine, theirs = context.Pipe()
         self._process = context.Process(target=self._work, args=(theirs, self._case), daemon=True)
         self._process.start()
         theirs.close()
-        Thread(target=self._listen, args=(mine,), daemon=True).start()
-        return mine
+        self._mine, self._proved = mine, False
+        Thread(target=self._listen, args=(mine, self._process), daemon=True).start()
+        for ask, _ in self._open:
+            self._send(ask)
 
-    @property
-    def works(self) -> bool:
-        """Whether the process is there."""
-        return not self._ended.is_set()
+    def _send(self, ask: Ask) -> None:
+        assert self._mine is not None
+        try:
+            self._mine.send(ask)
+        except (OSError, ValueError):
+            # it has ended just now; who listens to it gives the work to another one
+            return
 
     def close(self) -> None:
         """End the process."""
-        self._ended.set()
         with self._lock:
+            self._closed = True
             if self._process is not None:
                 self._process.terminate()
                 self._process.join(2.0)
 
-    def _listen(self, mine: Connection) -> None:
-        while not self._ended.is_set():
+    def _listen(self, mine: Connection, process: BaseProcess) -> None:
+        while True:
             try:
                 got = mine.recv()
             except (EOFError, OSError):
                 break
+            with self._lock:
+                self._proved = True
+                self._open = [one for one in self._open if not _answers(got, one[0])]
             self._told(got)
-        self._ended.set()
+        process.join()
+        with self._lock:
+            if not self._closed:
+                self._replace(process.exitcode or 0)
+
+    def _replace(self, code: int) -> None:
+        """Another process for one that has ended, with what it left undone but for what has ended several."""
+        mine, self._mine = self._mine, None
+        if mine is not None:
+            mine.close()
+        counted = [(ask, deaths + 1) for ask, deaths in self._open]
+        self._open = [one for one in counted if one[1] < _MOST_DEATHS]
+        left = tuple(ask for ask, deaths in counted if deaths >= _MOST_DEATHS)
+        again = tuple(ask for ask, _ in self._open)
+        # one that could do nothing at all is not started for nothing
+        try:
+            if again or self._proved:
+                self._start()
+        except OSError:
+            again, left, self._open = (), (*again, *left), []
+        self._told(Lost(code, again, left))
+
+
+def _answers(got: object, ask: Ask) -> bool:
+    """Whether something given by a process is what was asked for."""
+    if isinstance(got, Written):
+        return got.folder == ask.folder
+    return isinstance(got, Screen) and not ask.folder and got.design == ask.design
 
 
 def _of_the_page() -> None:
@@ -135,11 +202,15 @@ def _of_the_page() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _newest(conn: Connection, ask: Ask | None) -> Ask | None:
-    """The last of what was asked; waits for it if there is nothing to do. Reports are never dropped."""
-    while ask is None or (not ask.folder and conn.poll()):
-        ask = conn.recv()
-    return ask
+def _next(conn: Connection, waiting: list[Ask]) -> Ask:
+    """What is to be done next of what waits and what was asked since: reports in their order, then the newest design.
+
+    It stays among what waits.
+    """
+    while not waiting or conn.poll():
+        got: Ask = conn.recv()
+        waiting[:] = [one for one in waiting if got.folder or one.folder] + [got]
+    return next((one for one in waiting if one.folder), waiting[-1])
 
 
 def make_ahead(conn: Connection, case: Case) -> None:
@@ -154,8 +225,7 @@ def make_ahead(conn: Connection, case: Case) -> None:
     session = Session(case)
     try:
         while True:
-            ask = _newest(conn, None)
-            assert ask is not None
+            ask = _next(conn, [])
             for name, design in _wanted(session, ask.design):
                 if conn.poll():
                     break
@@ -184,11 +254,10 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
     _of_the_page()
     session = Session(case)
     last: tuple[dict[str, str], SealResult] | None = None
-    ask: Ask | None = None
+    waiting: list[Ask] = []
     try:
         while True:
-            ask = _newest(conn, ask)
-            assert ask is not None
+            ask = _next(conn, waiting)
 
             def aside(_: str, ask: Ask = ask) -> None:
                 if not ask.folder and conn.poll():
@@ -203,16 +272,14 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
                     last[1].write(ask.folder)
                     conn.send(Written(ask.folder))
             except _NewerAskedForError:
-                pass
-            except WRONG as error:
-                conn.send(Written(ask.folder, str(error)) if ask.folder else _failed(ask, error))
-            ask = None
+                continue
+            except Exception as error:
+                why = str(error) if isinstance(error, (*WRONG, OSError)) else unexpected_words(error)
+                failed = Screen(ask.design, complete=True, problem=why)
+                conn.send(Written(ask.folder, why) if ask.folder else failed)
+            waiting.remove(ask)
     except (EOFError, OSError, KeyboardInterrupt):
         return
-
-
-def _failed(ask: Ask, error: Exception) -> Screen:
-    return Screen(ask.design, complete=True, problem=str(error))
 
 
 def run_of(session: Session, design: Mapping[str, str], progress: Callable[[str], None]) -> SealResult:
@@ -271,7 +338,10 @@ class Answers:
         self._warm = False
         self._asked_ahead: dict[str, str] = {}
         session.waits = alone
-        self._ahead = None if alone else Worker(session.given, make_ahead, self._told)
+        # designs whose runs ended their process, and why; what the page says of it, and when it happened
+        self._given_up: OrderedDict[tuple[tuple[str, str], ...], str] = OrderedDict()
+        self._lost, self._lost_at = "", 0.0
+        self._ahead = None if alone else Worker(session.given, make_ahead, self._told_ahead)
         self._runner = None if alone else Worker(session.given, run_to_the_end, self._told)
 
     def answer(self, design: Mapping[str, str], page: str = "", number: int = 0) -> Screen | None:
@@ -328,10 +398,20 @@ class Answers:
         with self._lock:
             return number >= self._newest.get(page, 0)
 
+    def follows(self, design: Mapping[str, str]) -> bool:
+        """Whether a complete run of a design can follow."""
+        return self._runner is not None and not self.given_up(design)
+
+    def given_up(self, design: Mapping[str, str]) -> str:
+        """Why no complete run of a design follows; empty if one may."""
+        with self._lock:
+            return self._given_up.get(_name(self.session.design(design)), "")
+
     @property
-    def works(self) -> bool:
-        """Whether complete runs can follow."""
-        return self._runner is not None and self._runner.works
+    def lost(self) -> str:
+        """What became of a process that ended a short while ago; empty if none did."""
+        with self._lock:
+            return self._lost if time.monotonic() - self._lost_at < _TOLD_FOR else ""
 
     def warm_up(self) -> None:
         """Make what the case itself needs, while the browser opens."""
@@ -352,7 +432,7 @@ class Answers:
     def settle(self, design: Mapping[str, str]) -> None:
         """Begin with the complete run of a design."""
         design = self.session.design(design)
-        if self._runner is not None and self.complete(design) is None:
+        if self._runner is not None and self.complete(design) is None and self.follows(design):
             self._runner.ask(Ask(design))
 
     def complete(self, design: Mapping[str, str]) -> Screen | None:
@@ -362,8 +442,10 @@ class Answers:
 
     def report(self, design: Mapping[str, str], folder: Path) -> None:
         """Begin with the report of a design."""
-        assert self._runner is not None
-        self._runner.ask(Ask(self.session.design(design), str(folder)))
+        if self._runner is not None:
+            self._runner.ask(Ask(self.session.design(design), str(folder)))
+        else:
+            self._written[str(folder)] = Written(str(folder), "there are no complete runs here")
 
     def written(self, folder: Path) -> Written | None:
         """A report that was asked for, if it is there."""
@@ -386,16 +468,37 @@ class Answers:
 
     def _told(self, got: object) -> None:
         with self._lock:
-            if isinstance(got, Made):
-                self._news += self._waits
-                self.session.kept.put(got.name, got.what)
-            elif isinstance(got, Written):
+            if isinstance(got, Written):
                 self._written[got.folder] = got
             elif isinstance(got, Screen):
                 self._news += 1
-                self._complete[_name(got.design)] = got
+                name = _name(got.design)
+                self._complete[name] = got
+                self._given_up.pop(name, None)
                 while len(self._complete) > _SCREENS:
                     self._complete.popitem(last=False)
+            elif isinstance(got, Lost):
+                self._say_lost(got)
+                for ask in got.left:
+                    if ask.folder:
+                        self._written[ask.folder] = Written(ask.folder, self._lost)
+                    else:
+                        self._given_up[_name(ask.design)] = self._lost
+
+    def _told_ahead(self, got: object) -> None:
+        with self._lock:
+            if isinstance(got, Made):
+                self._news += self._waits
+                self.session.kept.put(got.name, got.what)
+            elif isinstance(got, Lost):
+                self._say_lost(got)
+                if got.left:
+                    self._asked_ahead = {}
+
+    def _say_lost(self, lost: Lost) -> None:
+        self._lost = lost_words(lost.code, bool(lost.again), bool(lost.left))
+        self._lost_at = time.monotonic()
+        self._news += 1
 
 
 def _name(design: Mapping[str, str]) -> tuple[tuple[str, str], ...]:

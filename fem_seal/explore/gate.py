@@ -1,0 +1,183 @@
+"""Who may ask the page, and how it refuses: one line, never a traceback.
+
+Every process of this machine can reach 127.0.0.1, and so can every site that is open in a browser. The page answers
+who has its token: it stands in the address that the command prints, and the browser keeps a cookie for it.
+"""
+
+from __future__ import annotations
+
+import hmac
+import os
+import secrets
+import traceback
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dash.exceptions import PreventUpdate
+from werkzeug.exceptions import HTTPException
+
+from fem_seal.explore.words import unexpected_words
+from fem_seal.terminal import complain
+
+if TYPE_CHECKING:
+    from dash import Dash
+    from flask import Response
+
+HOST = "127.0.0.1"
+# Largest question [bytes]: those of the page take a few thousand.
+_LARGEST = 1_000_000
+_NAMELESS = "open the address that fem-seal explore printed: it carries the token of the page"
+_OTHER_USER = "another user of this machine opened this address"
+_SOCKETS = Path("/proc/net/tcp")
+
+
+class DefectError(Exception):
+    """Something went wrong in the page itself, not in what was asked of it."""
+
+
+def new_token() -> str:
+    """A secret that nobody guesses."""
+    return secrets.token_urlsafe(24)
+
+
+def guard(page: Dash, port: int, token: str, *, debug: bool = False) -> None:
+    """Answer nobody but the page in the browser of this user, with headers that keep it to itself.
+
+    Parameters
+    ----------
+    page : Dash
+        With all its callbacks: scripts that stand in it later do not run.
+    port : int
+    token : str
+        Of the address.
+    debug : bool
+        Whether tracebacks of defects are printed.
+    """
+    _answer_those_who_know(page, port, token)
+    _send_headers(page)
+    _refuse_in_one_line(page, debug)
+
+
+def _answer_those_who_know(page: Dash, port: int, token: str) -> None:
+    from flask import abort, request
+
+    page.server.config["MAX_CONTENT_LENGTH"] = _LARGEST
+    names = {f"{host}:{port}" for host in (HOST, "localhost")}
+    # another secret than the token: that can be seen among the arguments of a browser that is being opened
+    cookie, known = f"fem-seal-{port}", new_token()
+
+    @page.server.before_request
+    def check() -> None:
+        origin = request.headers.get("Origin", "")
+        if request.host not in names or (origin and origin.removeprefix("http://") not in names):
+            abort(403, "this page answers only itself")
+        if _same(request.cookies.get(cookie, ""), known):
+            return
+        if request.path != "/" or not _same(request.args.get("token", ""), token):
+            abort(403, _NAMELESS)
+        if not own_connection(request.environ.get("REMOTE_PORT"), port):
+            abort(403, _OTHER_USER)
+        request.environ["fem-seal.opened"] = True
+
+    @page.server.after_request
+    def remember(response: Response) -> Response:
+        if request.environ.get("fem-seal.opened"):
+            response.set_cookie(cookie, known, httponly=True, samesite="Strict")
+            response.headers["Cache-Control"] = "no-store"
+        return response
+
+
+def _same(one: str, other: str) -> bool:
+    return hmac.compare_digest(one.encode(), other.encode())
+
+
+def own_connection(theirs: object, ours: int) -> bool:
+    """Whether a connection within this machine is this user's, as far as the system tells (Linux).
+
+    There any user sees the arguments of a browser that is opened with an address, the token in it.
+
+    Parameters
+    ----------
+    theirs : object
+        Port of who asks.
+    ours : int
+        Port of the page.
+    """
+    try:
+        rows = [line.split() for line in _SOCKETS.read_text(encoding="ascii").splitlines()[1:]]
+        ends = [f":{int(str(port)):04X}" for port in (theirs, ours)]
+    except (OSError, ValueError):
+        return True
+    owners = {
+        int(row[7]) for row in rows if len(row) > 7 and row[1].endswith(ends[0]) and row[2].endswith(ends[1])
+    }
+    return not owners or bool(owners & {os.getuid(), 0})
+
+
+def _send_headers(page: Dash) -> None:
+    # What dash and plotly need and no more. Scripts: files of the page, and by their hashes the few that dash writes
+    # into it (its start, and the callbacks that run in the browser). Styles: plotly and the sliders of dash make style
+    # elements as they draw, which no hash can name; a style runs nothing. Pictures: plotly saves one as data or blob.
+    scripts = " ".join(("'self'", *page.csp_hashes()))
+    policy = (
+        f"default-src 'none'; script-src {scripts}; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+        "font-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
+    headers = {
+        "Content-Security-Policy": policy,
+        "X-Frame-Options": "DENY",
+        "X-Content-Type-Options": "nosniff",
+        "Referrer-Policy": "no-referrer",
+        "Cross-Origin-Opener-Policy": "same-origin",
+        "Cross-Origin-Resource-Policy": "same-origin",
+    }
+
+    @page.server.after_request
+    def add(response: Response) -> Response:
+        response.headers.update(headers)
+        return response
+
+
+def answered(callback: Callable[..., Any]) -> Callable[..., Any]:
+    """A callback whose own failures are told from questions that are none."""
+
+    @wraps(callback)
+    def answer(*values: Any) -> Any:
+        try:
+            return callback(*values)
+        except (PreventUpdate, HTTPException):
+            raise
+        except Exception as error:
+            raise DefectError from error
+
+    return answer
+
+
+def _refuse_in_one_line(page: Dash, debug: bool) -> None:
+    from dash.exceptions import DependencyException, InvalidResourceError
+    from flask import Response, request
+
+    def line(code: int, text: str) -> Response:
+        return Response(f"{' '.join(text.split())}\n", code, mimetype="text/plain")
+
+    def refused(error: Exception) -> Response:
+        if isinstance(error, HTTPException):
+            reason = error.description or error.name
+            return line(error.code or 500, reason)
+        if isinstance(error, (DependencyException, InvalidResourceError)):
+            return line(404, "the page has no such file")
+        if request.path == "/_dash-update-component" and not isinstance(error, DefectError):
+            # what dash makes of a question that it did not write
+            return line(400, "this is no question of the page")
+        cause = error.__cause__ or error if isinstance(error, DefectError) else error
+        if debug:
+            traceback.print_exception(cause)
+        said = unexpected_words(cause)
+        complain(said)
+        return line(500, said)
+
+    # dash has an answer of its own to some of them
+    for kind in (Exception, InvalidResourceError):
+        page.server.register_error_handler(kind, refused)
