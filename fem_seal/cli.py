@@ -22,7 +22,7 @@ from fem_seal.cli_new import new
 from fem_seal.cli_pdf import pdf
 from fem_seal.cli_study import app as study_app
 from fem_seal.cli_table import table
-from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError
+from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError, unexpected
 from fem_seal.former_names import said_to
 from fem_seal.terminal import cell, complain, note, say, say_json, show, warn
 from fem_seal.units import DIGITS, Unit, fixed_unit, rounded
@@ -538,13 +538,7 @@ def _explained(error: Exception) -> tuple[int, str]:
         return OTHER_FAILURE, str(error)
     if isinstance(error, OSError):
         return OTHER_FAILURE, _said_by_system(error)
-    if isinstance(error, MemoryError):
-        return OTHER_FAILURE, "not enough memory; try a coarser mesh or fewer loads"
-    name = type(error).__name__
-    return (
-        OTHER_FAILURE,
-        f"unexpected {name}: {error}. This is a defect of fem-seal; --debug shows the traceback",
-    )
+    return OTHER_FAILURE, unexpected(error)
 
 
 def _said_by_system(error: OSError) -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import traceback
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from fem_seal.errors import InputError, Problem
-from fem_seal.terminal import say
+from fem_seal.errors import InputError, Problem, unexpected
+from fem_seal.terminal import complain, say
 
 
 def explore(
@@ -50,4 +51,9 @@ def explore(
 
             webbrowser.open(address)
 
-    serve(case, folder, port, opened, debug=debug)
+    def failed(error: BaseException) -> None:
+        if debug:
+            traceback.print_exception(error)
+        complain(unexpected(error))
+
+    serve(case, folder, port, opened, failed)

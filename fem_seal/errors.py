@@ -182,3 +182,16 @@ class ClusterError(SealError, RuntimeError):
 
 class TextTableError(SealError, ValueError):
     """A file is not a table of numbers, or not the expected one."""
+
+
+def unexpected(error: BaseException) -> str:
+    """What is said of an error that nobody thought of, in one line.
+
+    Parameters
+    ----------
+    error : BaseException
+    """
+    if isinstance(error, MemoryError):
+        return "not enough memory; try a coarser mesh or fewer loads"
+    said = f"unexpected {type(error).__name__}: {error}. This is a defect of fem-seal; --debug shows the traceback"
+    return printable(said)

@@ -4,8 +4,10 @@ import json
 import math
 import os
 import re
+import signal
 import sys
 from pathlib import Path
+from queue import Queue
 
 import numpy as np
 import pytest
@@ -16,10 +18,10 @@ from fem_seal.errors import InputError
 from fem_seal.explore.case_file import case_text, free_name, write_case
 from fem_seal.explore.figures import leak_figure
 from fem_seal.explore.live import Session
-from fem_seal.explore.screen import SHOWN
+from fem_seal.explore.screen import SHOWN, Screen
 from fem_seal.explore.tables import Missing, OwnTable, conductivity
 from fem_seal.explore.words import numbers_of, validity_words
-from fem_seal.explore.worker import Answers, complete_screen, run_of
+from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen, run_of
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 BALL = {
@@ -280,14 +282,14 @@ def test_what_takes_a_complete_run_is_not_pretended_to_be_live(example, words):
 TOKEN, HERE = "the-token", {"Host": "127.0.0.1:8050"}
 
 
-def client_of(session, title="case", *, opened=True):
+def client_of(session, title="case", *, opened=True, failed=None):
     """Who asks the page of a session, with the cookie of its address if it has been opened."""
     pytest.importorskip("dash")
     from fem_seal.explore.gate import guard
     from fem_seal.explore.page import page_of
 
     page = page_of(Answers(session, alone=True), EXAMPLES, title)
-    guard(page, 8050, TOKEN)
+    guard(page, 8050, TOKEN, ([] if failed is None else failed).append)
     client = page.server.test_client()
     if opened:
         assert (
@@ -486,13 +488,14 @@ def test_a_huge_question_is_refused(session, capfd):
     line_and_silence(answer, capfd, 413)
 
 
-def test_a_defect_of_the_page_is_one_line_on_its_terminal(session, capfd, monkeypatch):
-    client = client_of(session)
+def test_a_defect_of_the_page_is_told_where_it_runs(session, monkeypatch):
+    failed = []
+    client = client_of(session, failed=failed)
     monkeypatch.setattr(session, "design", lambda design: {}["gone"])
     answer = asked(client, "/_dash-update-component", method="POST", json=CALLBACK)
-    assert answer.status_code == 500
     said = "unexpected KeyError: 'gone'. This is a defect of fem-seal; --debug shows the traceback\n"
-    assert (answer.text, *capfd.readouterr()) == (said, "", f"error: {said}")
+    assert (answer.status_code, answer.text) == (500, said)
+    assert [type(one) for one in failed] == [KeyError]
 
 
 def test_a_port_in_use_is_an_error_with_advice(session):
@@ -505,7 +508,7 @@ def test_a_port_in_use_is_an_error_with_advice(session):
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         with pytest.raises(InputError, match="choose another one"):
-            serve(session.given, EXAMPLES, taken.getsockname()[1], lambda address: None)
+            serve(session.given, EXAMPLES, taken.getsockname()[1], print, print)
 
 
 def test_missing_packages_are_named_in_one_sentence(session, monkeypatch):
@@ -514,7 +517,135 @@ def test_missing_packages_are_named_in_one_sentence(session, monkeypatch):
     monkeypatch.setitem(sys.modules, "dash", None)
     monkeypatch.delitem(sys.modules, "fem_seal.explore.page", raising=False)
     with pytest.raises(InputError, match=r"pip install 'fem-seal\[explore\]'"):
-        serve(session.given, EXAMPLES, 0, lambda address: None)
+        serve(session.given, EXAMPLES, 0, print, print)
+
+
+def callback(client, output, values):
+    """Answer of a callback of the page: those of its inputs that are named, and nothing else."""
+    asks = asked(client, "/_dash-dependencies").json
+    one = next(one for one in asks if output in one["output"] and not one["clientside_function"])
+
+    def filled(part):
+        return {**part, "value": values.get(part["id"])}
+
+    def named(each):
+        name, key = each.rsplit(".", 1)
+        if not name.startswith("{"):
+            return {"id": name, "property": key}
+        kind = json.loads(name)["kind"]
+        keys = [factor.key for factor in values["factors"].sliders]
+        return [{"id": {"kind": kind, "key": key_}, "property": key} for key_ in keys]
+
+    body = {
+        "output": one["output"],
+        "outputs": [named(each) for each in one["output"].strip(".").split("...")],
+        "inputs": [filled(part) for part in one["inputs"]],
+        "state": [filled(part) for part in one["state"]],
+        "changedPropIds": ["asked.data"],
+    }
+    answer = asked(client, "/_dash-update-component", method="POST", json=body)
+    assert answer.status_code == 200, answer.text
+    return answer.json["response"]
+
+
+def test_a_design_that_cannot_be_names_its_fields_and_whose_numbers_are_left():
+    session = Session(load_case(EXAMPLES / "tilted_poppet.toml"))
+    client = client_of(session)
+
+    def follow(design, shown=None):
+        question = {"page": "1", "number": 1, "design": session.design(design), "wrong": {}}
+        values = {"asked": question, "dark": False, "pins": [], "shown": shown, "factors": session.factors}
+        return callback(client, "graph-section.figure", values)
+
+    first = follow({})
+    assert first["results"]["className"] == "results"
+    refused = follow({"seat_bore_radius": "6 mm", "seat_face_radius": "6.2 mm"}, first["shown"]["data"])
+    assert refused["results"]["className"] == "results stale"
+    assert "graph-section" not in refused
+    said = refused["problem"]["children"]
+    given = session.factors.given
+    assert said.endswith(
+        "The faded numbers and pictures still belong to bore radius, seat = "
+        f"{given['seat_bore_radius']}; face radius, seat = {given['seat_face_radius']}."
+    )
+    marked = {
+        json.loads(name)["key"]: part["children"]
+        for name, part in refused.items()
+        if '"wrong"' in name and part["children"]
+    }
+    assert marked == {
+        key: f"What is shown belongs to {given[key]}." for key in ("seat_bore_radius", "seat_face_radius")
+    }
+    # and the page goes on from there
+    assert follow({}, refused["shown"]["data"])["results"]["className"] == "results"
+
+
+def test_wrong_texts_are_all_named(session):
+    given = session.factors.given
+    with pytest.raises(InputError) as raised:
+        session.case({"fluid_pressure": "20 mm", "hardness": "hard", "seat_angle": "50 deg"})
+    assert [one.key for one in raised.value.problems] == ["highest fluid pressure", "hardness, seat"]
+    assert set(session.factors.wrong({**given, "fluid_pressure": "20 mm", "hardness": "hard"})) == {
+        "fluid_pressure",
+        "hardness",
+    }
+
+
+def dying(conn, case):
+    """A worker that some designs kill."""
+    try:
+        while True:
+            ask = conn.recv()
+            left = Path(ask.design["force"])
+            if left.is_file():
+                left.unlink()
+                os.kill(os.getpid(), signal.SIGKILL)
+            if ask.design["fluid"] == "deadly":
+                os.kill(os.getpid(), signal.SIGKILL)
+            conn.send(Written(ask.folder) if ask.folder else Screen(ask.design, complete=True))
+    except EOFError:
+        return
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are killed with SIGKILL")
+def test_work_of_a_killed_process_is_done_by_another_one_and_given_up_after_two(session, tmp_path):
+    got = Queue()
+    worker = Worker(session.given, dying, got.put)
+    mine = tmp_path / "once"
+    mine.touch()
+    once, deadly = {"force": str(mine), "fluid": "water"}, {"force": "", "fluid": "deadly"}
+    try:
+        worker.ask(Ask(once))
+        assert got.get(timeout=60) == Lost(-signal.SIGKILL, (Ask(once),))
+        assert got.get(timeout=60) == Screen(once, complete=True)
+
+        worker.ask(Ask(deadly, "report"))
+        assert got.get(timeout=60) == Lost(-signal.SIGKILL, (Ask(deadly, "report"),))
+        assert got.get(timeout=60) == Lost(-signal.SIGKILL, (), (Ask(deadly, "report"),))
+
+        # the next one finds a process
+        worker.ask(Ask(once, "another report"))
+        assert got.get(timeout=60) == Written("another report")
+        # one that is killed while it has nothing to do is replaced, too
+        worker._process.kill()
+        assert got.get(timeout=60) == Lost(-signal.SIGKILL)
+        worker.ask(Ask(once))
+        assert got.get(timeout=60) == Screen(once, complete=True)
+    finally:
+        worker.close()
+    assert got.empty()
+
+
+def test_what_was_given_up_is_refused_and_not_begun_again(session):
+    answers = Answers(session, alone=True)
+    design = session.design({})
+    answers._told(Lost(-9, (), (Ask(design), Ask(design, "report.out"))))
+    assert "was killed (SIGKILL)" in answers.lost
+    assert "not tried again" in answers.given_up(design)
+    assert answers.written(Path("report.out")).problem == answers.lost
+    answers._runner = Worker(session.given, dying, print)
+    answers.settle(design)
+    assert answers._runner._process is None
 
 
 def test_pictures_hold_what_is_on_the_screen_and_are_figures_of_plotly(session, live):

@@ -63,7 +63,8 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def address(folder):
+def page(folder):
+    """The process of the page and its address."""
     pytest.importorskip("dash", reason="the live page needs the extra [explore]")
     command = [sys.executable, "-m", "fem_seal", "explore", "ball.toml", "--port", "0", "--no-browser"]
     page = subprocess.Popen(
@@ -73,7 +74,7 @@ def address(folder):
         line = page.stdout.readline()
         found = re.search(r"http://127\.0\.0\.1:\d+/\?token=\S+", line)
         assert found, line + page.stderr.read()
-        yield found[0]
+        yield page, found[0]
     finally:
         page.send_signal(signal.SIGINT)
         try:
@@ -81,6 +82,11 @@ def address(folder):
             assert (page.wait(timeout=30), page.stderr.read()) == (0, "")
         finally:
             page.kill()
+
+
+@pytest.fixture(scope="module")
+def address(page):
+    return page[1]
 
 
 @pytest.fixture(scope="module")
@@ -159,14 +165,99 @@ def test_the_page_is_whole_without_a_network_and_says_nothing_in_the_console(bro
     assert [entry["message"] for entry in browser.get_log("browser")] == []
 
 
+def wrong_fields(browser):
+    """Messages at fields, by their keys, and the keys of the fields that are marked."""
+    script = """
+    const rows = [...document.querySelectorAll(".row.not-taken")];
+    return Object.fromEntries(rows.map(row =>
+        [JSON.parse(row.id).key, row.querySelector(".wrong").innerText]));
+    """
+    return browser.execute_script(script)
+
+
+def enter(browser, key, text):
+    browser.find_element("css selector", f"input[id*={key}]").send_keys("\ue009a\ue000", text + "\n")
+
+
 def test_a_typed_value_is_taken_and_a_wrong_one_explained(browser):
     field = browser.find_element("css selector", "input[id*=seat_angle]")
     field.send_keys("\ue009a\ue000", "85 deg\n")
     problem = waited(browser, "return document.getElementById('problem').innerText")
-    assert "the slider goes from 30 deg to 60 deg" in problem
+    assert problem == 'Not taken: angle, seat = "85 deg". The numbers belong to angle, seat = 45 deg.'
+    assert wrong_fields(browser) == {
+        "seat_angle": "the slider goes from 30 deg to 60 deg; further away start from another case"
+    }
     field.send_keys("\ue009a\ue000", "50.5 deg\n")
     waited(browser, "return document.getElementById('problem').innerText === ''")
     assert "contact angle 50.5°" in waited(
         browser,
         "const g = document.getElementById('graph-section').innerText; return g.includes('50.5') && g",
     )
+
+
+def test_each_wrong_field_keeps_its_text_and_its_message(browser, folder):
+    before = numbers(browser, pressure="24.5 bar", at_rest=False)
+    for key, text in (("fluid_pressure", "20 mm"), ("finish_spectrum", "fine"), ("closure_radius", "3 m")):
+        enter(browser, key, text)
+    waited(browser, "return document.querySelectorAll('.row.not-taken').length === 3")
+    found = wrong_fields(browser)
+    assert {
+        key: words in found[key]
+        for key, words in (
+            ("fluid_pressure", 'unit "mm" does not fit'),
+            ("finish_spectrum", "does not begin with a number"),
+            ("closure_radius", "the slider goes from"),
+        )
+    } == dict.fromkeys(found, True)
+    said = browser.find_element("id", "problem").text
+    assert said == (
+        'Not taken: fluid pressure = "20 mm"; rms height, both faces = "fine"; radius, closure = "3 m". '
+        "The numbers belong to fluid pressure = 24.5 bar; rms height, both faces = 1 um; radius, closure = 20 mm."
+    )
+    assert numbers(browser, pressure="24.5 bar", at_rest=False)["force"] == pytest.approx(
+        before["force"], rel=1e-9
+    )
+
+    # what is written is what the numbers belong to, and says so
+    browser.execute_script("document.getElementById('said').innerText = ''")
+    browser.find_element("id", "write").click()
+    written = waited(browser, "return document.getElementById('said').innerText")
+    assert 'Not taken: fluid pressure = "20 mm"' in written
+    assert load_case(folder / "ball-explored-2.toml").load.fluid_pressure == (24.5e5,)
+
+    # a field is mended, a slider moved, and the third is left as it is
+    enter(browser, "fluid_pressure", "30 bar")
+    thumb = browser.find_element("css selector", "#slider-closure_radius [role=slider]")
+    thumb.send_keys("\ue014")
+    waited(browser, "return document.querySelectorAll('.row.not-taken').length === 1")
+    assert list(wrong_fields(browser)) == ["finish_spectrum"]
+    numbers(browser, pressure="30 bar", at_rest=False)
+    field = browser.find_element("css selector", "input[id*=finish_spectrum]")
+    assert field.get_attribute("value") == "fine"
+    browser.find_element("id", "reset").click()
+    waited(browser, "return document.getElementById('problem').innerText === ''")
+    assert wrong_fields(browser) == {}
+    assert field.get_attribute("value") == "1 um"
+
+
+def workers(page):
+    listed = subprocess.run(
+        ["ps", "-ww", "--ppid", str(page.pid), "-o", "pid=,args="], capture_output=True, text=True, check=True
+    )
+    return [int(line.split()[0]) for line in listed.stdout.splitlines() if "spawn_main" in line]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are killed with SIGKILL")
+def test_killed_processes_are_replaced_and_a_report_is_made_all_the_same(browser, page, folder):
+    killed = workers(page[0])
+    assert len(killed) == 2
+    browser.find_element("id", "report").click()
+    waited(browser, "return document.getElementById('report-said').innerText.includes('is being made')")
+    for one in killed:
+        os.kill(one, signal.SIGKILL)
+    said = waited(browser, "return document.getElementById('lost').innerText")
+    assert "was killed (SIGKILL)" in said
+    assert "Another one has taken its place" in said
+    waited(browser, "return document.getElementById('report-said').innerText.startsWith('Report in')")
+    assert (folder / "ball-explored.out" / "report.html").stat().st_size > 10_000
+    assert set(workers(page[0])).isdisjoint(killed)

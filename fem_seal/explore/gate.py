@@ -9,7 +9,6 @@ from __future__ import annotations
 import hmac
 import os
 import secrets
-import traceback
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -18,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 from dash.exceptions import PreventUpdate
 from werkzeug.exceptions import HTTPException
 
-from fem_seal.explore.words import unexpected_words
-from fem_seal.terminal import complain
+from fem_seal.errors import unexpected
+from fem_seal.printable import printable
 
 if TYPE_CHECKING:
     from dash import Dash
@@ -42,7 +41,7 @@ def new_token() -> str:
     return secrets.token_urlsafe(24)
 
 
-def guard(page: Dash, port: int, token: str, *, debug: bool = False) -> None:
+def guard(page: Dash, port: int, token: str, failed: Callable[[BaseException], None]) -> None:
     """Answer nobody but the page in the browser of this user, with headers that keep it to itself.
 
     Parameters
@@ -52,12 +51,12 @@ def guard(page: Dash, port: int, token: str, *, debug: bool = False) -> None:
     port : int
     token : str
         Of the address.
-    debug : bool
-        Whether tracebacks of defects are printed.
+    failed : callable
+        Gets what went wrong in the page itself.
     """
     _answer_those_who_know(page, port, token)
     _send_headers(page)
-    _refuse_in_one_line(page, debug)
+    _refuse_in_one_line(page, failed)
 
 
 def _answer_those_who_know(page: Dash, port: int, token: str) -> None:
@@ -155,12 +154,12 @@ def answered(callback: Callable[..., Any]) -> Callable[..., Any]:
     return answer
 
 
-def _refuse_in_one_line(page: Dash, debug: bool) -> None:
+def _refuse_in_one_line(page: Dash, failed: Callable[[BaseException], None]) -> None:
     from dash.exceptions import DependencyException, InvalidResourceError
     from flask import Response, request
 
     def line(code: int, text: str) -> Response:
-        return Response(f"{' '.join(text.split())}\n", code, mimetype="text/plain")
+        return Response(f"{printable(text)}\n", code, mimetype="text/plain")
 
     def refused(error: Exception) -> Response:
         if isinstance(error, HTTPException):
@@ -172,11 +171,8 @@ def _refuse_in_one_line(page: Dash, debug: bool) -> None:
             # what dash makes of a question that it did not write
             return line(400, "this is no question of the page")
         cause = error.__cause__ or error if isinstance(error, DefectError) else error
-        if debug:
-            traceback.print_exception(cause)
-        said = unexpected_words(cause)
-        complain(said)
-        return line(500, said)
+        failed(cause)
+        return line(500, unexpected(cause))
 
     # dash has an answer of its own to some of them
     for kind in (Exception, InvalidResourceError):

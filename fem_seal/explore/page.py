@@ -19,7 +19,7 @@ from fem_seal.explore.case_file import free_name, write_case
 from fem_seal.explore.figures import HEIGHT, PINS, figures
 from fem_seal.explore.gate import answered
 from fem_seal.explore.questions import Asked, asked_of, designs_of, place_of, refuse, text_of, texts_of
-from fem_seal.explore.words import not_taken_words, still_words
+from fem_seal.explore.words import not_taken_words, refused_words, still_words
 
 if TYPE_CHECKING:
     from flask import Response
@@ -370,7 +370,7 @@ def _follow(app: Dash, answers: Answers) -> None:
             return {**found, "shown": now}
         if not screen.complete and not screen.problem:
             _settle_later(answers, asked)
-        wrong = {**screen.wrong, **factors.wrong(asked.wrong)}
+        wrong = {**refused_words(screen, before), **factors.wrong(asked.wrong)}
         found = {
             **_all(outputs, no_update, factors),
             "wrong": [wrong.get(one.key, "") for one in factors.sliders],

@@ -17,7 +17,13 @@ if TYPE_CHECKING:
 _MISSING = "needs packages that are not there; install them with: pip install 'fem-seal[explore]'"
 
 
-def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None], *, debug: bool = False) -> None:
+def serve(
+    case: Case,
+    folder: Path,
+    port: int,
+    opened: Callable[[str], None],
+    failed: Callable[[BaseException], None],
+) -> None:
     """Serve the page of a case until it is interrupted.
 
     Parameters
@@ -29,8 +35,8 @@ def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None], *,
         0 takes one that is free.
     opened : callable
         Gets the address as soon as the page can be opened; without the token in it the page answers nobody.
-    debug : bool
-        Whether tracebacks of defects are printed.
+    failed : callable
+        Gets what goes wrong in the page itself.
 
     Raises
     ------
@@ -62,7 +68,7 @@ def serve(case: Case, folder: Path, port: int, opened: Callable[[str], None], *,
         logging.getLogger("werkzeug").setLevel(logging.ERROR)
         server = make_server(HOST, port, page.server, threaded=True)
         token = new_token()
-        guard(page, server.server_port, token, debug=debug)
+        guard(page, server.server_port, token, failed)
         answers.warm_up()
         opened(f"http://{HOST}:{server.server_port}/?token={token}")
         try:

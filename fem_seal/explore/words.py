@@ -137,19 +137,6 @@ def lost_words(code: int, again: bool, left: bool) -> str:
     return f"{said} Another one has taken its place{' and begins its work anew' if again else ''}."
 
 
-def unexpected_words(error: BaseException) -> str:
-    """What is said of an error that nobody thought of, in one line.
-
-    Parameters
-    ----------
-    error : BaseException
-    """
-    if isinstance(error, MemoryError):
-        return "not enough memory; try a coarser mesh or fewer loads"
-    said = f"unexpected {type(error).__name__}: {error}. This is a defect of fem-seal; --debug shows the traceback"
-    return " ".join(said.split())
-
-
 def not_taken_words(factors: Factors, design: Mapping[str, str], wrong: Mapping[str, str]) -> str:
     """That texts stand in fields that are not calculated with, and what is; empty if there are none.
 
@@ -166,6 +153,25 @@ def not_taken_words(factors: Factors, design: Mapping[str, str], wrong: Mapping[
         return ""
     refused = "; ".join(f'{label} = "{wrong[key]}"' for key, label in labels.items())
     return f"Not taken: {refused}. The numbers belong to {_inputs(labels, design)}."
+
+
+def refused_words(screen: Screen, shown: Mapping[str, str]) -> dict[str, str]:
+    """What is said at the fields of a design that cannot be calculated, by the keys of their factors.
+
+    Parameters
+    ----------
+    screen : Screen
+    shown : mapping
+        The design that is still shown.
+    """
+    if not screen.problem:
+        return {}
+    moved = {
+        key: f"What is shown belongs to {shown[key]}."
+        for key, text in screen.design.items()
+        if key in shown and shown[key] != text
+    }
+    return moved | screen.wrong
 
 
 def still_words(factors: Factors, design: Mapping[str, str], shown: Mapping[str, str]) -> str:

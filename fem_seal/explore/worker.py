@@ -19,9 +19,10 @@ from pathlib import Path
 from threading import RLock, Thread
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.errors import unexpected
 from fem_seal.explore.live import WRONG, Session
 from fem_seal.explore.screen import Screen, screen_of, without_interval
-from fem_seal.explore.words import lost_words, unexpected_words
+from fem_seal.explore.words import lost_words
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -230,9 +231,11 @@ def make_ahead(conn: Connection, case: Case) -> None:
                 if conn.poll():
                     break
                 try:
-                    conn.send(Made(name, session.make(name, design)))
-                except WRONG:
+                    made = Made(name, session.make(name, design))
+                except Exception:
+                    # what goes wrong here does so again, and is said, where it is asked for
                     continue
+                conn.send(made)
     except (EOFError, OSError, KeyboardInterrupt):
         return
 
@@ -274,7 +277,7 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
             except _NewerAskedForError:
                 continue
             except Exception as error:
-                why = str(error) if isinstance(error, (*WRONG, OSError)) else unexpected_words(error)
+                why = str(error) if isinstance(error, (*WRONG, OSError)) else unexpected(error)
                 failed = Screen(ask.design, complete=True, problem=why)
                 conn.send(Written(ask.folder, why) if ask.folder else failed)
             waiting.remove(ask)
