@@ -457,6 +457,7 @@ def _remarks(case: Case) -> list[str]:
         )
         remarks.extend(case.form.without_effect(case.contact.angle))
     problem = SealProblem.of(case)
+    remarks.extend(problem.beside)
     remarks.extend(creep_remarks(problem.materials))
     remarks.extend(one.text for one in temperature_cautions(problem))
     remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))

@@ -15,7 +15,10 @@ from fem_seal.terminal import complain, prompt, say
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from fem_seal.case.new_case import Question
+
 NAMES = "ball-valve, check-valve, relief-valve, needle, flat-seat or knife-edge"
+CLASSES = "ISO 5208 A, AA, B, C, CC, D, E, EE, F, G; FCI 70-2 II, III, IV, V, VI; API 598"
 
 
 def _option(words: str, example: str) -> Any:
@@ -50,7 +53,7 @@ def new(
             "--class",
             metavar="VALUE",
             show_default=False,
-            help='Required leakage class, such as "B" of ISO 5208.',
+            help=f'Required leakage class, such as "B" or "FCI 70-2 V"; there are {CLASSES}.',
         ),
     ] = None,
     entries: Annotated[
@@ -133,11 +136,20 @@ def _check_place(path: Path, force: bool) -> None:
 
 
 def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[str]) -> str:
-    from fem_seal.case.new_case import QUESTIONS, asked, with_entries
+    from fem_seal.case.new_case import (
+        QUESTIONS,
+        asked,
+        for_angle,
+        required_class,
+        scaled,
+        with_entries,
+        without_entry,
+    )
 
     paths = {question.name: path for question, path, _ in asked(text)}
-    # a template with a class takes a leak rate beside it
+    # a template with a class takes a leak rate beside it, and one with a leak rate a class instead
     paths.setdefault("leak-rate", "requirement.leak_rate")
+    paths.setdefault("class", "requirement.class")
     missing = [key for key in given if key not in paths]
     if missing:
         known = ", ".join(f"--{one.name}" for one in QUESTIONS if one.name in paths)
@@ -147,13 +159,24 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
                 f"is nothing that the template {name} has; it has {known}, and --set KEY=VALUE",
             )
         )
-    changes = {paths[key]: value for key, value in given.items()}
+    changes = {paths[key]: value for key, value in given.items() if key != "class"}
     for entry in entries:
         key, equals, value = entry.partition("=")
         if not (equals and key.strip() and value.strip()):
             raise InputError(Problem("--set", 'must be KEY=VALUE, such as seat.land_width="1 mm"', entry))
         changes[key.strip()] = value.strip()
-    return with_entries(text, changes)
+    # the bore before the closure, which may have its own size
+    leading = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
+    if leading is not None:
+        text = scaled(text, leading, changes[leading], kept=tuple(changes))
+    if "included-angle" in given and "diameter" not in given:
+        text = for_angle(text, given["included-angle"])
+    text = with_entries(text, changes)
+    if "class" in given:
+        text = with_entries(text, required_class(text, given["class"]))
+        if "leak-rate" not in given:
+            text = without_entry(text, "requirement.leak_rate")
+    return text
 
 
 def _checked(text: str) -> str:
@@ -165,13 +188,16 @@ def _checked(text: str) -> str:
 
 def _with_answers(text: str, given: Mapping[str, str]) -> str:
     """Ask for every entry that no option has given; what does not fit together is asked again."""
-    from fem_seal.case.new_case import asked, read_text_case
+    from fem_seal.case.new_case import QUESTIONS, asked, read_text_case
 
     say("Enter keeps what stands in brackets.")
     while True:
-        for question, path, value in asked(text):
-            if question.name not in given:
-                text = _answered(text, question.words, path, value)
+        answered: list[str] = []
+        for question in QUESTIONS:
+            found = next((one for one in asked(text) if one[0] is question), None)
+            if found is not None and question.name not in given:
+                text = _answered(text, *found, kept=answered)
+            answered += [] if found is None else [found[1]]
         try:
             read_text_case(text)
         except InputError as error:
@@ -183,13 +209,16 @@ def _with_answers(text: str, given: Mapping[str, str]) -> str:
             return text
 
 
-def _answered(text: str, words: str, path: str, value: str) -> str:
-    """The text with an answer that may stand at its place."""
-    from fem_seal.case.new_case import read_text_case, with_entries
+def _answered(text: str, question: Question, path: str, value: str, kept: list[str]) -> str:
+    """The text with an answer that may stand at its place; what is not answered yet goes with the size of the valve."""
+    from fem_seal.case.new_case import read_text_case, scaled, with_entries
 
     while True:
-        answer = prompt(words, value)
-        changed = with_entries(text, {path: answer}) if answer != value else text
+        answer = prompt(question.words, value)
+        changed = text
+        if answer != value:
+            sized = scaled(text, path, answer, kept) if question.name in ("bore", "diameter") else text
+            changed = with_entries(sized, {path: answer})
         try:
             read_text_case(changed)
         except NoLoadLeftError:

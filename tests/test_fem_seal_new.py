@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from functools import cache
 from importlib.resources import files
 
 import pytest
+from sample_results import run_loads
 from typer.testing import CliRunner
 
 from fem_seal import InputError, load_case, run
-from fem_seal.case.new_case import QUESTIONS, TEMPLATES, asked, template, with_entries
+from fem_seal.case.new_case import QUESTIONS, TEMPLATES, asked, read_text_case, template, with_entries
 from fem_seal.case.schema import case_schema
+from fem_seal.case.touched_face import touched_beside
 from fem_seal.cli import app, main
+from fem_seal.cli_new import CLASSES as LISTED
+from fem_seal.cli_new import _with_options
+from fem_seal.units import parse_quantity
+from leak.standards import STANDARDS, classes_of
 
 schema = cache(case_schema)
 
@@ -118,7 +125,7 @@ def test_options_replace_entries_and_keep_the_comments(call, tmp_path) -> None:
         (["-t", "needle", "-o", "needle.txt"], "must end with .toml"),
         (["-t", "flat-seat", "--included-angle", "90 deg"], "is nothing that the template flat-seat has"),
         (["-t", "needle", "--ra", "0.1"], "roughness.Ra = 0.1: has no unit"),
-        (["-t", "needle", "--bore", "50 mm"], "closure and seat"),
+        (["-t", "needle", "--bore", "50 mm", "--diameter", "8 mm"], "must exceed inner_radius = 15 mm"),
         (["-t", "needle", "--set", "seat.bore_diameter"], "must be KEY=VALUE"),
         (["-t", "needle", "--set", "seat.bore_diamter=1"], "do you mean bore_diameter?"),
     ],
@@ -196,3 +203,121 @@ def test_either_word_of_a_dimension_is_replaced(path: str, value: str, expected:
 def test_a_template_that_is_none_is_refused() -> None:
     with pytest.raises(InputError, match="must be ball-valve"):
         template("../case.schema")
+
+
+BORES = ("1 mm", "7.3 mm", "25 mm", "80 mm", "200 mm")
+CLASSES = {
+    standard: {*classes_of(standard, gas=True), *classes_of(standard, gas=False)} for standard in STANDARDS
+}
+LENGTHS = ("diameter", "radius", "width", "height")
+
+
+def made(name: str, bore: str, *words: str, entries: list[str] | None = None) -> dict:
+    """Tables of a case from a template, as `fem-seal new` writes it."""
+    answers = {"bore": bore, **dict(word.split("=", 1) for word in words)}
+    text = _with_options(template(name), name, answers, entries or [])
+    case = read_text_case(text)
+    assert list(touched_beside(case)) == []
+    return tomllib.loads(text)
+
+
+def lengths(tables: dict) -> dict[str, float]:
+    found = {
+        f"{body}.{key}": parse_quantity(value, "length")
+        for body in ("closure", "seat")
+        for key, value in tables[body].items()
+        if key.endswith(LENGTHS)
+    }
+    if "leak" in tables:
+        found["bore"] = parse_quantity(tables["leak"]["nominal_size"], "length")
+    return found
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_every_template_grows_with_its_bore(name: str) -> None:
+    first = tomllib.loads(template(name))
+    (own,) = [
+        value
+        for key, value in lengths(first).items()
+        if key in ("seat.bore_diameter", "seat.land_inner_diameter", "bore")
+    ]
+    for bore in BORES:
+        tables, factor = made(name, bore), parse_quantity(bore, "length") / own
+        for key, value in lengths(first).items():
+            assert lengths(tables)[key] == pytest.approx(factor * value, rel=1e-3), key
+        force = parse_quantity(first["load"]["applied_force"], "force")
+        assert parse_quantity(tables["load"]["applied_force"], "force") == pytest.approx(
+            factor**2 * force, rel=1e-3
+        )
+        assert tables["load"]["fluid_pressure"] == first["load"]["fluid_pressure"]
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_every_template_takes_every_class_at_every_bore(name: str) -> None:
+    gas = read_text_case(template(name)).fluid.gas is not None
+    for bore in BORES:
+        for standard in STANDARDS:
+            for one in CLASSES[standard]:
+                word = f"class={standard} {one}"
+                if one not in classes_of(standard, gas=gas):
+                    with pytest.raises(InputError, match="is no class for"):
+                        made(name, bore, word)
+                    continue
+                required = {"standard": standard, "class": one}
+                if one not in classes_of(standard, gas=gas, rated_capacity=False):
+                    with pytest.raises(InputError, match="rated_capacity: is missing"):
+                        made(name, bore, word)
+                    required |= {"rated_capacity": "40 m^3/h"}
+                entries = [f"requirement.{key}={value}" for key, value in list(required.items())[2:]]
+                assert made(name, bore, word, entries=entries)["requirement"] == required
+
+
+def test_a_class_is_found_by_its_name_alone() -> None:
+    assert made("needle", "5 mm", "class=b")["requirement"] == {"standard": "ISO 5208", "class": "B"}
+    assert made("needle", "5 mm", "class=V")["requirement"] == {"standard": "FCI 70-2", "class": "V"}
+    assert made("ball-valve", "5 mm", "class=api 598")["requirement"]["standard"] == "API 598"
+    both = made("needle", "5 mm", "class=B", "leak-rate=1 ml/min")["requirement"]
+    assert both == {"standard": "ISO 5208", "class": "B", "leak_rate": "1 ml/min"}
+    with pytest.raises(
+        InputError, match=r"known are ISO 5208: A, AA, B, .*; API 598: metal-seated; FCI 70-2: VI, V"
+    ):
+        made("needle", "5 mm", "class=Z")
+
+
+def test_the_help_lists_the_classes() -> None:
+    for standard, names in CLASSES.items():
+        told = LISTED[LISTED.index(standard) :].split(";")[0]
+        assert len(names) == 1 or all(re.search(rf"\b{name}\b", told) for name in names)
+
+
+def test_a_closure_of_its_own_size_and_what_is_set_stay_as_given() -> None:
+    text = _with_options(
+        template("needle"), "needle", {"bore": "2 mm", "diameter": "6 mm"}, ["seat.edge_radius=0.3 mm"]
+    )
+    tables = tomllib.loads(text)
+    assert tables["closure"]["outer_diameter"] == "6 mm" and tables["closure"]["inner_diameter"] == "1.2 mm"
+    assert tables["seat"]["edge_radius"] == "0.3 mm"
+    alone = tomllib.loads(_with_options(template("needle"), "needle", {"diameter": "16 mm"}, []))
+    assert alone["seat"]["bore_diameter"] == "10 mm"
+
+
+@pytest.mark.parametrize("name", ["ball-valve", "check-valve", "relief-valve", "needle"])
+@pytest.mark.parametrize("angle", ["30 deg", "48 deg", "90 deg", "118 deg", "140 deg"])
+def test_every_included_angle_fits(name: str, angle: str) -> None:
+    made(name, "9 mm", f"included-angle={angle}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("bore", [BORES[0], BORES[-1]])
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_the_smallest_and_the_largest_are_calculated(name: str, bore: str, call, tmp_path, capsys) -> None:
+    """Checked, and its highest load run, without what a verdict takes beside the leak."""
+    assert call("-t", name, "--bore", bore, "--class", "ISO 5208 C", "-o", "case.toml")[0] == 0
+    assert main(["check", "case.toml", "-q"]) == 0
+    assert "touch first" not in capsys.readouterr().err
+    case = load_case(tmp_path / "case.toml")
+    (load,) = run_loads(
+        case.replace({"load.fluid_pressure": case.load.fluid_pressure[-1:]}, requirement=None)
+    ).loads
+    assert load.leak is not None and load.leak.leak_rate >= 0.0
+    assert load.contact.profile.peak_pressure > case.load.fluid_pressure[-1]

@@ -17,6 +17,7 @@ from fem_seal.analysis.flow import Flow
 from fem_seal.analysis.heating import Heating, heating, warmed
 from fem_seal.bodies.supports import Supports
 from fem_seal.case.load_limits import refused_loads
+from fem_seal.case.touched_face import touched_beside
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import ContactWidth, Expected, Opening, element_sizes, for_yielding
@@ -205,6 +206,8 @@ class SealProblem:
         Whether the asperities are meant to yield.
     remarks : tuple of str
         What the scans themselves say against their use.
+    beside : tuple of str
+        What is said of bodies that touch beside the faces which their shapes are named after.
     of_finish : bool
         Whether the surface comes from the finish of a drawing.
     usual_only : bool
@@ -234,6 +237,7 @@ class SealProblem:
     hardness: float | None = None
     asperities_yield: bool = False
     remarks: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
     of_finish: bool = False
     usual_only: bool = False
     cutoff: float | None = None
@@ -268,6 +272,7 @@ class SealProblem:
             hardness=case.hardness,
             asperities_yield=case.leak.plasticity and case.roughness is not None,
             remarks=tuple(case.roughness.remarks()) if case.roughness else (),
+            beside=tuple(touched_beside(case)),
             of_finish=of_finish,
             usual_only=of_finish and case.fluid is not None and case.sampled is None,
             cutoff=case.roughness.cutoff if case.roughness else None,

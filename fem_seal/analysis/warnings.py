@@ -146,6 +146,7 @@ def load_cautions(
         The problem's rough contact.
     """
     bodies = (
+        _touched_beside,
         _near_opening,
         _yielding,
         _table_left,
@@ -302,6 +303,19 @@ def _of_target(load: LoadResult) -> Iterator[Caution]:
     if found is not None and found.cautions:
         reason = f"force for the target leak rate {found.level}: {found.reasons[0]}"
         yield Caution("target", Level.DOUBTFUL, reason, reason)
+
+
+def _touched_beside(
+    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    for text in problem.beside:
+        body = text.partition(".")[0]
+        yield Caution(
+            f"face of the {body}",
+            Level.DOUBTFUL,
+            f"first touch is beside the face that the shape of the {body} is named after",
+            text,
+        )
 
 
 def _near_opening(

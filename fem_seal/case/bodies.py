@@ -40,6 +40,8 @@ from fem_seal.materials import (
 from meshes import Shape
 
 Length = Annotated[float, Quantity("length", "10 um", "10 m")]
+# Of a rounding that has to be there.
+Rounding = Annotated[float, Quantity("length", "0.1 um", "10 m")]
 # Of roundings and steps; zero is sharp or flush.
 SmallLength = Annotated[float, Quantity("length", "0 um", "10 m")]
 Inclination = Annotated[float, Quantity("angle", "0 deg", "90 deg", exclusive=True)]

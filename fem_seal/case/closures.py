@@ -13,6 +13,7 @@ from fem_seal.case.bodies import (
     Inclination,
     Length,
     MaterialField,
+    Rounding,
     SmallLength,
     dimension,
     material_field,
@@ -66,7 +67,8 @@ class RoundedCone(Closure):
         "radius of the middle of the face; the mean of the other two", "15 mm"
     )
     edge_radius: SmallLength | None = dimension(
-        "rounding of both edges; a tenth of the length of the face unless given", "1 mm"
+        "rounding of both edges; a tenth of the length of the face unless given, less for a narrow nose",
+        "1 mm",
     )
     height: Length | None = dimension(
         "length of the stem above the face; the outer radius unless given", "20 mm"
@@ -127,7 +129,7 @@ class Disc(Closure):
 
     shape: Literal["disc"] = Field(description="shape of the closure", examples=["disc"])
     radius: Length = required("radius of the disc", "20 mm")
-    edge_radius: Length | None = dimension(
+    edge_radius: Rounding | None = dimension(
         "rounding of the lower rim; a twentieth of the radius, at most a quarter of the height, unless given",
         "1 mm",
     )

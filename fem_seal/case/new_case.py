@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
@@ -12,8 +13,9 @@ from fem_seal.case.case import Case, load_case
 from fem_seal.case.drawing_words import partner
 from fem_seal.case.fields import shown
 from fem_seal.case.messages import nearest
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError, Problem, QuantityError
 from fem_seal.files import TomlError, parse_toml
+from fem_seal.units import parse_quantity
 
 TEMPLATES = ("ball-valve", "check-valve", "relief-valve", "needle", "flat-seat", "knife-edge")
 SCHEMA_FILE = "fem-seal.schema.json"
@@ -44,7 +46,11 @@ class Question:
 QUESTIONS = (
     Question("title", ("title",), "title of the report"),
     Question("diameter", ("closure.diameter", "closure.outer_diameter"), "diameter of the closure"),
-    Question("bore", ("seat.bore_diameter", "seat.land_inner_diameter"), "diameter of the bore"),
+    Question(
+        "bore",
+        ("seat.bore_diameter", "seat.land_inner_diameter", "leak.nominal_size"),
+        "diameter of the bore",
+    ),
     Question(
         "included-angle", ("seat.included_angle", "closure.included_angle"), "included angle of the cone"
     ),
@@ -163,6 +169,127 @@ def with_entries(text: str, entries: Mapping[str, str]) -> str:
     return "\n".join(lines) + ("\n" if text.endswith("\n") else "")
 
 
+# What grows with a valve: its lengths, and the force with the area that the fluid pressure acts on.
+_LENGTHS = re.compile(r"(closure|seat)\.\w*(diameter|radius|width|height|recess)|leak\.nominal_size")
+_FORCE = "load.applied_force"
+
+
+def scaled(text: str, path: str, value: str, kept: Collection[str] = ()) -> str:
+    r"""The text of a case with all dimensions in proportion to one of them.
+
+    Forces grow with the square, so that they are to the fluid's force what they were.
+
+    Parameters
+    ----------
+    text : str
+    path : str
+        Of the dimension that is given.
+    value : str
+        What it becomes, such as ``"8 mm"``; one that is no length changes nothing, and the check of the case says so.
+    kept : collection of str
+        Paths that stay as they are.
+
+    Examples
+    --------
+    >>> print(scaled('[seat]\nbore_diameter = "4 mm"\nedge_radius = "0.5 mm"', "seat.bore_diameter", "6 mm"))
+    [seat]
+    bore_diameter = "4 mm"
+    edge_radius = "0.75 mm"
+    """
+    entries = {name: one["value"] for name, one in _entries(text).items()}
+    if path not in entries or not _LENGTHS.fullmatch(path):
+        return text
+    try:
+        factor = _length(value) / _length(_plain(entries[path]))
+    except QuantityError:
+        return text
+    if not 0 < factor < math.inf or factor == 1.0:
+        return text
+    changes = {
+        name: _times(_plain(one), factor if name != _FORCE else factor**2)
+        for name, one in entries.items()
+        if (_LENGTHS.fullmatch(name) or name == _FORCE) and name not in (path, *kept)
+    }
+    return with_entries(text, changes)
+
+
+def for_angle(text: str, given: str) -> str:
+    """The text of a case whose ball, if it has one, touches a cone of another included angle on the circle of before.
+
+    Parameters
+    ----------
+    text : str
+    given : str
+        Included angle of the seat.
+    """
+    entries = {name: _plain(one["value"]) for name, one in _entries(text).items()}
+    path, own = "closure.diameter", entries.get("seat.included_angle")
+    if entries.get("closure.shape") != "ball" or own is None:
+        return text
+    try:
+        before, after = (math.cos(0.5 * parse_quantity(angle, "angle")) for angle in (own, given))
+    except QuantityError:
+        return text
+    return with_entries(text, {path: _times(entries[path], before / after)}) if after > 0 else text
+
+
+def _length(text: str) -> float:
+    from leak.standards import read_nominal_size
+
+    return read_nominal_size(text) or parse_quantity(text, "length")
+
+
+def _times(quantity: str, factor: float) -> str:
+    """A text with a unit, times a factor, as it would be written."""
+    value, unit = quantity.split(maxsplit=1)
+    return f"{float(f'{float(value) * factor:.4g}'):.12g} {unit}"
+
+
+def required_class(text: str, given: str) -> dict[str, str]:
+    """Entries of [requirement] for a class that is given with or without its standard: "B", "FCI 70-2 V", "API 598".
+
+    Parameters
+    ----------
+    text : str
+        Of the case: its fluid and standard decide which classes there are.
+    given : str
+
+    Raises
+    ------
+    InputError
+        If no standard has such a class for the fluid; it lists those that are.
+    """
+    from leak.standards import STANDARDS, classes_of, standard_named
+
+    # what is required is what is asked for here
+    tables = {name: table for name, table in _parsed(text).items() if name != "requirement"}
+    fluid = load_case(tables).fluid
+    gas = fluid is not None and fluid.gas is not None
+    known = {standard: classes_of(standard, gas=gas) for standard in STANDARDS}
+    own = _entries(text).get("requirement.standard")
+    first = standard_named(_plain(own["value"])) if own else None
+    words = given.strip()
+    for standard in sorted(known, key=lambda one: one != first):
+        for name in known[standard]:
+            if words.lower() in (name.lower(), f"{standard} {name}".lower()):
+                return {"requirement.standard": standard, "requirement.class": name}
+        if len(known[standard]) == 1 and standard_named(words) == standard:
+            return {"requirement.standard": standard, "requirement.class": known[standard][0]}
+    listed = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in known.items())
+    raise InputError(
+        Problem(
+            "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {listed}", shown(given)
+        )
+    )
+
+
+def without_entry(text: str, path: str) -> str:
+    """The text of a case without the line of an entry."""
+    at = _entries(text).get(path)
+    lines = text.splitlines()
+    return text if at is None else "\n".join(lines[: at["line"]] + lines[at["line"] + 1 :]) + "\n"
+
+
 def read_text_case(text: str) -> Case:
     """The case in a text, checked.
 
@@ -171,8 +298,12 @@ def read_text_case(text: str) -> Case:
     InputError
         It lists every problem.
     """
+    return load_case(_parsed(text))
+
+
+def _parsed(text: str) -> dict[str, Any]:
     try:
-        return load_case(parse_toml(text))
+        return parse_toml(text)
     except TomlError as error:
         raise InputError(Problem("", str(error))) from None
 

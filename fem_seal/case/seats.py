@@ -13,6 +13,7 @@ from fem_seal.case.bodies import (
     Inclination,
     Length,
     MaterialField,
+    Rounding,
     SmallLength,
     dimension,
     material_field,
@@ -167,7 +168,7 @@ class Flat(Housed):
         "axis",
         "8 mm",
     )
-    edge_radius: Length | None = dimension(
+    edge_radius: Rounding | None = dimension(
         "rounding of the edge of the bore; a hundredth of the bore's radius unless given", "0.1 mm"
     )
 
@@ -182,7 +183,7 @@ class FlatLand(Housed):
         "radius of the inner edge of the land before rounding, and of the bore", "25 mm"
     )
     land_outer_radius: Length = required("radius of the outer edge of the land before rounding", "28 mm")
-    edge_radius: Length | None = dimension(
+    edge_radius: Rounding | None = dimension(
         "rounding of both edges of the land; a twentieth of its width unless given", "0.1 mm"
     )
     land_height: Length | None = dimension(
@@ -203,7 +204,7 @@ class SharpEdge(Housed):
 
     shape: Literal["sharp-edge"] = Field(description="shape of the seat", examples=["sharp-edge"])
     bore_radius: Length = required("radius of the bore", "12 mm")
-    edge_radius: Length | None = dimension(
+    edge_radius: Rounding | None = dimension(
         "radius of the fillet; a hundredth of the bore's radius unless given", "0.1 mm"
     )
     top_angle: Annotated[float, Quantity("angle", "-90 deg", "90 deg", exclusive=True)] | None = dimension(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
-from meshes.shapes.shape import Partner, Shape, check_angle, check_positive, housing
+from meshes.shapes.shape import NamedFace, Partner, Shape, check_angle, check_positive, housing, straight_part
 
 
 @dataclass(frozen=True)
@@ -144,3 +144,8 @@ class ConicalLand:
         corners = [bore, (self.bore_radius, 0.0), (self.land_end, rise), (self.outer_radius, top)]
         face = chain(corners, "seat_face", self.edge_radius).without_first()
         return housing(face, self.outer_radius, self.height + face.segments[0].start[1])
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The land between its rounded edges."""
+        return straight_part("land", self.outline, self.angle)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
-from meshes.shapes.shape import check_positive
+from meshes.shapes.shape import NamedFace, check_positive, straight_part
 from meshes.shapes.toroidal_edge import ToroidalEdge
 
 
@@ -75,3 +75,8 @@ class Disc:
             self.radius - self.edge_radius, self.edge_radius, 0.0, self.height - self.edge_radius
         )
         return rim.outline
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The flat face inside its rounded rim."""
+        return straight_part("flat face", self.outline, 0.0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
-from meshes.shapes.shape import Partner, Shape, check_positive, housing
+from meshes.shapes.shape import NamedFace, Partner, Shape, check_positive, housing, straight_part
 
 
 @dataclass(frozen=True)
@@ -145,3 +145,8 @@ class FlatLand:
         face = chain(corners, "seat_face", self.edge_radius).without_first().without_last()
         start, end = face.segments[0].start, face.segments[-1].end
         return housing(face, self.outer_radius, self.height + start[1], self.land_height + end[1])
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The land between its rounded edges."""
+        return straight_part("land", self.outline, 0.0)

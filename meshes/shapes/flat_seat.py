@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from meshes.errors import GeometryError
-from meshes.shapes.shape import Partner, Shape
+from meshes.shapes.shape import NamedFace, Partner, Shape, straight_part
 from meshes.shapes.sharp_edge import SharpEdge
 
 
@@ -63,3 +63,8 @@ class FlatSeat(SharpEdge):
             outer,
             partner.housing_height if height is None else height,
         )
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The flat face around the rounded edge of the bore."""
+        return straight_part("flat face", self.outline, 0.0)

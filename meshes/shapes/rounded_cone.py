@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
-from meshes.shapes.shape import check_angle, check_positive, plunger
+from meshes.shapes.shape import NamedFace, check_angle, check_positive, plunger, straight_part
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class RoundedCone:
         outer_radius, inner_radius, mean_radius : float, optional
             One or two of them [m]; with one, the inner radius is half the outer one.
         edge_radius : float, optional
-            A tenth of the length of the conical face unless given [m].
+            A tenth of the length of the conical face, and no more than leaves a flat nose, unless given [m].
         height : float, optional
             The outer radius unless given [m].
         """
@@ -100,11 +100,13 @@ class RoundedCone:
             inner_radius = outer_radius / 2 if mean_radius is None else 2 * mean_radius - outer_radius
         check_angle("closure", "angle", angle)
         face = (outer_radius - inner_radius) / math.cos(angle)
+        # the rounding takes edge_radius tan(angle/2) of the nose
+        fitting = 0.9 * inner_radius / math.tan(0.5 * angle)
         return cls(
             angle,
             inner_radius,
             outer_radius,
-            0.1 * face if edge_radius is None else edge_radius,
+            min(0.1 * face, fitting) if edge_radius is None else edge_radius,
             outer_radius if height is None else height,
         )
 
@@ -122,3 +124,8 @@ class RoundedCone:
         stem = (self.outer_radius, rise + self.height + self.outer_radius)
         face = chain([*corners, stem], "closure_face", self.edge_radius).without_last()
         return plunger(face, rise + self.height - face.segments[-1].end[1])
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The conical face between its rounded edges."""
+        return straight_part("conical face", self.outline, self.angle)

@@ -31,6 +31,69 @@ class Shape(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class NamedFace:
+    """The part of a face that a shape is named after, on which its contact is meant to lie.
+
+    Parameters
+    ----------
+    name : str
+        "conical face", "land", "rounded edge" ...
+    inner, outer : float
+        Radii between which it lies [m].
+
+    Examples
+    --------
+    >>> NamedFace("land", 0.025, 0.028).holds(0.026)
+    True
+    """
+
+    name: str
+    inner: float
+    outer: float
+
+    def holds(self, radius: float) -> bool:
+        """Whether a circle of first touch of this radius [m] lies on it."""
+        slack = 1e-9 * self.outer
+        return self.inner - slack <= radius <= self.outer + slack
+
+
+def named_face(shape: Shape) -> NamedFace | None:
+    """The named face of a shape; None of one that has no other face, such as a ball, or no name, such as a drawing.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> disc = meshes.Disc.of(0.02, edge_radius=1e-3)
+    >>> face = named_face(disc)
+    >>> face.name, round(face.outer, 6)
+    ('flat face', 0.019)
+    """
+    found: NamedFace | None = getattr(shape, "named_face", None)
+    return found
+
+
+def straight_part(name: str, outline: Outline, angle: float) -> NamedFace:
+    """The straight part of a face that is inclined by `angle` [rad] to the horizontal plane."""
+    return _part(name, [s for s in outline.face.segments if s.centre is None and _inclined(s, angle)])
+
+
+def round_part(name: str, outline: Outline, radius: float) -> NamedFace:
+    """The arcs of a face that have a radius [m]."""
+    arcs = [s for s in outline.face.segments if s.centre is not None]
+    return _part(name, [s for s in arcs if math.isclose(math.dist(s.start, s.centre or s.start), radius)])
+
+
+def _inclined(segment: Segment, angle: float) -> bool:
+    (r, z), (end_r, end_z) = segment.start, segment.end
+    return abs(math.atan2(end_z - z, end_r - r) - angle) < 1e-9
+
+
+def _part(name: str, segments: list[Segment]) -> NamedFace:
+    radii = [end[0] for one in segments for end in (one.start, one.end)]
+    return NamedFace(name, min(radii, default=0.0), max(radii, default=0.0))
+
+
 def housing(face: Curve, outer_radius: float, height: float, step: float = 0.0) -> Outline:
     """Seat: a face on a cylindrical housing with a bore below its inner end.
 

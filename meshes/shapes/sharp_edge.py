@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
-from meshes.shapes.shape import Partner, Shape, check_angle, check_positive, housing
+from meshes.shapes.shape import NamedFace, Partner, Shape, check_angle, check_positive, housing, round_part
 
 
 @dataclass(frozen=True)
@@ -103,3 +103,8 @@ class SharpEdge:
         corners = [(r, -self.height - outer), (r, 0.0), (outer, (outer - r) * math.tan(self.top_angle))]
         face = chain(corners, "seat_face", self.edge_radius).without_first()
         return housing(face, self.outer_radius, self.height + face.segments[0].start[1])
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The fillet between bore and top."""
+        return round_part("rounded edge", self.outline, self.edge_radius)

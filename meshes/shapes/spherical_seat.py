@@ -10,7 +10,7 @@ from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import rounded
 from meshes.geometry.segment import Segment
-from meshes.shapes.shape import Partner, Shape, check_angle, check_positive, housing
+from meshes.shapes.shape import NamedFace, Partner, Shape, check_angle, check_positive, housing, round_part
 
 
 @dataclass(frozen=True)
@@ -181,3 +181,8 @@ class SphericalSeat:
             self.edge_radius,
         ).without_first()
         return housing(face, self.outer_radius, self.height + face.segments[0].start[1])
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The hollow face between its rounded edges."""
+        return round_part("spherical face", self.outline, self.radius)

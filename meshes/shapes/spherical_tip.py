@@ -10,7 +10,7 @@ from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import rounded
 from meshes.geometry.segment import Segment
-from meshes.shapes.shape import check_positive, plunger
+from meshes.shapes.shape import NamedFace, check_positive, plunger, round_part
 
 
 @dataclass(frozen=True)
@@ -90,3 +90,8 @@ class SphericalTip:
         side = Segment(shoulder, (self.stem_radius, top + self.stem_radius), "closure_face")
         face = rounded(Curve((cap, side)), self.edge_radius).without_last()
         return plunger(face, top - face.segments[-1].end[1])
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The spherical cap inside its rounded edge."""
+        return round_part("spherical cap", self.outline, self.radius)

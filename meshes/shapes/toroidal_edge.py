@@ -9,7 +9,7 @@ from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
-from meshes.shapes.shape import check_positive, plunger
+from meshes.shapes.shape import NamedFace, check_positive, plunger, round_part
 
 
 @dataclass(frozen=True)
@@ -95,3 +95,8 @@ class ToroidalEdge:
         else:
             face.insert(0, Segment((0.0, 0.0), (a, 0.0), "closure_face"))
         return plunger(Curve(tuple(face)), self.height)
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The rim of circular section."""
+        return round_part("round rim", self.outline, self.radius)

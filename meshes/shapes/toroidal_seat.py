@@ -9,7 +9,7 @@ from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
-from meshes.shapes.shape import Partner, Shape, check_positive, housing
+from meshes.shapes.shape import NamedFace, Partner, Shape, check_positive, housing, round_part
 
 
 @dataclass(frozen=True)
@@ -136,3 +136,8 @@ class ToroidalSeat:
         else:
             face.append(Segment(crest, (self.outer_radius, 0.0), "seat_face"))
         return housing(Curve(tuple(face)), self.outer_radius, self.height)
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The ring of circular section."""
+        return round_part("ring", self.outline, self.radius)
