@@ -347,6 +347,7 @@ def test_the_terminal_shows_of_a_leak_rate_what_its_theory_leaves(capsys):
         validity=((VALID, few),),
         leak_rate=np.array([[1.2345e-6, 1.2345e-7]]) / 60,
         fluid="water",
+        is_gas=False,
         title="seal",
     )
     cli_table._show(found)
