@@ -117,7 +117,7 @@ def run(
         say_json({"folder": str(folder), "loads": rows, "warnings": warnings})
     elif not quiet:
         show_leak_table(rows, case.title, result.loads, _volume_of(case))
-        show_leakage(case, result.loads, result.leak_ranges)
+        show_leakage(case, result.loads)
         show_memory(result)
         show_form(result)
         show_particles(result)
@@ -633,23 +633,18 @@ def _margin(value: float | None, shown: str) -> str:
     return "sealed" if math.isinf(value) else ">1e6"
 
 
-def show_leakage(
-    case: Case, loads: Sequence[LoadResult], ends: Sequence[tuple[float, float] | None] = ()
-) -> None:
+def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
     """Print the leak rate of the highest load in the units of leak testing, and its classes.
 
     Parameters
     ----------
     case : Case
     loads : sequence of LoadResult
-    ends : sequence of tuple, optional
-        Ends of the leak rate's interval at each load, where they are more than its two readings [m^3/s].
     """
     from fem_seal.analysis.results import highest_load
     from fem_seal.output.report.words import leakage_lines
 
-    highest = highest_load(loads)
-    for line in leakage_lines(case, loads[highest], loads, ends[highest] if ends else None):
+    for line in leakage_lines(case, loads[highest_load(loads)], loads):
         say(line)
 
 

@@ -192,11 +192,15 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
     for row, load in zip(rows, result.loads, strict=True):
         assert row[DEFAULT] == row[CONSERVED] == load.leak_conserved.leak_rate
         assert row[CAPPED] == load.leak_capped.leak_rate
-        assert (row[LOW], row[HIGH]) == load.leak_range == (row[CONSERVED], row[CAPPED])
+        assert load.leak_range == (row[CONSERVED], row[CAPPED])
+        # and nothing besides, but for what the mesh leaves
+        off = 1 + load.mesh_error.leak_rate
+        assert (row[LOW], row[HIGH]) == load.leak_interval
+        assert (row[LOW], row[HIGH]) == pytest.approx((row[CONSERVED] / off, row[CAPPED] * off), rel=1e-12)
         assert row[LOW] <= row[DEFAULT] <= row[HIGH] <= row[ELASTIC]
     assert table[HIGH].tolist() == [row[HIGH] for row in rows]
     show_leak_table(rows, "", result.loads)
-    show_leakage(result.case, result.loads, result.leak_ranges)
+    show_leakage(result.case, result.loads)
     terminal = capsys.readouterr().out
     for row in rows:
         assert {f"{row[name] * 1e9:#.4g}".removesuffix(".") for name in (LOW, HIGH)} <= set(terminal.split())
@@ -268,14 +272,13 @@ def test_what_is_calculated_lies_inside_the_interval_of_its_samples():
     """Scans that are too short for their longest waves have most samples above: the number itself still counts."""
     result = rough_result()
     low, high = result.loads[0].leak_range
-    above = replace(
-        result, loads=result.loads[:2], uncertainty=interval(np.full((2, 5), high), np.full((2, 5), 9.0))
-    )
-    assert above.leak_ranges[0] == (low, 9.0)
+    sampled = interval(np.full((2, 5), high), np.full((2, 5), 9.0))
+    above = replace(result, loads=sampled.of(result.loads[:2]), uncertainty=sampled)
+    off = 1 + result.discretisation_error.leak_rate
+    assert above.leak_ranges[0] == pytest.approx((low / off, 9.0 * off), rel=1e-12)
     rows = leak_rows(above)
     assert all(row[LOW] <= row[DEFAULT] <= row[HIGH] for row in rows)
-    single = replace(result, uncertainty=None)
-    assert single.leak_ranges == tuple(load.leak_range for load in result.loads)
+    assert result.leak_ranges == tuple(load.leak_interval for load in result.loads)
 
 
 # -------------------------------------------------------------------- classes
@@ -314,14 +317,16 @@ def test_the_class_of_a_load_is_that_of_the_interval_beside_it():
     result = rough_result()
     load, name = result.loads[0], "ISO 5208"
     of_readings = {one.standard: one for one in leakage_classes(result.case, load)}[name]
-    wide = {one.standard: one for one in leakage_classes(result.case, load, (1e-12, 1.0))}[name]
+    sampled = load.knowing(sampled=(1e-12, 1.0))
+    wide = {one.standard: one for one in leakage_classes(result.case, sampled)}[name]
     assert wide.name is None and wide.at_best == "AA"
     size = nominal_size(result.case).size
-    assert of_readings == leakage_class(load.leak_range[0], size, gas=False, highest=load.leak_range[1])[0]
+    low, high = load.leak_interval
+    assert of_readings == leakage_class(low, size, gas=False, highest=high)[0]
     assert "between AA and no class" in classes_in_words([wide])
-    for told, ends in zip(leakage_table(result), result.leak_ranges, strict=True):
-        best = {one.standard: one.at_best or one.name for one in leakage_classes(result.case, load, ends)}
-        assert set(told["classes_at_best"]) == set(best)
+    for told, one_load in zip(leakage_table(result), result.loads, strict=True):
+        classes = leakage_classes(result.case, one_load)
+        assert told["classes_at_best"] == {one.standard: one.at_best or one.name for one in classes}
 
 
 # -------------------------------------------------------------------- words

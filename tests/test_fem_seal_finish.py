@@ -138,7 +138,7 @@ def test_an_interval_comes_without_being_asked_for(solved):
 
 def test_the_widest_interval_leads_on_terminal_and_in_report(solved):
     load, ends = solved.loads[0], solved.leak_ranges[0]
-    first, held, usual, _ = leakage_lines(solved.case, load, solved.loads, ends)
+    first, held, usual, _ = leakage_lines(solved.case, load, solved.loads)
     assert f": {leak_range_text(ends, 2)} = " in first
     assert leak_range_text(ends, 2) in headline(solved)
     assert "90 % of the samples" in held and "both readings" in held
@@ -159,7 +159,7 @@ def test_the_report_shows_the_widest_interval_first_and_in_its_other_units(solve
         "Leak rate, usual finish",
     ]
     assert tiles[0].value == leak_range_text(ends)
-    first = leakage_lines(solved.case, load, solved.loads, ends)[0]
+    first = leakage_lines(solved.case, load, solved.loads)[0]
     assert tiles[1].value in first and tiles[1].remark in first
     assert tiles[2].value == leak_range_text((load.leak.leak_rate, load.leak_capped.leak_rate))
 

@@ -248,7 +248,9 @@ def _with_uncertainty(result: SealSolution, clock: Clock, after: Afterwards) -> 
 
     with clock.step("uncertainty", "leak rates of uncertain inputs"):
         calculate = partial(leak_interval, result, progress=clock.progress)
-        return replace(result, uncertainty=after.get("interval of the leak rates", calculate, None))
+        found = after.get("interval of the leak rates", calculate, None)
+        loads = result.loads if found is None else found.of(result.loads)
+        return replace(result, uncertainty=found, loads=loads)
 
 
 def _with_levers(result: SealSolution, clock: Clock, after: Afterwards, wanted: bool) -> SealSolution:
@@ -266,7 +268,7 @@ def _with_judgement(result: SealSolution, missing: Mapping[tuple[float, float], 
         return result
     open_inputs = result.problem.usual_only or result.case.sampled is not None
     sampled = result.uncertainty is not None or not open_inputs
-    loads = with_judgements(result.case, result.loads, result.leak_ranges, sampled=sampled)
+    loads = with_judgements(result.case, result.loads, sampled=sampled)
     judgement = seal_judgement(result.case, loads, missing, result.problem.hardness)
     return replace(result, loads=loads, judgement=judgement)
 

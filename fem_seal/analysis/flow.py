@@ -48,6 +48,24 @@ class Seals(Protocol):
         """The same in a reading of the flow conductivity [Pa]."""
 
 
+# The gases that the standards test with, at 5 to 40 °C (ISO 5208) [K], and what stands for them.
+TEST_GASES, TEST_TEMPERATURES, ROOM_TEMPERATURE = ("air", "nitrogen"), (278.15, 313.15), 293.15
+
+
+def gas_of_test(name: str, gas: Gas) -> Gas:
+    """The gas itself where the standards test with it, air at room temperature for any other.
+
+    Parameters
+    ----------
+    name : str
+        What the case calls it.
+    gas : Gas
+    """
+    low, high = TEST_TEMPERATURES
+    own = name.lower() in TEST_GASES and low <= gas.temperature <= high
+    return gas if own else leak.gas(TEST_GASES[0], ROOM_TEMPERATURE)
+
+
 @dataclass(frozen=True)
 class Flow:
     """A liquid or a gas, and how its way between rough surfaces is calculated.
@@ -102,6 +120,14 @@ class Flow:
         if self.gas is not None:
             return None
         return self.viscosity * leak.effective_viscosity_ratio(self.pressure_law, fluid_pressure)
+
+    @property
+    def in_test(self) -> Flow:
+        """The same way for the gas that the standards test with, see `gas_of_test`; itself for a liquid."""
+        tested = None if self.gas is None else gas_of_test(self.fluid, self.gas)
+        if tested is None or tested is self.gas:
+            return self
+        return replace(self, fluid=tested.name, gas=tested, viscosity=tested.viscosity)
 
     @property
     def simulated(self) -> DirectSettings | None:
@@ -403,6 +429,17 @@ def _made(
     return table(flow, surface, peaks)
 
 
+def _table_of(rough: RoughFlow, flow: Flow, surface: RoughContact) -> Conductivity:
+    if flow.end:
+        return rough.make(flow, surface)
+    # of one surface there are readings that differ in nothing else
+    readings = (rough, rough.conserved, rough.capped, rough.elastic)
+    reading = surface.yielding, surface.hardness
+    known = next(one for one in readings if (one.surface.yielding, one.surface.hardness) == reading)
+    assert known.table is not None  # there is a fluid
+    return known.table
+
+
 def range_around(log_peaks: Sequence[float]) -> tuple[float, float]:
     """Range of a table for contacts with some peak pressures, see `Flow.table_around` [Pa].
 
@@ -492,6 +529,22 @@ class RoughFlow(Lazy):
 
     def _between(self, surface: RoughContact) -> RoughFlow:
         return self if surface is self.surface else replace(self, surface=surface)
+
+    @cached_property
+    def in_test(self) -> RoughFlow:
+        """The same with the gas that the standards test with; itself where the fluid is one, and of a liquid."""
+        return (
+            self if self.flow is None or self.flow.in_test is self.flow else self.with_flow(self.flow.in_test)
+        )
+
+    def with_flow(self, flow: Flow) -> RoughFlow:
+        """The same with another gas, of which the tables know nothing.
+
+        Parameters
+        ----------
+        flow : Flow
+        """
+        return replace(self, flow=flow, make=partial(_table_of, self))
 
     @cached_property
     def table(self) -> Conductivity | None:

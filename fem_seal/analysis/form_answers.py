@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_seal.analysis.around import Around, LeakCurve, around_after
 from fem_seal.analysis.flow import as_first_loaded
-from fem_seal.analysis.leakage import fluid_of_test, leakage_classes
+from fem_seal.analysis.leakage import leakage_classes, test_of
 from fem_seal.analysis.problem import largest_force
 from fem_seal.analysis.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
 from fem_seal.analysis.verdict import limits
@@ -231,7 +231,7 @@ def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[floa
 def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:
     """Leak rate that is wanted: what the case requires, its target, or the tightest class that the round seal meets."""
     if case.requirement is not None and case.requirement.judges(load.fluid_pressure):
-        required = limits(case, load.fluid_pressure)
+        required = limits(case, load.fluid_pressure, load)
         # in the case's own fluid
         found = [(one.name, one.leak_rate / one.ratio[1]) for one in required if one.leak_rate > 0]
         return min(found, key=lambda one: one[1], default=None)
@@ -244,7 +244,8 @@ def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:
     ]
     if not met or not met[0].limit or case.fluid is None:
         return None
-    most = fluid_of_test(case.fluid, load.fluid_pressure)[1][1]
+    # in the case's own fluid
+    most = test_of(case.fluid, load.fluid_pressure, load)[1][1]
     return f"{met[0].standard} {met[0].name}", met[0].limit / most
 
 

@@ -33,7 +33,7 @@ class Why(StrEnum):
     OUTSIDE = "outside"
     """The load is outside the theory."""
     ACCURACY = "accuracy"
-    """So it is once the leak rate is taken for as uncertain as the calculation is."""
+    """The limit is inside the interval, but outside of what is calculated without what that may be off by."""
     UNSAMPLED = "unsampled"
     """What the inputs leave open is not known."""
     UNKNOWN = "unknown"
@@ -112,9 +112,10 @@ class Judgement:
         ----------
         limit : Limit
         ends : tuple of float
-            Lower and upper end of the leak rate's interval, of the case's own fluid [m^3/s]; NaN if not known.
+            Lower and upper end of the leak rate's interval, of the case's own fluid, with what the calculation may be
+            off by [m^3/s]; NaN if not known.
         validity : Validity
-            Of the leak rate, with all that it may be off by.
+            Of the leak rate, with the factors that are in the interval.
         sampled : bool
             Whether the interval holds what the inputs leave open.
         """
@@ -131,15 +132,13 @@ class Judgement:
             return cls(Verdict.INCONCLUSIVE, margin, Why.OUTSIDE, limit, tested, validity.reasons[0])
         if not sampled:
             return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNSAMPLED, limit, tested)
-        least, most = validity.leak_factor
-        if verdict is Verdict.PASS and tested[1] * most > limit.leak_rate:
-            return cls(
-                Verdict.INCONCLUSIVE, margin, Why.ACCURACY, limit, tested, validity.leak_reason(more=True)
-            )
-        if verdict is Verdict.FAIL and tested[0] * least <= max(limit.leak_rate, limit.visible):
-            return cls(
-                Verdict.INCONCLUSIVE, margin, Why.ACCURACY, limit, tested, validity.leak_reason(more=False)
-            )
+        if verdict is Verdict.INCONCLUSIVE:
+            least, most = validity.leak_factor
+            calculated = tested[0] / least, tested[1] / most
+            without, _ = _decided(limit, calculated, calculated)
+            if without is not Verdict.INCONCLUSIVE:
+                reason = validity.leak_reason(more=without is Verdict.PASS)
+                return cls(verdict, margin, Why.ACCURACY, limit, tested, reason)
         return cls(verdict, margin, why, limit, tested)
 
 

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem_seal.analysis.flow import ROOM_TEMPERATURE, TEST_GASES, TEST_TEMPERATURES, gas_of_test
 from fem_seal.units import LIQUID, LeakVolume, quantity
 
 if TYPE_CHECKING:
@@ -14,11 +15,8 @@ if TYPE_CHECKING:
     from fem_seal.case.fluid import Fluid
     from leak import LeakageClass
 
-# What the standards test with: liquids no thicker than water, air or nitrogen.
-_TEST_LIQUID, _TEST_GASES = "water", ("air", "nitrogen")
-_ROOM = 293.15
-# ... at 5 to 40 °C (ISO 5208).
-_TEST_TEMPERATURES = (278.15, 313.15)
+# What the standards test with: liquids no thicker than water.
+_TEST_LIQUID = "water"
 
 
 def volume_of(case: Case) -> LeakVolume:
@@ -83,7 +81,8 @@ def fluid_of_test(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, floa
     """The fluid of the test, where it is another one, and its leak rate over that of the case, least and most.
 
     A liquid leaks in inverse proportion to its viscosity under that pressure; one that is no thicker than water may be
-    the test's own, and so may water at any temperature of a test. Of gases see `leak.flow.rarefied.flow_ratio_range`.
+    the test's own, and so may water at any temperature of a test. Of gases it is what any gap may have
+    (`leak.flow.rarefied.flow_ratio_range`); once the contact is known see `test_of`.
 
     Parameters
     ----------
@@ -96,43 +95,60 @@ def fluid_of_test(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, floa
     tuple
         Its name, empty where the case's own is one of the test, and both ratios.
     """
-    from leak import effective_viscosity_ratio, gas, liquid
+    from leak import effective_viscosity_ratio, liquid
     from leak.flow.rarefied import flow_ratio_range
 
     own = fluid.gas
-    as_in_test = _TEST_TEMPERATURES[0] <= fluid.temperature <= _TEST_TEMPERATURES[1]
     if own is None:
         own_viscosity, tested = (
             one.viscosity * effective_viscosity_ratio(one.pressure_law, pressure)
-            for one in (fluid, liquid(_TEST_LIQUID, _ROOM))
+            for one in (fluid, liquid(_TEST_LIQUID, ROOM_TEMPERATURE))
         )
         ratio = own_viscosity / tested
-        coldest = liquid(_TEST_LIQUID, _TEST_TEMPERATURES[0]).viscosity
+        coldest = liquid(_TEST_LIQUID, TEST_TEMPERATURES[0]).viscosity
         water = fluid.name.lower() == _TEST_LIQUID and fluid.viscosity <= coldest
         return ("", (1.0, 1.0)) if ratio <= 1.0 or water else (_TEST_LIQUID, (ratio, ratio))
-    if fluid.name.lower() in _TEST_GASES and as_in_test:
-        return "", (1.0, 1.0)
-    return _TEST_GASES[0], flow_ratio_range(gas(_TEST_GASES[0], _ROOM), own)
+    of_test = gas_of_test(fluid.name, own)
+    return ("", (1.0, 1.0)) if of_test is own else (TEST_GASES[0], flow_ratio_range(of_test, own))
 
 
-def in_the_test(case: Case, load: LoadResult, ends: tuple[float, float] | None = None) -> tuple[float, float]:
-    """Ends of what a load leaks at least and at most, converted to the fluid of the standards' tests [m^3/s].
+def test_of(fluid: Fluid, pressure: float, load: LoadResult | None = None) -> tuple[str, tuple[float, float]]:
+    """`fluid_of_test`, of a gas with the ratios that a contact has at both ends of its leak rate's interval.
 
-    That is the interval of its leak rate and what the calculation may be off by (`LoadResult.leak_validity`).
+    Another gas is let through the same contact, in every reading and sample, so that the flow is as rarefied as it is.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    pressure : float
+        That drives the leak [Pa].
+    load : LoadResult, optional
+        Without it the ratios are those that any gap may have.
+    """
+    name, widest = fluid_of_test(fluid, pressure)
+    if not name or fluid.gas is None or load is None:
+        return name, widest
+    own, tested = load.leak_interval, load.in_test.leak_interval
+    if own is None or tested is None or load.in_test is load:
+        return name, widest
+    # what is sealed is so for both
+    ratios = [other / end for other, end in zip(tested, own, strict=True) if 0.0 < end < math.inf]
+    return name, (ratios[0], ratios[-1]) if ratios else (1.0, 1.0)
+
+
+def in_the_test(case: Case, load: LoadResult) -> tuple[float, float]:
+    """Ends of a load's leak rate, see `LoadResult.leak_interval`, for the fluid of the standards' tests [m^3/s].
 
     Parameters
     ----------
     case : Case
     load : LoadResult
         With a leak rate.
-    ends : tuple of float, optional
-        Those of the case's own fluid; both readings of yielding asperities unless given.
     """
-    assert load.leak is not None and case.fluid is not None
-    low, high = ends or load.leak_range or (load.leak.leak_rate, load.leak.leak_rate)
-    _, (least, most) = fluid_of_test(case.fluid, load.fluid_pressure)
-    lower, upper = load.leak_validity.leak_factor
-    return low * least * lower, high * most * upper
+    assert load.leak_interval is not None and case.fluid is not None
+    low, high = load.leak_interval
+    _, (least, most) = test_of(case.fluid, load.fluid_pressure, load)
+    return low * least, high * most
 
 
 @dataclass(frozen=True)
@@ -154,7 +170,7 @@ class NextClass:
     as_calculated: bool
 
 
-def next_class(case: Case, load: LoadResult, ends: tuple[float, float] | None = None) -> NextClass | None:
+def next_class(case: Case, load: LoadResult) -> NextClass | None:
     """The loosest class, of the first standard that has several, which the upper end of a leak rate does not meet.
 
     None without a leak rate, outside the theory, and where the seal is open or meets them all.
@@ -163,14 +179,12 @@ def next_class(case: Case, load: LoadResult, ends: tuple[float, float] | None = 
     ----------
     case : Case
     load : LoadResult
-    ends : tuple of float, optional
-        See `leakage_classes`.
     """
     from leak import leakage_limits
 
     if load.leak is None or load.validity.outside:
         return None
-    _, high = in_the_test(case, load, ends)
+    _, high = in_the_test(case, load)
     gas = load.leak.throughput is not None
     limits = leakage_limits(nominal_size(case).size, gas=gas, bubble_volume=_bubble_volume(case))
     missed = [one for one in limits if one.standard == limits[0].standard and 0 < one.leak_rate < high]
@@ -183,27 +197,23 @@ def next_class(case: Case, load: LoadResult, ends: tuple[float, float] | None = 
     )
 
 
-def leakage_classes(
-    case: Case, load: LoadResult, ends: tuple[float, float] | None = None
-) -> tuple[LeakageClass, ...]:
+def leakage_classes(case: Case, load: LoadResult) -> tuple[LeakageClass, ...]:
     """The tightest class of each standard that a load meets; empty without a leak rate, and outside the theory.
 
-    They are judged, and their limits stand, for the fluid of the standard's test (`in_the_test`).
+    Both ends of the leak rate's interval have to meet a class, and its limits stand for the fluid of the standard's
+    test (`in_the_test`).
 
     Parameters
     ----------
     case : Case
     load : LoadResult
-    ends : tuple of float, optional
-        Of the leak rate's interval [m^3/s], both of which have to meet a class; those of both readings of yielding
-        asperities unless given.
     """
     from leak import leakage_class
 
     if load.leak is None or load.validity.outside:
         return ()
     size = nominal_size(case)
-    low, high = in_the_test(case, load, ends)
+    low, high = in_the_test(case, load)
     return leakage_class(
         low,
         size.size,

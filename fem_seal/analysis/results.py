@@ -68,6 +68,10 @@ class LoadResult(Lazy):
         Whether it keeps what [requirement] asks of it; None where nothing is asked.
     mesh_error : DiscretisationError or None
         What the mesh leaves uncertain; None where nobody asked.
+    sampled : tuple of float or None
+        Ends of the samples of uncertain inputs, in all readings [m^3/s]; None where none is sampled.
+    sampled_in_test : tuple of float or None
+        The same with the gas of the standards' tests, see `in_test` [m^3/s].
     """
 
     fluid_pressure: float
@@ -84,6 +88,8 @@ class LoadResult(Lazy):
     force_for_target_capped: float | None = None
     judgement: Judgement | None = None
     mesh_error: DiscretisationError | None = None
+    sampled: tuple[float, float] | None = None
+    sampled_in_test: tuple[float, float] | None = None
 
     def __repr__(self) -> str:
         at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
@@ -100,11 +106,10 @@ class LoadResult(Lazy):
         # a line is not worth working the leak rate out
         leak: LeakResult | None = vars(self).get("leak")
         if leak is not None:
-            known = self.leak_range if vars(self).get("leak_capped") is not None else None
+            known = self.leak_interval if vars(self).get("leak_capped") is not None else None
+            told = known if known is not None and self.has_interval else leak.leak_rate
             claimed = not self.validity.outside
-            parts.append(
-                f"leak rate {leak_range_text(known or leak.leak_rate, self.leak_digits, claimed=claimed)}"
-            )
+            parts.append(f"leak rate {leak_range_text(told, self.leak_digits, claimed=claimed)}")
         return ", ".join([*parts, str(self.validity.level)])
 
     @property
@@ -287,6 +292,41 @@ class LoadResult(Lazy):
         return None if ends is None else (ends[0].leak_rate, ends[1].leak_rate)
 
     @property
+    def leak_interval(self) -> tuple[float, float] | None:
+        """Ends of the leak rate, wherever they are told or judged [m^3/s]; None without a leak rate.
+
+        They hold both readings of yielding asperities or what a simulation leaves open, the samples of uncertain
+        inputs, and what the calculation may be off by (`leak_validity`).
+        """
+        if self.leak is None:
+            return None
+        rate = self.leak.leak_rate
+        known = ((rate, rate), self.leak_range, self.sampled)
+        low, high = zip(*(one for one in known if one is not None), strict=True)
+        least, most = self.leak_validity.leak_factor
+        return min(low) * least, max(high) * most
+
+    @property
+    def has_interval(self) -> bool:
+        """Whether the ends of `leak_interval` are told as two numbers, or made of what could be two."""
+        ends = self.leak_interval
+        made = self.leak_range is not None or self.sampled is not None
+        return ends is not None and (made or ends[1] > AGREE * ends[0])
+
+    @property
+    def in_test(self) -> Self:
+        """The same contact with the gas that the standards test with; itself where that leaks, or a liquid."""
+        found = self._in_test
+        if found is self:
+            return self
+        return found.knowing(sampled=self.sampled_in_test, validity=self.validity, mesh_error=self.mesh_error)
+
+    @cached_property
+    def _in_test(self) -> Self:
+        rough = None if self.rough is None else self.rough.in_test
+        return self if rough is self.rough else replace(self, rough=rough)
+
+    @property
     def effective_viscosity(self) -> float | None:
         """Constant viscosity of a liquid that leaks as much [Pa s]; None without roughness, and for a gas."""
         flow = None if self.rough is None else self.rough.flow
@@ -349,17 +389,18 @@ class LoadResult(Lazy):
 
 def leak_rates(
     surface: RoughContact,
-    flow: Flow,
+    flows: Sequence[Flow],
     loads: Sequence[LoadResult],
     alike: Sequence[LoadResult] = (),
     table: Callable[[Flow, RoughContact, Sequence[float]], Conductivity] | None = None,
-) -> tuple[float, ...]:
-    """Leak rate of each load with another surface or flow on the same contact [m^3/s].
+) -> list[tuple[float, ...]]:
+    """Leak rate of each load with another surface or flow on the same contact, for each of the flows [m^3/s].
 
     Parameters
     ----------
     surface : RoughContact
-    flow : Flow
+    flows : sequence of Flow
+        Of different fluids, of which the conductivity is the same.
     loads : sequence of LoadResult
     alike : sequence of LoadResult
         Other loads over whose pressures the conductivity is tabulated as well.
@@ -367,9 +408,14 @@ def leak_rates(
         Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
     """
     shown = [contact for load in (*alike, *loads) for contact in load.contacts]
-    rough = RoughFlow.of(surface, flow, shown, table)
-    found = [replace(load, rough=rough).leak for load in loads]
-    return tuple(math.nan if leak is None else leak.leak_rate for leak in found)
+    first = RoughFlow.of(surface, flows[0], shown, table)
+    assert first is not None  # there is a surface
+    found = []
+    for flow in flows:
+        rough = first if flow is flows[0] else first.with_flow(flow)
+        leaks = [replace(load, rough=rough).leak for load in loads]
+        found.append(tuple(math.nan if leak is None else leak.leak_rate for leak in leaks))
+    return found
 
 
 def strongest_load(loads: Sequence[LoadResult]) -> int:
@@ -773,19 +819,8 @@ class SealSolution:
 
     @property
     def leak_ranges(self) -> tuple[tuple[float, float] | None, ...]:
-        """Ends of the leak rate's interval at each load [m^3/s]; None where nothing makes one.
-
-        It holds both readings of yielding asperities and, where inputs are uncertain, the samples in both readings.
-        """
-        sampled = self.uncertainty
-        if sampled is None:
-            return tuple(load.leak_range for load in self.loads)
-        ends = zip(self.loads, sampled.low.tolist(), sampled.high.tolist(), strict=True)
-        return tuple(
-            (min(low, *calculated), max(high, *calculated))
-            for load, low, high in ends
-            for calculated in [load.leak_range or (() if load.leak is None else (load.leak.leak_rate,))]
-        )
+        """`LoadResult.leak_interval` of each load [m^3/s]; None where nothing makes one."""
+        return tuple(load.leak_interval if load.has_interval else None for load in self.loads)
 
 
 @dataclass(frozen=True)
@@ -844,6 +879,8 @@ class LeakInterval:
     capped : ndarray, shape (loads, samples), or None
         The same samples with yielding asperities that change the surface only where it touches [m^3/s]; None where
         none yields.
+    in_test : LeakInterval or None
+        The same samples with the gas of the standards' tests; None where the fluid is one, and of a liquid.
     """
 
     inputs: tuple[str, ...]
@@ -854,6 +891,7 @@ class LeakInterval:
     shares: FloatArray
     error: float | None
     capped: FloatArray | None = field(default=None, repr=False)
+    in_test: LeakInterval | None = field(default=None, repr=False)
 
     @property
     def samples(self) -> int:
@@ -888,6 +926,24 @@ class LeakInterval:
     def sealed(self) -> FloatArray:
         """Share of the samples that do not leak, shape (loads,)."""
         return (self.leak_rate == 0).mean(axis=1)
+
+    @property
+    def ends(self) -> list[tuple[float, float]]:
+        """`low` and `high` of each load [m^3/s]."""
+        return list(zip(self.low.tolist(), self.high.tolist(), strict=True))
+
+    def of(self, loads: Sequence[LoadResult]) -> tuple[LoadResult, ...]:
+        """The loads of the samples, which know their ends.
+
+        Parameters
+        ----------
+        loads : sequence of LoadResult
+        """
+        in_test = [None] * len(loads) if self.in_test is None else self.in_test.ends
+        return tuple(
+            load.knowing(sampled=ends, sampled_in_test=tested)
+            for load, ends, tested in zip(loads, self.ends, in_test, strict=True)
+        )
 
 
 # Ratio of leak rates up to which two readings are told as one number.

@@ -185,21 +185,33 @@ def _interval_of_finish(
         ratios[checked], ratios[known] = truth, rates[known]
         runs += _CHECKS
     ratios = ratios / viscosity
-    nominal = np.array(_Study(result, (), study.uniform).of_case).reshape(study.readings, 1, -1)
-    readings = ratios.reshape(len(ratios), study.readings, len(chosen)).swapaxes(0, 1)
-    conserved, *capped = _at_all_loads(np.log(_line_loads(result.loads)), chosen, readings) * nominal
+    nominal = np.array(_Study(result, (), study.uniform).of_case).reshape(study.kinds, 1, -1)
+    by_kind = ratios.reshape(len(ratios), study.kinds, len(chosen)).swapaxes(0, 1)
+    rates = _at_all_loads(np.log(_line_loads(result.loads)), chosen, by_kind) * nominal
     shares = _shares(study, ratios * usual, surface)
     near = np.argmin(np.abs(np.arange(len(result.loads))[:, None] - chosen), axis=1)
-    return LeakInterval(
-        tuple(one.name for one in study.inputs),
-        settings.confidence,
-        settings.seed,
-        runs,
-        conserved.T,
-        shares[near],
-        error,
-        *(one.T for one in capped),
+    return _told(study, settings, [one.T for one in rates], runs=runs, shares=shares[near], error=error)
+
+
+def _told(
+    study: _Study,
+    settings: Uncertainty,
+    rates: Sequence[FloatArray],
+    *,
+    runs: int,
+    shares: FloatArray,
+    error: float | None,
+) -> LeakInterval:
+    """The interval of samples, shape (loads, samples) in each reading of the case's fluid, then of the tests' gas."""
+    names = tuple(one.name for one in study.inputs)
+
+    def interval(conserved: FloatArray, capped: FloatArray | None = None) -> LeakInterval:
+        return LeakInterval(names, settings.confidence, settings.seed, runs, conserved, shares, error, capped)
+
+    own, *tested = (
+        interval(*rates[first : first + study.readings]) for first in range(0, study.kinds, study.readings)
     )
+    return replace(own, in_test=tested[0]) if tested else own
 
 
 def _line_loads(loads: Sequence[LoadResult]) -> FloatArray:
@@ -249,17 +261,8 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
             nominal[: len(rates)] = rates
             runs += len(checked)
         nominal[checked] = np.where(np.isnan(truth), nominal[checked], truth)
-    conserved, *capped = np.split((nominal / viscosity[:, None]).T, study.readings)
-    return LeakInterval(
-        tuple(one.name for one in study.inputs),
-        settings.confidence,
-        settings.seed,
-        runs,
-        conserved,
-        _shares(study, nominal, surface),
-        error,
-        *capped,
-    )
+    by_kind = np.split((nominal / viscosity[:, None]).T, study.kinds)
+    return _told(study, settings, by_kind, runs=runs, shares=_shares(study, nominal, surface), error=error)
 
 
 def _largest_difference(found: FloatArray, truth: FloatArray, of_case: Sequence[float]) -> float:
@@ -288,7 +291,7 @@ def _runs(study: _Study, progress: Callable[[str], None]) -> tuple[int, FloatArr
     if not study.calculated:
         nominal = np.array([study.of_case])
         return 0, np.repeat(nominal, total, axis=0) / study.viscosity[:, None], None
-    count, rates = 0, np.empty((0, study.readings * len(study.result.loads)))
+    count, rates = 0, np.empty((0, study.kinds * len(study.result.loads)))
     goal = min(total, _FIRST_RUNS * 2 ** min(study.scores.shape[1] - 1, 3))
     while count < total:
         progress(f"uncertainty: samples {count + 1} to {goal} of {total}")
@@ -393,16 +396,30 @@ class _Study:
         return 2 if self.result.loads[0].yields else 1
 
     @property
+    def flows(self) -> tuple[Flow, ...]:
+        """That of the case and, where it is another one, that of the gas that the standards test with."""
+        own = self.result.problem.flow
+        assert own is not None  # of the checks
+        return (own,) if own.in_test is own else (own, own.in_test)
+
+    @property
+    def kinds(self) -> int:
+        """Leak rates of each sample and load: the readings of each fluid."""
+        return len(self.flows) * self.readings
+
+    @property
     def last_load(self) -> slice:
-        """Where its readings stand among the leak rates of a sample."""
+        """Where the readings of its own fluid stand among the leak rates of a sample."""
         loads = len(self.result.loads)
-        return slice(loads - 1, None, loads)
+        return slice(loads - 1, self.readings * loads, loads)
 
     @property
     def of_case(self) -> list[float]:
         """Leak rates of the case itself, as those of a sample."""
-        loads = self.result.loads
-        found = [load.leak for load in loads] + [load.leak_capped for load in loads] * (self.readings - 1)
+        own = self.result.loads
+        fluids = (own, [load.in_test for load in own])[: len(self.flows)]
+        read = ("leak", "leak_capped")[: self.readings]
+        found = [getattr(load, name) for loads in fluids for name in read for load in loads]
         return [math.nan if leak is None else leak.leak_rate for leak in found]
 
     @cached_property
@@ -459,18 +476,20 @@ class _Study:
             return self._rates(surface, self._loads(surface, factors))
         except ConvergenceError:
             if self.lenient or (self.whole_paths and not self._bulk):
-                return [math.nan] * (self.readings * len(self.result.loads))
+                return [math.nan] * (self.kinds * len(self.result.loads))
             raise
 
     def _rates(self, surface: RoughContact, loads: Sequence[LoadResult]) -> list[float]:
         """Leak rates in each reading at each load."""
-        flow = self.result.problem.flow
-        assert flow is not None  # of the checks
-        read = (surface, surface.capped)[: self.readings]
-        if self.exact or flow.simulated is not None:
+        read, (flow, *_) = (surface, surface.capped)[: self.readings], self.flows
+        by_reading = (
             # with the range of the case itself, as long as it will do, the table's own error is that of all samples
-            return [rate for one in read for rate in leak_rates(one, flow, loads, alike=self.result.loads)]
-        return [rate for one in read for rate in leak_rates(one, flow, loads, table=self._table)]
+            leak_rates(one, self.flows, loads, alike=self.result.loads)
+            if self.exact or flow.simulated is not None
+            else leak_rates(one, self.flows, loads, table=self._table)
+            for one in read
+        )
+        return [rate for of_fluid in zip(*by_reading, strict=True) for rates in of_fluid for rate in rates]
 
     def _table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Conductivity from the table of the case."""

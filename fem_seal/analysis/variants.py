@@ -114,7 +114,8 @@ def _leak_rates(
         percolation_threshold=reading.threshold,
         separation_width=surface.separation_width if reading.width is None else reading.width,
     )
-    return leak_rates(surface, read, loads)
+    (found,) = leak_rates(surface, [read], loads)
+    return found
 
 
 def ratio_to_case(leak_rate: float, of_case: float) -> float:

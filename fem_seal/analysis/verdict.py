@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.judgement import Judgement, Limit, SealJudgement, Shares, Verdict, Why, severity
-from fem_seal.analysis.leakage import fluid_of_test, nominal_size
+from fem_seal.analysis.leakage import nominal_size, test_of
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 OF_LEAK_RATE = "leak rate"
 
 
-def limits(case: Case, fluid_pressure: float) -> tuple[Limit, ...]:
+def limits(case: Case, fluid_pressure: float, load: LoadResult | None = None) -> tuple[Limit, ...]:
     """The limits that a case's requirement sets at a fluid pressure; empty without a requirement.
 
     Parameters
@@ -27,16 +27,21 @@ def limits(case: Case, fluid_pressure: float) -> tuple[Limit, ...]:
     case : Case
     fluid_pressure : float
         [Pa]
+    load : LoadResult, optional
+        The load that is judged, whose contact says what a test with another fluid would find; without it the limits
+        hold for any gap.
     """
     required = case.requirement
     if required is None or case.fluid is None:
         return ()
     own = () if required.leak_rate is None else (Limit(OF_LEAK_RATE, required.leak_rate),)
-    of_class = _of_class(case, required, case.fluid, fluid_pressure)
+    of_class = _of_class(case, required, case.fluid, fluid_pressure, load)
     return own if of_class is None else (*own, of_class)
 
 
-def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: float) -> Limit | None:
+def _of_class(
+    case: Case, required: Requirement, fluid: Fluid, fluid_pressure: float, load: LoadResult | None
+) -> Limit | None:
     from leak.standards import STANDARDS, leakage_limits, visible_leak_rate
 
     wanted = required.standard_and_class
@@ -53,7 +58,7 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     )
     found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
     name = " ".join(wanted)
-    test_fluid, ratio = fluid_of_test(fluid, fluid_pressure)
+    test_fluid, ratio = test_of(fluid, fluid_pressure, load)
     if not found:
         # class VI of FCI 70-2 ends at a diameter
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
@@ -63,38 +68,30 @@ def _of_class(case: Case, required: Requirement, fluid: Fluid, fluid_pressure: f
     return Limit(name, found[0], visible, test_fluid, ratio, bubble if counts_bubbles else None)
 
 
-def judged(
-    case: Case, load: LoadResult, ends: tuple[float, float] | None, *, sampled: bool = True
-) -> Judgement | None:
+def judged(case: Case, load: LoadResult, *, sampled: bool = True) -> Judgement | None:
     """What is said of one load; None without a requirement for it.
 
     Parameters
     ----------
     case : Case
     load : LoadResult
-        With its validity and what its mesh leaves uncertain.
-    ends : tuple of float or None
-        Of the interval of its leak rate [m^3/s]; the leak rate itself if None.
+        With its validity, what its mesh leaves uncertain and its samples.
     sampled : bool
         Whether the interval holds what the inputs leave open.
     """
     required = case.requirement
     if required is None or not required.judges(load.fluid_pressure):
         return None
-    rate = math.nan if load.leak is None else load.leak.leak_rate
+    ends = load.leak_interval or (math.nan, math.nan)
     found = [
-        Judgement.of(limit, ends or (rate, rate), load.leak_validity, sampled=sampled)
-        for limit in limits(case, load.fluid_pressure)
+        Judgement.of(limit, ends, load.leak_validity, sampled=sampled)
+        for limit in limits(case, load.fluid_pressure, load)
     ]
     return max(found, key=severity, default=None)
 
 
 def with_judgements(
-    case: Case,
-    loads: Sequence[LoadResult],
-    ranges: Iterable[tuple[float, float] | None],
-    *,
-    sampled: bool = True,
+    case: Case, loads: Sequence[LoadResult], *, sampled: bool = True
 ) -> tuple[LoadResult, ...]:
     """Loads with what is said of them.
 
@@ -102,15 +99,10 @@ def with_judgements(
     ----------
     case : Case
     loads : sequence of LoadResult
-    ranges : iterable
-        Ends of the interval of each leak rate [m^3/s], or None.
     sampled : bool
         See `judged`.
     """
-    return tuple(
-        load.knowing(judgement=judged(case, load, ends, sampled=sampled))
-        for load, ends in zip(loads, ranges, strict=True)
-    )
+    return tuple(load.knowing(judgement=judged(case, load, sampled=sampled)) for load in loads)
 
 
 def seal_judgement(

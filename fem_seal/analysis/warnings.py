@@ -196,7 +196,7 @@ def load_validity(
     model = load.contact.model
     mesh = () if error is None else _coarse(model, error)
     own = load_cautions(problem, model, [load], surface)
-    return Validity.of((*_of_surface(problem), *own, *mesh, *_of_target(load)))
+    return Validity.of((*_of_surface(problem), *own, *mesh))
 
 
 def profile_validity(problem: SealProblem, surface: Surface, load: GivenLoad) -> Validity:
@@ -295,14 +295,6 @@ def _of_surface(problem: SealProblem) -> Iterator[Caution]:
         )
     for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)
-
-
-def _of_target(load: LoadResult) -> Iterator[Caution]:
-    """What is wrong with the force for the target leak rate, which stands in the row of a load, at that load."""
-    found = load.target_validity
-    if found is not None and found.cautions:
-        reason = f"force for the target leak rate {found.level}: {found.reasons[0]}"
-        yield Caution("target", Level.DOUBTFUL, reason, reason)
 
 
 def _touched_beside(

@@ -229,12 +229,11 @@ class Session:
         )
         between = tuple(shown_load(case, load) for load in found[own:])
         found = self._with_validity(case, problem, found, own)
-        ranges = [load.leak_range for load in found[:own]]
-        judged = with_judgements(case, found[:own], ranges)
+        judged = with_judgements(case, found[:own])
         points = dict(enumerate(case.load.points))
         missing = {points[number]: one for number, one in refused_loads(case).items()}
         judgement = seal_judgement(case, judged, missing, problem.hardness)
-        return screen_of(case, design, judged, ranges, judgement, warnings=remarks, between=between)
+        return screen_of(case, design, judged, judgement, warnings=remarks, between=between)
 
     def _problem(self, case: Case) -> tuple[SealProblem, int]:
         """The problem of a design with the loads that follow the sliders, round, and how many of them are the case's.

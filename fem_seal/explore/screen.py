@@ -180,7 +180,6 @@ def screen_of(
     case: Case,
     design: Mapping[str, str],
     loads: Sequence[LoadResult],
-    ranges: Sequence[tuple[float, float] | None] | None = None,
     judgement: SealJudgement | None = None,
     **more: Any,
 ) -> Screen:
@@ -191,14 +190,11 @@ def screen_of(
     case : Case
     design : mapping
     loads : sequence of LoadResult
-    ranges : sequence of tuple, optional
-        Ends of the leak rate's interval at each; those of both readings of yielding asperities unless given.
     judgement : SealJudgement, optional
         What is said of the requirement.
     more
         Further fields of the screen.
     """
-    ends = [load.leak_range for load in loads] if ranges is None else ranges
     number = highest_load(loads)
     complete = bool(more.get("complete"))
     widens = not complete and interval_follows(case)
@@ -207,15 +203,16 @@ def screen_of(
     withheld = widens or as_round
     return Screen(
         dict(design),
-        tuple(shown_load(case, load, end) for load, end in zip(loads, ends, strict=True)),
+        tuple(shown_load(case, load) for load in loads),
         number,
         profile_of(loads[number]),
         section_of(case),
-        **_judged(case, loads, ends, judgement, withheld),
+        **_judged(case, loads, judgement, withheld),
         widens=widens,
         round=as_round,
         limits=tuple(
-            (one.name, one.leak_rate / one.ratio[1]) for one in limits(case, loads[number].fluid_pressure)
+            (one.name, one.leak_rate / one.ratio[1])
+            for one in limits(case, loads[number].fluid_pressure, loads[number])
         ),
         volume=volume_of(case),
         **more,
@@ -238,7 +235,6 @@ class _Loads:
 
     case: Case
     loads: Sequence[LoadResult]
-    leak_ranges: Sequence[tuple[float, float] | None]
     judgement: SealJudgement | None
 
     @property
@@ -249,16 +245,15 @@ class _Loads:
 def _judged(
     case: Case,
     loads: Sequence[LoadResult],
-    ends: Sequence[tuple[float, float] | None],
     judgement: SealJudgement | None,
     withheld: bool,
 ) -> dict[str, Any]:
-    found: Any = _Loads(case, loads, ends, judgement)
+    found: Any = _Loads(case, loads, judgement)
     if withheld:
         return {}
     if judgement is None:
         load = found.highest
-        told = "" if load.leak is None else next_class_in_words(case, load, ends[highest_load(loads)])
+        told = "" if load.leak is None else next_class_in_words(case, load)
         return {"told": (told,) if told else ()}
     return {
         "verdict": str(judgement.verdict),
@@ -267,23 +262,21 @@ def _judged(
     }
 
 
-def shown_load(case: Case, load: LoadResult, ends: tuple[float, float] | None = None) -> ShownLoad:
+def shown_load(case: Case, load: LoadResult) -> ShownLoad:
     """What is shown of one load.
 
     Parameters
     ----------
     case : Case
     load : LoadResult
-    ends : tuple of float, optional
-        Of the leak rate's interval [m^3/s].
     """
-    row = Row(load, ends)
+    row = Row(load)
     return ShownLoad(
         {name: float(COLUMNS[name].number(row)) for name in SHOWN},
         load.applied_force,
         str(load.validity.level),
         load.validity.reasons,
-        tuple(str(one) for one in leakage_classes(case, load, ends)),
+        tuple(str(one) for one in leakage_classes(case, load)),
         _digits(load),
     )
 

@@ -312,7 +312,6 @@ def complete_screen(design: Mapping[str, str], result: SealResult) -> Screen:
         result.case,
         design,
         result.loads,
-        result.leak_ranges,
         result.judgement,
         complete=True,
         warnings=result.warnings,

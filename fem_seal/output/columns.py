@@ -27,18 +27,14 @@ class Row:
     Parameters
     ----------
     load : LoadResult
-    interval : tuple of float, optional
-        Lower and upper end of the leak rate's interval [m^3/s]; that between both readings of yielding asperities
-        unless given.
     """
 
     load: LoadResult
-    interval: tuple[float, float] | None = None
 
     def end(self, which: int) -> float | None:
         """Lower (0) or upper (1) end of the leak rate's interval [m^3/s]; None where nothing makes one."""
-        ends = self.load.leak_range if self.interval is None else self.interval
-        return None if ends is None else ends[which]
+        ends = self.load.leak_interval
+        return ends[which] if ends is not None and self.load.has_interval else None
 
 
 @dataclass(frozen=True)
@@ -332,9 +328,9 @@ COLUMNS = {
         Column(
             "leak_rate_low_m3_per_s",
             "flow",
-            "lower end of the leak rate's interval: the smaller of both readings of yielding asperities and, with "
-            "`[uncertainty]`, of the lower end of the samples in the reading that leaks less; nan where asperities are "
-            "elastic and nothing is sampled",
+            "lower end of the leak rate's interval, the one that sentences and verdict use: it holds both readings of "
+            "yielding asperities, the samples of uncertain inputs in both, and what the calculation may be off by "
+            "(guide/verdict in the manual); nan where none of them makes one",
             lambda row: row.end(0),
             short="low",
             shown_in="mm³/s",

@@ -47,7 +47,7 @@ def rows_of(result: SealSolution) -> list[Row]:
     ----------
     result : SealSolution
     """
-    return [Row(load, ends) for load, ends in zip(result.loads, result.leak_ranges, strict=True)]
+    return [Row(load) for load in result.loads]
 
 
 def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
@@ -182,9 +182,9 @@ def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
             "nominal_size": size,
             "validity": str(load.validity.level),
         }
-        for load, ends in zip(result.loads, result.leak_ranges, strict=True)
+        for load in result.loads
         if load.leak is not None
-        for classes in [leakage_classes(result.case, load, ends)]
+        for classes in [leakage_classes(result.case, load)]
     ]
 
 

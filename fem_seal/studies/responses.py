@@ -37,6 +37,8 @@ from meshes import Sizing
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
 _OTHER_READING = "leak_rate_capped_m3_per_s"
+# What takes the interval of the leak rate, and with it what the calculation may be off by.
+_INTERVAL = frozenset({"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin"})
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
 
@@ -94,9 +96,9 @@ def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) 
             yield None
     validity = _validity(of_usual, load, tabulated=leaks and interpolate)
     yield None
+    load = load.knowing(validity=validity)
     if "margin" in columns:
-        load = load.knowing(validity=validity)
-        load = load.knowing(judgement=judged(case, load, load.leak_range))
+        load = load.knowing(judgement=judged(case, load))
         yield None
     values = _read(Row(load), columns)
     return Evaluation(values, validity, load.verdict)
@@ -137,7 +139,7 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     """
     if takes_complete_run(case, columns):
         return _complete_run(case, columns).values
-    if "margin" in columns:
+    if not _INTERVAL.isdisjoint(columns):
         # which asks for the validity
         return evaluate(case, columns, interpolate=interpolate).values
     stress = "max_von_mises_Pa" in columns

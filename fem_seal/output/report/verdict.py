@@ -189,7 +189,7 @@ def _bubble(volume: float) -> str:
 
 
 def _ratio(ratio: tuple[float, float]) -> str:
-    return range_text(*(number(one, 2) for one in ratio))
+    return range_text(*(number(one, 2) for one in sorted(ratio)))
 
 
 def _like(limit: Limit, leak_rate: float) -> float:
@@ -279,17 +279,15 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
 _HARDLY = 1.15
 
 
-def next_class_in_words(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> str:
+def next_class_in_words(case: Case, load: LoadResult) -> str:
     """Which class would be met next, and by which factor less would have to leak; empty if none would.
 
     Parameters
     ----------
     case : Case
     load : LoadResult
-    ends : tuple of float or None
-        Of the leak rate's interval [m^3/s].
     """
-    found = next_class(case, load, ends)
+    found = next_class(case, load)
     if found is None:
         return ""
     if found.as_calculated:
@@ -310,8 +308,7 @@ def next_class_of(result: SealSolution) -> str:
     """
     if result.judgement is not None:
         return ""
-    highest = result.highest
-    return next_class_in_words(result.case, highest, result.leak_ranges[result.loads.index(highest)])
+    return next_class_in_words(result.case, result.highest)
 
 
 def verdict_lines(result: SealSolution) -> list[str]:

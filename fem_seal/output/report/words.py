@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.caution import Level, Validity
-from fem_seal.analysis.leakage import fluid_of_test, leakage_classes, nominal_size, volume_of
+from fem_seal.analysis.leakage import leakage_classes, nominal_size, test_of, volume_of
 from fem_seal.analysis.load_names import load_name, load_values
 from fem_seal.analysis.results import AGREE, LoadResult, SealSolution, highest_load
 from fem_seal.analysis.warnings import FLUID_OPENS
@@ -111,26 +111,26 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
     if imprint := imprint_in_words(result):
         found.append(Fact("Permanent imprint", *imprint))
     if load.leak is not None:
-        volume = volume_of(result.case)
-        told = leak_range_text(
-            rate_of(load), load.leak_digits, claimed=not load.validity.outside, volume=volume
-        )
-        one = rate_of(load) if _told_apart(load) else load.leak.leak_rate
+        volume, sampled = volume_of(result.case), load.sampled is not None
+        one = usual_rate_of(load) if sampled else rate_of(load)
+        told = leak_range_text(one, load.leak_digits, claimed=not load.validity.outside, volume=volume)
         collected = per_day(one, load.leak_digits, volume)
-        remarks = [state_in_words(volume), _least(load) or collected, readings_in_words(load, volume)]
-        ends = result.leak_ranges[result.loads.index(load)]
-        sampled = was_sampled(load, ends)
+        remarks = [
+            state_in_words(volume),
+            _least(load) or collected,
+            readings_in_words(load, volume),
+            *([] if sampled else accuracy_in_words(load)),
+        ]
         name = said(
             "readings.fact", ("finish" if has_finish(result.case) else "inputs") if sampled else "only"
         )
         found.insert(0, Fact(name, told, "; ".join(filter(None, remarks))))
         if load.leak.leak_rate > 0:
             # the first of these units may be the one that stands there already
-            widest = leakage_text(load, ends if sampled else None, volume)
-            lead = leak_range_text(ends, load.leak_digits, volume=volume) if sampled and ends else told
-            others = [part for part in widest.split(" = ") if part.split(" (")[0] != lead]
+            lead = leak_range_text(rate_of(load), load.leak_digits, volume=volume)
+            others = [part for part in leakage_text(load, volume).split(" = ") if part.split(" (")[0] != lead]
             found.insert(0 if sampled else 1, Fact("In other units", others[0], " = ".join(others[1:])))
-        found.append(_class_fact(result.case, load, ends))
+        found.append(_class_fact(result.case, load))
     if result.uncertainty is not None:
         found.insert(0, _interval_fact(result, load))
     return found
@@ -182,7 +182,15 @@ def _told_apart(load: LoadResult) -> bool:
 
 
 def rate_of(load: LoadResult) -> float | tuple[float, float]:
-    """The leak rate of a load as it is told: both readings of yielding asperities, or the only one [m^3/s]."""
+    """The leak rate of a load as it is told: its interval, or the only number [m^3/s]."""
+    ends = load.leak_interval
+    if load.leak is None or ends is None:
+        return math.nan
+    return load.leak.leak_rate if ends[1] <= AGREE * ends[0] else ends
+
+
+def usual_rate_of(load: LoadResult) -> float | tuple[float, float]:
+    """The same with the inputs as given: both readings of yielding asperities, or the only one [m^3/s]."""
     ends = ends_told(load)
     if ends is None:
         return math.nan if load.leak is None else load.leak.leak_rate
@@ -239,9 +247,9 @@ def _peak_fact(load: LoadResult) -> tuple[str, str]:
     return in_words(load, "peak_pressure_max_Pa"), f"around the axis; {_peak(load)} at the mean line load"
 
 
-def _class_fact(case: Case, load: LoadResult, ends: tuple[float, float] | None) -> Fact:
+def _class_fact(case: Case, load: LoadResult) -> Fact:
     """The best class, or that none can be claimed."""
-    size, classes = nominal_size(case), leakage_classes(case, load, ends)
+    size, classes = nominal_size(case), leakage_classes(case, load)
     name = f"Leakage class, DN {1e3 * size.size:.4g}"
     if not classes:
         return Fact(name, "not claimed", "leak rate outside the theory")
@@ -252,20 +260,16 @@ def _class_fact(case: Case, load: LoadResult, ends: tuple[float, float] | None) 
 
 def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     assert result.uncertainty is not None
-    n = result.loads.index(load)
-    ends, volume = result.leak_ranges[n], volume_of(result.case)
-    state = state_in_words(volume)
-    assert ends is not None  # uncertain inputs make one
+    volume = volume_of(result.case)
+    of_inputs = (
+        "from what the drawing's finish leaves open"
+        if has_finish(result.case)
+        else "from the uncertain inputs"
+    ) + (", in both readings of asperities that yield" if load.yields else "")
     return Fact(
         f"{percent(result.uncertainty.confidence)} interval of the leak rate",
-        leak_range_text(ends, load.leak_digits, claimed=not load.validity.outside, volume=volume),
-        (f"{state}; " if state else "")
-        + (
-            "from what the drawing's finish leaves open"
-            if has_finish(result.case)
-            else "from the uncertain inputs"
-        )
-        + (", in both readings of asperities that yield" if load.yields else ""),
+        leak_range_text(rate_of(load), load.leak_digits, claimed=not load.validity.outside, volume=volume),
+        "; ".join(filter(None, [state_in_words(volume), of_inputs, *accuracy_in_words(load)])),
     )
 
 
@@ -340,8 +344,7 @@ def _what_leaks(result: SealSolution) -> str:
     if changed:
         shown.append(last)
     span = load_values(highest, loads)
-    ranges = dict(zip(map(id, loads), result.leak_ranges, strict=True))
-    rates = [_widest(load, ranges[id(load)]) for load in shown if load.leak is not None]
+    rates = [rate_of(load) for load in shown if load.leak is not None]
     if not rates:
         missing = "roughness" if result.surface is None else "fluid"
         after = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
@@ -365,13 +368,10 @@ def _what_leaks(result: SealSolution) -> str:
         for rate, load in zip(rates, shown, strict=True)
     ]
     then = f"; after {span}, {told.pop()}" if changed else ""
-    claimed = [load for load in shown if _told_apart(load) and not load.validity.outside]
-    sampled = [load for load in shown if was_sampled(load, ranges[id(load)])]
-    held = (
-        samples_in_words(result.case, sampled[0]) if sampled else ends_in_words(claimed[0]) if claimed else ""
-    )
+    # what most of the ends hold that are told
+    held = max((held_in_words(result.case, load) for load in shown if not load.validity.outside), key=len)
     state = f" ({state_in_words(volume)})" if volume.state else ""
-    return f"The seal leaks {' and '.join(told)}{then}{state}. {held}".rstrip()
+    return " ".join([f"The seal leaks {' and '.join(told)}{then}{state}.", *held])
 
 
 def has_finish(case: Case) -> bool:
@@ -379,24 +379,48 @@ def has_finish(case: Case) -> bool:
     return case.roughness is not None and bool(case.roughness.finishes)
 
 
-def was_sampled(load: LoadResult, ends: tuple[float, float] | None) -> bool:
-    """Whether uncertain inputs widen the leak rate, and something may be claimed of it.
+def held_in_words(case: Case, load: LoadResult) -> list[str]:
+    """What the two ends of a leak rate hold, in sentences; none where one number is told.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    """
+    if not isinstance(rate_of(load), tuple):
+        return []
+    if load.sampled is not None:
+        held = [_samples_in_words(case, load)]
+    elif load.leak_range is not None and (not load.yields or _told_apart(load)):
+        held = [said("readings.ends", "what" if load.yields else "simulated")]
+    else:
+        held = []
+    off = accuracy_in_words(load)
+    return [*held, *(said("readings.accuracy", "also" if held else "alone", off=one) for one in off)]
+
+
+# Factors by which the calculation may be off that are not seen in two digits.
+_NOTICED_IN_ENDS = 1.05
+
+
+def accuracy_in_words(load: LoadResult) -> list[str]:
+    """What the calculation may be off by, as far as it widens the interval noticeably; none or one.
 
     Parameters
     ----------
     load : LoadResult
-    ends : tuple of float or None
-        Of the interval of its leak rate [m^3/s].
     """
-    return load.leak is not None and ends not in (None, load.leak_range) and not load.validity.outside
+    least, most = load.leak_validity.leak_factor
+    reasons = [
+        load.leak_validity.leak_reason(more=more)
+        for more, factor in ((True, most), (False, 1.0 / least))
+        if factor > _NOTICED_IN_ENDS
+    ]
+    told = "; ".join(dict.fromkeys(reasons))
+    return [said("readings.accuracy", "what", reason=told)] if told else []
 
 
-def _widest(load: LoadResult, ends: tuple[float, float] | None) -> float | tuple[float, float]:
-    """The leak rate as wide as it is known: with its samples, in both readings, or the only number [m^3/s]."""
-    return ends if ends is not None and was_sampled(load, ends) else rate_of(load)
-
-
-def samples_in_words(case: Case, load: LoadResult) -> str:
+def _samples_in_words(case: Case, load: LoadResult) -> str:
     """What the two ends of a leak rate are whose inputs are uncertain."""
     assert case.sampled is not None
     of_finish, of_inputs = ("finish_both", "inputs_both") if load.yields else ("finish", "inputs")
@@ -405,11 +429,6 @@ def samples_in_words(case: Case, load: LoadResult) -> str:
         of_finish if has_finish(case) else of_inputs,
         share=percent(case.sampled.confidence),
     )
-
-
-def ends_in_words(load: LoadResult) -> str:
-    """What the two ends of a leak rate are."""
-    return said("readings.ends", "what" if load.yields else "simulated")
 
 
 def _contact(load: LoadResult) -> str:
@@ -519,32 +538,32 @@ def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
-def leakage_text(
-    load: LoadResult, interval: tuple[float, float] | None = None, volume: LeakVolume = LIQUID
-) -> str:
+def leakage_text(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
     """The leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min".
 
     Parameters
     ----------
     load : LoadResult
         With a leak rate.
-    interval : tuple of float, optional
-        Its ends [m^3/s]; those of both readings of yielding asperities unless given.
     volume : LeakVolume
         What leaks.
     """
+    return _text_of(load, rate_of(load), volume)
+
+
+def _text_of(load: LoadResult, rate: float | tuple[float, float], volume: LeakVolume) -> str:
+    """A leak rate of a load, or both of its ends [m^3/s], in the units of its kind."""
     assert load.leak is not None
-    known = rate_of(load) if interval is None else interval
-    if not volume.measurable(known[1] if isinstance(known, tuple) else known):
-        return leak_range_text(known, claimed=not load.validity.outside, volume=volume)
-    if interval is not None and load.leak.leak_rate == 0:
-        # of what is sealed no mass is known that could be scaled
-        told_alone = leak_range_text(interval, load.leak_digits, volume=volume)
-        return f"{told_alone} ({volume.state})" if volume.state else told_alone
-    if interval is not None:
-        ends = load.leak.scaled(interval[0]), load.leak.scaled(interval[1])
+    if not volume.measurable(rate[1] if isinstance(rate, tuple) else rate):
+        return leak_range_text(rate, claimed=not load.validity.outside, volume=volume)
+    if not isinstance(rate, tuple):
+        ends = load.leak, load.leak
+    elif 0 < load.leak.leak_rate < math.inf:
+        ends = load.leak.scaled(rate[0]), load.leak.scaled(rate[1])
     else:
-        ends = ends_told(load) or (load.leak, load.leak)
+        # of what is sealed or open no mass is known that could be scaled
+        alone = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
+        return f"{alone} ({volume.state})" if volume.state else alone
     digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
     measured = (one if volume.measurable(one.leak_rate) else one.scaled(0.0) for one in ends)
     columns = zip(*(_in_units(one, volume) for one in measured), strict=True)
@@ -584,17 +603,12 @@ def judged_as(case: Case, load: LoadResult) -> str:
     load : LoadResult
     """
     assert case.fluid is not None
-    fluid, ratio = fluid_of_test(case.fluid, load.fluid_pressure)
-    told = range_text(*(number(one, 2) for one in ratio))
+    fluid, ratio = test_of(case.fluid, load.fluid_pressure, load)
+    told = range_text(*(number(one, 2) for one in sorted(ratio)))
     return said("readings.classes", "test_fluid", fluid=fluid, ratio=told) if fluid else ""
 
 
-def leakage_lines(
-    case: Case,
-    load: LoadResult,
-    loads: Sequence[LoadResult],
-    ends: tuple[float, float] | None = None,
-) -> list[str]:
+def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> list[str]:
     """A few lines for the command line about one load; none without a leak rate.
 
     Parameters
@@ -603,8 +617,6 @@ def leakage_lines(
     load : LoadResult
     loads : sequence
         All of them.
-    ends : tuple of float, optional
-        Of the leak rate's interval, see `leakage_classes` [m^3/s].
     """
     if load.leak is None:
         return []
@@ -612,12 +624,11 @@ def leakage_lines(
     doubt = f" ({found.level}: {found.reasons[0]})" if found.reasons else ""
     why = ", because the leak rate is outside the theory" if found.outside else ""
     tested = "" if found.outside else judged_as(case, load)
-    classes = classes_in_words(leakage_classes(case, load, ends))
-    sampled, volume = was_sampled(load, ends), volume_of(case)
+    classes, volume = classes_in_words(leakage_classes(case, load)), volume_of(case)
     return [
-        f"Leak rate at {load_values(load, loads)}: {leakage_text(load, ends if sampled else None, volume)}{doubt}",
-        *([f"  {samples_in_words(case, load)}", f"  {_as_given(case, load)}"] if sampled else []),
-        *([f"  {ends_in_words(load)}"] if not sampled and _told_apart(load) else []),
+        f"Leak rate at {load_values(load, loads)}: {leakage_text(load, volume)}{doubt}",
+        *(f"  {one}" for one in held_in_words(case, load)),
+        *([f"  {_as_given(case, load)}"] if load.sampled is not None else []),
         f"Leakage class for {nominal_size(case)}: {classes}{why}",
         *([f"  {tested[0].upper()}{tested[1:]}"] if tested else []),
     ]
@@ -626,8 +637,7 @@ def leakage_lines(
 def _as_given(case: Case, load: LoadResult) -> str:
     """The leak rate without what is uncertain, in both readings of yielding asperities."""
     # in the unit of the line above
-    volume = volume_of(case)
-    rate = leakage_text(load, volume=volume).split(" = ")[0]
+    rate = _text_of(load, usual_rate_of(load), volume_of(case)).split(" = ")[0]
     return said("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)
 
 

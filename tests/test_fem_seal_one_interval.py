@@ -1,0 +1,188 @@
+"""One interval of the leak rate: every place that tells it tells the same ends, of which the verdict is made."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sample_results import case, rough_result, run_loads, single_result
+
+import fem_seal
+from fem_seal.analysis.caution import Caution, Level, Validity, either_way
+from fem_seal.analysis.chain import _with_judgement
+from fem_seal.analysis.judgement import Why
+from fem_seal.analysis.leakage import fluid_of_test, in_the_test
+from fem_seal.analysis.leakage import test_of as ratios_of
+from fem_seal.explore.screen import shown_load
+from fem_seal.explore.words import leak_words
+from fem_seal.output.report.page import report
+from fem_seal.output.report.tables import interval_table
+from fem_seal.output.report.verdict import verdict_sentences
+from fem_seal.output.report.words import facts, headline, leakage_lines
+from fem_seal.output.summary import summary
+from fem_seal.output.tables import leak_rows
+from fem_seal.units import leak_range_text, range_text, worth
+from leak import millilitres_per_minute
+
+LOW, HIGH = "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"
+AGREE = 1.005
+
+
+@cache
+def sampled_result():
+    """A case with an uncertain hardness, in both readings."""
+    return fem_seal.run(case(uncertainty={"samples": 64, "hardness": {"relative": 0.1}}))
+
+
+RESULTS = {"two readings": rough_result, "one reading": single_result, "sampled": sampled_result}
+
+
+def known_as(result, factor, level, limit):
+    """A solved result whose loads are known as well as that, judged as the chain does."""
+    validity = Validity.of([Caution("x", level, "few channels", "...", factor)])
+    loads = tuple(load.knowing(validity=validity) for load in result.loads)
+    of = result.case.replace({"requirement": {"leak_rate": f"{limit!r} m^3/s"}})
+    return _with_judgement(replace(result, case=of, loads=loads), {})
+
+
+@pytest.mark.usefixtures("unrendered")
+@pytest.mark.parametrize("name", RESULTS)
+@settings(max_examples=25, deadline=None)
+@given(
+    factor=st.sampled_from([(1.0, 1.0), either_way(1.7), (0.4, 1.0), (1.0, 2.5), (0.0, math.inf)]),
+    level=st.sampled_from(list(Level)),
+    limit=st.floats(-11.0, -3.0).map(lambda one: float(10.0**one)),
+)
+def test_every_place_tells_the_same_ends(name, factor, level, limit):
+    result = known_as(RESULTS[name](), factor, level, limit)
+    ends = [load.leak_interval for load in result.loads]
+    # what is known of a number that stands alone is told by its digits
+    apart = result.loads[0].yields or factor != (1.0, 1.0)
+    assert result.leak_ranges == (tuple(ends) if apart else (None,) * len(ends))
+    in_files = ends if apart else [(pytest.approx(math.nan, nan_ok=True),) * 2] * len(ends)
+    # files
+    assert [(row[LOW], row[HIGH]) for row in leak_rows(result)] == in_files
+    told = summary(result)
+    if result.uncertainty is not None:
+        assert list(zip(told["uncertainty"][LOW], told["uncertainty"][HIGH], strict=True)) == ends
+        assert len(interval_table(result).rows) == len(ends)
+    # verdict
+    judged = result.judgement
+    assert judged.worst.ends == ends[judged.number]
+    assert (told["requirement"][LOW], told["requirement"][HIGH]) == ends[judged.number]
+    # sentence, headline, tile, and the page that moves
+    load = result.highest
+    low, high = widest = ends[result.loads.index(load)]
+    as_one, claimed = high <= AGREE * low, level is not Level.OUTSIDE
+    digits = min(load.leak_digits, 3 if as_one else 2)
+    line = leakage_lines(result.case, load, result.loads)[0]
+    shown = (load.leak.leak_rate,) * 2 if as_one else widest
+    assert f": {range_text(*(worth(millilitres_per_minute(one), digits) for one in shown))} ml/min = " in line
+    tile = facts(result)[0]
+    assert tile.name in ("Leak rate", "90 % interval of the leak rate")
+    rate = shown[0] if as_one else widest
+    assert tile.value == leak_range_text(rate, load.leak_digits, claimed=claimed)
+    if apart:
+        assert leak_words(shown_load(result.case, load)) == tile.value
+    if claimed:
+        others = [end for one in ends for end in one] if not as_one else []
+        assert f"{leak_range_text(rate, load.leak_digits, beside=others)} at " in headline(result)
+    else:
+        assert "no leak rate can be claimed" in headline(result)
+    assert tile.value in report(result)
+
+
+def test_what_widens_the_interval_is_said_beside_it():
+    few = known_as(rough_result(), either_way(3.3), Level.DOUBTFUL, 1e-3)
+    load = few.highest
+    held = leakage_lines(few.case, load, few.loads)[2]
+    assert held == "  They also hold what the calculation may be off by: few channels."
+    assert held.strip() in headline(few)
+    assert "what the calculation may be off by: few channels" in facts(few)[0].remark
+    alone = known_as(single_result(), either_way(3.3), Level.DOUBTFUL, 1e-3)
+    assert "The ends hold what the calculation may be off by: few channels." in headline(alone)
+    plain = known_as(rough_result(), (1.0, 1.0), Level.VALID, 1e-3)
+    assert not any("off by" in one for one in leakage_lines(plain.case, plain.highest, plain.loads))
+
+
+def test_a_verdict_that_only_the_accuracy_decides_says_so_with_the_same_ends():
+    solved = rough_result()
+    _, high = solved.highest.leak_range
+    few = known_as(solved, either_way(3.3), Level.DOUBTFUL, 2 * high)
+    worst = few.judgement.worst
+    assert worst.why is Why.ACCURACY and worst.ends[0] < 2 * high < worst.ends[1]
+    assert few.margin == pytest.approx(2 * high / few.leak_ranges[-1][1], rel=1e-12)
+    assert "because of what the calculation may be off by: few channels" in verdict_sentences(few)[0]
+
+
+# -------------------------------------------------------------------- the gas of the test
+
+FINE = {"kind": "self-affine", "rms_height": "0.1 um", "hurst": 0.8, "q_low": "1e4 1/m"}
+CLASS = {"standard": "ISO 5208", "class": "D"}
+
+
+def through(gas, rms_height, load, **fluid):
+    """Loads of a gas through a seat."""
+    spectrum = {**FINE, "rms_height": rms_height, "q_rolloff": "1e5 1/m", "q_high": "1e7 1/m"}
+    tables = {"roughness": {"spectrum": spectrum}, "fluid": {"name": gas, **fluid}, "load": load}
+    return run_loads(case(requirement=CLASS, **tables))
+
+
+VACUUM = {"outlet_pressure": "0 Pa"}
+
+
+@pytest.mark.parametrize(
+    ("rms_height", "load", "fluid", "ratio"),
+    [
+        # free molecules: their speeds, the root of 4.0026 over 28.97 g/mol
+        (
+            "0.1 um",
+            {"fluid_pressure": "0.1 mbar", "applied_force": "1 kN"},
+            VACUUM,
+            math.sqrt(4.0026 / 28.97),
+        ),
+        # wide gaps at a high pressure: the viscosities, 19.6 over 18.2 uPa s
+        ("40 um", {"fluid_pressure": "100 bar", "applied_force": "1 kN"}, {}, 19.6 / 18.2),
+    ],
+    ids=["molecular", "viscous"],
+)
+def test_air_over_helium_has_its_limits(rms_height, load, fluid, ratio):
+    result = through("helium", rms_height, load, **fluid)
+    name, found = ratios_of(result.case.fluid, result.highest.fluid_pressure, result.highest)
+    assert name == "air"
+    assert found == pytest.approx((ratio, ratio), rel=0.01)
+    # before anything is calculated it may be anything between and beyond
+    least, most = fluid_of_test(result.case.fluid, 1e5)[1]
+    assert least < 0.31 and most > 1.07
+
+
+@pytest.mark.parametrize("pressure", ["0.1 bar", "1 bar", "10 bar"])
+def test_what_helium_is_converted_to_is_what_air_leaks(pressure):
+    load = {"fluid_pressure": pressure, "applied_force": "1 kN"}
+    helium, air = (through(gas, "0.2 um", load) for gas in ("helium", "air"))
+    # another molecule is no other contact
+    assert in_the_test(helium.case, helium.highest) == pytest.approx(air.highest.leak_interval, rel=1e-9)
+    assert in_the_test(air.case, air.highest) == air.highest.leak_interval
+    assert helium.highest.judgement.ends == pytest.approx(air.highest.leak_interval, rel=1e-9)
+    assert helium.highest.margin == pytest.approx(air.highest.margin, rel=1e-9)
+
+
+def test_samples_of_helium_are_converted_one_by_one():
+    """The ends of what a drawing leaves open are those of a run with air, whose gaps are other ones at each end."""
+    tables = {
+        "roughness": {"Ra": "0.2 um", "process": "lapped"},
+        "load": {"fluid_pressure": "2 bar", "applied_force": "1 kN"},
+        "requirement": CLASS,
+    }
+    helium, air = (run_loads(case(fluid={"name": gas}, **tables), interval=True) for gas in ("helium", "air"))
+    least, most = ratios_of(helium.case.fluid, 2e5, helium.highest)[1]
+    # not one factor for both
+    assert least < 0.97 * most
+    # samples that are calculated anew at the ends are other ones, where a polynomial stands for them
+    assert in_the_test(helium.case, helium.highest) == pytest.approx(air.highest.leak_interval, rel=0.02)
+    assert helium.uncertainty.in_test.capped.shape == helium.uncertainty.capped.shape
+    assert air.uncertainty.in_test is None
