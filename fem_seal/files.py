@@ -237,7 +237,32 @@ def read_text_table(file: str | Path) -> TextTable:
             raise TextTableError(
                 f'line {number} ("{line[:40]}") must hold {columns} finite numbers, it holds {found}'
             )
-    return TextTable(header, np.array(values), tuple(number for number, _ in rows))
+    numbers = np.array(values)
+    lines_of_rows = tuple(number for number, _ in rows)
+    _check_sizes(numbers, lines_of_rows, _BEYOND)
+    # smaller ones have no square
+    return TextTable(header, np.where(np.abs(numbers) < 1 / _BEYOND, 0.0, numbers), lines_of_rows)
+
+
+# Beyond this no number of a table means anything, and beyond these none of its dimension [SI].
+_BEYOND = 1e100
+_LARGEST = {"length": 1e3, "pressure": 1e15, "strain": 100.0, "temperature": 1e5}
+_NOTHING = 1e-30
+
+
+def _check_sizes(
+    values: NDArray[np.float64], lines: tuple[int, ...], largest: float, what: str = "number"
+) -> None:
+    """TextTableError if a row of a table holds a number that is beyond all measure; it names the line."""
+    import numpy as np
+
+    beyond = np.flatnonzero((np.abs(values) > largest).reshape(len(values), -1).any(axis=1))
+    if beyond.size:
+        row = values.reshape(len(values), -1)[beyond[0]]
+        number = float(row[int(np.argmax(np.abs(row)))])
+        raise TextTableError(
+            f"line {lines[int(beyond[0])]} holds {number:.3g}, which is no {what}; correct it, or its unit"
+        )
 
 
 def _read_lines(file: str | Path) -> list[str]:
@@ -319,6 +344,15 @@ def column(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
     TextTableError
         If its header has no unit of this dimension.
     """
+    import numpy as np
+
+    values = _in_si(table, place, dimension)
+    limit = _LARGEST.get(dimension, _BEYOND)
+    _check_sizes(values, table.lines, limit, f'{dimension} of column "{table.header[place]}" (in SI)')
+    return np.where(np.abs(values) < _NOTHING, 0.0, values)
+
+
+def _in_si(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
     import numpy as np
 
     header, values = table.header[place], table.values[:, place]

@@ -145,4 +145,4 @@ def um(length: float, digits: int = 4) -> str:
     >>> um(2.5e-5)
     '25 um'
     """
-    return f"{1e6 * length:.{digits}g} um"
+    return f"{1e6 * float(length):.{digits}g} um"

@@ -27,6 +27,8 @@ _NAMES = {
 # A profile with fewer points has no shape to integrate over.
 _FEWEST_ROWS = 5
 _HIGHEST_PRESSURE = 1e12
+# Less than an atom is no width, and less than this no contact [m], [Pa].
+_SHORTEST, _LOWEST_PRESSURE = 1e-10, 1e-3
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,8 @@ def _check(x: FloatArray, pressure: FloatArray, lines: list[int]) -> None:
         raise TextTableError(
             f"arc length x must increase from row to row; line {line} does not. Sort the rows by x"
         )
+    if x[-1] - x[0] < _SHORTEST:
+        raise TextTableError(f"arc length x goes over {x[-1] - x[0]:.3g} m only; check its unit")
     inside = (pressure >= 0) & (pressure <= _HIGHEST_PRESSURE)
     if not inside.all():
         row = int(np.argmin(inside))
@@ -135,5 +139,5 @@ def _check(x: FloatArray, pressure: FloatArray, lines: list[int]) -> None:
             f"contact pressure must lie between 0 and 1 TPa (compression is positive); line {lines[row]} has "
             f"{given('contact pressure', float(pressure[row]))}"
         )
-    if not pressure.max() > 0:
-        raise TextTableError("contact pressure is zero in every row: the bodies do not touch")
+    if not pressure.max() > _LOWEST_PRESSURE:
+        raise TextTableError("contact pressure is zero in every row, or below 1 mPa: the bodies do not touch")

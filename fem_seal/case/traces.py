@@ -290,6 +290,8 @@ _PROFILE: Names = {
 }
 # Waves of the strongest period that a profile must hold, and share of its variance that this one must carry.
 _FEWEST_PERIODS, _LEAST_SHARE = 3, 0.3
+# No profile is shorter, and no lay lower [m].
+_SHORTEST, _LOWEST = 1e-9, 1e-14
 
 
 def read_lay(file: str | Path) -> tuple[float, float]:
@@ -314,7 +316,7 @@ def read_lay(file: str | Path) -> tuple[float, float]:
         raise TextTableError(f"must have columns x and z; its columns are {', '.join(table.header)}")
     x, z = (column(table, places[role], "length") for role in ("x", "z"))
     length = float(np.ptp(x))
-    if len(x) < 4 * _FEWEST_PERIODS or not length > 0:
+    if len(x) < 4 * _FEWEST_PERIODS or not length > _SHORTEST:
         raise TextTableError(f"has {len(x)} points; a lay takes more")
     z = z - np.polyval(np.polyfit(x, z, 2), x)
 
@@ -326,7 +328,7 @@ def read_lay(file: str | Path) -> tuple[float, float]:
 
     first, last = 2 * np.pi * _FEWEST_PERIODS / length, 0.5 * np.pi * len(x) / length
     tried = np.arange(first, last, 0.25 * np.pi / length)
-    if not np.var(z) > 0 or len(tried) == 0:
+    if not np.ptp(z) > _LOWEST or len(tried) == 0:
         raise TextTableError("is even, or too short, and shows no lay")
     near = float(tried[int(np.argmax([fitted(k)[1] for k in tried]))])
     best = minimize_scalar(

@@ -157,7 +157,8 @@ def _evaluate(heights: FloatArray, step: float, band: ProfileFilter) -> Roughnes
         )
         band = ProfileFilter(band.lambda_c)
     profile = filtered_profile(heights, step, band)
-    run, section = round(_RUN * band.lambda_c / step), round(band.lambda_c / step)
+    # where not even two points lie within the cutoff there is no section
+    run, section = round(_RUN * band.lambda_c / step), max(round(band.lambda_c / step), 1)
     count = (profile.size - 2 * run) // section
     if count < 1:
         remarks.append(

@@ -18,6 +18,8 @@ FEWEST_POINTS = 16
 # Bridged by straight lines, gaps in up to this share of a scan hardly change its spectrum; from the larger share
 # on there is no scan.
 _NARROW, _WIDE = 0.05, 0.2
+# What no instrument measures, far smaller than an atom or longer than a room, is a slip or damage [m].
+_SMALLEST, _LARGEST = 1e-15, 100.0
 # Positions closer than this share of the length are the same place.
 _CLOSE = 1e-12
 # Positions this far off an even grid, in units of its spacing, move no height.
@@ -229,8 +231,8 @@ def height_map(
         raise ScanError(
             f"map of shape {h.shape}: needs two dimensions and at least {FEWEST_POINTS} points a side"
         )
-    if not all(0.0 < step < np.inf for step in spacing):
-        raise ScanError(f"spacing = {spacing}: must be two positive finite lengths [m]")
+    if not all(_SMALLEST <= step <= _LARGEST for step in spacing):
+        raise ScanError(f"spacing = {spacing}: must be two lengths from {_SMALLEST:g} to {_LARGEST:g} m")
     missing = ~np.isfinite(h)
     share = float(missing.mean())
     if share > _NARROW:
@@ -262,16 +264,22 @@ def _checked(x: ArrayLike, h: ArrayLike) -> tuple[FloatArray, FloatArray]:
             raise ScanError(f"{name}[{bad[0]}] = {values[bad[0]]}: must be a finite number [m]")
     if x[-1] < x[0]:
         x, h = x[::-1], h[::-1]
+    largest = float(np.abs(x).max())
+    if largest > _LARGEST:
+        raise ScanError(f"x up to {largest:.3g} m: no length of a scan; check its unit")
     back = np.flatnonzero(np.diff(x) <= 0.0)
     if back.size:
         i = int(back[0])
         raise ScanError(f"x is not monotonic: {um(x[i], 9)} and {um(x[i + 1], 9)} follow each other")
+    if np.ptp(x) < x.size * _SMALLEST:
+        raise ScanError(f"x over {np.ptp(x):.3g} m: no length of a scan; check its unit")
     _not_flat(h)
     return x, h
 
 
 def _not_flat(h: FloatArray) -> None:
-    if np.ptp(h) <= 1e-14 * np.abs(h).max() or not np.ptp(h) < 1e100:
+    largest = float(np.nanmax(np.abs(h)))
+    if largest > _LARGEST or np.ptp(h) <= max(1e-14 * largest, _SMALLEST):
         raise ScanError(f"heights from {um(h.min())} to {um(h.max())}: no roughness to make a spectrum of")
 
 

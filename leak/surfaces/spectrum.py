@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from leak.surfaces.scans import Detrend
     from leak.surfaces.settings import SelfAffineContinuation
 
+# What a spectrum of heights can hold, and no more: densities and wavenumbers stand in products of their powers.
+_WAVENUMBERS, _DENSITIES = (1e-9, 1e18), (1e-300, 1e30)
 # A sum of two power laws is no power law; its log-log interpolant is made as good as this.
 _SUM_ERROR = 2e-5
 # Between two spectra that do not meet there is nothing; a log-log interpolant needs a positive number for it.
@@ -93,11 +95,14 @@ class PowerSpectrum:
             raise SpectrumError(
                 f"wavenumber has shape {q.shape}, density {C.shape}: both need the same length, at least 2"
             )
-        for name, unit, values in (("wavenumber", "1/m", q), ("density", "m^4", C)):
-            bad = (~(np.isfinite(values) & (values > 0.0))).nonzero()[0]
+        for name, unit, values, (low, high) in (
+            ("wavenumber", "1/m", q, _WAVENUMBERS),
+            ("density", "m^4", C, _DENSITIES),
+        ):
+            bad = (~((values >= low) & (values <= high))).nonzero()[0]
             if bad.size:
                 raise SpectrumError(
-                    f"{name}[{bad[0]}] = {values[bad[0]]}: must be positive and finite [{unit}]"
+                    f"{name}[{bad[0]}] = {values[bad[0]]}: must be positive, from {low:g} to {high:g} {unit}"
                 )
         falling = (q[1:] < q[:-1]).nonzero()[0]
         if falling.size:
