@@ -22,6 +22,7 @@ from fem_seal.explore.screen import SHOWN, Screen
 from fem_seal.explore.tables import Missing, OwnTable, conductivity
 from fem_seal.explore.words import numbers_of, validity_words
 from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen, run_of
+from fem_seal.output.report.words import headline
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 BALL = {
@@ -189,18 +190,48 @@ def test_the_verdict_follows_the_sliders_and_what_is_required_goes_with_its_load
     assert after.limits == (("leak rate", pytest.approx(allowed, rel=1e-12)),)
 
 
-def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known():
-    required = {"requirement": {"leak_rate": "1 ml/min"}}
-    oval = {"seat": {"direction": "radial", "harmonics": [{"waves": 2, "amplitude": "2 um"}]}}
-    finish = {"Ra": "0.4 um", "process": "lapped"}
-    for tables, widens in (({"form": oval}, False), ({"roughness": finish}, True)):
-        screen = Session(case_with(**required, **tables)).answer({})
-        assert (screen.verdict, screen.told, screen.widens) == ("", (), widens)
-        assert screen.limits
-        # nor is a seal that is not round called good as a round one
-        leak = next(one for one in numbers_of(screen) if one.name == "leak")
-        assert screen.round == ("round seal" in leak.more) == ("form" in tables)
-        assert (validity_words(screen.load, screen.round)[0] == "good") <= (not screen.round)
+OVAL = {"seat": {"direction": "radial", "harmonics": [{"waves": 2, "amplitude": "2 um"}]}}
+
+
+@pytest.mark.parametrize(
+    ("tables", "words"),
+    [
+        ({"form": OVAL}, "preliminary, as a round seal"),
+        ({"roughness": {"Ra": "0.4 um", "process": "lapped"}}, "preliminary, inputs at their nominal values"),
+    ],
+    ids=["form", "finish"],
+)
+def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known(tables, words):
+    screen = Session(case_with(requirement={"leak_rate": "1 ml/min"}, **tables)).answer({})
+    assert (screen.verdict, screen.told, screen.widens) == ("", (), "roughness" in tables)
+    assert screen.limits
+    numbers = {one.name: one for one in numbers_of(screen)}
+    assert numbers["leak"].more.endswith(words)
+    assert numbers["classes"].value == "–"
+    colour, validity = validity_words(screen)
+    assert colour != "good"
+    assert validity.endswith(words)
+    assert any(
+        note["text"] == words
+        for note in leak_figure([(screen, "#123456", "now")], False).layout["annotations"]
+    )
+
+
+def test_the_interval_of_a_finish_is_that_of_a_run_in_the_end(tmp_path):
+    case = case_with(roughness={"Ra": "0.4 um", "process": "lapped"}, load={"fluid_pressure": "20 bar"})
+    session = Session(case)
+    screen = complete_screen(session.design({}), run := run_of(session, {}, lambda text: None))
+    row = run.table.iloc[-1]
+    low, high = (screen.load.values[f"leak_rate_{end}_m3_per_s"] for end in ("low", "high"))
+    assert (low, high) == (row["leak_rate_low_m3_per_s"], row["leak_rate_high_m3_per_s"])
+    leak = next(one for one in numbers_of(screen) if one.name == "leak")
+    said = headline(run)
+    assert leak.value in said
+    assert "preliminary" not in leak.more
+    live = session.answer({}).load.values
+    # what the drawing leaves open makes it wider to both sides
+    assert low < 0.95 * live["leak_rate_low_m3_per_s"]
+    assert high > 1.05 * live["leak_rate_high_m3_per_s"]
 
 
 def test_the_curve_shows_the_whole_interval_of_the_load_that_is_shown():

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.explore.words import preliminary_words
 from fem_seal.units import Unit, unit_for
 
 if TYPE_CHECKING:
@@ -221,6 +222,12 @@ def leak_figure(shown: Shown, dark: bool) -> Figure:
     if rates and max(rates) < 3 * min(rates):
         figure.update("yaxis", dtick=None, nticks=6)
     figure.update("xaxis", title=f"{axis} [{load_unit.name}]", rangemode="tozero")
+    preliminary = preliminary_words(shown[0][0])
+    if rates and preliminary:
+        place = {"xref": "paper", "x": 1, "yref": "paper", "y": 0, "xanchor": "right", "yanchor": "bottom"}
+        figure.add_annotation(
+            **place, text=preliminary, showarrow=False, font={"color": _INK[dark], "size": 11}
+        )
     if not rates:
         _say(figure, (shown[0][0].waiting and "calculating ...") or "no leak rate", dark)
     return figure

@@ -19,7 +19,7 @@ from fem_seal.explore.case_file import free_name, write_case
 from fem_seal.explore.figures import HEIGHT, PINS, figures
 from fem_seal.explore.gate import answered
 from fem_seal.explore.questions import Asked, asked_of, designs_of, place_of, refuse, text_of, texts_of
-from fem_seal.explore.words import not_taken_words, refused_words, still_words
+from fem_seal.explore.words import not_taken_words, preliminary_words, refused_words, still_words
 
 if TYPE_CHECKING:
     from flask import Response
@@ -424,7 +424,7 @@ def _state(screen: Screen, answers: Answers) -> str:
     if screen.waiting and (follows or not answers.session.not_live):
         return f"calculating: {screen.waiting}"
     if follows:
-        return "live; fem-seal run follows ..."
+        return f"{preliminary_words(screen) or 'live'}; fem-seal run follows ..."
     given_up = answers.given_up(screen.design)
     return f"live, without a complete run: {given_up}" if given_up else "live"
 

@@ -30,8 +30,8 @@ def verdict(screen: Screen) -> list[Any]:
         ]
         found.append(html.Div(words, className=f"verdict {_COLOURS.get(screen.verdict, 'warn')}"))
     elif screen.limits and not screen.complete:
-        found.append(html.Div("The verdict follows when the sliders rest.", className="verdict"))
-    colour, level = validity_words(load, screen.round)
+        found.append(html.Div("The verdict follows with the range of the leak rate.", className="verdict"))
+    colour, level = validity_words(screen)
     why = "; ".join(load.reasons)
     told = "" if screen.verdict else " ".join(screen.told)
     below = [html.Div(text, className="why") for text in (why, told) if text]
@@ -108,6 +108,6 @@ def compared(screen: Screen, pinned: list[Screen], factors: Factors) -> list[Any
                 ]
             )
         )
-    validity = [validity_words(one.load)[1] if one.load else "–" for one, _, _ in shown]
+    validity = [validity_words(one)[1] if one.load else "–" for one, _, _ in shown]
     rows.append(html.Tr([html.Td("validity"), *(html.Td(one) for one in validity)]))
     return [html.Table([html.Thead(html.Tr(heads)), html.Tbody(rows)])]

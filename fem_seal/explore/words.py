@@ -71,26 +71,39 @@ def numbers_of(screen: Screen) -> list[Number]:
             name, what, quantity_worth(kind, values[column], load.digits[column]), more, values[column]
         )
 
-    wider = "; what is not known widens it when the sliders rest" if screen.widens else ""
-    wider = "; that of the round seal until the sliders rest" + wider if screen.round else wider
-    at = given("fluid pressure", values["fluid_pressure_Pa"])
-    state = state_in_words(screen.volume)
-    wider = f"; {state}{wider}" if state else wider
+    at = f"at {given('fluid pressure', values['fluid_pressure_Pa'])}"
+    more = [at, state_in_words(screen.volume), preliminary_words(screen)]
     leak = (
         leak_words(load, screen.volume)
         if math.isfinite(values["leak_rate_m3_per_s"]) or not screen.waiting
         else "calculating ..."
     )
     found = [
-        Number("leak", "leak rate", leak, f"at {at}{wider}", values["leak_rate_m3_per_s"]),
+        Number("leak", "leak rate", leak, "; ".join(filter(None, more)), values["leak_rate_m3_per_s"]),
         number("peak", "peak contact pressure", "contact pressure", "peak_pressure_Pa"),
         number("width", "contact width (FWHM)", "length", "fwhm_m"),
         number("force", "force on the seat", "force", "contact_force_N", "of spring and fluid together"),
         number("line", "line load", "line load", "line_load_N_per_m"),
     ]
-    if load.classes:
+    if load.classes and preliminary_words(screen):
+        # a class is met by a whole interval or not at all
+        found.append(Number("classes", "leakage class", "–", "follows with the range of the leak rate"))
+    elif load.classes:
         found.append(Number("classes", "leakage class", load.classes[0], ", ".join(load.classes[1:])))
     return found
+
+
+def preliminary_words(screen: Screen) -> str:
+    """Why the leak rate and its interval are not those of `fem-seal run` yet; empty if they are.
+
+    Parameters
+    ----------
+    screen : Screen
+    """
+    if not screen.widens and not screen.round:
+        return ""
+    nominal = "inputs at their nominal values" if screen.widens else ""
+    return ", ".join(filter(None, ["preliminary", nominal, "as a round seal" if screen.round else ""]))
 
 
 def changed(factors: Factors, design: dict[str, str], others: Sequence[dict[str, str]]) -> list[str]:
@@ -99,19 +112,25 @@ def changed(factors: Factors, design: dict[str, str], others: Sequence[dict[str,
     return [key for key in keys if len({one.get(key) for one in (design, *others)}) > 1]
 
 
-def validity_words(load: ShownLoad, as_round: bool = False) -> tuple[str, str]:
-    """How far a load can be trusted: the class of its colour, and the words.
+def validity_words(screen: Screen) -> tuple[str, str]:
+    """How far the shown load can be trusted: the class of its colour, and the words.
+
+    What is preliminary is never called good.
 
     Parameters
     ----------
-    load : ShownLoad
-    as_round : bool
-        Whether its form error is not known yet; then nothing is called good.
+    screen : Screen
+        With a load.
     """
-    colour = {str(Level.VALID): "good", str(Level.DOUBTFUL): "warn"}.get(load.level, "bad")
-    if as_round and colour == "good":
-        return "", "within the theory as a round seal; its form error follows"
-    return colour, {"good": "within the theory"}.get(colour, load.level)
+    assert screen.load is not None
+    colour = {str(Level.VALID): "good", str(Level.DOUBTFUL): "warn"}.get(screen.load.level, "bad")
+    words, preliminary = (
+        {"good": "within the theory"}.get(colour, screen.load.level),
+        preliminary_words(screen),
+    )
+    if not preliminary:
+        return colour, words
+    return "" if colour == "good" else colour, f"{words}; {preliminary}"
 
 
 def lost_words(code: int, again: bool, left: bool) -> str:
