@@ -537,6 +537,11 @@ def _explained(error: Exception) -> tuple[int, str]:
         return WRONG_INPUT, str(error)
     if own or isinstance(error, SealError):
         return OTHER_FAILURE, str(error)
+    if isinstance(error, ImportError):
+        from leak.extras import extra_with, needed
+
+        if extra := extra_with(error.name):
+            return WRONG_INPUT, f"this {needed(extra, error)}"
     if isinstance(error, OSError):
         return OTHER_FAILURE, _said_by_system(error)
     return OTHER_FAILURE, unexpected(error)

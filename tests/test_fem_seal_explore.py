@@ -546,8 +546,11 @@ def test_missing_packages_are_named_in_one_sentence(session, monkeypatch):
     from fem_seal.explore.server import serve
 
     monkeypatch.setitem(sys.modules, "dash", None)
-    monkeypatch.delitem(sys.modules, "fem_seal.explore.page", raising=False)
-    with pytest.raises(InputError, match=r"pip install 'fem-seal\[explore\]'"):
+    for name in ("page", "gate", "pieces"):
+        monkeypatch.delitem(sys.modules, f"fem_seal.explore.{name}", raising=False)
+    with pytest.raises(
+        InputError, match=r"needs dash, which is not installed; install it with: .*\[explore\]"
+    ):
         serve(session.given, EXAMPLES, 0, print, print)
 
 

@@ -128,7 +128,9 @@ def test_tip_radius_of_the_file_is_used(topography_folder):
 
 def test_without_surface_topography_the_message_says_what_to_install(topography_folder, monkeypatch):
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
-    with pytest.raises(leak.ScanError, match=r'plu-1.plu: .* pip install "fem-seal\[surfaces\]"'):
+    with pytest.raises(
+        leak.ScanError, match=r"plu-1.plu: .* needs SurfaceTopography, .* install it with: .*\[surfaces\]"
+    ):
         leak.read_topography(topography_folder / "plu-1.plu")
     # text needs nothing
     assert leak.read_topography(topography_folder / "hfm-1.hfm").heights.size == 9600

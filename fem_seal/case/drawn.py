@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import lru_cache
+from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -16,6 +17,7 @@ from fem_seal.case.fields import Place, Quantity, Table
 from fem_seal.case.seats import Held
 from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
+from leak.extras import needed
 from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
 from meshes.errors import mm
 
@@ -157,6 +159,9 @@ def _read(
     time_limit: float,
 ) -> Shape | GeometryError:
     length_unit = _UNITS[unit] if unit else None
+    if path.suffix.lower() == ".dxf" and find_spec("ezdxf") is None:
+        missing = needed("drawings", ImportError(name="ezdxf"))
+        return GeometryError(f'{name} file = "{path.name}": reading it {missing}')
     try:
         if path.suffix.lower() in _MESHES:
             return MeshedBody.read(

@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.errors import InputError, Problem
+from leak.extras import needed
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
-
-_MISSING = "needs packages that are not there; install them with: pip install 'fem-seal[explore]'"
 
 
 def serve(
@@ -51,7 +50,7 @@ def serve(
     except ImportError as error:
         if (error.name or "").split(".")[0] not in ("dash", "plotly", "flask", "werkzeug"):
             raise
-        raise InputError(Problem("fem-seal explore", _MISSING)) from None
+        raise InputError(Problem("fem-seal explore", needed("explore", error))) from None
     from fem_seal.explore.live import Session
     from fem_seal.explore.worker import Answers
 

@@ -11,6 +11,7 @@ from fem_seal.errors import InputError, OutputError, Problem
 from fem_seal.files import write_bytes
 from fem_seal.output.columns import COLUMNS
 from fem_seal.studies.designs_table import Designs
+from leak.extras import needed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,7 +40,7 @@ def export(folder: Path, path: Path) -> Path:
         raise InputError(
             Problem(
                 "export",
-                f'{path.suffix} needs {error.name}; install it with: pip install "fem-seal[studies]"',
+                f"{path.suffix} {needed('studies', error)}",
             )
         ) from None
 

@@ -26,6 +26,7 @@ from fem_seal.studies.progress import duration
 from fem_seal.studies.store import Row
 from fem_seal.studies.time_limit import Block, OvertimeError, Watch, ended_after, slow_line
 from fem_seal.studies.work import Chunk, Recipe, calculate, failed_row, overtime_row
+from leak.extras import needed
 
 if TYPE_CHECKING:
     from dask.distributed import Client, Worker
@@ -251,9 +252,7 @@ def _check_dask() -> None:
     try:
         import dask.distributed  # noqa: F401
     except ImportError as error:
-        raise InputError(
-            Problem("study", f'needs dask ({error}); install it with: pip install "fem-seal[studies]"')
-        ) from None
+        raise InputError(Problem("study", needed("studies", error))) from None
 
 
 # Chunks on the way per worker: enough that none waits for the next one, few enough that memory stays flat.

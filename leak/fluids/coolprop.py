@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from leak.errors import FluidError, positive
+from leak.extras import needed
 from leak.fluids.pressure_law import PressureTable
 from leak.fluids.properties import Gas, Liquid
 from leak.fluids.real_gas import RealGas
@@ -150,10 +151,8 @@ def _ask(function: Any, name: str, T: float, pressure: float, fluid: str, key: s
 def _package(name: str) -> Any:
     try:
         from CoolProp import CoolProp
-    except ImportError:
-        raise FluidError(
-            f'fluid = {name!r}: needs the package CoolProp; install it with pip install "fem-seal[coolprop]"'
-        ) from None
+    except ImportError as error:
+        raise FluidError(f"fluid = {name!r}: {needed('coolprop', error)}") from None
     return CoolProp
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from difflib import get_close_matches
+from importlib.util import find_spec
 from types import MappingProxyType
 
 from leak.errors import FluidError, positive
+from leak.extras import command
 
 ROOM_TEMPERATURE = 293.15
 """20 degC [K]."""
@@ -73,7 +75,8 @@ def _elsewhere(name: str) -> str:
     other = coolprop_name(name)
     if other is None:
         return ""
-    return f'; "{other}" of the optional package CoolProp (pip install "fem-seal[coolprop]") knows more'
+    there = "" if find_spec("CoolProp") else f" ({command('coolprop')})"
+    return f'; "{other}" of the optional package CoolProp{there} knows more'
 
 
 # Kinetic diameters: D. W. Breck, Zeolite Molecular Sieves, Wiley (1974), table 8.1 (air: nitrogen's).

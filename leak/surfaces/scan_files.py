@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from leak.errors import ScanError
+from leak.extras import needed
 from leak.surfaces.scans import LineScan, Topography, height_map, line_scan
 
 _NO_SIZE = "does not state how long and wide the measured area is; export it in a format that does"
-_INSTALL = 'pip install "fem-seal[surfaces]"'
 
 
 def read_topography(path: str | PathLike[str], *, unit: Unit | None = None) -> Topography:
@@ -86,10 +86,8 @@ def read_topographies(
 def _read_instrument_file(file: Path, unit: Unit | None, why_not_text: str) -> Topography:
     try:
         from SurfaceTopography.IO import open_topography
-    except ImportError:
-        raise ScanError(
-            f"{why_not_text}; other files are read by SurfaceTopography, which is not installed: {_INSTALL}"
-        ) from None
+    except ImportError as error:
+        raise ScanError(f"{why_not_text}; reading it otherwise {needed('surfaces', error)}") from None
     # the readers are others' code for dozens of binary formats, and a damaged file makes them raise anything
     try:
         with warnings.catch_warnings():

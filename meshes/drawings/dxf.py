@@ -61,7 +61,7 @@ def read_dxf(
         from ezdxf.lldxf.const import DXFError
     except ImportError as error:
         raise GeometryError(
-            f"{path.name}: reading DXF needs ezdxf; install it with: pip install 'fem-seal[drawings]'"
+            f"{path.name}: reading DXF needs the package ezdxf, which is not installed"
         ) from error
     try:
         drawing = ezdxf.readfile(path)

@@ -31,6 +31,7 @@ from fem_seal.studies.page.display import MOST_POINTS, Display, drawn, short
 from fem_seal.studies.store import FILE, open_to_read
 from fem_seal.units import leak_rate_text
 from fem_seal.version import __version__
+from leak.extras import needed
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -56,9 +57,7 @@ def write_page(folder: Path, path: Path) -> Path:
     try:
         return write_text(path, page(designs, counts, reasons))
     except ImportError as error:
-        raise InputError(
-            Problem("report", f'needs {error.name}; install it with: pip install "fem-seal[studies]"')
-        ) from None
+        raise InputError(Problem("report", needed("studies", error))) from None
 
 
 def page(designs: Designs, counts: dict[str, int], reasons: list[tuple[str, int]]) -> str:

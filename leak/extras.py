@@ -1,0 +1,120 @@
+"""Packages that only some tasks need: which of them are missing, and how to install them here."""
+
+from __future__ import annotations
+
+import re
+import sys
+from importlib import util
+from pathlib import Path
+
+_NAME = "fem-seal"
+_EXTRA = re.compile(r"""^([\w.-]+).*;.*extra\s*==\s*["']([\w-]+)["']""")
+# Packages that are imported under another name than they are installed.
+_OTHERWISE = {"dask": "distributed"}
+# What brings all others for those who work on the program itself.
+_FOR_DEVELOPERS = ("dev", "docs")
+
+
+def needed(extra: str, error: ImportError | None = None) -> str:
+    """What is missing of an extra and how to install it, as the end of a sentence: "needs ...".
+
+    Parameters
+    ----------
+    extra : str
+        Such as "explore".
+    error : ImportError, optional
+        Why something could not be imported, for when all packages of the extra are there.
+
+    Examples
+    --------
+    >>> needed("explore").startswith("needs ")
+    True
+    """
+    missing = [name for name in _packages().get(extra, ()) if not _is_installed(name)]
+    if not missing:
+        # it is there and cannot be loaded
+        missing = [(error.name or str(error)).split(".")[0] if error is not None else f"the extra {extra}"]
+    several = len(missing) > 1
+    names = " and ".join(filter(None, [", ".join(missing[:-1]), missing[-1]]))
+    are, them = ("are", "them") if several else ("is", "it")
+    return f"needs {names}, which {are} not installed; install {them} with: {command(extra)}"
+
+
+def extra_with(module: str | None) -> str:
+    """The extra that brings a module; empty if none does.
+
+    Parameters
+    ----------
+    module : str or None
+        As it is imported; of a part of a package the package counts.
+
+    Examples
+    --------
+    >>> extra_with("optuna.trial")
+    'studies'
+    """
+    root = (module or "").split(".")[0]
+    name = _OTHERWISE.get(root, root).lower()
+    found = (extra for extra, names in _packages().items() if name in (one.lower() for one in names))
+    return next(found, "")
+
+
+def command(extra: str) -> str:
+    """The command that installs an extra for this Python, from where the program itself was installed.
+
+    Parameters
+    ----------
+    extra : str
+    """
+    python = f'"{sys.executable}"' if " " in sys.executable else sys.executable
+    pip = f"{python} -m pip install" if util.find_spec("pip") else f"uv pip install --python {python}"
+    source = _source()
+    if source is None:
+        return f'{pip} ".[{extra}]" in the folder of {_NAME}'
+    return f'{pip} "{source}[{extra}]"'
+
+
+def _packages() -> dict[str, list[str]]:
+    """Names of the packages of each extra."""
+    # what reads it takes as long as a small command, and is used by nothing else
+    from importlib import metadata
+
+    found: dict[str, list[str]] = {}
+    try:
+        lines = metadata.requires(_NAME) or []
+    except metadata.PackageNotFoundError:
+        return found
+    for match in filter(None, map(_EXTRA.match, lines)):
+        if match[2] not in _FOR_DEVELOPERS:
+            found.setdefault(match[2], []).append(match[1])
+    return found
+
+
+def _is_installed(name: str) -> bool:
+    from importlib import metadata
+
+    try:
+        metadata.distribution(name)
+    except metadata.PackageNotFoundError:
+        return False
+    return True
+
+
+def _source() -> Path | None:
+    """The folder or file that the program was installed from, or in which it stands; None if it is gone."""
+    import json
+    from importlib import metadata
+    from urllib.parse import unquote, urlsplit
+    from urllib.request import url2pathname
+
+    here = Path(__file__).resolve().parent.parent
+    try:
+        told = json.loads(metadata.distribution(_NAME).read_text("direct_url.json") or "{}")
+    except (metadata.PackageNotFoundError, ValueError):
+        told = {}
+    url = urlsplit(str(told.get("url", "")))
+    if url.scheme == "file":
+        path = Path(url2pathname(unquote(url.path) if sys.platform != "win32" else url.path))
+        if path.exists():
+            return path
+    return here if (here / "pyproject.toml").exists() else None
