@@ -486,15 +486,19 @@ def _list_files(folder: Path) -> None:
 @contextmanager
 def _progress(quiet: bool) -> Iterator[Callable[[str], None]]:
     """Show on stderr what is being done: a changing line on a terminal, lines elsewhere, or nothing."""
-    if quiet:
-        yield lambda text: None
-    elif not sys.stderr.isatty():
-        yield note
-    else:
-        from rich.console import Console
+    try:
+        if quiet:
+            yield lambda text: None
+        elif not sys.stderr.isatty():
+            yield note
+        else:
+            from rich.console import Console
 
-        with Console(stderr=True, highlight=False).status("starting") as status:
-            yield lambda text: status.update(cell(text))
+            with Console(stderr=True, highlight=False).status("starting") as status:
+                yield lambda text: status.update(cell(text))
+    except KeyboardInterrupt:
+        note("interrupted")
+        raise
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

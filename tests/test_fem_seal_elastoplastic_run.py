@@ -14,11 +14,14 @@ import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from sample_results import case as sample_case
 from sample_results import cone, smooth_case
 
 import fem_seal
+from fem_seal.analysis import load_solver
 from fem_seal.analysis.closed_forms import derive, profile_sizes
 from fem_seal.analysis.load_names import different, load_axis, load_name
+from fem_seal.analysis.problem import SealProblem
 from fem_seal.bodies.fields import ElastoplasticField, von_mises
 from fem_seal.case.case import load_case
 from fem_seal.contact.load_path import ElastoplasticContact, load_path
@@ -385,3 +388,27 @@ def test_more_than_the_whole_face_of_a_body_that_yields_can_carry_is_refused(cas
     ) as failure:
         load_case(case_file).replace(ROUGH, load={"applied_force": "100 MN"})
     assert failure.value.key == "load"
+
+
+def test_a_path_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    soft = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "1 GPa"}
+    soft["stress_strain"] = {"plastic_strain": [0, 0.2], "stress": ["80 MPa", "150 MPa"]}
+    asked = sample_case(
+        seat=cone(soft),
+        load={"fluid_pressure": ["20 bar", "10 bar"], "largest_earlier_force": "4 kN"},
+        mesh={"contact_size": "0.1 mm"},
+    )
+    monkeypatch.setattr(load_solver, "_TOLD_EVERY", 0.0)
+    told: list[str] = []
+    load_solver.model_and_contacts(SealProblem.of(asked), load_solver.Clock(told.append))
+    path = [text for text in told if "% of the way" in text]
+    heads = list(dict.fromkeys(text.split(":")[0] for text in path))
+    assert heads == ["the largest earlier load", "load 1 of 2", "load 2 of 2", "unloading"]
+    for head in heads:
+        ways = [float(text.split(": ")[1].split(" %")[0]) for text in path if text.startswith(head)]
+        assert ways[0] == 0.0 and ways == sorted(ways) and ways[-1] < 100.0
+    # only now and then
+    monkeypatch.setattr(load_solver, "_TOLD_EVERY", 1e6)
+    told.clear()
+    load_solver.model_and_contacts(SealProblem.of(asked), load_solver.Clock(told.append))
+    assert not [text for text in told if "% of the way" in text]

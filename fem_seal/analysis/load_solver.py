@@ -19,6 +19,7 @@ from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
     LoadPath,
+    PlaceOnPath,
     Unloaded,
     load_path,
     yielding_bodies,
@@ -309,16 +310,18 @@ class SolvedLoads:
         return {number: _problem(error) for number, error in self.failures.items()}
 
 
-def solve_loads(solver: LoadSolver) -> SolvedLoads:
+def solve_loads(solver: LoadSolver, progress: Progress | None = None) -> SolvedLoads:
     """Solve all loads of a problem on a model; those that cannot be solved do not keep the others from it.
 
     Parameters
     ----------
     solver : LoadSolver
+    progress : callable, optional
+        Told now and then how far the path of bodies that yield is.
     """
     points = solver.problem.loads.points
     if solver.yields:
-        return _solved_path(solver)
+        return _solved_path(solver, progress)
     contacts: list[ContactSolution] = []
     formed: list[Around] = []
     failures: dict[int, Exception] = {}
@@ -344,10 +347,10 @@ def solve_loads(solver: LoadSolver) -> SolvedLoads:
     return SolvedLoads(contacts, failures=dict(sorted(failures.items())), formed=formed, earlier=earlier)
 
 
-def _solved_path(solver: LoadSolver) -> SolvedLoads:
+def _solved_path(solver: LoadSolver, progress: Progress | None) -> SolvedLoads:
     """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
     points = solver.problem.loads.points
-    path, earlier = _path(solver, points)
+    path, earlier = _path(solver, points, progress=progress)
     failures: dict[int, Exception] = {
         number: solver.open_seal(*points[number], opened.error, opened.model)
         for number, opened in path.opened.items()
@@ -413,6 +416,7 @@ def _path(
     steps: int | None = None,
     *,
     unload: bool = True,
+    progress: Progress | None = None,
 ) -> tuple[LoadPath, ElastoplasticContact | None]:
     """Fluid pressures [Pa] and applied forces [N] one after the other; the largest load before them is the first.
 
@@ -426,7 +430,14 @@ def _path(
     at_rest = problem.at_rest(solver.model)
     try:
         path = load_path(
-            solver.model, problem.law, loads, at_rest=at_rest, settings=settings, partial=True, unload=unload
+            solver.model,
+            problem.law,
+            loads,
+            at_rest=at_rest,
+            settings=settings,
+            partial=True,
+            unload=unload,
+            progress=None if progress is None else _now_and_then(progress, len(first), len(points)),
         )
     except ConvergenceError as error:
         if not isinstance(error.partial, LoadPath):
@@ -443,6 +454,30 @@ def _path(
     earlier, *contacts = path.contacts
     opened = {number - 1: one for number, one in path.opened.items()}
     return replace(path, contacts=tuple(contacts), opened=opened), earlier
+
+
+# So often it is said how far a path is [s].
+_TOLD_EVERY = 5.0
+
+
+def _now_and_then(progress: Progress, before: int, count: int) -> Callable[[PlaceOnPath], None]:
+    """Tells how far a path of `count` loads is, after those before them."""
+    last = time.monotonic()
+
+    def tell(place: PlaceOnPath) -> None:
+        nonlocal last
+        if time.monotonic() - last < _TOLD_EVERY:
+            return
+        last = time.monotonic()
+        number = place.number - before
+        what = "the largest earlier load" if number < 0 else f"load {number + 1} of {count}"
+        what = "unloading" if number == count else what
+        progress(
+            f"{what}: {100 * place.way:.3g} % of the way after {place.steps} load steps, now in steps of "
+            f"{100 * place.step:.2g} %"
+        )
+
+    return tell
 
 
 def _remembering(contacts: Sequence[ElastoplasticContact]) -> tuple[ElastoplasticContact, ...]:
@@ -592,7 +627,7 @@ def model_and_contacts(
             solver = LoadSolver(problem, condensed(problem, meshes[-1]))
         along = ", one after the other in load steps, and unloading" if solver.yields else ""
         with clock.step("contact", f"solving {len(problem.loads.points)} contacts{along}"):
-            found = solve_loads(solver)
+            found = solve_loads(solver, clock.progress)
         unconverged = [error for error in found.failures.values() if isinstance(error, ConvergenceError)]
         if unconverged and finer_may_help:
             finer_may_help = False

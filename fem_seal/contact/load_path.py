@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TypeVar
@@ -104,6 +104,28 @@ class LoadPath:
     opened: Mapping[int, OpenLoad] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class PlaceOnPath:
+    """How far a path is.
+
+    Parameters
+    ----------
+    number : int
+        Of the load that is being reached, from 0 on; that of all loads while the last one is taken away.
+    way : float
+        Share of the way to it.
+    steps : int
+        Load steps that were taken on this way.
+    step : float
+        Share of the way that the next one takes.
+    """
+
+    number: int
+    way: float
+    steps: int
+    step: float
+
+
 L = TypeVar("L", bound=LoadOnPath)
 
 
@@ -116,6 +138,7 @@ def load_path(
     settings: PlasticSettings | None = None,
     partial: bool = False,
     unload: bool = True,
+    progress: Callable[[PlaceOnPath], None] | None = None,
 ) -> LoadPath:
     """Press the closure on the seat with one load after the other, then take the load away.
 
@@ -134,6 +157,8 @@ def load_path(
         Whether a load that does not converge ends the path, if there is one before it; otherwise it is an error.
     unload : bool
         Whether to ask for what is left after the last load, which is a way like that up.
+    progress : callable, optional
+        Told after every load step how far the path is.
 
     Raises
     ------
@@ -153,6 +178,7 @@ def load_path(
     for load in loads:
         if isinstance(load, PathLoad) and not (math.isfinite(load.contact_force) and load.contact_force > 0):
             raise ValueError(f"contact_force = {load.contact_force!r} N: must be positive and finite")
+    tell = progress or (lambda place: None)
     walk = _Walk(model, bodies, law, settings or PlasticSettings())
     rest, nothing = (loads[0].rest(further) for further in (at_rest or NO_LOADS, NO_LOADS))
     contacts: list[ElastoplasticContact] = []
@@ -166,7 +192,7 @@ def load_path(
         try:
             for number, load in enumerate(loads):
                 try:
-                    reached, steps = walk.to(load.after(contacts), last, here)
+                    reached, steps = walk.to(load.after(contacts), last, here, _telling(tell, number))
                 except _Opened as found:
                     opened[number] = found.load
                     continue
@@ -179,12 +205,23 @@ def load_path(
             stopped = error
         if not unload:
             return LoadPath(tuple(contacts), None, stopped, opened)
-        here = walk.unloaded(rest.after(contacts), last, here)
+        here = walk.unloaded(rest.after(contacts), last, here, _telling(tell, len(loads)))
     except ConvergenceError as error:
         path = LoadPath(tuple(contacts), None, stopped or error, opened)
         raise ConvergenceError(str(error), partial=path) from error
     unloaded = Unloaded(model, rest.apart, bodies, virgin, here.states)
     return LoadPath(tuple(contacts), unloaded, stopped, opened)
+
+
+Telling = Callable[[float, int, float], None]
+
+
+def _telling(tell: Callable[[PlaceOnPath], None], number: int) -> Telling:
+    return lambda way, steps, step: tell(PlaceOnPath(number, way, steps, step))
+
+
+def _quiet(way: float, steps: int, step: float) -> None:
+    """Tell nobody."""
 
 
 def _with_bodies(
@@ -213,7 +250,9 @@ class _Walk:
     law: Law
     settings: PlasticSettings
 
-    def to(self, end: LoadOnPath, begin: LoadOnPath, here: Equilibrium) -> tuple[Equilibrium, int]:
+    def to(
+        self, end: LoadOnPath, begin: LoadOnPath, here: Equilibrium, told: Telling = _quiet
+    ) -> tuple[Equilibrium, int]:
         """Walk from one load to another in steps, halved where they do not converge; also their number.
 
         While nothing flows, steps become longer: elastic bodies forget how they came. That takes that nothing flows at
@@ -226,6 +265,7 @@ class _Walk:
         way, steps = 0.0, 0
         earlier, taken = None, 1.0
         while way < 1:
+            told(way, steps, step)
             aim = way + step if way + 1.5 * step < 1 else 1.0
             load = begin.between(end, aim)
             guess = None if earlier is None else here.ahead(earlier, (aim - way) / taken)
@@ -249,10 +289,10 @@ class _Walk:
             here, way, steps = reached, aim, steps + 1
         return here, steps
 
-    def unloaded(self, rest: LoadOnPath, last: LoadOnPath, here: Equilibrium) -> Equilibrium:
+    def unloaded(self, rest: LoadOnPath, last: LoadOnPath, here: Equilibrium, told: Telling) -> Equilibrium:
         """Walk from the last load to where the bodies are apart; at once from where a fluid parts them on the way."""
         try:
-            return self.to(rest, last, here)[0]
+            return self.to(rest, last, here, told)[0]
         except _Opened as opened:
             return self.to(rest, rest, opened.reached)[0]
 
