@@ -32,7 +32,7 @@ LEAK_HEADER = (
     "max_accumulated_plastic_strain,load_steps,opening_margin_N,opening_margin_Pa,opening_margin,"
     "peak_pressure_max_Pa,line_load_min_over_mean,leak_rate_round_m3_per_s,"
     "leak_rate_scratches_low_m3_per_s,leak_rate_scratches_high_m3_per_s,"
-    "leak_rate_conserved_m3_per_s,leak_rate_capped_m3_per_s,force_for_target_leak_capped_N,"
+    "leak_rate_conserved_m3_per_s,leak_rate_capped_m3_per_s,force_for_target_leak_capped_N,force_for_verdict_N,"
     "contact_temperature_K,effective_viscosity_Pa_s,margin,verdict,validity,validity_reasons"
 )
 PROFILE_HEADER = (
@@ -108,14 +108,15 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "leak_rate_conserved_m3_per_s",
         "leak_rate_capped_m3_per_s",
         "force_for_target_leak_capped_N",
+        "force_for_verdict_N",
         "contact_temperature_K",
         "effective_viscosity_Pa_s",
         "margin",
     ]
     assert table[missing].isna().all().all()
     assert table.drop(columns=[*missing, "verdict", "validity_reasons"]).notna().all().all()
-    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(39))
-    assert numbers.shape == (2, 39)
+    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(40))
+    assert numbers.shape == (2, 40)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):
@@ -157,6 +158,7 @@ def test_summary_is_valid_json_and_complete(tmp_path):
         "far_field",
         "form",
         "requirement",
+        "verdict_force",
         "levers",
         "particles",
         "interface_variants",

@@ -76,7 +76,13 @@ def _simulate(problem: SealProblem, clock: Clock) -> None:
                 simulated.table(surface.elastic, progress=clock.progress)
 
 
-def solve(case: Case, progress: Progress | None = None, *, levers: bool | None = None) -> SealSolution:
+def solve(
+    case: Case,
+    progress: Progress | None = None,
+    *,
+    levers: bool | None = None,
+    verdict_force: bool = True,
+) -> SealSolution:
     """Solve every load of a case; `fem_seal.run` says what can go wrong.
 
     Parameters
@@ -86,6 +92,8 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
         Told in words what is being done.
     levers : bool, optional
         Whether to look for levers; with a requirement unless given, not where a body yields.
+    verdict_force : bool
+        Whether to look for the force with which the verdict passes, where the case has a target leak rate.
     """
     clock = Clock(progress or (lambda text: None))
     with clock.step("interface", "roughness and interface law"):
@@ -171,6 +179,8 @@ def solve(case: Case, progress: Progress | None = None, *, levers: bool | None =
     )
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)
+    if verdict_force:
+        result = _with_verdict_forces(result, clock, after)
     points = {whole.loads.points[number]: problem for number, problem in missing.items()}
     result = after.get("verdict on the requirement", partial(_with_judgement, result, points), result)
     # of a path of loads they take as long as a dozen paths: only if they are asked for
@@ -251,6 +261,45 @@ def _with_uncertainty(result: SealSolution, clock: Clock, after: Afterwards) -> 
         found = after.get("interval of the leak rates", calculate, None)
         loads = result.loads if found is None else found.of(result.loads)
         return replace(result, uncertainty=found, loads=loads)
+
+
+def _with_verdict_forces(result: SealSolution, clock: Clock, after: Afterwards) -> SealSolution:
+    if result.case.load.target_leak_rate is None or not result.problem.leaks:
+        return result
+    from fem_seal.analysis.verdict_force import forces_for_verdict
+
+    with clock.step("verdict force", "force with which the verdict passes"):
+        ask = partial(forces_for_verdict, result, partial(_alone, result))
+        found = after.get("force with which the verdict passes", ask, None)
+    if found is None:
+        return result
+    loads = [load.knowing(verdict_force=one) for load, one in zip(result.loads, found, strict=True)]
+    return replace(result, loads=tuple(loads))
+
+
+def _alone(result: SealSolution, fluid_pressure: float, applied_force: float) -> LoadResult:
+    """One load of a case that has no other, with validity, mesh error and samples."""
+    point = fluid_pressure, applied_force
+    loads = replace(result.problem.loads, points=(point,), refused={}, target_leak_rate=None)
+    problem = replace(result.problem, loads=loads)
+    seal_mesh, model, solved = model_and_contacts(problem)
+    (formed,) = solved.around
+    load = LoadResult(*point, solved.contacts[0], formed=formed)
+    load = load.knowing(rough=RoughFlow.of(problem.surface, problem.flow, load.contacts))
+    coarser = on_coarser_mesh(problem, seal_mesh.sizing, 0)
+    error = discretisation_error(load.contact, coarser, seal_mesh.sizing)
+    before = _of_earlier(problem, solved.earlier, error)
+    found = (*load_validity(problem, load, problem.surface, error).cautions, *before)
+    load = load.knowing(mesh_error=error, validity=Validity.of(found))
+    if result.case.sampled is None or load.validity.outside:
+        return load
+    from fem_seal.analysis.uncertainty import leak_interval
+
+    alone = SealSolution(
+        result.case, problem, seal_mesh, model, problem.surface, (load,), error, earlier=solved.earlier
+    )
+    (load,) = leak_interval(alone).of(alone.loads)
+    return load
 
 
 def _with_levers(result: SealSolution, clock: Clock, after: Afterwards, wanted: bool) -> SealSolution:

@@ -72,6 +72,8 @@ class LoadResult(Lazy):
         Ends of the samples of uncertain inputs, in all readings [m^3/s]; None where none is sampled.
     sampled_in_test : tuple of float or None
         The same with the gas of the standards' tests, see `in_test` [m^3/s].
+    verdict_force : VerdictForce or None
+        The force at which the verdict passes; None if not asked.
     """
 
     fluid_pressure: float
@@ -90,6 +92,7 @@ class LoadResult(Lazy):
     mesh_error: DiscretisationError | None = None
     sampled: tuple[float, float] | None = None
     sampled_in_test: tuple[float, float] | None = None
+    verdict_force: VerdictForce | None = None
 
     def __repr__(self) -> str:
         at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
@@ -165,6 +168,11 @@ class LoadResult(Lazy):
     def margin(self) -> float | None:
         """Allowed over calculated leak rate, see `Judgement.margin`; None where nothing is required."""
         return None if self.judgement is None else self.judgement.margin
+
+    @property
+    def force_for_verdict(self) -> float | None:
+        """Of `verdict_force` [N]; None if not asked, and where no force passes."""
+        return None if self.verdict_force is None else self.verdict_force.force
 
     @property
     def contacts(self) -> tuple[ContactSolution, ...]:
@@ -385,6 +393,22 @@ class LoadResult(Lazy):
     def gap_pressure(self) -> NDArray[np.float64] | None:
         """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
         return self.contact.loads.gap_pressure if self.leak_round is None else self.leak_round.fluid_pressure
+
+
+@dataclass(frozen=True)
+class VerdictForce:
+    """The smallest force with which the verdict passes, its interval and what the calculation may be off by included.
+
+    Parameters
+    ----------
+    force : float or None
+        Of spring or actuator [N]; None if none is found.
+    why_none : str
+        Why not, a clause; empty with a force.
+    """
+
+    force: float | None
+    why_none: str = ""
 
 
 def leak_rates(

@@ -82,12 +82,24 @@ def judged(case: Case, load: LoadResult, *, sampled: bool = True) -> Judgement |
     required = case.requirement
     if required is None or not required.judges(load.fluid_pressure):
         return None
+    return max(judgements(case, load, sampled=sampled), key=severity, default=None)
+
+
+def judgements(case: Case, load: LoadResult, *, sampled: bool = True) -> list[Judgement]:
+    """What is said of one load against each limit; where nothing is required of it the target leak rate is the limit.
+
+    Parameters
+    ----------
+    case, load, sampled
+        See `judged`.
+    """
+    required, target = case.requirement, case.load.target_leak_rate
+    if required is not None and required.judges(load.fluid_pressure):
+        against = limits(case, load.fluid_pressure, load)
+    else:
+        against = () if target is None else (Limit(OF_LEAK_RATE, target),)
     ends = load.leak_interval or (math.nan, math.nan)
-    found = [
-        Judgement.of(limit, ends, load.leak_validity, sampled=sampled)
-        for limit in limits(case, load.fluid_pressure, load)
-    ]
-    return max(found, key=severity, default=None)
+    return [Judgement.of(limit, ends, load.leak_validity, sampled=sampled) for limit in against]
 
 
 def with_judgements(

@@ -556,6 +556,18 @@ COLUMNS = {
             unit_like="force_for_target_leak_N",
         ),
         Column(
+            "force_for_verdict_N",
+            "force",
+            "with load.target_leak_rate: smallest applied force with which the verdict passes at this fluid pressure, "
+            "that on the requirement or, without one, on the target, with the interval of the leak rate and what the "
+            "calculation may be off by; nan where none does (summary.json says why)",
+            lambda row: row.load.force_for_verdict,
+            heading="applied force for a pass",
+            short="to pass",
+            shown_in="N",
+            unit_like="force_for_target_leak_N",
+        ),
+        Column(
             "contact_temperature_K",
             "temperature",
             "with `[temperature]`: mean of both faces where they press on each other",
@@ -644,6 +656,7 @@ LEAK_ON_TERMINAL = tuple(
         "blow_off_pressure_Pa",
         "force_for_target_leak_N",
         "force_for_target_leak_capped_N",
+        "force_for_verdict_N",
         "opening_margin_N",
         "opening_margin_Pa",
         "margin",

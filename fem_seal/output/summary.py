@@ -48,7 +48,8 @@ def summary(result: SealSolution) -> dict[str, Any]:
         per load; null for a body that does not pass its yield stress), ``imprint`` (of each body that has yielded;
         null if both bodies are elastic), ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
         (relative changes, and what they say), ``form`` (answers about the form error at the highest load; null for a
-        round seal), ``requirement`` (verdict, margin and what they rest on; null without one), ``levers`` (what
+        round seal), ``requirement`` (verdict, margin and what they rest on; null without one), ``verdict_force``
+        (force with which the verdict passes or why none does, one entry per load; empty unless asked), ``levers`` (what
         changes the leak rate, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
         load that leaks),
         ``interface_variants``, ``uncertainty`` (null unless asked for),
@@ -76,6 +77,11 @@ def summary(result: SealSolution) -> dict[str, Any]:
         },
         "form": None if result.form is None else asdict(result.form),
         "requirement": verdict_numbers(result),
+        "verdict_force": [
+            {"fluid_pressure_Pa": load.fluid_pressure, **asdict(load.verdict_force)}
+            for load in result.loads
+            if load.verdict_force is not None
+        ],
         "levers": [
             asdict(one) | {"says": f"{step_in_words(case, one)}: {ratio_in_words(one)}"}
             for one in result.levers

@@ -153,7 +153,8 @@ def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
 
 
 def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
-    result = seal_result.run(case, levers=False)
+    asked = "force_for_verdict_N" in columns
+    result = seal_result.run(case, levers=False, verdict_force=asked)
     row, *_ = rows_of(result)
     load = row.load
     cautions = load.validity.without("mesh").cautions

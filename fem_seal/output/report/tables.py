@@ -19,6 +19,7 @@ from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import said
+from fem_seal.output.report.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.tables import rows_of
 from fem_seal.units import (
     LIQUID,
@@ -81,6 +82,7 @@ _ASKED = (
     "opening_margin_Pa",
     "force_for_target_leak_N",
     "force_for_target_leak_capped_N",
+    "force_for_verdict_N",
 )
 
 
@@ -434,6 +436,13 @@ def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, s
             range_text(both[0], both[-1]),
             f"applied force for {_target(result, target)}{named}",
         )
+    if load.verdict_force is not None:
+        force, why = load.verdict_force.force, load.verdict_force.why_none
+        yield (
+            "Force for a pass",
+            "none" if force is None else force_to_pass(force),
+            why or "applied force from which the verdict passes, with interval and accuracy of the leak rate",
+        )
 
 
 def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -449,6 +458,11 @@ def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
             contact_force=quantity_worth("force", load.contact_force, load.digits),
             applied_force=given("force", load.applied_force),
         )
+    yield from _what_the_target_takes(result, load)
+    yield from verdict_force_sentences([load])
+
+
+def _what_the_target_takes(result: SealSolution, load: LoadResult) -> Iterator[str]:
     target, force = result.case.load.target_leak_rate, load.force_for_target
     if target is None or force is None:
         return

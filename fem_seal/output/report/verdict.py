@@ -318,13 +318,57 @@ def verdict_lines(result: SealSolution) -> list[str]:
     ----------
     result : SealSolution
     """
-    found = result.judgement
+    found, forces = result.judgement, verdict_force_sentences(result.loads)
     if found is None:
         told = next_class_of(result)
-        return [f"  {told}"] if told else []
+        return [*([f"  {told}"] if told else []), *forces]
     first, *others = verdict_sentences(result)
     used = used_in_words(result, found.shares)
-    return [f"Verdict: {first}", *(f"  {one}" for one in others), *([f"  Used: {used}"] if used else [])]
+    return [
+        f"Verdict: {first}",
+        *(f"  {one}" for one in others),
+        *([f"  Used: {used}"] if used else []),
+        *forces,
+    ]
+
+
+def verdict_force_sentences(loads: Sequence[LoadResult]) -> list[str]:
+    """The force with which the verdict passes at each fluid pressure, or why none does; empty if nobody asked.
+
+    Parameters
+    ----------
+    loads : sequence of LoadResult
+    """
+    found = {load.fluid_pressure: load.verdict_force for load in loads if load.verdict_force is not None}
+    return [
+        said(
+            "verdict.force",
+            "none" if one.force is None else "passes",
+            pressure=given("fluid pressure", pressure),
+            force="" if one.force is None else force_to_pass(one.force),
+            why=one.why_none,
+        )
+        for pressure, one in found.items()
+    ]
+
+
+def force_to_pass(force: float) -> str:
+    """A force with three digits that is not below it: with what is read the verdict passes, too.
+
+    Parameters
+    ----------
+    force : float
+        [N]
+
+    Examples
+    --------
+    >>> force_to_pass(75148.8), force_to_pass(-1234.5)
+    ('75.2 kN', '-1.23 kN')
+    """
+    if force == 0.0:
+        return given("force", 0.0)
+    step = 10.0 ** (math.floor(math.log10(abs(force))) - 2)
+    return given("force", rounded(step * math.ceil(force / step - 1e-9), 3))
 
 
 def requirement_lines(case: Case) -> list[str]:
