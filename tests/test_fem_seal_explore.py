@@ -586,8 +586,8 @@ def test_a_design_that_cannot_be_names_its_fields_and_whose_numbers_are_left():
     session = Session(load_case(EXAMPLES / "tilted_poppet.toml"))
     client = client_of(session)
 
-    def follow(design, shown=None):
-        question = {"page": "1", "number": 1, "design": session.design(design), "wrong": {}}
+    def follow(design, shown=None, wrong=None):
+        question = {"page": "1", "number": 1, "design": session.design(design), "wrong": wrong or {}}
         values = {"asked": question, "dark": False, "pins": [], "shown": shown, "factors": session.factors}
         return callback(client, "graph-section.figure", values)
 
@@ -610,6 +610,13 @@ def test_a_design_that_cannot_be_names_its_fields_and_whose_numbers_are_left():
     assert marked == {
         key: f"What is shown belongs to {given[key]}." for key in ("seat_bore_radius", "seat_face_radius")
     }
+    # one that could not be taken at all is named beside it
+    design = {"seat_bore_radius": "6 mm", "seat_face_radius": "6.2 mm"}
+    both = follow(design, first["shown"]["data"], {"fluid_pressure": "ten bar"})["problem"]["children"]
+    assert both == (
+        f'{said} Not taken: fluid pressure = "ten bar". '
+        f"The numbers belong to fluid pressure = {given['fluid_pressure']}."
+    )
     # and the page goes on from there
     assert follow({}, refused["shown"]["data"])["results"]["className"] == "results"
 

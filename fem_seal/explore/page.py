@@ -381,8 +381,18 @@ def _follow(app: Dash, answers: Answers) -> None:
         }
         if screen.problem:
             # what was there before stays, faded
-            said = f"{screen.problem}. {still_words(factors, screen.design, before)}"
-            return {**found, "problem": said, "results": "results stale", "warnings": [], "shown": now}
+            said = [
+                f"{screen.problem}.",
+                still_words(factors, screen.design, before),
+                not_taken_words(factors, before, asked.wrong),
+            ]
+            return {
+                **found,
+                "problem": " ".join(filter(None, said)),
+                "results": "results stale",
+                "warnings": [],
+                "shown": now,
+            }
         drawn = figures(screen, pinned, bool(dark))
         return {
             **found,
