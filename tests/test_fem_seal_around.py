@@ -15,6 +15,7 @@ from conftest import STEEL, ball_on_cone
 from sample_results import run_loads
 from scipy.interpolate import CubicSpline
 from scipy.special import i0, k0
+from test_fem_seal_shapes import tables
 
 import meshes
 from fem_seal import Case
@@ -91,6 +92,33 @@ def test_rigid_bodies_leave_it_to_the_roughness(ratio: float) -> None:
     f, _ = line_load_around(Rough(1e-6), lambda n: 0.0, ratio * 1e-6 * np.cos(angles(256)), 2.0, symmetry=2)
     assert f[0] == pytest.approx(2.0 * math.exp(-ratio) / i0(ratio), rel=1e-7)
     assert f[128] == pytest.approx(2.0 * math.exp(ratio) / i0(ratio), rel=1e-7)
+
+
+@dataclass(frozen=True)
+class Limited(Rough):
+    """The same, of which nothing is known beyond a line load."""
+
+    most: float = math.inf
+
+    def approach(self, line_load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        if line_load.max() > self.most:
+            raise ConvergenceError("too much")
+        return super().approach(line_load)
+
+    def line_load(self, approach: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        if approach.max() > self.u0 * math.log(self.most):
+            raise ConvergenceError("too much")
+        f = np.exp(approach / self.u0)
+        return f, f / self.u0
+
+
+def test_is_found_below_a_line_load_that_cannot_be_solved() -> None:
+    """Newton's steps lead beyond it, the answer lies below: exp(60)/I0(60) = 19.4 of the mean."""
+    gap = 60e-6 * np.cos(angles(256))
+    f, _ = line_load_around(Limited(1e-6, most=25.0), lambda n: 0.0, gap, 1.0, symmetry=2)
+    assert f[128] == pytest.approx(math.exp(60.0) / i0(60.0), rel=1e-7)
+    with pytest.raises(ConvergenceError, match=r"120 um.*too much"):
+        line_load_around(Limited(1e-6, most=15.0), lambda n: 0.0, gap, 1.0, symmetry=2)
 
 
 @pytest.mark.parametrize("half", [0.3, 1.0, 2.0])
@@ -555,7 +583,8 @@ def test_larger_forms_leave_less_line_load_and_the_mean_stays(rough: LocalContac
 
 def test_a_form_that_no_seal_bears_is_an_error(rough: LocalContact) -> None:
     with pytest.raises(
-        ConvergenceError, match="2000 um from the narrowest to the widest gap; make it smaller"
+        ConvergenceError,
+        match=r"2000 um from the narrowest to the widest gap: .* times the mean.*make the form error smaller",
     ):
         around(one_wave(2, 1e-3), rough)
 
@@ -735,3 +764,29 @@ def test_leak_rate_around_against_every_angle_on_its_own(
     assert found.mean() == pytest.approx(each.mean(), rel=5e-4)
     np.testing.assert_allclose(found, each, atol=2e-3 * each.max())
     assert most.leak_rate == pytest.approx(each.max(), rel=0.5)
+
+
+@pytest.mark.parametrize("u0", ["1 nm", "0.2 nm"])
+def test_a_stiff_interface_carries_what_smooth_surfaces_do(u0: str) -> None:
+    """Pressures of an exponential law spread over many decades from rung to rung, and u0 -> 0 is hard contact."""
+
+    def around_axis(interface: dict[str, str]) -> np.ndarray:
+        asked = tables(
+            "ball",
+            "sphere",
+            interface=interface,
+            form={"seat": {"direction": "radial", "harmonics": [{"waves": 4, "amplitude": "0.5 um"}]}},
+        )
+        _, _, found = model_and_contacts(SealProblem.of(Case(**asked)))
+        assert not found.failures
+        return over_mean(found.formed[0])
+
+    smooth = around_axis({"law": "smooth"})
+    stiff = around_axis({"law": "exponential", "u0": u0, "p_c": "3 GPa"})
+    assert np.ptp(smooth) > 0.1
+    angle = np.linspace(0, 1, 97)
+    found, expected = (
+        np.interp(angle, np.linspace(0, 1, len(one), endpoint=False), one, period=1)
+        for one in (stiff, smooth)
+    )
+    np.testing.assert_allclose(found, expected, atol=0.02 * np.ptp(smooth))

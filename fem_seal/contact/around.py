@@ -12,8 +12,10 @@ and tilt takes no first harmonic of f, and gives way to that of h. See theory/fo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -23,8 +25,10 @@ from fem_seal.errors import ConvergenceError
 
 # What is left of the gap's change, in decay lengths of the approach over ln f, and steps to get there.
 _TOLERANCE, _MAX_STEPS = 1e-9, 80
-# Shares of the form error in which it is put on where all at once fails.
-_SHARES = (0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
+# Share of the form error that is put on first where all at once fails, by how much the next one grows, and the least.
+_FIRST_SHARE, _GROWS, _LEAST_SHARE = 0.1, 1.5, 0.01
+# Shares of a Newton step that are tried where the whole of it leads away, or to a line load that cannot be solved.
+_OF_STEP = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)
 # Where the line load falls, one step lets it fall by this many e-folds at most.
 _FALL = 5.0
 # Relative residual of the linear equations, and the most products to get there.
@@ -92,19 +96,25 @@ def line_load_around(
     ring = _Ring.of(len(gap), stiffening, symmetry, guided)
     ways = (_in_line_loads,) if local.opens else (_in_logarithms, _in_line_loads)
     even = np.full(len(gap), mean)
+    refused: list[ConvergenceError] = []
+
+    def tried(iterate: Iteration, share: float, begin: FloatArray) -> Found | None:
+        try:
+            return iterate(local, ring, share * gap, mean, begin)
+        except ConvergenceError as error:
+            # it asks for a contact that cannot be solved
+            refused.append(error)
+            return None
+
     for iterate in ways:
-        for shares, first in (((1.0,), even if start is None else start), (_SHARES, even)):
-            f = first
-            for share in shares:
-                found = _tried(iterate, local, ring, share * gap, mean, f)
-                if found is None:
-                    break
-                f, approach = found
-            else:
-                return f, approach
+        found = tried(iterate, 1.0, even if start is None else start)
+        found = _put_on(partial(tried, iterate), even) if found is None else found
+        if found is not None:
+            return found
+    why = f": {refused[0]}" if refused else "; make it smaller, or its waves longer"
     raise ConvergenceError(
-        f"the line load around the axis did not converge in {_MAX_STEPS} steps for a form error of "
-        f"{1e6 * float(np.ptp(gap)):.4g} um from the narrowest to the widest gap; make it smaller, or its waves longer"
+        f"the line load around the axis was not found for a form error of {1e6 * float(np.ptp(gap)):.4g} um from the "
+        f"narrowest to the widest gap{why}"
     )
 
 
@@ -112,14 +122,19 @@ Found = tuple[FloatArray, FloatArray]
 Iteration = Callable[[Local, "_Ring", FloatArray, float, FloatArray], Found | None]
 
 
-def _tried(
-    iterate: Iteration, local: Local, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
-) -> Found | None:
-    """What an iteration finds; None where it asks on its way for a contact that cannot be solved."""
-    try:
-        return iterate(local, ring, gap, mean, start)
-    except ConvergenceError:
-        return None
+def _put_on(tried: Callable[[float, FloatArray], Found | None], start: FloatArray) -> Found | None:
+    """The form error put on share by share, each from where the one before it ended; None if that fails."""
+    share, step, found = 0.0, _FIRST_SHARE, None
+    while share < 1.0:
+        aim = min(share + step, 1.0)
+        there = tried(aim, start if found is None else found[0])
+        if there is None:
+            step /= 2
+            if step < _LEAST_SHARE:
+                return None
+        else:
+            share, step, found = aim, step * _GROWS, there
+    return found
 
 
 @dataclass(frozen=True)
@@ -219,24 +234,99 @@ def _in_logarithms(
         step = (residual + moved - ring.opening(y)) / decay
         if not np.isfinite(step).all():
             return None
-        v = v + np.where(step > 0, np.log1p(np.maximum(step, 0.0)), np.maximum(step, -_FALL))
-        motion = motion + moved
+        step = np.where(step > 0, np.log1p(np.maximum(step, 0.0)), np.maximum(step, -_FALL))
+        share = _solvable(local, v, step)
+        v, motion = v + share * step, motion + share * moved
     return None
+
+
+def _solvable(local: Local, v: FloatArray, step: FloatArray) -> float:
+    """The largest share of a step in ln f whose line loads can be solved; ConvergenceError if that is none."""
+    for share in _OF_STEP:
+        try:
+            local.approach(np.exp(v + share * step))
+        except ConvergenceError:
+            if share == _OF_STEP[-1]:
+                raise
+        else:
+            break
+    return share
 
 
 def _in_line_loads(
     local: Local, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
 ) -> Found | None:
     """Newton's method for a line load that may be nothing at some places; None if it fails."""
-    guess, motion = start, np.full(len(gap), np.mean(local.approach(start)[0] + gap))
+    motion = np.full(len(gap), np.mean(local.approach(start)[0] + gap))
+    here = _Balance.of(local, ring, gap, mean, start, motion)
     for _ in range(_MAX_STEPS):
-        approach = motion - ring.opening(guess) - gap
-        f, tangent = local.line_load(approach)
-        off = f - guess
-        if np.max(np.abs(off)) < _TOLERANCE * mean:
-            return f, approach
-        change = ring.step(tangent, off, ring.missing(guess, mean))
+        if here.off_by < _TOLERANCE * mean:
+            return here.line_load, here.approach
+        change = ring.step(here.tangent, here.off, ring.missing(here.guess, mean))
         if change is None or not (np.isfinite(change[0]).all() and np.isfinite(change[1]).all()):
             return None
-        guess, motion = guess + change[0], motion + change[1]
+        here = here.after(*change, local, ring, gap, mean)
     return None
+
+
+@dataclass(frozen=True)
+class _Balance:
+    """A guessed line load, and the one that the contacts have where it leaves the bodies [N/m]."""
+
+    guess: FloatArray
+    motion: FloatArray
+    approach: FloatArray
+    line_load: FloatArray
+    tangent: FloatArray
+    lacks: float
+    """What the guess lacks of the given resultants [N/m]."""
+
+    @classmethod
+    def of(
+        cls, local: Local, ring: _Ring, gap: FloatArray, mean: float, guess: FloatArray, motion: FloatArray
+    ) -> _Balance:
+        approach = motion - ring.opening(guess) - gap
+        with np.errstate(over="ignore"):
+            line_load, tangent = local.line_load(approach)
+        if not (np.isfinite(line_load).all() and (tangent >= 0).all()):
+            raise ConvergenceError(
+                "it leads to line loads without bounds; make it smaller, or its waves longer"
+            )
+        lacks = float(np.abs(ring.missing(guess, mean)).max())
+        return cls(guess, motion, approach, line_load, tangent, lacks)
+
+    @property
+    def off(self) -> FloatArray:
+        return self.line_load - self.guess
+
+    @property
+    def off_by(self) -> float:
+        return float(np.max(np.abs(self.off)))
+
+    @property
+    def merit(self) -> float:
+        """How far it is from balance [N/m]: root of the mean square, which a short step makes less."""
+        worst = max(self.off_by, 1e-300)
+        return math.hypot(worst * math.sqrt(np.mean((self.off / worst) ** 2)), self.lacks)
+
+    def after(
+        self, change: FloatArray, moved: FloatArray, local: Local, ring: _Ring, gap: FloatArray, mean: float
+    ) -> _Balance:
+        """The balance after a step, or after the share of it that leads nearer."""
+        best, refused = None, None
+        for share in _OF_STEP:
+            try:
+                one = _Balance.of(
+                    local, ring, gap, mean, self.guess + share * change, self.motion + share * moved
+                )
+            except ConvergenceError as error:
+                refused = error
+                continue
+            if one.merit < self.merit:
+                return one
+            if best is None or one.merit < best.merit:
+                best = one
+        if best is None:
+            assert refused is not None  # of every share
+            raise refused
+        return best

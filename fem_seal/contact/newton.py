@@ -170,9 +170,7 @@ def _solve_alike(
         found = [(None, [np.inf])]
     gaps = iter(_gaps(rows, [state for state, _ in found]))
     return [
-        _softened_first(one, settings, None if guesses is None else [guesses[n]])
-        if state is None
-        else _solution(one, state, residuals, next(gaps))
+        _softened_first(one, settings) if state is None else _solution(one, state, residuals, next(gaps))
         for n, (one, (state, residuals)) in enumerate(zip(pressings, found, strict=True))
     ]
 
@@ -184,11 +182,13 @@ def _gaps(rows: _Rows, states: Sequence[State | None]) -> FloatArray:
     return rows.law.rows(there).gap(np.stack(v)) if v else np.empty((0, 0))
 
 
-def _softened_first(
-    one: Pressing, settings: ContactSettings, guess: list[State] | None
-) -> ContactSolution | ConvergenceError:
-    """What does not come straight at the law: from a soft interface to the law in steps."""
-    rows, states, residuals = _Rows.of([one]), guess, [np.inf]
+def _softened_first(one: Pressing, settings: ContactSettings) -> ContactSolution | ConvergenceError:
+    """What does not come straight at the law: from a soft interface to the law in steps.
+
+    It begins anew: where it was looked for before may be too far away even for a soft interface.
+    """
+    rows, residuals = _Rows.of([one]), [np.inf]
+    states: list[State] | None = None
     for floor in (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, _FLOOR):
         try:
             ((state, residuals),) = _newton(rows, floor, settings, states)
