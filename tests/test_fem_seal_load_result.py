@@ -78,7 +78,10 @@ def test_a_load_answers_alike_after_pickling_touched_or_not():
 def test_a_design_with_the_contact_of_a_run_has_its_numbers(of, monkeypatch):
     """All columns but those that only a complete run knows, which has uncertain inputs and load steps."""
     result = fem_seal.run(of)
-    bare = LoadResult(*result.loads[0].point, result.contact[0])
+    # a study makes no second mesh: what the first is off by widens the interval of a run alone
+    bare = LoadResult(*result.loads[0].point, result.contact[0]).knowing(
+        mesh_error=result.loads[0].mesh_error
+    )
 
     def solved(problem, stress):
         yield

@@ -116,7 +116,7 @@ def outside_text(text: str) -> str:
     Examples
     --------
     >>> outside_text("5 $")
-    '5 \\\\$'
+    '5 \\$'
     """
     return printable(text).replace("$", r"\$")
 
