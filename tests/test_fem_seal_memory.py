@@ -175,6 +175,20 @@ def _judged(problem: SealProblem, found: Any, before: list[Caution]) -> Validity
     return judged.validity
 
 
+def test_a_zero_that_an_earlier_load_has_left_is_as_doubtful_as_its_own() -> None:
+    """Pressed to half of the hardness once, the seal stays shut: what was doubtful then is said of the later load."""
+    earlier = "1 MN"
+    problem = SealProblem.of(steps(("300 N",), earlier))
+    (load,) = solved(steps(("300 N",), earlier))
+    assert load.leak is not None
+    assert load.leak.leak_rate == 0.0
+    assert load.contact.profile.peak_pressure < 0.1 * problem.hardness
+    validity = load_validity(problem, load, problem.surface)
+    assert validity.level.name in ("DOUBTFUL", "OUTSIDE")
+    assert any(reason.startswith("largest pressure before") for reason in validity.reasons)
+    assert any(reason.startswith("sealed by the percolation threshold") for reason in validity.reasons)
+
+
 def test_the_fluid_pressure_that_once_closed_it_acts_between_the_surfaces_too() -> None:
     load = {
         "fluid_pressure": ["5 bar", "30 bar"],

@@ -228,7 +228,7 @@ def earlier_cautions(problem: SealProblem, earlier: LoadResult) -> Iterator[Caut
     problem : SealProblem
     earlier : LoadResult
     """
-    for check in (_yielding, _table_left, _turned, _cut_off, _above_hardness):
+    for check in (_yielding, _table_left, _turned, _cut_off):
         for caution in check(problem, earlier.contact.model, [earlier]):
             reason, text = (
                 f"largest earlier load: {caution.reason}",
@@ -533,9 +533,18 @@ def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
 
 
 def _highest_pressure(load: LoadResult) -> float:
-    """Of a seal that is not round the highest around its axis [Pa]."""
+    """Also before, where it is remembered; of a seal that is not round the highest around its axis [Pa]."""
+    before = load.contact.profile.highest
+    return before if load.formed is None else max(before, float(load.formed.peak_pressure.max()))
+
+
+def _named_pressure(load: LoadResult) -> str:
+    """What `_highest_pressure` is, in words."""
+    profile = load.contact.profile
     return (
-        load.contact.profile.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())
+        "peak pressure"
+        if profile.highest <= profile.peak_pressure * (1.0 + 1e-9)
+        else "largest pressure before"
     )
 
 
@@ -555,8 +564,9 @@ def _above_hardness(
     yield Caution(
         "hardness",
         Level.OUTSIDE if share > 1 else Level.DOUBTFUL,
-        f"peak pressure {told} of the hardness",
-        f"peak pressure {_mpa(peak, load, limit)} MPa at {load_name(load, loads)} is {told} of the hardness; {why}",
+        f"{_named_pressure(load)} {told} of the hardness",
+        f"{_named_pressure(load)} {_mpa(peak, load, limit)} MPa at {load_name(load, loads)} is {told} of the hardness; "
+        f"{why}",
     )
 
 
@@ -564,12 +574,19 @@ def _sealing_pressure(problem: SealProblem, surface: Surface) -> float:
     return surface.sealing_pressure if problem.flow is None else problem.flow.sealing_pressure(surface)
 
 
+def _is_sealed(load: LoadResult, sealing: float) -> bool:
+    """By the pressure that it carries, or by what a larger one before has left."""
+    profile = load.contact.profile
+    stays = profile.highest >= sealing and load.leak is not None and load.leak.leak_rate == 0.0
+    return profile.peak_pressure >= sealing or stays
+
+
 def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     sealing = _sealing_pressure(problem, surface)
-    tight = [load for load in loads if load.contact.profile.peak_pressure >= sealing]
+    tight = [load for load in loads if _is_sealed(load, sealing)]
     if tight:
         load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
-        peak = load.contact.profile.peak_pressure
+        peak = load.contact.profile.highest
         first = load_name(min(tight, key=lambda load: load.point), loads)
         limit = rounded(sealing / 1e6, DIGITS)
         own = problem.surface
@@ -579,7 +596,7 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
             "sealed",
             Level.DOUBTFUL,
             f"sealed by the percolation threshold, A/A0 = {surface.percolation_threshold:.2g}",
-            f"sealed: at {load_name(load, loads)} the peak pressure {_mpa(peak, load, limit)} MPa is above "
+            f"sealed: at {load_name(load, loads)} the {_named_pressure(load)} {_mpa(peak, load, limit)} MPa is above "
             f"{limit:g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
             f"touches and no leak path is open (from {first} on, of the loads calculated). A leak rate of "
             "zero is only as certain as this percolation threshold",
