@@ -17,7 +17,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.axis import Tick
 from matplotlib.textpath import TextToPath
-from sample_results import case, cone, rough_result, single_result, smooth_result
+from sample_results import SPECTRUM, case, cone, rough_result, single_result, smooth_result
 
 import fem_seal
 from fem_seal.analysis.caution import Caution, Level, Validity
@@ -447,3 +447,20 @@ def test_axes_that_make_no_ticks_before_they_are_asked_for_look_as_those_of_matp
         monkeypatch.setattr("fem_seal.output.pictures.axes.BareAxes", Axes)
         assert found == drawn()
     assert made == []
+
+
+def test_a_leak_rate_that_nobody_can_measure_has_its_report() -> None:
+    """A fine surface pressed hard, all but sealed: one text stands for the leak rate, in no other unit."""
+    spectrum = {**SPECTRUM, "rms_height": "0.15 um"}
+    result = fem_seal.run(
+        case(
+            roughness={"spectrum": spectrum},
+            load={"fluid_pressure": "20 bar", "applied_force": "32 kN"},
+            leak={"plasticity": False},
+            interface={"law": "persson"},
+        )
+    )
+    assert 0.0 < result.loads[0].leak.leak_rate < 1e-30
+    page = report(result)
+    assert "none measurable" in page
+    assert "The ends hold" not in page

@@ -41,7 +41,8 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
         plain = []
         for key in _used(problem, material) if bodies else _OF_SURFACE:
             value = getattr(material, key)
-            if value is None or (key == "hardness" and problem.hardness is None):
+            # asperities yield at the hardness of the softer body alone
+            if value is None or (key == "hardness" and value != problem.hardness):
                 continue
             table = material.table(key)
             if table is None:

@@ -105,12 +105,16 @@ class _Differences:
             return plain
         if not self.is_gas or self.outlet is None:
             self._refuse(
-                "is an absolute pressure, and a liquid has no fluid.outlet_pressure to subtract; give the "
+                "is an absolute pressure, and no fluid.outlet_pressure is known to subtract; give the "
                 'difference of both sides, such as "20 bar"',
                 text,
             )
             return plain
-        difference = float(exact_quantity(plain, "pressure")) - self.outlet
+        try:
+            difference = float(exact_quantity(plain, "pressure")) - self.outlet
+        except (QuantityError, OverflowError):
+            # which the reading of the table says
+            return plain
         if difference < 0:
             self._refuse(
                 f"is an absolute pressure below fluid.outlet_pressure, {self.outlet / 1e5:.6g} bar; the fluid "
@@ -155,7 +159,8 @@ def _outlet(fluid: object) -> tuple[float | None, bool]:
     if not isinstance(fluid, Mapping):
         return None, False
     name, outlet = fluid.get("name"), fluid.get("outlet_pressure")
-    gas = isinstance(name, str) and (is_gas(name) or name.startswith("CoolProp:"))
+    # whether a fluid of CoolProp is a gas depends on its temperature; with an outlet there is something to subtract
+    gas = isinstance(name, str) and (is_gas(name) or (name.startswith("CoolProp:") and outlet is not None))
     if outlet is None:
         return (_ATMOSPHERE if gas else None), gas
     match = _match(outlet)

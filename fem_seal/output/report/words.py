@@ -129,7 +129,8 @@ def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
             # the first of these units may be the one that stands there already
             lead = leak_range_text(rate_of(load), load.leak_digits, volume=volume)
             others = [part for part in leakage_text(load, volume).split(" = ") if part.split(" (")[0] != lead]
-            found.insert(0 if sampled else 1, Fact("In other units", others[0], " = ".join(others[1:])))
+            if others:
+                found.insert(0 if sampled else 1, Fact("In other units", others[0], " = ".join(others[1:])))
         found.append(_class_fact(result.case, load))
     if result.uncertainty is not None:
         found.insert(0, _interval_fact(result, load))
@@ -387,7 +388,8 @@ def held_in_words(case: Case, load: LoadResult) -> list[str]:
     case : Case
     load : LoadResult
     """
-    if not isinstance(rate_of(load), tuple):
+    ends = rate_of(load)
+    if not isinstance(ends, tuple) or not volume_of(case).measurable(ends[1]):
         return []
     if load.sampled is not None:
         held = [_samples_in_words(case, load)]
