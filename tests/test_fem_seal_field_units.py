@@ -87,6 +87,17 @@ def test_a_bubble_needs_a_volume():
     assert both.leak_rate * 60e6 == pytest.approx(0.01)
     wrong = refused(fluid={"name": "air"}, requirement={"leak_rate": "5 bubbles/min"})
     assert "requirement.bubble_volume" in wrong["requirement.leak_rate"]
+    # a target alone has no limit beside it, and no table that could hold the volume
+    alone = refused(
+        fluid={"name": "air"}, load={"fluid_pressure": "5 bar", "target_leak_rate": "5 bubbles/min"}
+    )
+    assert 'give a volume over time, such as "0.1 ml/min"' in alone["load.target_leak_rate"]
+    assert "bubble_volume" not in alone["load.target_leak_rate"]
+    # of a liquid it is the bubbles that are wrong, not their volume
+    assert (
+        "the fluid is a liquid"
+        in refused(requirement={"leak_rate": "5 bubbles/min"})["requirement.leak_rate"]
+    )
     water = refused(requirement={"leak_rate": "5 bubbles/min", "bubble_volume": "0.1 ml"})
     assert {"requirement.leak_rate", "requirement.bubble_volume"} <= water.keys()
     assert (

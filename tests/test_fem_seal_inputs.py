@@ -16,12 +16,13 @@ from pathlib import Path
 
 import pytest
 
-from fem_seal import cli
+from fem_seal import StudyResult, cli
 from fem_seal.case.case import load_case
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import UnreadableFileError, check_file, read_bytes, read_text
 from fem_seal.studies.session import description
 from fem_seal.studies.store import Row, create
+from fem_seal.studies.stored import check_rows
 from fem_seal.studies.study import load_study
 from meshes import GeometryError, MeshedBody, read_section
 from meshes.gmsh_session import gmsh_session
@@ -273,6 +274,37 @@ def test_study_file_with_wrong_contents_says_so(damage, done_study, call, tmp_pa
     code, err = export_of(folder, call, tmp_path)
     assert code == 2
     assert "study.sqlite: is damaged (" in err
+
+
+def test_study_file_of_before_is_read_with_the_numbers_it_has(done_study, call, tmp_path) -> None:
+    folder = tmp_path / "out"
+    shutil.copytree(done_study / "out", folder)
+    with closing(sqlite3.connect(folder / "study.sqlite")) as connection, connection:
+        for key, number in (("key 3", 1e-300), ("key 7", -1e120)):
+            connection.execute("UPDATE point SET peak_pressure_Pa = ? WHERE key = ?", (number, key))
+    table = StudyResult(folder).table
+    assert table["peak_pressure_Pa"][[3, 7]].tolist() == [1e-300, -1e120]
+    assert call("study", "report", folder)[0] == 0
+
+
+def test_study_file_is_looked_through_once_for_each_of_its_states(done_study, tmp_path, monkeypatch) -> None:
+    folder, looks = tmp_path / "out", []
+    shutil.copytree(done_study / "out", folder)
+    monkeypatch.setattr("fem_seal.studies.store.check_rows", lambda *args: looks.append(check_rows(*args)))
+    result = StudyResult(folder)
+    assert (result.counts["done"], len(result.table), len(looks)) == (40, 40, 1)
+    writer = sqlite3.connect(folder / "study.sqlite")
+    with closing(writer):
+        # stands in the log alone
+        with writer:
+            writer.execute("UPDATE point SET peak_pressure_Pa = 2e8 WHERE key = 'key 3'")
+        assert StudyResult(folder).table["peak_pressure_Pa"][3] == 2e8
+        assert len(looks) == 2
+        with writer:
+            writer.execute("UPDATE point SET seconds = 'a lot' WHERE key = 'key 3'")
+        for _ in range(2):
+            with pytest.raises(InputError, match=r"is damaged .*seconds IS NOT NULL"):
+                StudyResult(folder)
 
 
 # What no study writes, and some of what one does.

@@ -206,6 +206,9 @@ def test_a_bubble_has_the_volume_of_its_standard_or_of_the_requirement():
     assert limit(standard="API 598", bubble_volume="0.04 ml").leak_rate == pytest.approx(0.04e-6 / 15)
     assert limit(standard="API 598").bubble_volume == pytest.approx(1e-8)
     assert limit(standard="ISO 5208", **{"class": "B"}).bubble_volume is None
+    own = {"leak_rate": "5 bubbles/min", "bubble_volume": "0.15 ml"}
+    assert limit(**own).bubble_volume == pytest.approx(0.15e-6)
+    assert "one bubble is 0.15 ml" in requirement_lines(case(fluid={"name": "air"}, requirement=own))
     told = requirement_lines(case(fluid={"name": "air"}, requirement=iso_a))
     assert "one bubble is 0.065 ml" in told
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.analysis.judgement import Judgement, Limit, SealJudgement, Shares, Verdict, Why, severity
 from fem_seal.analysis.leakage import nominal_size, test_of
+from fem_seal.case.leak_rate import Bubbles
 
 if TYPE_CHECKING:
     from fem_seal.analysis.results import LoadResult
@@ -34,9 +35,14 @@ def limits(case: Case, fluid_pressure: float, load: LoadResult | None = None) ->
     required = case.requirement
     if required is None or case.fluid is None:
         return ()
-    own = () if required.leak_rate is None else (Limit(OF_LEAK_RATE, required.leak_rate),)
+    own = () if required.leak_rate is None else (_of_rate(required.leak_rate),)
     of_class = _of_class(case, required, case.fluid, fluid_pressure, load)
     return own if of_class is None else (*own, of_class)
+
+
+def _of_rate(leak_rate: float) -> Limit:
+    volume = leak_rate.volume if isinstance(leak_rate, Bubbles) else None
+    return Limit(OF_LEAK_RATE, leak_rate, bubble_volume=volume)
 
 
 def _of_class(
@@ -97,7 +103,7 @@ def judgements(case: Case, load: LoadResult, *, sampled: bool = True) -> list[Ju
     if required is not None and required.judges(load.fluid_pressure):
         against = limits(case, load.fluid_pressure, load)
     else:
-        against = () if target is None else (Limit(OF_LEAK_RATE, target),)
+        against = () if target is None else (_of_rate(target),)
     ends = load.leak_interval or (math.nan, math.nan)
     return [Judgement.of(limit, ends, load.leak_validity, sampled=sampled) for limit in against]
 

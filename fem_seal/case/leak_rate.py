@@ -57,6 +57,11 @@ class Bubbles(float):
         found.count = count
         return found
 
+    @property
+    def volume(self) -> float:
+        """Of one bubble [m^3]."""
+        return self / self.count
+
 
 _COUNTED = re.compile(rf"({NUMBER})\s*(drop|bubble)s?\s*/\s*(s|min|h)")
 # N in a leak rate is normal; that of a force has no litres behind it.
@@ -121,18 +126,22 @@ def of_this_gas(case: Amounts) -> tuple[dict[str, Any], list[Problem]]:
     tuple
         Changed tables, as `model_copy` takes them, and what cannot be told of their leak rates.
     """
-    temperature = None if case.fluid is None or case.fluid.gas is None else case.fluid.temperature
+    if case.fluid is None or case.fluid.gas is None:
+        # which is said by those who look at the case as a whole
+        return {}, []
+    temperature, required = case.fluid.temperature, case.requirement
+    limited = required is not None and not (required.leak_rate is None and required.standard is None)
     volume = _bubble_volume(case)
     changed, wrong = dict[str, Any](), list[Problem]()
     for table, key in _RATES:
         entries = changed.get(table, getattr(case, table))
         rate = None if entries is None else getattr(entries, key)
-        if isinstance(rate, NormalVolume) and temperature is not None:
+        if isinstance(rate, NormalVolume):
             told: float = NormalVolume.at(rate.normal, temperature)
         elif isinstance(rate, Bubbles) and volume is not None:
             told = Bubbles.of(rate.count, volume)
         elif isinstance(rate, Bubbles):
-            wrong.append(Problem(f"{table}.{key}", _NO_BUBBLE))
+            wrong.append(Problem(f"{table}.{key}", _NO_BUBBLE if limited else _NO_BUBBLE_OF_TARGET))
             continue
         else:
             continue
@@ -143,6 +152,11 @@ def of_this_gas(case: Amounts) -> tuple[dict[str, Any], list[Problem]]:
 _NO_BUBBLE = (
     "is counted in bubbles, which have no volume yet; give requirement.bubble_volume, such as "
     '"0.065 ml" (ISO 5208; API 598 has 0.01 ml, FCI 70-2 0.15 ml), or a volume over time, such as "0.1 ml/min"'
+)
+# [requirement] must name a limit: its volume of a bubble is no remedy for a target alone.
+_NO_BUBBLE_OF_TARGET = (
+    "is counted in bubbles, which have a volume only beside a limit in [requirement]; give a volume over time, "
+    'such as "0.1 ml/min"'
 )
 _RATES = (("load", "target_leak_rate"), ("requirement", "leak_rate"), ("requirement", "rated_capacity"))
 

@@ -40,6 +40,9 @@ FILE = "study.sqlite"
 # Raised when a table changes its meaning.
 FORMAT_VERSION = 1
 _AT_ONCE = 500
+# Files that were looked through by this process, by device and inode: in which state, and their columns.
+_Columns = tuple[tuple[str, ...], tuple[str, ...]]
+_looked_through: dict[tuple[int, int], tuple[object, _Columns]] = {}
 
 
 @dataclass(frozen=True)
@@ -363,8 +366,7 @@ def open_to_read(path: Path) -> Store:
             Problem(str(path.parent), f"holds no study ({path.name} is missing or no study file)")
         ) from None
     try:
-        _check_pages(connection, path)
-        inputs, outputs = _check_contents(connection, path)
+        inputs, outputs = _checked_once(connection, path)
     except InputError:
         connection.close()
         raise
@@ -397,6 +399,31 @@ def _reading(path: Path) -> sqlite3.Connection:
     return connection
 
 
+def _checked_once(connection: sqlite3.Connection, path: Path) -> _Columns:
+    """Parameters and outputs of a file, which is looked through once for each of its states."""
+    file, state = _state(path)
+    before, columns = _looked_through.get(file, (None, ((), ())))
+    if before != state:
+        _check_pages(connection, path)
+        columns = _check_contents(connection, path)
+        _looked_through[file] = state, columns
+    return columns
+
+
+def _state(path: Path) -> tuple[tuple[int, int], object]:
+    """Device and inode of a file, and what changes when it or its write-ahead log is written."""
+    try:
+        own = path.stat()
+        logs = [log.stat() for log in (path.with_name(f"{path.name}-wal"),) if log.exists()]
+    except OSError:
+        # a log that ends meanwhile: unlike any other state
+        return (0, 0), object()
+    # a reader makes an empty log, too
+    written = [own, *(log for log in logs if log.st_size)]
+    state = [(one.st_dev, one.st_ino, one.st_mtime_ns, one.st_size) for one in written]
+    return (own.st_dev, own.st_ino), state
+
+
 def _check_pages(connection: sqlite3.Connection, path: Path) -> None:
     """InputError if the file is damaged inside, where reading would come to it sooner or later."""
     try:
@@ -407,7 +434,7 @@ def _check_pages(connection: sqlite3.Connection, path: Path) -> None:
         raise damaged(path, found)
 
 
-def _check_contents(connection: sqlite3.Connection, path: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _check_contents(connection: sqlite3.Connection, path: Path) -> _Columns:
     """Parameters and outputs of a file; InputError unless all that it holds is what a study writes."""
     try:
         kinds = _columns(connection)

@@ -389,9 +389,9 @@ def requirement_lines(case: Case) -> list[str]:
     told = [_announced(name, rate, pressures) for (name, rate), pressures in at.items()]
     if fluid.volume.state and not all(_in_mbar(one) for one in limits(case, case.load.fluid_pressure[0])):
         told.append(said("verdict.check", "volume", state=fluid.volume.state))
-    of_class = [limit for limit in limits(case, case.load.fluid_pressure[0]) if limit.name != OF_LEAK_RATE]
-    for limit in of_class:
-        told.append(said("verdict.check", "size", size=nominal_size(case)))
+    for limit in limits(case, case.load.fluid_pressure[0]):
+        if limit.name != OF_LEAK_RATE:
+            told.append(said("verdict.check", "size", size=nominal_size(case)))
         if limit.bubble_volume is not None:
             told.append(said("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
         if limit.test_fluid:
