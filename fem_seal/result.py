@@ -199,7 +199,7 @@ def run(
     progress: Callable[[str], None] | None = None,
     *,
     levers: bool | None = None,
-    verdict_force: bool = True,
+    verdict_force: bool | None = None,
 ) -> SealResult:
     """Solve every load of a case.
 
@@ -212,9 +212,10 @@ def run(
     levers : bool, optional
         Whether to look for what changes the leak rate most; with a requirement unless given, not where a body yields:
         there it takes as long as a dozen paths of loads.
-    verdict_force : bool
-        Whether to look for the force with which the verdict passes, where the case has a target leak rate: its samples
-        take as long as those of the case, two to four times.
+    verdict_force : bool, optional
+        Whether to look for the force with which the verdict passes, of a case with a target leak rate: unless given,
+        not where a body yields. It takes some ten contacts, and two to four times the mesh, its error and the samples
+        of the case; where a body yields each of these is a whole path of loads.
 
     Returns
     -------

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from sample_results import STEEL, ball, case, cone, run_loads
 
 import fem_seal
+from fem_seal.analysis.accuracy import NOT_ESTIMATED
 from fem_seal.analysis.closed_forms import derive
 from fem_seal.analysis.results import VerdictForce
+from fem_seal.analysis.verdict_force import _begins
 from fem_seal.output.report.tables import valve_facts
 from fem_seal.output.report.verdict import force_to_pass, verdict_force_sentences, verdict_lines
 from fem_seal.output.report.words import reasons
@@ -103,6 +106,62 @@ def test_a_target_does_not_touch_the_verdict_of_its_load():
         one for one in verdict_lines(asked) if "lets the verdict" not in one and "passes" not in one
     ]
     assert asked_lines == verdict_lines(plain)
+
+
+def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
+    examples = Path(__file__).parent.parent / "examples"
+    load = {"fluid_pressure": ["200 bar", "50 bar"], "applied_force": "100 N", "target_leak_rate": "1 mm^3/s"}
+    of = fem_seal.load_case(examples / "elastoplastic_seat.toml").replace(
+        {**{f"load.{key}": value for key, value in load.items()}, "mesh.contact_size": "40 um"}
+    )
+    # the forces without the interval are not what this is about
+    monkeypatch.setattr("fem_seal.analysis.chain.with_answers", lambda solver, loads, after: (loads, ()))
+    told = []
+
+    def search(result, alone, *, progress):
+        progress("trying")
+        with pytest.raises(_LeaveError):
+            alone(50e5, 100.0)
+        return [VerdictForce(1e3, begins=_begins(result.problem))] * len(result.loads)
+
+    def progress(text):
+        told.append(text)
+        if told[-2:-1] == ["trying"]:
+            raise _LeaveError
+
+    monkeypatch.setattr("fem_seal.analysis.verdict_force.forces_for_verdict", search)
+    plain = run_loads(of)
+    assert all(not one.verdict_force.looked_for and one.force_for_verdict is None for one in plain.loads)
+    (said,) = verdict_force_sentences(plain.loads)
+    assert said.startswith("The force with which the verdict passes was not looked for: where a body yields ")
+    (tile,) = [one for one in valve_facts(plain, plain.loads[0]) if one[0] == "Force for a pass"]
+    assert tile[1] == "not looked for"
+    with pytest.MonkeyPatch.context() as few:
+        few.setattr("fem_seal.analysis.chain.on_coarser_mesh", lambda *given: None)
+        few.setattr("fem_seal.analysis.chain.discretisation_error", lambda *given: NOT_ESTIMATED)
+        few.setattr("fem_seal.analysis.chain.far_field", lambda *given: ())
+        few.setattr("fem_seal.analysis.chain.interface_variants", lambda *given: ())
+        asked = fem_seal.run(of, progress, levers=False, verdict_force=True)
+    # a run of the search tells what it does, and who is told may leave it
+    assert told[told.index("trying") + 1] == "meshing closure and seat"
+    for one in verdict_force_sentences(asked.loads):
+        assert "the verdict passes on a new seal from an applied force of 1000 N on" in one
+
+
+class _LeaveError(BaseException):
+    pass
+
+
+def test_each_force_that_is_tried_is_told():
+    load = {"fluid_pressure": "20 bar", "applied_force": "1 kN", "target_leak_rate": "2e-7 m^3/s"}
+    of = case(load={**load, "largest_earlier_force": "1.5 kN"})
+    told = []
+    (found,) = fem_seal.run(of, told.append, levers=False).loads
+    tried = [one for one in told if one.startswith("force with which the verdict passes at 20 bar: trying ")]
+    assert any("trying a contact force of " in one for one in tried)
+    assert any("trying the whole run with " in one for one in tried)
+    (said,) = verdict_force_sentences([found])
+    assert " after the largest earlier load" in said
 
 
 def test_nobody_who_does_not_ask_pays():

@@ -25,6 +25,7 @@ from fem_seal.analysis.results import (
     LoadResult,
     ParticleAnswers,
     SealSolution,
+    VerdictForce,
     highest_load,
     strongest_load,
 )
@@ -55,6 +56,13 @@ _SEPARATION = {
     "critical_separation_elastic": "critical separation of elastic asperities",
 }
 _STRESS = {"largest_stress": "stress"}
+# Where a body yields the force with which the verdict passes takes minutes: only if it is asked for.
+_TOO_DEAR = VerdictForce(
+    None,
+    "where a body yields every force that is tried is a whole path of loads; in Python "
+    "fem_seal.run(case, verdict_force=True) asks for it",
+    looked_for=False,
+)
 _NO_STRESS = math.nan, ("closure", math.nan, math.nan)
 
 
@@ -81,7 +89,7 @@ def solve(
     progress: Progress | None = None,
     *,
     levers: bool | None = None,
-    verdict_force: bool = True,
+    verdict_force: bool | None = None,
 ) -> SealSolution:
     """Solve every load of a case; `fem_seal.run` says what can go wrong.
 
@@ -92,8 +100,9 @@ def solve(
         Told in words what is being done.
     levers : bool, optional
         Whether to look for levers; with a requirement unless given, not where a body yields.
-    verdict_force : bool
-        Whether to look for the force with which the verdict passes, where the case has a target leak rate.
+    verdict_force : bool, optional
+        Whether to look for the force with which the verdict passes, where the case has a target leak rate; not where a
+        body yields, unless given.
     """
     clock = Clock(progress or (lambda text: None))
     with clock.step("interface", "roughness and interface law"):
@@ -179,8 +188,7 @@ def solve(
     )
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)
-    if verdict_force:
-        result = _with_verdict_forces(result, clock, after)
+    result = _with_verdict_forces(result, clock, after, verdict_force)
     points = {whole.loads.points[number]: problem for number, problem in missing.items()}
     result = after.get("verdict on the requirement", partial(_with_judgement, result, points), result)
     # of a path of loads they take as long as a dozen paths: only if they are asked for
@@ -263,13 +271,20 @@ def _with_uncertainty(result: SealSolution, clock: Clock, after: Afterwards) -> 
         return replace(result, uncertainty=found, loads=loads)
 
 
-def _with_verdict_forces(result: SealSolution, clock: Clock, after: Afterwards) -> SealSolution:
-    if result.case.load.target_leak_rate is None or not result.problem.leaks:
+def _with_verdict_forces(
+    result: SealSolution, clock: Clock, after: Afterwards, wanted: bool | None
+) -> SealSolution:
+    if wanted is False or result.case.load.target_leak_rate is None or not result.problem.leaks:
         return result
+    if wanted is None and result.problem.curves:
+        loads = [load.knowing(verdict_force=_TOO_DEAR) for load in result.loads]
+        return replace(result, loads=tuple(loads))
     from fem_seal.analysis.verdict_force import forces_for_verdict
 
     with clock.step("verdict force", "force with which the verdict passes"):
-        ask = partial(forces_for_verdict, result, partial(_alone, result))
+        ask = partial(
+            forces_for_verdict, result, partial(_alone, result, clock.progress), progress=clock.progress
+        )
         found = after.get("force with which the verdict passes", ask, None)
     if found is None:
         return result
@@ -277,17 +292,21 @@ def _with_verdict_forces(result: SealSolution, clock: Clock, after: Afterwards) 
     return replace(result, loads=tuple(loads))
 
 
-def _alone(result: SealSolution, fluid_pressure: float, applied_force: float) -> LoadResult:
+def _alone(
+    result: SealSolution, progress: Progress, fluid_pressure: float, applied_force: float
+) -> LoadResult:
     """One load of a case that has no other, with validity, mesh error and samples."""
     point = fluid_pressure, applied_force
     loads = replace(result.problem.loads, points=(point,), refused={}, target_leak_rate=None)
     problem = replace(result.problem, loads=loads)
-    seal_mesh, model, solved = model_and_contacts(problem)
+    clock = Clock(progress)
+    seal_mesh, model, solved = model_and_contacts(problem, clock)
     (formed,) = solved.around
     load = LoadResult(*point, solved.contacts[0], formed=formed)
     load = load.knowing(rough=RoughFlow.of(problem.surface, problem.flow, load.contacts))
-    coarser = on_coarser_mesh(problem, seal_mesh.sizing, 0)
-    error = discretisation_error(load.contact, coarser, seal_mesh.sizing)
+    with clock.step("error", "estimating the discretisation error"):
+        coarser = on_coarser_mesh(problem, seal_mesh.sizing, 0)
+        error = discretisation_error(load.contact, coarser, seal_mesh.sizing)
     before = _of_earlier(problem, solved.earlier, error)
     found = (*load_validity(problem, load, problem.surface, error).cautions, *before)
     load = load.knowing(mesh_error=error, validity=Validity.of(found))
@@ -298,7 +317,7 @@ def _alone(result: SealSolution, fluid_pressure: float, applied_force: float) ->
     alone = SealSolution(
         result.case, problem, seal_mesh, model, problem.surface, (load,), error, earlier=solved.earlier
     )
-    (load,) = leak_interval(alone).of(alone.loads)
+    (load,) = leak_interval(alone, progress=progress).of(alone.loads)
     return load
 
 

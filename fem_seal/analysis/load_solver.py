@@ -153,13 +153,17 @@ class LoadSolver:
         return FluidLoad(applied_force, fluid_pressure, self._path, at_rest, remembers)
 
     def at_contact_force(
-        self, fluid_pressure: float, contact_force: float, start: ContactSolution | None = None
+        self,
+        fluid_pressure: float,
+        contact_force: float,
+        start: ContactSolution | None = None,
+        progress: Progress | None = None,
     ) -> tuple[ContactSolution, float]:
         """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N].
 
         Bodies that yield begin as new ones, or after the largest load before those of the problem, and go to this load
         alone. With the fluid between the surfaces F_N is then what is left of the applied force by the circle of first
-        touch, near to what they carry.
+        touch, near to what they carry. `progress` is told now and then how far their path is.
 
         Raises
         ------
@@ -169,7 +173,7 @@ class LoadSolver:
         """
         if self.yields:
             applied = contact_force - self._closes(fluid_pressure)
-            return _end_of_path(self, [(fluid_pressure, applied)]), applied
+            return _end_of_path(self, [(fluid_pressure, applied)], progress=progress), applied
         if self.problem.loads.closing == "sealed-area":
             contact = self._sealed_area(contact_force, start).after(self.earlier)
             return contact, contact_force - self._closes(fluid_pressure)
@@ -399,9 +403,12 @@ def solve_load(
 
 
 def _end_of_path(
-    solver: LoadSolver, points: Sequence[tuple[float, float]], steps: int | None = None
+    solver: LoadSolver,
+    points: Sequence[tuple[float, float]],
+    steps: int | None = None,
+    progress: Progress | None = None,
 ) -> ElastoplasticContact:
-    path, _ = _path(solver, points, steps, unload=False)
+    path, _ = _path(solver, points, steps, unload=False, progress=progress)
     last = len(points) - 1
     if last in path.opened:
         raise solver.open_seal(*points[last], path.opened[last].error, path.opened[last].model)

@@ -405,10 +405,16 @@ class VerdictForce:
         Of spring or actuator [N]; None if none is found.
     why_none : str
         Why not, a clause; empty with a force.
+    looked_for : bool
+        Whether it was, or was too dear unless asked for.
+    begins : str
+        What the load meets where loads leave something behind: "on a new seal", "after the largest earlier load".
     """
 
     force: float | None
     why_none: str = ""
+    looked_for: bool = True
+    begins: str = ""
 
 
 def leak_rates(

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from fem_seal.analysis.flow import RoughFlow
 from fem_seal.analysis.judgement import Judgement, Verdict
-from fem_seal.analysis.load_solver import LoadSolver
+from fem_seal.analysis.load_solver import LoadSolver, Progress
 from fem_seal.analysis.problem import condensed, largest_force, sizing
 from fem_seal.analysis.results import LoadResult, VerdictForce
 from fem_seal.analysis.seal_flow import SealFlow
@@ -48,7 +48,9 @@ Alone = Callable[[float, float], LoadResult]
 Added = tuple[float, float]
 
 
-def forces_for_verdict(result: SealSolution, alone: Alone) -> list[VerdictForce]:
+def forces_for_verdict(
+    result: SealSolution, alone: Alone, *, progress: Progress = lambda text: None
+) -> list[VerdictForce]:
     """The smallest force of spring or actuator with which the verdict passes, for each load's fluid pressure.
 
     The verdict is that on the requirement of the case; where there is none at a pressure, on its target leak rate.
@@ -60,6 +62,8 @@ def forces_for_verdict(result: SealSolution, alone: Alone) -> list[VerdictForce]
     alone : callable
         The same seal under one fluid pressure [Pa] and applied force [N] alone, as a run of such a case gives it: with
         validity, mesh error and samples.
+    progress : callable
+        Told in words what is being tried.
 
     Notes
     -----
@@ -72,8 +76,8 @@ def forces_for_verdict(result: SealSolution, alone: Alone) -> list[VerdictForce]
     benches: list[_Bench] = []
     for load in result.loads:
         if load.fluid_pressure not in known:
-            search = _Search(result, load, alone, benches)
-            known[load.fluid_pressure] = search.found()
+            search = _Search(result, load, alone, benches, progress)
+            known[load.fluid_pressure] = replace(search.found(), begins=_begins(result.problem))
     return [known[load.fluid_pressure] for load in result.loads]
 
 
@@ -105,12 +109,15 @@ class _Search:
         See `forces_for_verdict`.
     benches : list of _Bench
         Made so far.
+    progress : callable
+        Told each force that is tried.
     """
 
     result: SealSolution
     load: LoadResult
     alone: Alone
     benches: list[_Bench]
+    progress: Progress
     tried: dict[float, LoadResult | None] = field(default_factory=dict)
     """Loads by ln of their contact force, without samples and mesh error; None of what cannot be solved."""
 
@@ -152,6 +159,7 @@ class _Search:
         load = self._load(at)
         if load is None:
             return None
+        self._tell(f"the whole run with {briefly('force', load.applied_force)} applied")
         try:
             return self.alone(load.fluid_pressure, load.applied_force)
         except (ConvergenceError, InputError):
@@ -187,13 +195,19 @@ class _Search:
 
     def _made(self, force: float) -> LoadResult | None:
         pressure, problem = self.load.fluid_pressure, self.problem
+        self._tell(f"a contact force of {briefly('force', force)}")
         try:
-            contact, applied = self._bench(force).solver.at_contact_force(pressure, force)
+            solver = self._bench(force).solver
+            contact, applied = solver.at_contact_force(pressure, force, progress=self.progress)
             load = LoadResult(pressure, applied, contact, formed=problem.around(contact))
         except (ConvergenceError, InputError, OpenSealError):
             return None
         load = load.knowing(rough=RoughFlow.of(problem.surface, problem.flow, load.contacts))
         return load.knowing(validity=load_validity(problem, load, problem.surface))
+
+    def _tell(self, tried: str) -> None:
+        at = briefly("fluid pressure", self.load.fluid_pressure)
+        self.progress(f"force with which the verdict passes at {at}: trying {tried}")
 
     def _bench(self, force: float) -> _Bench:
         known = [one for one in self.benches if one.low <= force <= one.high]
@@ -204,8 +218,8 @@ class _Search:
 
         def solve_on(wanted: Sizing) -> Sequence[ContactSolution]:
             solvers.append(LoadSolver(problem, condensed(problem, build_contact(problem.contact, wanted))))
-            found = solvers[-1].at_contact_force(self.load.fluid_pressure, force)[0]
-            return [found]
+            pressure = self.load.fluid_pressure
+            return [solvers[-1].at_contact_force(pressure, force, progress=self.progress)[0]]
 
         size_given = problem.contact_size is not None
         solve_fitted(sizing(problem, forces=[low, high]), problem.contact, solve_on, size_given=size_given)
@@ -280,6 +294,13 @@ class _Search:
     def _outside_everywhere(self) -> str:
         reasons = [one.validity.reasons[0] for one in self.tried.values() if one and one.validity.outside]
         return f"no force is within the theory ({reasons[0] if reasons else 'no contact converges'})"
+
+
+def _begins(problem: SealProblem) -> str:
+    """What every force meets that is tried, where loads leave something behind."""
+    if problem.loads.earlier is not None:
+        return "after the largest earlier load"
+    return "on a new seal" if problem.curves else ""
 
 
 def _along(added: Sequence[Added], at: float) -> float:

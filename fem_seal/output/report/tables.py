@@ -437,11 +437,14 @@ def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, s
             f"applied force for {_target(result, target)}{named}",
         )
     if load.verdict_force is not None:
-        force, why = load.verdict_force.force, load.verdict_force.why_none
+        found = load.verdict_force
+        none = "none" if found.looked_for else "not looked for"
+        begins = f" {found.begins}" if found.begins else ""
         yield (
             "Force for a pass",
-            "none" if force is None else force_to_pass(force),
-            why or "applied force from which the verdict passes, with interval and accuracy of the leak rate",
+            none if found.force is None else force_to_pass(found.force),
+            found.why_none
+            or f"applied force from which the verdict passes{begins}, with interval and accuracy of the leak rate",
         )
 
 

@@ -31,7 +31,7 @@ from fem_seal.units import (
 from leak import millibar_litres_per_second, millilitres_per_minute
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import LoadResult, SealSolution
+    from fem_seal.analysis.results import LoadResult, SealSolution, VerdictForce
     from fem_seal.case.case import Case
 
 # Factors beyond this are told as "more than".
@@ -340,16 +340,21 @@ def verdict_force_sentences(loads: Sequence[LoadResult]) -> list[str]:
     loads : sequence of LoadResult
     """
     found = {load.fluid_pressure: load.verdict_force for load in loads if load.verdict_force is not None}
-    return [
-        said(
-            "verdict.force",
-            "none" if one.force is None else "passes",
-            pressure=given("fluid pressure", pressure),
-            force="" if one.force is None else force_to_pass(one.force),
-            why=one.why_none,
-        )
-        for pressure, one in found.items()
-    ]
+    # what was not looked for has the same reason at each pressure
+    return list(dict.fromkeys(_verdict_force_sentence(pressure, one) for pressure, one in found.items()))
+
+
+def _verdict_force_sentence(pressure: float, found: VerdictForce) -> str:
+    if not found.looked_for:
+        return said("verdict.force", "unasked", why=found.why_none)
+    return said(
+        "verdict.force",
+        "none" if found.force is None else "passes",
+        pressure=given("fluid pressure", pressure),
+        begins=f" {found.begins}" if found.begins else "",
+        force="" if found.force is None else force_to_pass(found.force),
+        why=found.why_none,
+    )
 
 
 def force_to_pass(force: float) -> str:
