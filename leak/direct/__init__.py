@@ -15,6 +15,7 @@ True
 """
 
 from leak.direct.contact import ContactState, press
+from leak.direct.elastoplastic import ElastoplasticState, press_elastoplastic
 from leak.direct.flow import Flow, Streams, patch_flow, periodic_flow, rarefied_gap, streams
 from leak.direct.half_space import PeriodicHalfSpace
 from leak.direct.patch import Patch, periodic_map, refined, smoothed
@@ -25,6 +26,7 @@ __all__ = [
     "ContactState",
     "DirectBranch",
     "DirectResult",
+    "ElastoplasticState",
     "Flow",
     "Patch",
     "PeriodicHalfSpace",
@@ -36,6 +38,7 @@ __all__ = [
     "periodic_flow",
     "periodic_map",
     "press",
+    "press_elastoplastic",
     "rarefied_gap",
     "refined",
     "simulate",

@@ -1,0 +1,322 @@
+"""Elastic half-space with plastic strain in layers below its surface, loaded alike in every cell of a square lattice.
+
+Notation: z depth, u displacement, q wave vector in the plane; l, t along and across q. For each q the displacement is
+(i U, i T, W) exp(iq.x) in the frame (l, t, z), so that all equations are real: e_ll = -q U, e_zz = W',
+e_lz = i(U' + q W)/2, e_lt = -q T/2, e_tz = i T'/2. Linear elements in z with strain and stress at the middle of each
+layer; the elastic half-space below the last one is exact. This midpoint rule keeps what decays with depth apart from
+what grows, so that the compliance of the surface is 2/(E* q) whatever the layers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from leak.arrays import FloatArray
+from leak.direct.half_space import PeriodicHalfSpace
+from leak.numerics.roots import root_of_rising
+
+# The first layer is half as thick as the grid is wide, all of them reach a third of a side.
+_FIRST, _DEPTH = 0.5, 1.0 / 3.0
+
+# Components of a strain without change of volume; e_zz = -e_xx - e_yy.
+XX, YY, XY, XZ, YZ = range(5)
+
+
+def squared_norm(strain: FloatArray) -> FloatArray:
+    """e:e of strains without change of volume, components first [-]."""
+    xx, yy, xy, xz, yz = strain
+    return np.asarray(2.0 * (xx * xx + yy * yy + xx * yy + xy * xy + xz * xz + yz * yz))
+
+
+class _Factors(NamedTuple):
+    """Block tridiagonal elimination from the bottom up; arrays (nodes or layers, ..., waves)."""
+
+    inverse: FloatArray
+    """Of the pivots, 2 x 2 for (U, W)."""
+    carried: FloatArray
+    """Coupling times the inverse pivot below."""
+    inverse_t: FloatArray
+    carried_t: FloatArray
+    """The same for T."""
+
+
+class PlasticResponse(NamedTuple):
+    """Displacement of the nodes by plastic strain, per wave.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from leak.direct import PeriodicHalfSpace
+    >>> from leak.direct.layers import LayeredHalfSpace
+    >>> body = LayeredHalfSpace(PeriodicHalfSpace(8, 1e-3, 100e9), poissons_ratio=0.3, layers=4)
+    >>> float(np.abs(body.response(np.zeros((5, 4, 8, 8))).along).max())
+    0.0
+    """
+
+    along: np.ndarray
+    """U and W, shape (layers + 1, 2, waves)."""
+    across: np.ndarray
+    """T, shape (layers + 1, waves)."""
+    mean: FloatArray
+    """Mean plastic strain of each layer, shape (5, layers)."""
+
+
+@dataclass(frozen=True)
+class LayeredHalfSpace:
+    """Stress and displacement of an elastic half-space by the pressure on it and by plastic strain below.
+
+    Parameters
+    ----------
+    surface : PeriodicHalfSpace
+        Grid, side and E*; the solid is the only body that gives way, E = E*(1 - nu^2).
+    poissons_ratio : float
+        nu [-].
+    layers : int
+        Down to a third of the side, the first one half a grid cell thick.
+
+    References
+    ----------
+    K. L. Johnson, Contact Mechanics (1985), section 13.2; T. Mura, Micromechanics of Defects in Solids (1987), for
+    eigenstrains; L. Frerot et al., Comput. Methods Appl. Mech. Eng. 351, 951 (2019), for the same task in integrals.
+
+    Examples
+    --------
+    >>> body = LayeredHalfSpace(PeriodicHalfSpace(8, 1e-3, 100e9), poissons_ratio=0.3, layers=16)
+    >>> round(1e3 * float(body.thickness.sum()), 3)
+    0.333
+    """
+
+    surface: PeriodicHalfSpace
+    poissons_ratio: float
+    layers: int
+
+    @property
+    def shear_modulus(self) -> float:
+        """G [Pa]."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
+
+    @property
+    def youngs_modulus(self) -> float:
+        """E = E*(1 - nu^2) [Pa]."""
+        return self.surface.effective_modulus * (1.0 - self.poissons_ratio**2)
+
+    @property
+    def _lame(self) -> float:
+        return 2.0 * self.shear_modulus * self.poissons_ratio / (1.0 - 2.0 * self.poissons_ratio)
+
+    @cached_property
+    def thickness(self) -> FloatArray:
+        """Of each layer from the top, shape (layers,) [m]."""
+        first = _FIRST * self.surface.size / self.surface.points
+        whole = _DEPTH * self.surface.size / first
+        n = np.arange(self.layers)
+        log_growth = root_of_rising(
+            lambda x: float(np.log(np.exp(n * x).sum() / whole)), -5.0, 5.0, 0.05, 1e-12
+        )
+        return first * np.exp(n * log_growth)
+
+    # ---------------------------------------------------------------- waves
+
+    @cached_property
+    def _waves(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """q [1/m], and cosine and sine of its angle, shape (n, n // 2 + 1)."""
+        n, spacing = self.surface.points, self.surface.size / self.surface.points
+        along, across = np.fft.fftfreq(n, spacing)[:, None], np.fft.rfftfreq(n, spacing)[None, :]
+        q = np.hypot(along, across)
+        q[0, 0] = 1.0
+        return 2.0 * np.pi * q, along / q, across / q
+
+    @property
+    def _q(self) -> FloatArray:
+        return self._waves[0].ravel()
+
+    @cached_property
+    def _coupled(self) -> FloatArray:
+        """Waves through which plastic strain acts: all but the mean and, odd derivatives having none, the shortest."""
+        n = self.surface.points
+        found = np.ones(self._waves[0].shape)
+        found[0, 0] = 0.0
+        if n % 2 == 0:
+            found[n // 2, :] = found[:, n // 2] = 0.0
+        return found
+
+    @cached_property
+    def _factors(self) -> _Factors:
+        q, G, lame, nu = self._q, self.shear_modulus, self._lame, self.poissons_ratio
+        nodes = self.layers + 1
+        pivot, coupling = np.zeros((nodes, 2, 2, q.size)), np.zeros((self.layers, 2, 2, q.size))
+        pivot_t, coupling_t = np.zeros((nodes, q.size)), np.zeros((self.layers, q.size))
+        none = np.zeros_like(q)
+        for k, h in enumerate(self.thickness):
+            steep = np.full_like(q, 1.0 / h)
+            # e_ll, e_zz and e_lz/i by U, W at the top and U, W at the bottom of the layer
+            ll, zz, lz = (
+                np.array([-0.5 * q, none, -0.5 * q, none]),
+                np.array([none, -steep, none, steep]),
+                np.array([-0.5 * steep, 0.25 * q, 0.5 * steep, 0.25 * q]),
+            )
+            stiffness = h * (
+                lame * (ll + zz)[:, None] * (ll + zz)
+                + 2.0 * G * (ll[:, None] * ll + zz[:, None] * zz + 2.0 * lz[:, None] * lz)
+            )
+            pivot[k] += stiffness[:2, :2]
+            pivot[k + 1] += stiffness[2:, 2:]
+            coupling[k] = stiffness[:2, 2:]
+            own, other = h * G * (0.25 * q * q + steep * steep), h * G * (0.25 * q * q - steep * steep)
+            pivot_t[k] += own
+            pivot_t[k + 1] += own
+            coupling_t[k] = other
+        below = 2.0 * G * q / (3.0 - 4.0 * nu)
+        pivot[-1] += (
+            below * np.array([[2.0 - 2.0 * nu, 2.0 * nu - 1.0], [2.0 * nu - 1.0, 2.0 - 2.0 * nu]])[..., None]
+        )
+        pivot_t[-1] += G * q
+        for k in range(nodes - 1, -1, -1):
+            if k < self.layers:
+                coupled = coupling[k].copy()
+                coupling[k] = np.einsum("abm,bcm->acm", coupled, pivot[k + 1])
+                pivot[k] -= np.einsum("abm,cbm->acm", coupling[k], coupled)
+                coupled_t = coupling_t[k].copy()
+                coupling_t[k] = coupled_t * pivot_t[k + 1]
+                pivot_t[k] -= coupling_t[k] * coupled_t
+            (a, b), (c, d) = pivot[k]
+            pivot[k] = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
+            pivot_t[k] = 1.0 / pivot_t[k]
+        return _Factors(pivot, coupling, pivot_t, coupling_t)
+
+    def _solved(self, force: np.ndarray) -> np.ndarray:
+        """U and W of nodal forces, shape (layers + 1, 2, waves); the forces are overwritten."""
+        inverse, carried = self._factors.inverse, self._factors.carried
+        for k in range(self.layers - 1, -1, -1):
+            (a, b), (c, d) = carried[k]
+            first, second = force[k + 1]
+            force[k, 0] -= a * first + b * second
+            force[k, 1] -= c * first + d * second
+        for k in range(self.layers + 1):
+            (a, b), (c, d) = inverse[k]
+            first, second = force[k]
+            force[k] = a * first + b * second, c * first + d * second
+            if k:
+                (a, b), (c, d) = carried[k - 1]
+                above, beside = force[k - 1]
+                force[k, 0] -= a * above + c * beside
+                force[k, 1] -= b * above + d * beside
+        return force
+
+    def _solved_across(self, force: np.ndarray) -> np.ndarray:
+        """T of nodal forces, shape (layers + 1, waves); the forces are overwritten."""
+        inverse, carried = self._factors.inverse_t, self._factors.carried_t
+        for k in range(self.layers - 1, -1, -1):
+            force[k] -= carried[k] * force[k + 1]
+        force *= inverse
+        for k in range(self.layers):
+            force[k + 1] -= carried[k] * force[k]
+        return force
+
+    @cached_property
+    def _by_pressure(self) -> FloatArray:
+        """U and W by a pressure of one on the surface, shape (layers + 1, 2, waves) [m/Pa]."""
+        force = np.zeros((self.layers + 1, 2, self._q.size))
+        force[0, 1] = 1.0
+        return self._solved(force)
+
+    # ---------------------------------------------------------------- answers
+
+    def response(self, strain: FloatArray) -> PlasticResponse:
+        """What plastic strain displaces.
+
+        Parameters
+        ----------
+        strain : ndarray
+            Plastic strain without change of volume, shape (5, layers, n, n), components `XX` to `YZ` [-].
+        """
+        from scipy import fft
+
+        n, G, q, h = self.surface.points, self.shear_modulus, self._q, self.thickness[:, None]
+        waves = fft.rfft2(strain)
+        mean = waves[..., 0, 0].real / n**2
+        waves *= self._coupled
+        _, c, s = self._waves
+        xx, yy, xy, xz, yz = waves
+
+        def flat(values: np.ndarray) -> np.ndarray:
+            return values.reshape(self.layers, -1)
+
+        # stress 2 G e on the strains of the nodes' own displacement
+        force, across = (
+            np.zeros((self.layers + 1, 2, q.size), complex),
+            np.zeros((self.layers + 1, q.size), complex),
+        )
+        stretch = (-G * h * q) * flat(c * c * xx + s * s * yy + 2.0 * c * s * xy)
+        shear = (-2.0j * G) * flat(c * xz + s * yz)
+        force[:-1, 0] = stretch - shear
+        force[1:, 0] += stretch + shear
+        rise, tilt = (-2.0 * G) * flat(xx + yy), (0.5 * h * q) * shear
+        force[:-1, 1] = tilt - rise
+        force[1:, 1] += tilt + rise
+        stretch = (-G * h * q) * flat(c * s * (yy - xx) + (c * c - s * s) * xy)
+        shear = (-2.0j * G) * flat(c * yz - s * xz)
+        across[:-1] = stretch - shear
+        across[1:] += stretch + shear
+        return PlasticResponse(self._solved(force), self._solved_across(across), mean)
+
+    def raised(self, response: PlasticResponse) -> FloatArray:
+        """Displacement of the surface by plastic strain, upwards, shape (n, n) [m].
+
+        Its mean is that of a body that cannot become wider: (1 - 2 nu)/(1 - nu) of the mean plastic strain along z,
+        over the depth.
+        """
+        from scipy import fft
+
+        n, nu = self.surface.points, self.poissons_ratio
+        surface = -response.along[0, 1].reshape(n, -1)
+        stretch = -(response.mean[XX] + response.mean[YY])
+        surface[0, 0] = n**2 * (1.0 - 2.0 * nu) / (1.0 - nu) * float(stretch @ self.thickness)
+        return np.asarray(fft.irfft2(surface, (n, n)))
+
+    def distortion(self, response: PlasticResponse, pressure: FloatArray) -> FloatArray:
+        """Total strain less its change of volume, elastic and plastic, shape (5, layers, n, n) [-].
+
+        Parameters
+        ----------
+        response : PlasticResponse
+        pressure : ndarray
+            On the surface, shape (n, n) [Pa].
+        """
+        from scipy import fft
+
+        n, q, h = self.surface.points, self._q, self.thickness[:, None]
+        _, c, s = self._waves
+        pressed = fft.rfft2(pressure).ravel()
+        U, W = (response.along[:, k] + self._by_pressure[:, k] * pressed for k in (0, 1))
+        T = response.across
+
+        def layered(values: np.ndarray) -> np.ndarray:
+            return values.reshape(self.layers, *c.shape)
+
+        ll, zz = (-0.5 * q) * (U[1:] + U[:-1]), (W[1:] - W[:-1]) / h
+        third = layered((ll + zz) / 3.0)
+        ll = layered(ll)
+        lz = layered(0.5j * ((U[1:] - U[:-1]) / h + (0.5 * q) * (W[1:] + W[:-1])))
+        lt, tz = layered((-0.25 * q) * (T[1:] + T[:-1])), layered(0.5j * (T[1:] - T[:-1]) / h)
+        waves = np.stack(
+            [
+                c * c * ll - 2.0 * c * s * lt - third,
+                s * s * ll + 2.0 * c * s * lt - third,
+                c * s * ll + (c * c - s * s) * lt,
+                c * lz - s * tz,
+                s * lz + c * tz,
+            ]
+        )
+        waves *= self._coupled
+        # the mean: no strain in the plane, no shear stress, and the mean pressure along z
+        G = self.shear_modulus
+        stretch = -(response.mean[XX] + response.mean[YY])
+        rise = (2.0 * G * stretch - float(np.mean(pressure))) / (self._lame + 2.0 * G)
+        waves[[XX, YY], :, 0, 0] = -rise / 3.0 * n**2
+        waves[[XZ, YZ], :, 0, 0] = response.mean[[XZ, YZ]] * n**2
+        return np.asarray(fft.irfft2(waves, (n, n), overwrite_x=True))
