@@ -204,12 +204,16 @@ class RoughSurfaceLaw:
 
     def pressure(self, gap: ArrayLike) -> FloatArray:
         """p at gap u [Pa]; infinite for u <= 0, full contact."""
+        return np.where(np.asarray(gap) > 0.0, _exp(self.log_pressure(gap)), np.inf)
+
+    def log_pressure(self, gap: ArrayLike) -> FloatArray:
+        """ln(p/Pa) at gap u [m], also where p is too small for a number; infinite for u <= 0, full contact."""
         u = np.asarray(gap, dtype=float)
         widest, closest = self.gap_nodes[0], self.gap_nodes[-1]
         log_p = self._curve.inverse(np.log(np.clip(u, closest, widest)))
         log_p = log_p - np.maximum(u - widest, 0.0) / self.decay_nodes[0]
         ratio = closest / np.where(u > 0.0, np.minimum(u, closest), closest)
-        return np.where(u > 0.0, _exp(log_p + (ratio - 1.0) / self._last_rate), np.inf)
+        return np.where(u > 0.0, log_p + (ratio - 1.0) / self._last_rate, np.inf)
 
     @property
     def _last_rate(self) -> float:
