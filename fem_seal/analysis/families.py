@@ -83,9 +83,7 @@ def _table_from(surface: RoughContact, kind: _Kind) -> Conductivity:
 def _between(surface: RoughContact, tables: Sequence[Conductivity]) -> Conductivity:
     member, height, pressure = _member(surface)
     table = tables[0] if len(tables) == 1 else _interpolated(tuple(tables), _on_lattice(member)[1])
-    acting = None
-    if member.hardness is not None and member.yielding == "capped":
-        acting = partial(_acting, member, math.log(pressure))
+    acting = None if member.stand_in is None else partial(_acting, member, math.log(pressure))
     return _scaled_table(table, height, pressure, LoadMemory(surface), acting)
 
 
@@ -111,9 +109,11 @@ def _kind_of(flow: Flow) -> _Kind:
 
 
 def _places(member: RoughContact) -> tuple[RoughContact, tuple[int | None, ...]]:
-    """The elastic surface of a member, and where on the lattice the tables are from which its own follows."""
-    if member.hardness is None or member.yielding == "capped":
-        return member.elastic, (None,)
+    """The surface whose tables are asked, and where on the lattice those are from which a member's own follows."""
+    if member.stand_in is not None:
+        return member.stand_in, (None,)
+    if member.hardness is None:
+        return member, (None,)
     first = _on_lattice(member)[0]
     return member.elastic, (first, first + 1, first + 2, first + 3)
 

@@ -123,8 +123,8 @@ class NearbyTables:
             highest pressure is above that there is nothing to know.
         """
         p = np.atleast_1d(np.asarray(highest, dtype=float))
-        if surface.hardness is not None and surface.yielding == "capped":
-            return self._capped(surface, p)
+        if surface.stand_in is not None:
+            return self._by_stand_in(surface, surface.stand_in, p)
         sealing = surface.sealing_pressure_by(self.method)
         p = _ABOVE * p[p < sealing]
         if not p.size:
@@ -173,16 +173,17 @@ class NearbyTables:
         )
         return replace(self._known, liquid=found) if isinstance(self._known, GasConductivityTable) else found
 
-    def _capped(self, surface: RoughContact, highest: FloatArray) -> AnyTable:
-        """That of the elastic surface, asked at the pressures at which it has the gaps of the capped."""
-        found = self._elastic.table(surface.elastic, surface.acting_pressure(highest))
+    def _by_stand_in(self, surface: RoughContact, stand_in: RoughContact, highest: FloatArray) -> AnyTable:
+        """That of the surface that stands in for this one, asked at the pressures that act."""
+        found = self._stand_in.table(stand_in, surface.acting_pressure(highest))
         liquid = replace(_liquid(found), memory=LoadMemory(surface), acting=surface.log_acting_pressure)
         return replace(found, liquid=liquid) if isinstance(found, GasConductivityTable) else liquid
 
     @cached_property
-    def _elastic(self) -> NearbyTables:
+    def _stand_in(self) -> NearbyTables:
+        assert self.surface.stand_in is not None  # of all who ask
         within = None if self.within is None else elastic_range(self.surface, self.within, self.method)
-        return replace(self, surface=self.surface.elastic, within=within, _known_values={})
+        return replace(self, surface=self.surface.stand_in, within=within, _known_values={})
 
     @cached_property
     def _whole(self) -> NearbyTables:

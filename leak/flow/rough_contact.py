@@ -29,7 +29,9 @@ from leak.numerics.curves import spline_slopes
 from leak.numerics.roots import root_of_rising
 from leak.numerics.sampling import sampled
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.capped import BEARING_GAP, equivalent_pressure
+from leak.theory.capped import BEARING_GAP
+from leak.theory.capped import equivalent_pressure as capped_pressure
+from leak.theory.gap_law import gap_law
 from leak.theory.interface_law import RoughSurfaceLaw
 from leak.theory.persson import (
     ElasticRoughness,
@@ -50,9 +52,11 @@ from leak.theory.plasticity import (
     touching_area,
 )
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
+from leak.theory.von_mises import equivalent_pressure as von_mises_pressure
 
 _WIDTHS = ("effective", "plain")
-_YIELDING = ("conserved", "capped")
+# What each theory takes for metal that yields, its default first.
+_YIELDING = {"paper": ("conserved", "capped"), "corrected": ("von-mises",)}
 # Pressures are treated a few at a time, so that the work arrays stay in the processor's cache.
 _CHUNK = 8
 # P(u) itself is asked for far into its tails, where a flow conductivity does not look.
@@ -81,10 +85,15 @@ class RoughContact:
         E*, 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2 [Pa].
     hardness : float, optional
         Penetration hardness of the softer surface [Pa]; None for elastic asperities.
-    yielding : {"conserved", "capped"}
-        What becomes of the metal that yields. "conserved": the spectrum C_pl smoothed everywhere by plastic flow at
-        the pressure asked for, valleys included (`leak.theory.plasticity`). "capped": the pressure is limited by the
-        hardness and the surface changes only where it touches (`leak.theory.capped`).
+    theory : {"paper", "corrected"}
+        "paper": mean gap and flow by Persson's theory as in Fischer et al. "corrected": the mean gap by
+        `leak.theory.gap_law`, asperities that yield by `leak.theory.von_mises`, and the flow through the paper's
+        surface of the same mean gap.
+    yielding : {"conserved", "capped", "von-mises"}, optional
+        What becomes of the metal that yields. In the paper's theory "conserved", the default: the spectrum C_pl
+        smoothed everywhere by plastic flow at the pressure asked for, valleys included (`leak.theory.plasticity`); or
+        "capped": the pressure is limited by the hardness and the surface changes only where it touches
+        (`leak.theory.capped`). In the corrected theory "von-mises".
     percolation_threshold : float
         Relative contact area A/A0 at which the open area stops percolating [-].
     gamma : float
@@ -120,7 +129,8 @@ class RoughContact:
     spectrum: PowerSpectrum
     effective_modulus: float = field(kw_only=True)
     hardness: float | None = field(default=None, kw_only=True)
-    yielding: str = field(default="conserved", kw_only=True)
+    theory: str = field(default="paper", kw_only=True)
+    yielding: str = field(default="", kw_only=True)
     percolation_threshold: float = field(default=0.42, kw_only=True)
     gamma: float = field(default=0.45, kw_only=True)
     separation_width: str = field(default="effective", kw_only=True)
@@ -132,8 +142,15 @@ class RoughContact:
         positive(SurfaceError, "effective_modulus", self.effective_modulus, "Pa")
         if self.hardness is not None:
             positive(SurfaceError, "hardness", self.hardness, "Pa")
-        if self.yielding not in _YIELDING:
-            raise SurfaceError(f"yielding = {self.yielding!r}: must be one of {_YIELDING}")
+        if self.theory not in _YIELDING:
+            raise SurfaceError(f"theory = {self.theory!r}: must be one of {tuple(_YIELDING)}")
+        allowed = _YIELDING[self.theory]
+        if not self.yielding:
+            object.__setattr__(self, "yielding", allowed[0])
+        if self.yielding not in allowed:
+            raise SurfaceError(
+                f"yielding = {self.yielding!r}: must be one of {allowed} with theory = {self.theory!r}"
+            )
         medium.dimension_number(self.percolation_threshold)
         if not 0.0 < self.gamma <= 1.0:
             raise SurfaceError(f"gamma = {self.gamma}: must lie in (0, 1] [-]")
@@ -155,19 +172,31 @@ class RoughContact:
 
     @cached_property
     def _never_yielding(self) -> RoughContact:
-        return replace(self, hardness=None, yielding="conserved")
+        return replace(self, hardness=None, yielding="")
 
     @property
     def conserved(self) -> RoughContact:
-        """The same surface, its volume conserved everywhere."""
-        return self if self.yielding == "conserved" else replace(self, yielding="conserved")
+        """The same surface, its volume conserved everywhere; itself in the corrected theory, which has one reading."""
+        return self if self.yielding != "capped" else replace(self, yielding="conserved")
 
     @property
     def capped(self) -> RoughContact:
-        """The same surface, changed only where it touches; itself where its asperities do not yield."""
+        """The same surface, changed only where it touches; itself where there is but one reading."""
         return (
-            self if self.hardness is None or self.yielding == "capped" else replace(self, yielding="capped")
+            replace(self, yielding="capped")
+            if self.hardness is not None and self.yielding == "conserved"
+            else self
         )
+
+    @cached_property
+    def stand_in(self) -> RoughContact | None:
+        """The elastic surface of the paper's theory that, at `acting_pressure`, has the gaps of this one.
+
+        None where the theory is asked at the pressure itself.
+        """
+        if self.theory == "corrected":
+            return replace(self, hardness=None, theory="paper", yielding="")
+        return self.elastic if self.hardness is not None and self.yielding == "capped" else None
 
     @property
     def _smoothed(self) -> bool:
@@ -175,9 +204,23 @@ class RoughContact:
         return self.hardness is not None and self.yielding == "conserved"
 
     def acting_pressure(self, pressure: ArrayLike) -> FloatArray:
-        """Nominal pressure at which the theory is asked for the gaps: the equivalent one of a capped surface [Pa]."""
-        p = _checked(pressure)
+        """Nominal pressure at which the theory is asked for the gaps: that of `stand_in` [Pa]."""
+        p = self._elastic_pressure(_checked(pressure))
+        if self.theory == "paper":
+            return p
+        with np.errstate(divide="ignore"):
+            return np.exp(self._of_equal_gap(np.log(p)))
+
+    def _elastic_pressure(self, p: FloatArray) -> FloatArray:
+        """Pressure at which the surface without hardness has the same gaps, but where C_pl stands in for C [Pa]."""
         return p if self.hardness is None or self._smoothed else self._equivalent(p)
+
+    def _of_equal_gap(self, log_pressure: FloatArray) -> FloatArray:
+        """ln p at which the paper's theory has the mean gap of the gap law at ln(p/Pa)."""
+        assert self.stand_in is not None  # of the corrected theory
+        known = np.maximum(log_pressure, _LEAST_LOG_PRESSURE)
+        gap = gap_law(self.spectrum).gap(known - math.log(self.effective_modulus))
+        return _interface_law(self.stand_in).log_pressure(gap) + (log_pressure - known)
 
     def log_acting_pressure(self, log_pressure: FloatArray) -> FloatArray:
         """`acting_pressure` as logarithms, where p itself may be too small for a floating-point number.
@@ -191,10 +234,11 @@ class RoughContact:
         return log_pressure + (np.log(self.acting_pressure(np.exp(known))) - known)
 
     def _equivalent(self, p: FloatArray, largest: FloatArray | None = None) -> FloatArray:
-        """Pressure at which the elastic surface has the gaps of the capped one."""
+        """Pressure at which the elastic surface has the gaps of the one that yields where it touches."""
         assert self.hardness is not None  # of all who ask
         bearing, sealing = self._elastic_pressures
-        return equivalent_pressure(
+        equivalent = capped_pressure if self.theory == "paper" else von_mises_pressure
+        return equivalent(
             p,
             hardness=self.hardness,
             effective_modulus=self.effective_modulus,
@@ -289,13 +333,15 @@ class RoughContact:
     def corrected_contact_area(self, pressure: ArrayLike) -> FloatArray | float:
         """A/A0 of all the roughness, corrected as in `leak.flow.percolation.corrected_area`.
 
-        With a hardness that of C_pl, or of the elastic surface that stands for a capped one.
+        With a hardness that of C_pl, or of the elastic surface with the gaps of the one that yields where it touches.
 
         Within 6 % of direct numerical results for elastic asperities, where `contact_area` is 15 to 30 % below. Zero at
         p = 0, one from the hardness on.
         """
         p = _checked(pressure)
-        found = np.where(p > 0.0, self._over_pressure(p, self._corrected_area), 0.0)
+        found = np.where(
+            p > 0.0, self._over_pressure(p, self._corrected_area, acting=self._elastic_pressure), 0.0
+        )
         return _scalar(
             found if self.hardness is None else np.where(p >= self.hardness * (1.0 - 1e-9), 1.0, found)
         )
@@ -575,6 +621,9 @@ class RoughContact:
     def _sealing_pressure(self, z: float) -> float:
         """Pressure at which p/(2 sqrt(G)) at full magnification is z [Pa]."""
         elastic = float(z * np.sqrt(np.pi * self.spectrum.last_moment) * self.effective_modulus)
+        if self.theory == "corrected":
+            most = math.inf if self.hardness is None else self.hardness
+            return self._reaches(elastic, 0.0, min(_MOST_SEALING * elastic, most))
         if self.hardness is None:
             return elastic
         low, high = 0.0, min(elastic, self.hardness)
@@ -651,14 +700,15 @@ class RoughContact:
         pressure: ArrayLike,
         function: Callable[[FloatArray, RoughnessSeen], FloatArray],
         largest: ArrayLike | None = None,
+        acting: Callable[[FloatArray], FloatArray] | None = None,
     ) -> FloatArray | float:
         """Apply `function` where 0 < p < hardness; separations are infinite at p = 0, zero from the hardness on."""
         p = _checked(pressure) if largest is None else self.first_loading_pressure(pressure, largest)
         flat = p.ravel()
 
         def at(p: FloatArray) -> FloatArray:
-            acting = self.acting_pressure(p)
-            return function(acting, self._seen(acting))
+            acts = (acting or self.acting_pressure)(p)
+            return function(acts, self._seen(acts))
 
         out = np.full(flat.shape, np.inf)
         least = _LEAST_RELATIVE_PRESSURE * self.effective_modulus
@@ -727,6 +777,9 @@ def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
 @lru_cache(maxsize=64)
 def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
     gap = BEARING_GAP * elastic.spectrum.rms_height
+    if elastic.theory == "corrected":
+        bearing = elastic.effective_modulus * float(gap_law(elastic.spectrum).pressure(gap))
+        return bearing, elastic.sealing_pressure
     # ubar is convex in ln p: from the second on Newton's steps stay on one side
     log_p = np.log(_USUAL_BEARING * elastic.effective_modulus * elastic.spectrum.rms_slope)
     for _ in range(_NEWTON_STEPS):
@@ -743,6 +796,8 @@ def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
 _USUAL_BEARING, _CLOSE, _NEWTON_STEPS = 0.02, 1e-6, 40
 _HALVINGS = 60
 
+# The gap law has the gap at which the paper's theory seals within a factor of this.
+_MOST_SEALING = 4.0
 # How far below the largest one ln(s/(1 - s)) of a sealing pressure is looked for, and what few exceed.
 _SEALING_RANGE, _USUAL_ODDS = 40.0, 0.0
 
@@ -914,21 +969,21 @@ def _tabulated(
 
 def _separation_of(surface: RoughContact, within: _Range, method: str) -> Callable[[FloatArray], FloatArray]:
     """u_eff over pressure, as the table is to be made of it."""
-    if surface.hardness is None or surface.yielding != "capped":
+    if surface.stand_in is None:
         return lambda p: np.asarray(surface.effective_separation(p, method))
-    elastic = surface.elastic.conductivity_table(*_elastic_ends(surface, within), method=method)
+    elastic = surface.stand_in.conductivity_table(*_elastic_ends(surface, within), method=method)
     return lambda p: np.asarray(elastic.effective_separation(surface.acting_pressure(p)))
 
 
 def elastic_range(
     surface: RoughContact, within: tuple[float, float], method: str = "bruggeman"
 ) -> tuple[float, float]:
-    """Range of pressures of the table of the elastic surface from which that of a capped one is made [Pa].
+    """Range of pressures of the table of the surface that stands in for another one [Pa].
 
     Parameters
     ----------
     surface : RoughContact
-        The capped one.
+        The other one.
     within : tuple of float
         Range of its own table [Pa].
     method : {"bruggeman", "critical-junction", "threshold-law"}
@@ -938,7 +993,7 @@ def elastic_range(
 
 
 def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
-    """Whole decades around what stands for the ends of a capped surface's table [Pa]."""
+    """Whole decades around what acts at the ends of a table [Pa]."""
     low, high = np.log10(surface.acting_pressure(within.ends))
     return float(10.0 ** np.floor(low)), float(10.0 ** np.ceil(high))
 
@@ -966,11 +1021,12 @@ _LAW_END = 1e-6
 @lru_cache(maxsize=32)
 def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
     """Mean separation over ln p, with its exact slope for elastic asperities and a spline's for plastic ones."""
+    if surface.theory == "corrected":
+        return _corrected_law(surface)
     log_p_c = np.log(surface.p_c)
     log_p = log_p_c + (_ELASTIC_LAW_PLACES if surface.hardness is None else _LAW_PLACES)
     if surface.hardness is not None:
-        # Toward the hardness the gap closes ever faster: equal ratios of sigma_P - p instead of equal steps.
-        near = np.log(surface.hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
+        near = _toward(surface.hardness)
         log_p = np.concatenate([log_p[log_p < near[0] - 0.5 * _LAW_SPACING], near])
     p = np.exp(log_p)
     gap, decay = np.zeros(p.shape), np.zeros(p.shape)
@@ -986,6 +1042,25 @@ def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
     if surface.hardness is not None:
         decay = -spline_slopes(log_p, np.log(gap)) * gap
     return RoughSurfaceLaw(log_p, gap, decay)
+
+
+def _corrected_law(surface: RoughContact) -> RoughSurfaceLaw:
+    """The gap law of the elastic surface, or at the pressures at which it has the gaps of one that yields."""
+    law, log_modulus = gap_law(surface.spectrum), math.log(surface.effective_modulus)
+    log_p = law.log_pressure_nodes + log_modulus
+    if surface.hardness is None:
+        return RoughSurfaceLaw(log_p, law.gap_nodes, law.decay_nodes)
+    near = _toward(surface.hardness)
+    log_p = np.concatenate([log_p[log_p < near[0] - 0.5 * _LAW_SPACING], near])
+    gap = law.gap(np.log(surface._elastic_pressure(np.exp(log_p))) - log_modulus)
+    used = gap > _LAW_END * surface.spectrum.rms_height
+    log_p, gap = log_p[used], gap[used]
+    return RoughSurfaceLaw(log_p, gap, -spline_slopes(log_p, np.log(gap)) * gap)
+
+
+def _toward(hardness: float) -> FloatArray:
+    """ln p toward the hardness, where the gap closes ever faster: equal ratios of what is missing."""
+    return np.log(hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
 
 
 def _remaining_moment(p: FloatArray, seen: RoughnessSeen) -> FloatArray:
@@ -1048,10 +1123,9 @@ def gas_conductivity_table(
 def _table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
 ) -> GasConductivityTable:
-    capped = surface.hardness is not None and surface.yielding == "capped"
-    if capped and num is None:
-        liquid, log_R = _of_elastic(surface, p_min, p_max, method)
-    elif method == "bruggeman" and not capped:
+    if surface.stand_in is not None and num is None:
+        liquid, log_R = _of_stand_in(surface, surface.stand_in, p_min, p_max, method)
+    elif method == "bruggeman" and surface.stand_in is None:
         within = _Range.of(surface, p_min, p_max, method)
 
         def values(p: FloatArray) -> FloatArray:
@@ -1068,12 +1142,12 @@ def _table(
     return GasConductivityTable(liquid, log_R, _LOG_D)
 
 
-def _of_elastic(
-    surface: RoughContact, p_min: float, p_max: float, method: str
+def _of_stand_in(
+    surface: RoughContact, stand_in: RoughContact, p_min: float, p_max: float, method: str
 ) -> tuple[ConductivityTable, FloatArray]:
-    """Table of u_eff, and ln R there, of a capped surface: those of the elastic one at other pressures."""
+    """Table of u_eff, and ln R there: those of another surface at other pressures."""
     within = _Range.of(surface, p_min, p_max, method)
-    elastic = gas_conductivity_table(surface.elastic, *_elastic_ends(surface, within), method=method)
+    elastic = gas_conductivity_table(stand_in, *_elastic_ends(surface, within), method=method)
 
     def values(p: FloatArray) -> FloatArray:
         log_p = np.log(surface.acting_pressure(p))
