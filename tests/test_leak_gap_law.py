@@ -167,3 +167,25 @@ def test_the_papers_state():
     assert surface.mean_separation([3e6, 50e6]) == pytest.approx([6.17e-6, 4.36e-6], abs=0.006e-6)
     decay = surface.interface_law().decay_length(np.log([3e6, 50e6]))
     assert decay == pytest.approx([0.562e-6, 0.746e-6], abs=0.001e-6)
+
+
+def test_metal_that_flows_is_tighter_than_elastic_and_ever_more_so():
+    """von Mises: above the elastic pressure, rising with pressure and with what was carried before, sealed at H."""
+    surface = leak.RoughContact(SPECTRA["paper"], effective_modulus=115e9, hardness=3.5e9, theory="corrected")
+    p = np.geomspace(1e3, 3.4e9, 300)
+    assert np.all(surface.effective_separation(p) <= surface.elastic.effective_separation(p) * (1.0 + 1e-9))
+    assert np.all(np.diff(surface.acting_pressure(p)) > 0.0)
+    remembered = surface.effective_separation(1e7, largest=np.geomspace(1e7, 3e9, 50))
+    assert np.all(np.diff(remembered) <= 0.0)
+    assert surface.effective_separation(3.5e9) == 0.0
+    assert surface.conserved is surface
+    assert surface.capped is surface
+
+
+def test_the_corrected_theory_has_one_reading():
+    with pytest.raises(leak.SurfaceError, match="yielding"):
+        leak.RoughContact(SPECTRA["paper"], effective_modulus=1e11, theory="corrected", yielding="capped")
+    with pytest.raises(leak.SurfaceError, match="theory"):
+        leak.RoughContact(SPECTRA["paper"], effective_modulus=1e11, theory="other")
+    with pytest.raises(leak.SurfaceError, match="yielding"):
+        leak.RoughContact(SPECTRA["paper"], effective_modulus=1e11, yielding="von-mises")

@@ -36,7 +36,8 @@ class VonMisesConstants(NamedTuple):
 
 
 FITTED = VonMisesConstants()
-"""Fitted on one half of the direct results and judged on the other, see `docs/direct_von_mises.py`."""
+"""From 66 direct simulations of an independent program, H/(E* h') from 0.025 to 0.8 and nu = 0.3, in sample: the
+conductivities of those maps are met to 0.12 (rms of ln) where the capped equivalent pressure is simulated, too."""
 
 
 def equivalent_pressure(
