@@ -274,7 +274,26 @@ def _read_lines(file: str | Path) -> list[str]:
         raise TextTableError(str(error)) from None
     if "\0" in text:
         raise TextTableError("is not a text file; a table of numbers is needed")
-    return text.splitlines()
+    return lines_of_table(text)
+
+
+# Of a table with a few columns.
+_LONGEST_ROW = 5000
+
+
+def lines_of_table(text: str) -> list[str]:
+    """Lines of a text.
+
+    Raises
+    ------
+    TextTableError
+        If one is longer than any of a table with a few columns.
+    """
+    lines = text.splitlines()
+    for number, line in enumerate(lines, start=1):
+        if len(line) > _LONGEST_ROW:
+            raise TextTableError(f"line {number} has {len(line)} characters; a table of numbers is needed")
+    return lines
 
 
 def _cells(line: str, *, keep_spaces: bool = False) -> tuple[str, ...]:

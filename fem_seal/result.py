@@ -18,6 +18,7 @@ from fem_seal.analysis.results import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
 from fem_seal.errors import InputError, Problem
+from fem_seal.freed_memory import given_back
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -124,7 +125,7 @@ class SealResult(SealSolution):
         from fem_seal.folders import alone
         from fem_seal.output.files import write
 
-        with alone(Path(folder)):
+        with alone(Path(folder)), given_back():
             for failure in write(self, Path(folder)):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
@@ -248,7 +249,8 @@ def run(
     >>> print(f"{result.loads[0].contact.profile.peak_pressure / 1e6:.0f} MPa")
     192 MPa
     """
-    solution = solve(case_of(case), progress, levers=levers, verdict_force=verdict_force)
+    with given_back():
+        solution = solve(case_of(case), progress, levers=levers, verdict_force=verdict_force)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
 

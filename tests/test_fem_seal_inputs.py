@@ -434,6 +434,19 @@ def test_output_to_a_full_disc_says_so(command) -> None:
 # --- what takes no machine long to read --------------------------------------------------------------------
 
 BALL = (EXAMPLES / "ball_cone.toml").read_text()
+
+
+def quickly(arguments) -> subprocess.CompletedProcess[str]:
+    """A command in a process of its own that gets little memory and time."""
+    code = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_AS, (2 * 2**30, 2 * 2**30));"
+        "resource.setrlimit(resource.RLIMIT_CPU, (12, 12));"
+        "from fem_seal import cli; sys.exit(cli.main(sys.argv[1:]))"
+    )
+    words = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(words, capture_output=True, text=True, check=False)
+
+
 LONG = {
     "quantity of many digits": (
         BALL.replace('"20 mm"', '"' + "9" * 9_000 + ' mm"'),
@@ -471,20 +484,22 @@ def test_long_input_is_refused_at_once(kind, what, tmp_path) -> None:
     text, said = LONG[what]
     path = tmp_path / "x.toml"
     path.write_text(text)
-    reads = (
-        "import resource, sys; resource.setrlimit(resource.RLIMIT_AS, (2 * 2**30, 2 * 2**30));"
-        "resource.setrlimit(resource.RLIMIT_CPU, (6, 6));"
-        "from fem_seal import cli; sys.exit(cli.main(sys.argv[1:]))"
-    )
     arguments = (
         ["check", path] if kind == "case" else ["study", path, "-o", tmp_path / "out", "--workers", "0"]
     )
-    ended = subprocess.run(
-        [sys.executable, "-c", reads, *arguments], capture_output=True, text=True, check=False
-    )
+    ended = quickly(arguments)
     assert ended.returncode == 2
     assert said in ended.stderr
     assert len(ended.stderr) < 1000
+
+
+@pytest.mark.parametrize("kind", ["scan of a case", "profile", "lay", "trace"])
+@pytest.mark.parametrize("line", ["x" + 60_000 * " " + "y", 20_000 * "tip "])
+def test_long_line_of_a_table_takes_no_long_time(line, kind, tmp_path) -> None:
+    (tmp_path / "x.csv").write_bytes(line.encode() + b"\n" + TABLES[kind])
+    ended = quickly(write_case(tmp_path, kind, "x.csv"))
+    assert ended.returncode in (0, 2), ended.stderr
+    assert ended.returncode == 0 or "characters; a table of numbers is needed" in ended.stderr
 
 
 def test_what_people_write_is_not_too_long(tmp_path) -> None:

@@ -170,3 +170,56 @@ def test_a_spectrum_loads_no_readers_of_scans():
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True
     )
     assert done.stdout == "[]\n"
+
+
+HELD = {
+    "gas in two readings": {"fluid": {"name": "nitrogen"}, "requirement": {"leak_rate": "1 ml/min"}},
+    "form": {"form": {"seat": {"harmonics": [{"waves": 2, "amplitude": "2 um"}]}}},
+    "target": {"load": {"fluid_pressure": "20 bar", "target_leak_rate": "1 ml/min"}},
+}
+
+
+@pytest.mark.parametrize("what", HELD)
+def test_a_result_is_gone_once_nobody_asks_for_it(what):
+    """Nothing of it holds itself, so that its memory does not wait for the garbage collector."""
+    asked = case(**{"load": {"fluid_pressure": ["5 bar", "20 bar"]}, **HELD[what]})
+    # what is loaded and worked out once for all cases
+    assert len(fem_seal.run(asked).table)
+    gc.collect()
+    gc.disable()
+    gc.set_debug(gc.DEBUG_SAVEALL)
+    try:
+        result = fem_seal.run(asked)
+        assert len(result.table)
+        gone = weakref.ref(result)
+        del result
+        assert gone() is None
+        gc.collect()
+        left = {type(one).__qualname__ for one in gc.garbage if _is_ours(one)}
+    finally:
+        gc.set_debug(0)
+        gc.garbage.clear()
+        gc.enable()
+    assert left == set()
+
+
+def _is_ours(one: object) -> bool:
+    return type(one).__module__.partition(".")[0] in ("fem_seal", "leak")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the reserve is one of Linux's C library")
+def test_free_memory_goes_back_to_the_system():
+    code = (
+        "from fem_seal.freed_memory import given_back\n"
+        "def resident():\n"
+        "    with open('/proc/self/statm') as file: return int(file.read().split()[1]) * 4096 / 2**20\n"
+        "before = resident()\n"
+        "with given_back():\n"
+        "    many = [bytearray(100_000) for _ in range(2000)]; above = bytearray(100_000); del many\n"
+        "    kept = resident() - before\n"
+        "print(kept, resident() - before)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    kept, left = map(float, done.stdout.split())
+    assert kept > 150
+    assert left < 20

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 import numpy as np
 
 import leak
-from fem_seal.analysis.lazy import Lazy
+from fem_seal.analysis.lazy import Lazy, variant
 
 if TYPE_CHECKING:
     from fem_seal.analysis.direct import DirectSettings
@@ -500,17 +500,17 @@ class RoughFlow(Lazy):
         make = partial(_made, table or Flow.table_around, log_peaks(contacts))
         return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
 
-    @cached_property
+    @variant
     def elastic(self) -> RoughFlow:
         """The same with asperities that never yield."""
         return self._between(self.surface.elastic)
 
-    @cached_property
+    @variant
     def conserved(self) -> RoughFlow:
         """The same where yielding conserves the volume everywhere (C_pl)."""
         return self._between(self.surface.conserved)
 
-    @cached_property
+    @variant
     def capped(self) -> RoughFlow:
         """The same where yielding changes the surface only where it touches."""
         return self._between(self.surface.capped)
@@ -530,7 +530,7 @@ class RoughFlow(Lazy):
     def _between(self, surface: RoughContact) -> RoughFlow:
         return self if surface is self.surface else replace(self, surface=surface)
 
-    @cached_property
+    @variant
     def in_test(self) -> RoughFlow:
         """The same with the gas that the standards test with; itself where the fluid is one, and of a liquid."""
         return (
@@ -544,7 +544,9 @@ class RoughFlow(Lazy):
         ----------
         flow : Flow
         """
-        return replace(self, flow=flow, make=partial(_table_of, self))
+        # what is shared is worked out before; a copy of it does not know the other, which would hold it in turn
+        _ = self.table, self.elastic, self.conserved, self.capped
+        return replace(self, flow=flow, make=partial(_table_of, self.knowing()))
 
     @cached_property
     def table(self) -> Conductivity | None:

@@ -19,6 +19,7 @@ from fem_seal.analysis.verdict import limits
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
 from leak import Scratch, deepest_scratch
+from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
     from fem_seal.analysis.load_solver import LoadSolver
@@ -172,8 +173,6 @@ def _closing_force(solver: LoadSolver, load: LoadResult) -> float | None:
 
 def _smallest(lacking: Callable[[float], float], start: float, highest: float) -> float | None:
     """Place from which on a falling function is not positive, near `start`; None if not below `highest`."""
-    from scipy.optimize import brentq
-
     at, value = start, lacking(start)
     step = math.copysign(0.5, value)
     for _ in range(40):
@@ -182,7 +181,7 @@ def _smallest(lacking: Callable[[float], float], start: float, highest: float) -
             return None
         beyond = lacking(ahead)
         if beyond * value <= 0:
-            root = float(brentq(lacking, at, ahead, xtol=_ACCURACY))
+            root = root_between(lacking, at, ahead, xtol=_ACCURACY)
             lacking(root)
             return root
         at, value, step = ahead, beyond, 1.5 * step
@@ -278,7 +277,6 @@ def _allowed(case: Case, load: LoadResult, asked: _Formed, given: FormError) -> 
 
 def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, most: float) -> float:
     """Largest size with no more than the allowed leak rate; infinite if `most` has it."""
-    from scipy.optimize import brentq
 
     def excess(log_size: float) -> float:
         return min(math.log(max(leak_rate(math.exp(log_size)), 1e-300) / allowed), 700.0)
@@ -293,4 +291,4 @@ def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, 
         low, above = above, above + _STEP
         if above > high:
             return math.inf
-    return math.exp(float(brentq(excess, low, above, xtol=_ACCURACY)))
+    return math.exp(root_between(excess, low, above, xtol=_ACCURACY))

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Self
+from functools import cached_property
+from typing import Any, Self, TypeVar
+
+T = TypeVar("T")
 
 
 class Lazy:
@@ -21,3 +24,22 @@ class Lazy:
         other = object.__new__(type(self))
         vars(other).update(vars(self), **known)
         return other
+
+
+class variant(cached_property[T]):
+    """A cached property that may be the object itself, which is not kept.
+
+    What holds itself stays, with all that it has worked out, until the garbage collector goes through everything.
+    """
+
+    def __get__(self, instance: object, owner: type[Any] | None = None) -> Any:
+        """The value, worked out once unless it is the object itself."""
+        if instance is None or self.attrname is None:
+            return self
+        known = vars(instance)
+        if self.attrname in known:
+            return known[self.attrname]
+        value = self.func(instance)
+        if value is not instance:
+            known[self.attrname] = value
+        return value

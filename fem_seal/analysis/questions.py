@@ -25,6 +25,7 @@ from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.loads import blow_off_of_sealed_area
 from fem_seal.units import briefly
+from leak.numerics.roots import root_between
 from meshes import Sizing, build_contact
 
 # Relative accuracy of the force.
@@ -243,8 +244,6 @@ def _on_model(
 
 def _root_near(excess: Callable[[float], float], expected: float, highest: float = math.inf) -> float | None:
     """Place where a falling function is zero, looked for from an expected place outwards, up to the highest."""
-    from scipy.optimize import brentq
-
     at = min(expected, highest)
     value = excess(at)
     step = 0.1 * math.copysign(1.0, value)
@@ -254,6 +253,6 @@ def _root_near(excess: Callable[[float], float], expected: float, highest: float
             return None
         beyond = excess(ahead)
         if beyond * value <= 0:
-            return float(brentq(excess, at, ahead, xtol=_ACCURACY))
+            return root_between(excess, at, ahead, xtol=_ACCURACY)
         at, value, step = ahead, beyond, 2 * step
     return None

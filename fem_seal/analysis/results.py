@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.analysis.caution import DIRECT_SCATTER, VALID, Caution, Level, Validity, either_way
 from fem_seal.analysis.flow import Conductivity, RoughFlow
-from fem_seal.analysis.lazy import Lazy
+from fem_seal.analysis.lazy import Lazy, variant
 from fem_seal.former_names import former_attribute
 from fem_seal.units import DIGITS, digits_within, given, leak_range_text, quantity_worth, share_text
 
@@ -253,7 +253,7 @@ class LoadResult(Lazy):
         """Leak of `capped`."""
         return self.capped.leak
 
-    @cached_property
+    @variant
     def first_loading(self) -> Self:
         """The same load if no place had carried more before; itself where none is known to have."""
         contact = self.contact.first_loading
@@ -329,7 +329,7 @@ class LoadResult(Lazy):
             return self
         return found.knowing(sampled=self.sampled_in_test, validity=self.validity, mesh_error=self.mesh_error)
 
-    @cached_property
+    @variant
     def _in_test(self) -> Self:
         rough = None if self.rough is None else self.rough.in_test
         return self if rough is self.rough else replace(self, rough=rough)

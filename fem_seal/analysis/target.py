@@ -9,6 +9,7 @@ from fem_seal.analysis.seal_flow import SealFlow
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import contact_force
 from fem_seal.units import briefly, given, quantity
+from leak.numerics.roots import root_between
 
 # Step of the force while a target is looked for, and how far down from the largest sensible force.
 _STEP = 4.0
@@ -33,8 +34,6 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
     InputError
         If no sensible force does.
     """
-    from scipy.optimize import brentq
-
     problem = flow.problem
 
     def excess(log_force: float) -> float:
@@ -48,7 +47,7 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
     while True:
         ahead = min(at + step, highest)
         if excess(ahead) * step <= 0:
-            return math.exp(float(brentq(excess, at, ahead, xtol=1e-3)))
+            return math.exp(root_between(excess, at, ahead, xtol=1e-3))
         if ahead == highest:
             least = flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate
             raise target_problem(

@@ -20,6 +20,7 @@ from fem_seal.analysis.warnings import load_validity
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.units import briefly
+from leak.numerics.roots import root_between
 from meshes import build_contact
 
 if TYPE_CHECKING:
@@ -249,7 +250,6 @@ class _Search:
 
     def _root(self, start: float, added: Sequence[Added]) -> float | str:
         """ln of the contact force where the upper end comes down to the limit, or why it does not."""
-        from scipy.optimize import brentq
 
         def excess(at: float) -> float:
             return min(self._value(at) + _along(added, at), _FAR)
@@ -270,7 +270,7 @@ class _Search:
                     ahead, ends = self._edge(at, ahead), True
             beyond = excess(ahead)
             if (beyond <= 0.0) != (value <= 0.0):
-                return float(brentq(excess, at, ahead, xtol=_ACCURACY))
+                return root_between(excess, at, ahead, xtol=_ACCURACY)
             at, value = ahead, beyond
         return self._why_none(at)
 

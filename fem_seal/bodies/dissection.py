@@ -9,10 +9,11 @@ zone, found anew each time, and nothing is assumed of the elements around it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -340,15 +341,20 @@ def _parts(
         )
         giver, given, below = owner[outer], unknown[outer], part
     found: list[_Part] = []
-
-    def add(level: int, number: int) -> int:
-        elements, inner, outer, of_elements, of_halves = pieces[level][number]
-        halves = () if len(of_elements) else (add(level - 1, 2 * number), add(level - 1, 2 * number + 1))
-        found.append(_Part(elements, halves, inner, outer, of_halves if halves else (of_elements,)))
-        return len(found) - 1
-
-    add(len(pieces) - 1, 0)
+    _add(found, pieces, len(pieces) - 1, 0)
     return tuple(found)
+
+
+def _add(found: list[_Part], pieces: Sequence[Sequence[Any]], level: int, number: int) -> int:
+    """Append a part behind its halves; its place in the list."""
+    elements, inner, outer, of_elements, of_halves = pieces[level][number]
+    halves = (
+        ()
+        if len(of_elements)
+        else (_add(found, pieces, level - 1, 2 * number), _add(found, pieces, level - 1, 2 * number + 1))
+    )
+    found.append(_Part(elements, halves, inner, outer, of_halves if halves else (of_elements,)))
+    return len(found) - 1
 
 
 def _elimination(

@@ -180,7 +180,7 @@ class HarmonicBody:
 
     @single_threaded
     def _factorised(self, n: int) -> FloatArray:
-        return (_HeldHarmonics.of(self, guided=True) if n == 1 else self._unguided).compliance(n)
+        return (_HeldHarmonics.of(self, guided=True) if n == 1 else self._unguided).compliance(n, self)
 
     @cached_property
     def _unguided(self) -> _HeldHarmonics:
@@ -214,7 +214,6 @@ class _HeldHarmonics:
 
     Parameters
     ----------
-    body : HarmonicBody
     dissection : Dissection
         Its elements in parts, the motion of the contact nodes last.
     sign : ndarray, shape (elements, shapes)
@@ -223,7 +222,6 @@ class _HeldHarmonics:
         Which of the contact dofs can move; `HeldBody.contact_dofs`, one after the other.
     """
 
-    body: HarmonicBody
     dissection: Dissection
     sign: FloatArray
     places: NDArray[np.int64]
@@ -260,14 +258,15 @@ class _HeldHarmonics:
             body.stiffness[0],
             held.basis.mesh.t.T,  # halves that share few vertices share few nodes
         )
-        return cls(body, parts, sign[shapes], places)
+        return cls(parts, sign[shapes], places)
 
-    def compliance(self, n: int) -> FloatArray:
+    # told which body, which it does not hold: the body holds it
+    def compliance(self, n: int, body: HarmonicBody) -> FloatArray:
         """Retreat of the contact nodes along the normal under normal forces at them [m/N], shape (nodes, nodes)."""
-        (k0, k1, k2), sign = self.body.stiffness, self.sign
+        (k0, k1, k2), sign = body.stiffness, self.sign
         stiffness = sign[:, :, None] * (k0 + n * k1 + n**2 * k2) * sign[:, None, :]
         inverse, _ = replace(self.dissection, elastic=stiffness).unchanged()
-        normal = self.body.held.normal
+        normal = body.held.normal
         moved = np.zeros((normal.size, normal.size))
         moved[np.ix_(self.places, self.places)] = inverse
         along = normal.ravel()[:, None] * moved * normal.ravel()

@@ -21,6 +21,7 @@ from fem_seal.case.input_files import read_spectrum
 from fem_seal.case.messages import problems
 from fem_seal.errors import InputError
 from fem_seal.files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file
+from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -633,8 +634,6 @@ class UncertainHeight:
 
     def spectrum(self, measured: PowerSpectrum, factor: float) -> PowerSpectrum:
         """The measured spectrum with its long waves changed so that the rms height is `factor` times what it was."""
-        from scipy.optimize import brentq
-
         from leak import PowerSpectrum
 
         q = np.union1d(measured.wavenumber, np.geomspace(measured.q_low, measured.q_high, 60)[1:-1])
@@ -651,7 +650,7 @@ class UncertainHeight:
         if end == 0.0:
             return measured
         # what the short waves alone have is the least
-        return changed(float(brentq(off, 0.0, end, rtol=1e-9)) if off(0.0) * off(end) < 0.0 else end)
+        return changed(root_between(off, 0.0, end, rtol=1e-9) if off(0.0) * off(end) < 0.0 else end)
 
 
 def uncertain_heights(roughness: Roughness | None, *, between_scans: bool) -> Iterator[UncertainHeight]:

@@ -10,7 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.errors import QuantityError, TextTableError
-from fem_seal.files import Names, UnreadableFileError, column, find_columns, read_bytes, read_text_table
+from fem_seal.files import (
+    Names,
+    UnreadableFileError,
+    column,
+    find_columns,
+    lines_of_table,
+    read_bytes,
+    read_text_table,
+)
 from fem_seal.form import Trace
 from fem_seal.units import parse_quantity
 
@@ -114,7 +122,7 @@ def _lines(file: str | Path) -> list[str]:
         text = content.decode("latin-1")
     if "\0" in text:
         raise TextTableError("is not a text file; export the trace as text with angle and deviation")
-    return text.splitlines()
+    return lines_of_table(text)
 
 
 def _longest_block(lines: Sequence[str]) -> _Block:

@@ -8,6 +8,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ConvergenceError
+from leak.numerics.roots import root_between
 
 _MEMORY = 8
 # Relative size below which differences of iterates are taken as dependent on each other.
@@ -98,8 +99,6 @@ def first_fixed_point(
     ConvergenceError
         If none is found.
     """
-    from scipy.optimize import brentq
-
     x, residual, slope = start, image(start) - start, 0.0
     for _ in range(max_iterations):
         if abs(residual) <= tolerance:
@@ -108,7 +107,7 @@ def first_fixed_point(
         ahead = x + _BEYOND * residual / max(1 - slope, 1 / _FARTHEST)
         beyond = image(ahead) - ahead
         if beyond * residual < 0:
-            x = float(brentq(lambda at: image(at) - at, x, ahead, xtol=tolerance))
+            x = root_between(lambda at: image(at) - at, x, ahead, xtol=tolerance)
             residual = image(x) - x
             if abs(residual) <= jump:
                 return x

@@ -14,6 +14,7 @@ from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.former_names import formerly
 from fem_seal.loads import expected_force
+from leak.numerics.roots import root_between
 
 # Shares of the closing force that the solid contact carries on the way to an open seal.
 _SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)
@@ -268,8 +269,6 @@ def contact_near_blow_off(
     seal: FluidAndContact, applied_force: float, fluid_pressure: float
 ) -> ContactSolution:
     """Contact under a fluid pressure, found by the force that it carries."""
-    from scipy.optimize import brentq
-
     way = _way_to_blow_off(seal, applied_force)
     if fluid_pressure >= way[-1].pressure:
         raise OpenSealError(
@@ -291,7 +290,7 @@ def contact_near_blow_off(
         steps.append(_step(seal, applied_force, math.exp(log_share), steps[-1]))
         return steps[-1].pressure / fluid_pressure - 1
 
-    brentq(miss, math.log(before.share), math.log(way[after].share), xtol=1e-6)
+    root_between(miss, math.log(before.share), math.log(way[after].share), xtol=1e-6)
     nearest = min(steps, key=lambda step: abs(step.pressure / fluid_pressure - 1))
     assert nearest.unknowns is not None
     given = _under(applied_force, fluid_pressure)

@@ -327,20 +327,19 @@ def _dissection(n: int, m: int) -> IntArray:
         part[...] = np.arange(next_place - part.size, next_place).reshape(part.shape)
         next_place -= part.size
 
-    def part_in_two(part: IntArray) -> None:
+    # both seams of a periodic patch are lines that part it
+    give(rank[:, 0])
+    give(rank[0, 1:])
+    left = [rank[1:, 1:]]
+    while left:
+        part = left.pop()
         if part.size <= 16:
             give(part)
-            return
+            continue
         if part.shape[0] < part.shape[1]:
             part = part.T
         middle = part.shape[0] // 2
         give(part[middle])
-        part_in_two(part[:middle])
-        part_in_two(part[middle + 1 :])
-
-    # both seams of a periodic patch are lines that part it
-    give(rank[:, 0])
-    give(rank[0, 1:])
-    part_in_two(rank[1:, 1:])
+        left += [part[middle + 1 :], part[:middle]]
     rank.flags.writeable = False
     return rank

@@ -17,6 +17,7 @@ from leak.flow.contact_profile import ContactProfile, checked_ends, checked_prof
 from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure, leak_flow
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.numerics.curves import spline_slopes
+from leak.numerics.roots import root_between
 
 # The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
 _CUT = 1e-10
@@ -321,12 +322,11 @@ def _lift_off(
         distance = tail.reach(float(log_p[-1]) - log_drop)
         place = float(x[-1]) + distance
         return place, None if distance == tail.length else place
-    from scipy.optimize import brentq
 
     def above(at: float) -> float:
         return max(float(profile.log_pressure(np.array([at]))[0]), log_drop - 1.0) - log_drop
 
-    place = float(brentq(above, x[last], x[last + 1], xtol=1e-15 * abs(x[-1] - x[0]) + 1e-300))
+    place = root_between(above, x[last], x[last + 1], xtol=1e-15 * abs(x[-1] - x[0]) + 1e-300)
     return place, place
 
 

@@ -128,10 +128,10 @@ class NearbyTables:
         sealing = surface.sealing_pressure_by(self.method)
         p = _ABOVE * p[p < sealing]
         if not p.size:
-            return self._whole._scaled(surface, sealing)
+            return self._unlimited._scaled(surface, sealing)
         places = self._places(p / sealing)
         if places[-1] > _LATTICE * self._last:
-            return self._whole.table(surface, highest)
+            return self._unlimited.table(surface, highest)
         ours, theirs = self._of(surface, sealing, places), self._of_hardness(0, places)
         # between gaps of nothing there is nothing to interpolate
         number = int(np.count_nonzero(np.minimum(ours.gap, theirs.gap) > _LOG_CLOSED))
@@ -185,10 +185,14 @@ class NearbyTables:
         within = None if self.within is None else elastic_range(self.surface, self.within, self.method)
         return replace(self, surface=self.surface.stand_in, within=within, _known_values={})
 
+    @property
+    def _unlimited(self) -> NearbyTables:
+        """With a known table up to the sealing pressure."""
+        return self if self.within is None else self._whole
+
     @cached_property
     def _whole(self) -> NearbyTables:
-        """With a known table up to the sealing pressure."""
-        return self if self.within is None else replace(self, within=None)
+        return replace(self, within=None)
 
     @cached_property
     def _known(self) -> AnyTable:

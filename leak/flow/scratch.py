@@ -32,6 +32,7 @@ from leak.fluids.pressure_law import PressureLaw, flow_potential
 from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
 from leak.numerics.gauss import gauss
+from leak.numerics.roots import root_between
 
 # The fluid pressure bends even where the contact pressure does not.
 _CELLS = 100
@@ -519,9 +520,7 @@ def deepest_scratch(
             high = float(step)
             break
         low = float(step)
-    from scipy.optimize import brentq
-
-    return of(float(brentq(excess, low, high, xtol=1e-6)))
+    return of(root_between(excess, low, high, xtol=1e-6))
 
 
 # -------------------------------------------------------------------- the contact in slices

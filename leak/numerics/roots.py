@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 
 _MOST_STEPS = 100
+_ROUND_OFF = 4.0 * sys.float_info.epsilon
 
 
 def root_of_rising(
@@ -61,3 +63,36 @@ def root_of_rising(
         before, at_before = last, at_last
         last, at_last = following, function(following)
     return last
+
+
+def root_between(
+    function: Callable[[float], float],
+    low: float,
+    high: float,
+    *,
+    xtol: float = 2e-12,
+    rtol: float = _ROUND_OFF,
+) -> float:
+    """Root of a function that has other signs at two ends, by Brent's method; nothing holds the function afterwards.
+
+    What scipy wraps around it holds itself, and so all that the function knows, until the garbage collector comes.
+
+    Parameters
+    ----------
+    function : callable
+    low, high : float
+    xtol, rtol : float
+        See `scipy.optimize.brentq`.
+
+    Examples
+    --------
+    >>> round(root_between(lambda x: x**3 - 2.0, 0.0, 4.0), 9)
+    1.25992105
+    """
+    from scipy.optimize import brentq
+
+    held = [function]
+    try:
+        return float(brentq(lambda x: held[0](x), low, high, xtol=xtol, rtol=rtol))
+    finally:
+        held.clear()

@@ -173,6 +173,8 @@ _IN_HEADING = re.compile(rf"[\[(]\s*({_UNIT})\s*[\])]|(?:^|[\s_/,])({_UNIT})$", 
 _TIP = re.compile(rf"(?:stylus|tip)\b.*?radius\D*?(\d+(?:\.\d*)?)\s*({_UNIT})\b", re.IGNORECASE)
 # An instrument's header is shorter than this; a longer text without numbers is none.
 _LONGEST_HEADER = 300
+# Characters of a line of it that are looked into.
+_LONGEST_LINE = 1000
 # Control characters other than tab, line feed, form feed and carriage return do not occur in text.
 _CONTROL = re.compile("[\x00-\x08\x0b\x0e-\x1f\x7f]")
 
@@ -248,7 +250,7 @@ def _numbers_of(text: str) -> _Block:
         raise NotColumnsError("holds no columns of numbers")
     # a number may stand alone in a header
     first = next((n for n in numeric if n + 1 in numeric), numeric[0])
-    return _Block(tuple(line for _, line in lines[:first]), tuple(lines[first:]))
+    return _Block(tuple(line[:_LONGEST_LINE] for _, line in lines[:first]), tuple(lines[first:]))
 
 
 def _table(block: _Block, columns: int) -> np.ndarray:
