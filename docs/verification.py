@@ -390,7 +390,7 @@ def direct_section(reference: Path) -> Section:
     """The theory against results that are not this theory."""
     comparisons = [compare(direct) for direct in read_direct(reference)]
     picture(
-        [comparison.direct for comparison in comparisons], FILE.parent / "images" / "direct_numerical.svg"
+        [comparison.direct for comparison in comparisons], FILE.parents[1] / "images" / "direct_numerical.svg"
     )
     names = list(comparisons[0].conductivity)
     rows = [
@@ -464,7 +464,7 @@ def sections(reference: Path) -> Iterator[Section]:
     yield rough_contact_section(reference)
     yield leak_section(reference)
     yield direct_section(reference)
-    yield yielding_section(reference, FILE.parent / "images" / "direct_yielding.svg")
+    yield yielding_section(reference, FILE.parents[1] / "images" / "direct_yielding.svg")
     yield from verification_medium.sections(reference)
     yield paper_section()
     yield sensitivity_section()
