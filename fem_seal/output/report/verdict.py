@@ -367,8 +367,8 @@ def force_to_pass(force: float) -> str:
 
     Examples
     --------
-    >>> force_to_pass(75148.8), force_to_pass(-1234.5)
-    ('75.2 kN', '-1.23 kN')
+    >>> force_to_pass(75148.8)
+    '75.2 kN'
     """
     if force == 0.0:
         return given("force", 0.0)
