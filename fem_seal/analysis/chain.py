@@ -77,11 +77,11 @@ def _simulate(problem: SealProblem, clock: Clock) -> None:
         return
     with clock.step("direct", "direct simulation of the surface"):
         _ = simulated.table(surface, progress=clock.progress).range
-        if surface.hardness is not None:
+        if simulated.elastic is not simulated:
             clock.progress("direct simulation of elastic asperities, to compare with")
             # what is shown beside a result is no reason for having none
             with suppress(LeakError):
-                simulated.table(surface.elastic, progress=clock.progress)
+                simulated.elastic.table(surface.elastic, progress=clock.progress)
 
 
 def solve(

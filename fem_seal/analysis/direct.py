@@ -2,27 +2,40 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import math
 import signal
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from contextlib import closing, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from itertools import islice
+from io import BytesIO
+from itertools import chain, islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import as_json, parse_json, read_text, write_text
-from leak import ConductivityTable, DirectError, RoughContact
-from leak.direct import Patch, PeriodicHalfSpace, PressedPatch, press, smoothed
+from leak import ConductivityTable, DirectError, LeakError, RoughContact
+from leak.direct import (
+    ElastoplasticState,
+    Patch,
+    PeriodicHalfSpace,
+    PressedPatch,
+    press,
+    press_elastoplastic,
+    smoothed,
+)
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from fem_seal.arrays import FloatArray
+    from fem_seal.case.direct import Asperities
     from leak.direct import ContactState
 
 Branch = Literal["load", "unload", "cutoff"]
@@ -37,7 +50,11 @@ QUANTILES = (0.25, 0.5, 0.75, 0.9)
 _SIGMAS = 2.0
 # Factor upwards where nothing says what the shorter half of the waves does, since without it the first patch is tight.
 _UNKNOWN = 10.0
-
+# Indentation hardness over the yield stress in tension.
+_HARDNESS = 2.9
+# Metal that flows asks for small steps of the load: the longest over the hardness, and by what share the conductivity
+# of rough surfaces is then too low at most, see leak.direct.press_elastoplastic.
+LOAD_STEP, LOAD_STEP_ERROR = 0.025, 0.09
 
 # Pressures of a table: the factor between simulation and theory bends where the theory is smooth.
 _TABLE_PRESSURES = 64
@@ -61,6 +78,12 @@ class DirectSettings:
         Gives a measured, periodic map and its side [m]; None for random patches.
     folder : Path or None
         Where finished pieces are kept.
+    asperities : {"elastic", "capped", "von-mises"}
+        What yields; a surface without a hardness is elastic in the reading "capped".
+    yield_stress : float or None
+        Of "von-mises" [Pa]; of the surface's hardness unless given.
+    poissons_ratio : float
+        Of the metal that flows [-].
     """
 
     points: int = 256
@@ -75,6 +98,14 @@ class DirectSettings:
     direction: Literal["both", "x", "y"] | None = None
     map: Callable[[], tuple[FloatArray, float]] | None = None
     folder: Path | None = None
+    asperities: Asperities = "capped"
+    yield_stress: float | None = None
+    poissons_ratio: float = 0.3
+
+    @cached_property
+    def elastic(self) -> DirectSettings:
+        """The same where nothing yields."""
+        return self if self.asperities == "elastic" else replace(self, asperities="elastic")
 
     def of(self, surface: RoughContact) -> DirectSimulation:
         """What is simulated of a surface.
@@ -105,7 +136,7 @@ class DirectSettings:
         except DirectError as error:
             raise InputError(Problem("direct", str(error))) from None
         found = DirectSimulation(
-            surface,
+            surface.elastic if self.asperities == "elastic" else surface,
             patch,
             self.pressures,
             self.unload,
@@ -115,8 +146,20 @@ class DirectSettings:
             direction=self.direction or ("both" if surface.peklenik == 1.0 else "x"),
             heights=heights,
             folder=self.folder,
+            yield_stress=self._yield_stress(surface),
+            poissons_ratio=self.poissons_ratio,
         )
-        return found if self.pressures else replace(found, pressures=usual_pressures(found.held))
+        if self.pressures:
+            return found
+        held = found.held
+        if found.yield_stress is not None and held.hardness is None:
+            held = replace(held, hardness=_HARDNESS * found.yield_stress)
+        return replace(found, pressures=usual_pressures(held))
+
+    def _yield_stress(self, surface: RoughContact) -> float | None:
+        if self.asperities != "von-mises" or self.yield_stress is not None:
+            return self.yield_stress if self.asperities == "von-mises" else None
+        return None if surface.hardness is None else surface.hardness / _HARDNESS
 
     def table(
         self, surface: RoughContact, *, jobs: int = 1, progress: Callable[[str], None] = lambda text: None
@@ -161,6 +204,10 @@ class DirectSimulation:
         A measured map, periodic, shape (n, n) [m]; None for random patches.
     folder : Path or None
         Where finished pieces are kept.
+    yield_stress : float or None
+        Of metal that flows by von Mises [Pa]; None where the pressure is capped at the surface's hardness, if any.
+    poissons_ratio : float
+        Of that metal [-].
     """
 
     surface: RoughContact
@@ -173,6 +220,20 @@ class DirectSimulation:
     direction: Literal["both", "x", "y"] = "both"
     heights: FloatArray | None = None
     folder: Path | None = None
+    yield_stress: float | None = None
+    poissons_ratio: float = 0.3
+
+    @property
+    def asperities(self) -> Asperities:
+        """What yields."""
+        if self.yield_stress is not None:
+            return "von-mises"
+        return "elastic" if self.surface.hardness is None else "capped"
+
+    @property
+    def load_step(self) -> float | None:
+        """Longest of metal that flows [Pa]; None where every pressure is pressed by itself."""
+        return None if self.yield_stress is None else LOAD_STEP * _HARDNESS * self.yield_stress
 
     @property
     def held(self) -> RoughContact:
@@ -200,8 +261,13 @@ class DirectSimulation:
     def pieces(self) -> list[Piece]:
         """All that is to be calculated, each on its own.
 
-        The first sample is also pressed without its shorter half of the waves, to see what the cutoff does.
+        The first sample is also pressed without its shorter half of the waves, to see what the cutoff does. Metal that
+        flows remembers its path, which is then one piece.
         """
+        if self.yield_stress is not None:
+            path, back = sorted(set(self.pressures)), sorted(set(self.unload), reverse=True)
+            whole = [Piece(sample, "load", tuple(path), tuple(back)) for sample in range(self.samples)]
+            return [*whole, Piece(0, "cutoff", tuple(path))]
         found = [Piece(sample, "load", (p,)) for p in self.pressures for sample in range(self.samples)]
         found += [Piece(0, "cutoff", (p,)) for p in self.pressures]
         if self.unload:
@@ -211,8 +277,10 @@ class DirectSimulation:
     def key(self, piece: Piece) -> str:
         """Hash of everything that a piece depends on."""
         surface, spectrum = self.surface, self.patch.held
+        flow = self.yield_stress, self.poissons_ratio, LOAD_STEP, piece.unload
+        yields = surface.hardness if self.yield_stress is None else flow
         about = [
-            _VERSION, surface.effective_modulus, surface.hardness, self.patch.points, self.patch.size,
+            _VERSION, surface.effective_modulus, yields, self.patch.points, self.patch.size,
             self.patch.peklenik, self.gap_edges[-1], piece.branch, piece.pressures,
         ]  # fmt: skip
         if piece.branch == "unload":
@@ -232,17 +300,6 @@ class DirectSimulation:
         """Shortest wave of the map that is compared [m]."""
         return 2.0 * self.patch.shortest_wavelength
 
-    def state(self, sample: int, pressure: float) -> ContactState:
-        """A sample pressed, first loading.
-
-        Parameters
-        ----------
-        sample : int
-        pressure : float
-            [Pa]
-        """
-        return press(self.body, self.map(sample), pressure, hardness=self.surface.hardness)
-
     @cached_property
     def body(self) -> PeriodicHalfSpace:
         """The half-space under the patch."""
@@ -255,11 +312,84 @@ class DirectSimulation:
 
 
 class Piece(NamedTuple):
-    """What is calculated in one go: a sample at a pressure, or all of its unloading."""
+    """What is calculated in one go: a sample at a pressure, all of its unloading, or its path where metal flows."""
 
     sample: int
     branch: Branch
     pressures: tuple[float, ...]
+    unload: tuple[float, ...] = ()
+
+    @property
+    def states(self) -> list[tuple[Branch, int, float]]:
+        """Branch, sample and pressure of each of its records."""
+        return [
+            *((self.branch, self.sample, p) for p in self.pressures),
+            *(("unload", self.sample, p) for p in self.unload),
+        ]
+
+    def until(self, count: int) -> Piece:
+        """As far as so many of its records.
+
+        Parameters
+        ----------
+        count : int
+        """
+        back = max(count - len(self.pressures), 0)
+        return self._replace(pressures=self.pressures[:count], unload=self.unload[:back])
+
+
+class PressedMap(NamedTuple):
+    """A map pressed, to be drawn; all of shape (n, n)."""
+
+    gap: FloatArray
+    """[m]"""
+    touches: NDArray[np.bool_]
+    yielded: NDArray[np.bool_]
+    """At the hardness, or where metal below has flowed."""
+
+    @classmethod
+    def of(cls, state: ContactState, hardness: float | None) -> PressedMap:
+        """Of elastic or capped contact.
+
+        Parameters
+        ----------
+        state : ContactState
+        hardness : float or None
+            [Pa]
+        """
+        return cls(state.gap, state.pressure > 0.0, state.pressure >= (hardness or math.inf))
+
+    @classmethod
+    def of_metal(cls, state: ElastoplasticState) -> PressedMap:
+        """Of metal that flows.
+
+        Parameters
+        ----------
+        state : ElastoplasticState
+        """
+        flowed = np.zeros(state.gap.size, bool)
+        flowed[state.yielded_points % flowed.size] = True
+        return cls(state.gap, state.pressure > 0.0, flowed.reshape(state.gap.shape))
+
+    @classmethod
+    def read(cls, text: str) -> PressedMap:
+        """As `text` says.
+
+        Parameters
+        ----------
+        text : str
+        """
+        with np.load(BytesIO(base64.b64decode(text))) as arrays:
+            return cls(arrays["gap"].astype(float), arrays["touches"], arrays["yielded"])
+
+    @property
+    def text(self) -> str:
+        """The map in letters, gaps in single precision."""
+        stream = BytesIO()
+        np.savez_compressed(
+            stream, gap=self.gap.astype(np.float32), touches=self.touches, yielded=self.yielded
+        )
+        return base64.b64encode(stream.getvalue()).decode()
 
 
 class PieceRecord(NamedTuple):
@@ -272,6 +402,8 @@ class PieceRecord(NamedTuple):
     gap_cubed_across: float
     gap_quantiles: tuple[float, ...]
     gap_counts: tuple[int, ...]
+    map: str = ""
+    """`PressedMap.text` of the first sample where it takes minutes to press it again."""
 
 
 @dataclass(frozen=True)
@@ -371,11 +503,28 @@ class DirectTable:
         Loading over rising pressure, then unloading over falling.
     gap_density : ndarray, shape (rows, classes)
         Share of the area per gap, samples together, contact left out [1/m].
+    maps : mapping
+        `PressedMap.text` of the first sample over the pressure of loading [Pa], where they are kept.
     """
 
     simulation: DirectSimulation
     rows: tuple[DirectRow, ...]
     gap_density: FloatArray
+    maps: Mapping[float, str] = field(default_factory=dict)
+
+    def pressed(self, pressure: float) -> PressedMap:
+        """The first sample at a pressure of first loading.
+
+        Parameters
+        ----------
+        pressure : float
+            One of those simulated [Pa].
+        """
+        if pressure in self.maps:
+            return PressedMap.read(self.maps[pressure])
+        simulation = self.simulation
+        H = simulation.surface.hardness
+        return PressedMap.of(press(simulation.body, simulation.map(0), pressure, hardness=H), H)
 
     @property
     def loading(self) -> tuple[DirectRow, ...]:
@@ -406,7 +555,8 @@ class DirectTable:
 
         Two standard errors of the mean of the samples, and to one side what the waves may change that the patch cuts:
         as much as the shorter half of those that it holds, since each further octave changes less than the last, or as
-        much as the theory says; but no more flows than at a lower pressure.
+        much as the theory says; but no more flows than at a lower pressure. Metal that flows lets more through than its
+        load steps say.
         Samples that are tight count as such downwards: there the mean conductivity of all of them is the end.
 
         Parameters
@@ -423,6 +573,8 @@ class DirectTable:
         if theory is not None and theory.cut > 0.0:
             changes.append(math.log(theory.cut))
         low, high = scatter - min(changes) + math.log(row.samples / row.open_samples), scatter + max(changes)
+        if self.simulation.yield_stress is not None:
+            high += LOAD_STEP_ERROR
         before = [one for one in self.loading if one.pressure < row.pressure]
         if before:
             step = 3.0 * math.log(before[-1].effective_gap / row.effective_gap)
@@ -531,43 +683,73 @@ def simulate_surface(
     missing = [piece for piece in pieces if piece not in known]
     if known and missing:
         progress(f"{len(known)} of {len(pieces)} pieces are there already")
+    failed: LeakError | None = None
     try:
         with closing(_calculated(simulation, missing, jobs)) as calculated:
-            for done, (piece, records) in enumerate(calculated, start=len(known) + 1):
+            for piece, records, error in calculated:
                 _write(simulation, piece, records)
-                known[piece] = records
-                progress(f"direct simulation: {done} of {len(pieces)} pieces")
+                failed = failed or error
+                if error is None:
+                    known[piece] = records
+                    progress(f"direct simulation: {len(known)} of {len(pieces)} pieces")
     except KeyboardInterrupt:
         if simulation.folder is not None:
             progress("interrupted; finished pieces are kept, and the same command goes on from there")
         raise
+    if failed is not None:
+        raise failed
     return _together(simulation, known)
+
+
+# The records that were made, and what went wrong then.
+_Attempt = tuple[list["PieceRecord"], LeakError | None]
 
 
 def _calculated(
     simulation: DirectSimulation, pieces: Sequence[Piece], jobs: int
-) -> Generator[tuple[Piece, list[PieceRecord]], None, None]:
+) -> Generator[tuple[Piece, list[PieceRecord], LeakError | None], None, None]:
+    """Pieces as they are done; once one has failed no other is begun."""
     if jobs < 2 or len(pieces) < 2:
         for piece in pieces:
-            yield piece, calculate(simulation, piece)
+            records, error = _attempt(simulation, piece)
+            yield piece, records, error
+            if error is not None:
+                return
         return
-    from multiprocessing import get_context
+    from multiprocessing import active_children, get_context
 
     # no more of them wait than processes can take: an interruption waits for those that have begun, and for no other
-    left = iter(pieces)
+    left, others = iter(pieces), set(active_children())
     with ProcessPoolExecutor(
         jobs,
         mp_context=get_context("spawn"),
         initializer=signal.signal,
         initargs=(signal.SIGINT, signal.SIG_IGN),
     ) as pool:
-        waiting = {pool.submit(calculate, simulation, piece): piece for piece in islice(left, jobs)}
-        while waiting:
-            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                piece = waiting.pop(future)
-                for following in islice(left, 1):
-                    waiting[pool.submit(calculate, simulation, following)] = following
-                yield piece, future.result()
+        try:
+            waiting = {pool.submit(_attempt, simulation, piece): piece for piece in islice(left, jobs)}
+            while waiting:
+                for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                    piece, (records, error) = waiting.pop(future), future.result()
+                    left = left if error is None else iter(())
+                    for following in islice(left, 1):
+                        waiting[pool.submit(_attempt, simulation, following)] = following
+                    yield piece, records, error
+        except BaseException:
+            if simulation.yield_stress is not None:
+                # a path takes minutes, and half of one is nothing
+                for process in set(active_children()) - others:
+                    process.terminate()
+            raise
+
+
+def _attempt(simulation: DirectSimulation, piece: Piece) -> _Attempt:
+    records: list[PieceRecord] = []
+    try:
+        records.extend(_records(simulation, piece))
+    except LeakError as error:
+        return records, error
+    return records, None
 
 
 def calculate(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord]:
@@ -578,18 +760,46 @@ def calculate(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord]:
     simulation : DirectSimulation
     piece : Piece
     """
+    return list(_records(simulation, piece))
+
+
+def _records(simulation: DirectSimulation, piece: Piece) -> Iterator[PieceRecord]:
     H, body, heights = simulation.surface.hardness, simulation.body, simulation.map(piece.sample)
     if piece.branch == "cutoff":
         heights = smoothed(heights, simulation.patch.size, simulation.second_cutoff)
-    if piece.branch != "unload":
-        states = [press(body, heights, p, hardness=H) for p in piece.pressures]
-        return [_record(simulation, state) for state in states]
-    state = press(body, heights, max(simulation.pressures), hardness=H)
-    flattened, records = heights - state.overlap, []
+    if simulation.yield_stress is not None:
+        yield from _path(simulation, piece, heights)
+        return
+    start = None
+    if piece.branch == "unload":
+        state = press(body, heights, max(simulation.pressures), hardness=H)
+        heights, start = heights - state.overlap, state.pressure
     for p in piece.pressures:
-        state = press(body, flattened, p, hardness=H, start=state.pressure)
-        records.append(_record(simulation, state))
-    return records
+        state = press(body, heights, p, hardness=H, start=start)
+        start = None if start is None else state.pressure
+        yield _record(simulation, state)
+
+
+def _path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> Iterator[PieceRecord]:
+    """Of metal that flows, in load steps of equal length from one pressure to the next."""
+    assert simulation.yield_stress is not None
+    assert simulation.load_step is not None
+    state, before = None, 0.0
+    for number, p in enumerate(chain(piece.pressures, piece.unload)):
+        steps = math.ceil(abs(p - before) / simulation.load_step)
+        state = press_elastoplastic(
+            simulation.body,
+            heights,
+            np.linspace(before, p, steps + 1)[1:],
+            yield_stress=simulation.yield_stress,
+            poissons_ratio=simulation.poissons_ratio,
+            start=state,
+        )[-1]
+        before = p
+        drawn = piece.branch == "load" and piece.sample == 0 and number < len(piece.pressures)
+        yield _record(simulation, state.contact)._replace(
+            yielded_area=state.yielded_area, map=PressedMap.of_metal(state).text if drawn else ""
+        )
 
 
 def _record(simulation: DirectSimulation, state: ContactState) -> PieceRecord:
@@ -599,50 +809,57 @@ def _record(simulation: DirectSimulation, state: ContactState) -> PieceRecord:
     return PieceRecord(*numbers, tuple(quantiles.tolist()), tuple(counts.tolist()))
 
 
-def _file(simulation: DirectSimulation, piece: Piece) -> Path | None:
-    return (
-        None if simulation.folder is None else simulation.folder / "pieces" / f"{simulation.key(piece)}.json"
-    )
+def _files(simulation: DirectSimulation, piece: Piece) -> list[Path]:
+    """One for each record, known by all that came before it."""
+    if simulation.folder is None:
+        return []
+    keys = [simulation.key(piece.until(count)) for count in range(1, len(piece.states) + 1)]
+    return [simulation.folder / "pieces" / f"{key}.json" for key in keys]
 
 
-def _write(simulation: DirectSimulation, piece: Piece, records: list[PieceRecord]) -> None:
-    path = _file(simulation, piece)
-    if path is not None:
-        write_text(path, as_json([record._asdict() for record in records]))
+def _write(simulation: DirectSimulation, piece: Piece, records: Sequence[PieceRecord]) -> None:
+    # of a piece that failed there are fewer records
+    for path, record in zip(_files(simulation, piece), records, strict=False):
+        write_text(path, as_json([record._asdict()]))
 
 
 def _read(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord] | None:
     """None if it is not there, or is no whole piece."""
-    path = _file(simulation, piece)
-    if path is None or not path.is_file():
+    paths = _files(simulation, piece)
+    if not paths or not all(path.is_file() for path in paths):
         return None
     with suppress(ValueError, TypeError, KeyError):
-        found: list[dict[str, Any]] = parse_json(read_text(path))
-        lists = ("gap_quantiles", "gap_counts")
-        records = [PieceRecord(**{**one, **{name: tuple(one[name]) for name in lists}}) for one in found]
-        if len(records) == len(piece.pressures):
-            return records
+        records = []
+        for path in paths:
+            (one,) = parse_json(read_text(path))
+            lists = ("gap_quantiles", "gap_counts")
+            records.append(PieceRecord(**{**one, **{name: tuple(one[name]) for name in lists}}))
+        return records
     return None
 
 
 def _together(simulation: DirectSimulation, known: dict[Piece, list[PieceRecord]]) -> DirectTable:
     theory = partial(_theory, simulation)
     largest = max(simulation.pressures)
+    found = {
+        state: record
+        for piece, records in known.items()
+        for state, record in zip(piece.states, records, strict=True)
+    }
     rows, densities = [], []
     for p in sorted(simulation.pressures):
-        records = [known[Piece(sample, "load", (p,))][0] for sample in range(simulation.samples)]
-        cut = simulation.cubed(known[Piece(0, "cutoff", (p,))][0])
+        records = [found["load", sample, p] for sample in range(simulation.samples)]
+        cut = simulation.cubed(found["cutoff", 0, p])
         whole = simulation.cubed(records[0])
         ratio = cut / whole if whole > 0.0 else math.nan
         rows.append(_row(simulation, "load", p, p, records, ratio, theory(p)))
         densities.append(_density(simulation, records))
-    for n, p in sorted(enumerate(simulation.unload), key=lambda one: -one[1]):
-        records = [
-            known[Piece(sample, "unload", simulation.unload)][n] for sample in range(simulation.samples)
-        ]
+    for p in sorted(simulation.unload, reverse=True):
+        records = [found["unload", sample, p] for sample in range(simulation.samples)]
         rows.append(_row(simulation, "unload", p, largest, records, math.nan, None))
         densities.append(_density(simulation, records))
-    return DirectTable(simulation, tuple(rows), np.array(densities))
+    maps = {p: text for (branch, _, p), record in found.items() if branch == "load" and (text := record.map)}
+    return DirectTable(simulation, tuple(rows), np.array(densities), maps)
 
 
 def _row(

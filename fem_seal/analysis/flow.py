@@ -134,6 +134,14 @@ class Flow:
         """How the conductivity is simulated; None where it is the theory's."""
         return self.direct if self.conductivity == "direct" else None
 
+    @property
+    def elastic(self) -> Flow:
+        """The same where nothing yields in a simulation; itself without one."""
+        simulated = self.simulated
+        if simulated is None or simulated.elastic is simulated:
+            return self
+        return replace(self, direct=simulated.elastic)
+
     def sealing_pressure(self, surface: Seals) -> float:
         """Contact pressure from which nothing flows; of a simulation that of the theory's default [Pa].
 
@@ -503,7 +511,9 @@ class RoughFlow(Lazy):
     @variant
     def elastic(self) -> RoughFlow:
         """The same with asperities that never yield."""
-        return self._between(self.surface.elastic)
+        rough = self._between(self.surface.elastic)
+        flow = None if self.flow is None else self.flow.elastic
+        return rough if flow is self.flow else replace(rough, flow=flow)
 
     @variant
     def conserved(self) -> RoughFlow:

@@ -436,6 +436,9 @@ def direct_settings(case: CaseTables) -> DirectSettings | None:
         direction=given.direction,
         map=None if given.file is None else partial(_periodic_map, given.file, given.unit, given),
         folder=None if given.folder is None else Path(given.folder),
+        asperities=case.simulated_asperities,
+        yield_stress=given.yield_stress,
+        poissons_ratio=case.softer.poissons_ratio,
     )
 
 

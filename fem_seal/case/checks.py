@@ -70,7 +70,8 @@ def _flow(case: CaseTables) -> Iterator[Problem]:
 def _direct(case: CaseTables) -> Iterator[Problem]:
     if case.direct is not None and case.roughness is None:
         yield Problem("direct", "simulates the surface of [roughness], and there is none; add it")
-    hardness = case.hardness if case.leak.plasticity else None
+    yield from _asperities(case)
+    hardness = None if case.simulated_asperities == "elastic" else case.hardness
     if case.direct is not None and case.direct.pressure is not None and hardness is not None:
         highest = max(case.direct.pressure)
         if highest >= hardness:
@@ -99,6 +100,29 @@ def _direct(case: CaseTables) -> Iterator[Problem]:
             "simulates one surface, but [uncertainty] samples hundreds; remove one of them",
             value,
         )
+
+
+def _asperities(case: CaseTables) -> Iterator[Problem]:
+    """What yields in a simulation, and whether it can."""
+    given = case.direct
+    if given is None:
+        return
+    if given.yield_stress is not None and given.asperities != "von-mises":
+        yield Problem(
+            "direct.yield_stress",
+            'is only for metal that flows; add asperities = "von-mises", or remove it',
+            f"{given.yield_stress / 1e6:.4g} MPa",
+        )
+    if given.asperities in (None, "elastic"):
+        return
+    needs = "a hardness" + (" or direct.yield_stress" if given.asperities == "von-mises" else "")
+    if case.hardness is None and (given.asperities == "capped" or given.yield_stress is None):
+        why = f"needs {needs}, and there is none; add one"
+    elif case.hardness is not None and not case.leak.plasticity:
+        why = "takes asperities that yield, but leak.plasticity is false; set it to true"
+    else:
+        return
+    yield Problem("direct.asperities", f'{why}, or use "elastic"', f'"{given.asperities}"')
 
 
 def _bodies(case: CaseTables) -> Iterator[Problem]:

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from fem_seal.case.fields import Number, Pressures, Quantity, Table, Whole
 from fem_seal.case.roughness import LengthUnits
 
+Asperities = Literal["elastic", "capped", "von-mises"]
 CONTACT_PRESSURE = Quantity("pressure", "1 Pa", "1e6 GPa")
 
 
@@ -53,6 +54,16 @@ class Direct(Table):
         None,
         description='of the flow: "both": the mean; "x": along the first direction of a map, along the flow of a '
         "roughness with a lay; both unless there is a lay, x then",
+    )
+    asperities: Asperities | None = Field(
+        None,
+        description='what yields: "elastic": nothing; "capped": no pressure exceeds the hardness; "von-mises": metal '
+        "flows below the surface; capped where asperities yield (leak.plasticity) and elastic elsewhere unless given",
+    )
+    yield_stress: Annotated[float, CONTACT_PRESSURE] | None = Field(
+        None,
+        description='of asperities = "von-mises", in tension; the hardness over 2.9 unless given',
+        examples=["1.2 GPa"],
     )
     file: str | None = Field(
         None,

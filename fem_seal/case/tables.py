@@ -5,6 +5,7 @@ One frozen model per table, in SI after reading.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, PrivateAttr, model_validator
 
 from fem_seal.case import closures, seats
-from fem_seal.case.direct import Direct
+from fem_seal.case.direct import Asperities, Direct
 from fem_seal.case.drawn import ClosureProfile, SeatProfile
 from fem_seal.case.fields import NominalSizeEntry, Number, OneOrMany, Pressures, Quantity, Table
 from fem_seal.case.fluid import Fluid
@@ -391,6 +392,20 @@ class CaseTables(Table):
             body.hardness for body in (self.closure.material, self.seat.material) if body.hardness is not None
         ]
         return min(known, default=None)
+
+    @property
+    def softer(self) -> Material:
+        """The body of that hardness, or with the lower modulus if none is known."""
+        return min(
+            (self.closure.material, self.seat.material),
+            key=lambda body: (body.hardness or math.inf, body.youngs_modulus),
+        )
+
+    @property
+    def simulated_asperities(self) -> Asperities:
+        """What yields in a direct simulation: as asked for, and unless asked what the theory takes."""
+        asked = None if self.direct is None else self.direct.asperities
+        return asked or ("capped" if self.leak.plasticity and self.hardness is not None else "elastic")
 
     @property
     def sampled(self) -> Uncertainty | None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fem_seal.analysis.direct import QUANTILES, DirectRow, DirectTable
+from fem_seal.analysis.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.files import as_json, write_bytes, write_text
 from fem_seal.output.prose import said
 from fem_seal.output.tables import write_rows_csv
@@ -110,6 +110,10 @@ def direct_numbers(table: DirectTable) -> dict[str, Any]:
         "slope_variance_cut": None if measured else patch.slope_cut,
         "effective_modulus_Pa": simulation.surface.effective_modulus,
         "hardness_Pa": simulation.surface.hardness,
+        "asperities": simulation.asperities,
+        "yield_stress_Pa": simulation.yield_stress,
+        "poissons_ratio": None if simulation.yield_stress is None else simulation.poissons_ratio,
+        "load_step_Pa": simulation.load_step,
     }
 
 
@@ -130,7 +134,7 @@ def direct_lines(table: DirectTable) -> list[str]:
         "of": quantity("length", simulation.surface.spectrum.rms_height),
     }
     if simulation.heights is not None:
-        return [said("direct.patch", "map", **values)]
+        return [said("direct.patch", "map", **values), _asperities(simulation)]
     lines = [
         said(
             "direct.patch",
@@ -139,7 +143,8 @@ def direct_lines(table: DirectTable) -> list[str]:
             height=percent(patch.height_cut),
             slope=percent(patch.slope_cut),
             **values,
-        )
+        ),
+        _asperities(simulation),
     ]
     theory = [row.theory for row in table.loading if row.theory is not None]
     readings = {"capped": [one.cut for one in theory], "conserved": [one.cut_conserved for one in theory]}
@@ -153,6 +158,17 @@ def direct_lines(table: DirectTable) -> list[str]:
     if halves:
         lines.append(said("direct.cost", "half", low=number(min(halves), 2), high=number(max(halves), 2)))
     return lines
+
+
+def _asperities(simulation: DirectSimulation) -> str:
+    values = {
+        "hardness": simulation.surface.hardness,
+        "yield_stress": simulation.yield_stress,
+        "step": simulation.load_step,
+    }
+    told = {name: quantity("contact pressure", value) for name, value in values.items() if value is not None}
+    nu = number(simulation.poissons_ratio, 3)
+    return said("direct.asperities", simulation.asperities, poissons_ratio=nu, **told)
 
 
 def write_direct(table: DirectTable, folder: Path, viscosity: float | None) -> None:

@@ -88,6 +88,7 @@ def used(result: SealSolution) -> dict[str, bool]:
         "Barus": isinstance(law, Barus),
         "Roelands": isinstance(law, Roelands),
         "direct": case.leak.conductivity == "direct",
+        "von Mises": case.simulated_asperities == "von-mises",
         "bruggeman": case.leak.conductivity in ("bruggeman", "threshold-law"),
         "threshold-law": case.leak.conductivity == "threshold-law",
         "fluid in gap": case.leak.fluid_in_gap == "local" and case.fluid is not None,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.direct import DirectTable
+from fem_seal.analysis.direct import DirectTable, PressedMap
 from fem_seal.analysis.results import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.style import (
@@ -135,9 +135,10 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
     from leak.direct import patch_flow, streams
 
     simulation = table.simulation
-    state = simulation.state(0, pressure)
-    turned = simulation.direction == "y"
-    gap, p = (one.T.copy() if turned else one for one in (state.gap, state.pressure))
+    pressed = table.pressed(pressure)
+    if simulation.direction == "y":
+        pressed = PressedMap(pressed.gap.T.copy(), pressed.touches.T, pressed.yielded.T)
+    gap, touches, yielded = pressed
     flow = patch_flow(gap)
     found = streams(gap, flow)
     size = unit_for("length", simulation.patch.size)
@@ -153,13 +154,12 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
             values[::every, ::every].T, origin="lower", extent=extent, interpolation="nearest", **how
         )
 
-    image = show(left, np.where(p > 0.0, np.nan, gap / height.size), cmap="Blues", vmin=0.0)
+    image = show(left, np.where(touches, np.nan, gap / height.size), cmap="Blues", vmin=0.0)
     figure.colorbar(image, ax=left, shrink=0.8, label=f"gap  [{height.name}]")
-    H = simulation.surface.hardness
-    show(left, np.where(p > 0.0, 1.0, np.nan), cmap=ListedColormap([GREY]))
-    if H is not None:
-        show(left, np.where(p >= H, 1.0, np.nan), cmap=ListedColormap([ORANGE]))
-    show(right, np.where(p > 0.0, 1.0, np.nan), cmap=ListedColormap(["#d9dde3"]))
+    show(left, np.where(touches, 1.0, np.nan), cmap=ListedColormap([GREY]))
+    if simulation.asperities != "elastic":
+        show(left, np.where(touches & yielded, 1.0, np.nan), cmap=ListedColormap([ORANGE]))
+    show(right, np.where(touches, 1.0, np.nan), cmap=ListedColormap(["#d9dde3"]))
     if flow.gap_cubed > 0.0:
         most = float(found.flux.max())
         flux = np.where(found.flux > _FAINT * most, found.flux, np.nan)
@@ -173,10 +173,9 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
     label(left, f"Contact and gap at {at}", f"along the flow  [{size.name}]", f"across  [{size.name}]")
     label(right, "Flow" if flow.gap_cubed > 0.0 else "Tight", f"along the flow  [{size.name}]", "")
     spans = "open" if flow.gap_cubed > 0.0 else "tight"
-    yields = "yielded" if H is not None else "elastic"
     return Picture(
         "direct_map",
         svg(figure),
         said("captions.direct", "alt_map", pressure=at),
-        said("captions.direct", "map", yields, spans, pressure=at),
+        said("captions.direct", "map", simulation.asperities, spans, pressure=at),
     )

@@ -228,11 +228,18 @@ def _forces(forces: list[float]) -> str:
     return ends[0] if ends[0] == ends[1] else f"{len(forces)} from {ends[0]} to {ends[1]}"
 
 
+_SIMULATED = {
+    "elastic": "elastic asperities",
+    "capped": "pressure capped at the hardness",
+    "von-mises": "metal that flows by von Mises",
+}
+
+
 def _leak(case: Case) -> list[tuple[str, str]]:
     conductivity = {
         "bruggeman": "effective medium (Bruggeman)",
         "critical-junction": "critical junction",
-        "direct": "direct simulation of rough patches",
+        "direct": f"direct simulation of rough patches, {_SIMULATED[case.simulated_asperities]}",
         "threshold-law": "effective medium, closed law near the threshold",
     }
     return [
