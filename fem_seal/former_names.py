@@ -16,6 +16,8 @@ from typing import Any, ParamSpec, TypeVar
 
 # Entries of a case, by their paths: former and present one.
 ENTRIES = {"load.axial_force": "load.applied_force"}
+# Values of entries.
+VALUES = {"interface.law": {"persson": "spectrum"}}
 # Columns of leak.csv.
 COLUMNS = {"axial_force_N": "contact_force_N"}
 # Verdicts of studies that are stored.
@@ -96,7 +98,23 @@ def in_present_entries(entries: Mapping[str, Any]) -> dict[str, Any]:
         inside = found.get(table)
         if isinstance(inside, Mapping):
             found[table] = _renamed(inside, key, present.rpartition(".")[2], former, present)
+    for path, values in VALUES.items():
+        table, _, key = path.rpartition(".")
+        if path in found:
+            found[path] = _present_value(path, found[path], values)
+        if isinstance(found.get(table), Mapping) and key in found[table]:
+            found[table] = {**found[table], key: _present_value(path, found[table][key], values)}
     return found
+
+
+def _present_value(path: str, given: Any, values: Mapping[str, str]) -> Any:
+    """A value, or each of the levels of a study, by its present name."""
+    if isinstance(given, (list, tuple)):
+        return [_present_value(path, one, values) for one in given]
+    if not isinstance(given, str) or given not in values:
+        return given
+    say_once(f'{path} = "{given}"', f'"{values[given]}"')
+    return values[given]
 
 
 def _renamed(entries: Mapping[str, Any], key: str, other: str, former: str, present: str) -> Any:

@@ -44,7 +44,7 @@ class SealResult(SealSolution):
         In the order of the case.
     discretisation_error : DiscretisationError
     interface_variants : tuple of Comparison
-        Elastic and plastic p(u), for `law = "persson"` with a hardness; else empty.
+        Elastic and plastic p(u), for `law = "spectrum"` with a hardness; else empty.
     warnings : tuple of str
         Everything to know before believing the result, the worst first; each load's `validity` says what it means.
     timings : dict

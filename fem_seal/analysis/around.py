@@ -173,7 +173,7 @@ class Around:
             apart = float(np.mean(self.line_load == 0.0))
             raise OpenSealError(
                 f"the form error parts the surfaces over {share_text(apart)} of the circumference, and with "
-                '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "persson"'
+                '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "spectrum"'
             )
         each, most = curve.leak_rates(self.line_load, self.before)
         bounds = tuple(

@@ -349,9 +349,9 @@ def _with_tables(after: Afterwards, rough: RoughFlow | None) -> RoughFlow | None
     if rough is None:
         return None
     rough = after.settled(rough, {"table": "flow conductivity"})
-    if rough.surface.hardness is None:
-        return rough
     for name, what in _READINGS.items():
+        if getattr(rough, name) is rough:
+            continue
         read = after.settled(getattr(rough, name), {"table": f"flow conductivity of {what}"})
         rough = rough.knowing(**{name: read})
     return rough

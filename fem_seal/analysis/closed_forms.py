@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
 _STIFFER = 0.05
+# The peak changes little with u0: so many steps settle both.
+_PEAKS = 12
 
 
 @dataclass(frozen=True)
@@ -88,8 +90,8 @@ class Derived:
     rms_height, rms_slope : float or None
         Of the combined roughness [m], [-]; None without roughness.
     decay_length : float or None
-        u0 of p = p_c exp(-u/u0) [m]: as given, gamma times rms height, or of the spectrum at low pressure;
-        None for a smooth interface.
+        u0 of p = p_c exp(-u/u0) [m]: as given, gamma times rms height, or of the spectrum at low pressure, of the
+        corrected theory at the peak of the load with the largest contact force; None for a smooth interface.
     law_pressure : float or None
         p_c [Pa].
     loads : tuple of DerivedLoad
@@ -117,7 +119,8 @@ def derive(case: CaseSource) -> Derived:
     Returns
     -------
     Derived
-        With law "persson" the exponential of the elastic spectrum at low pressure stands for the law.
+        With law "spectrum" an exponential stands for the law: that of the elastic spectrum at low pressure or, of
+        the corrected theory, at each load the one that touches the law at the peak pressure.
 
     Examples
     --------
@@ -133,8 +136,19 @@ def derive(case: CaseSource) -> Derived:
     r0 = 14.14 mm, Hertz 192 MPa
     """
     problem = SealProblem.of(case_of(case))
-    surface, loads = problem.surface, problem.loads
+    surface = problem.surface
+    loads = tuple(
+        _derive_load(problem, *point, profiles=number not in problem.loads.refused)
+        for number, point in enumerate(problem.loads.points)
+    )
     decay_length, law_pressure = problem.interface.exponential(surface)
+    closed = [load.crossover for load in loads if load.crossover is not None]
+    law = _stiffening_law(problem)
+    if decay_length is None and law is not None and closed:
+        strongest = max(closed, key=lambda one: one.line_load)
+        gap = float(law.gap(np.array([math.log(strongest.peak_pressure)]))[0])
+        decay_length = strongest.u0
+        law_pressure = strongest.peak_pressure * math.exp(gap / decay_length)
     return Derived(
         touch_radius=problem.touch_radius,
         effective_modulus=problem.effective_modulus,
@@ -144,10 +158,7 @@ def derive(case: CaseSource) -> Derived:
         rms_slope=surface.spectrum.rms_slope if surface else None,
         decay_length=decay_length,
         law_pressure=law_pressure,
-        loads=tuple(
-            _derive_load(problem, *point, decay_length, profiles=number not in loads.refused)
-            for number, point in enumerate(loads.points)
-        ),
+        loads=loads,
     )
 
 
@@ -224,7 +235,7 @@ def nearly_open(derived: Derived) -> str:
 
 def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:
     """The law of the rough surface; None where it is an exponential or hard contact."""
-    if problem.interface.law != "persson":
+    if problem.interface.law != "spectrum":
         return None
 
     law = problem.law
@@ -236,7 +247,6 @@ def _derive_load(
     problem: SealProblem,
     fluid_pressure: float,
     applied_force: float,
-    decay_length: float | None,
     *,
     profiles: bool,
 ) -> DerivedLoad:
@@ -249,16 +259,30 @@ def _derive_load(
         # what a run begins with where the fluid balances the applied force or nearly so, and no estimate of the force
         force, profiles = math.nan, False
     f = line_load(force, r0, problem.contact.angle)
+    decay_length = _decay_length(problem, f) if profiles else None
     return DerivedLoad(
         fluid_pressure=fluid_pressure,
         contact_force=force,
         line_load=f,
         hertz=hertz_line(f, R, E) if profiles else None,
-        gaussian=gaussian_line(f, R, decay_length) if decay_length and profiles else None,
-        crossover=crossover_line(f, R, E, decay_length) if decay_length and profiles else None,
+        gaussian=gaussian_line(f, R, decay_length) if decay_length else None,
+        crossover=crossover_line(f, R, E, decay_length) if decay_length else None,
         blow_off_pressure=blow_off_of_sealed_area(r0, applied_force) if side == "inner" else None,
         force_for_target=_force_for_target(problem, fluid_pressure),
     )
+
+
+def _decay_length(problem: SealProblem, line_load: float) -> float | None:
+    """u0 of the exponential that stands for the law; of the corrected theory the one at the peak that it gives."""
+    u0, law = problem.interface.exponential(problem.surface)[0], _stiffening_law(problem)
+    if u0 is not None or law is None:
+        return u0
+    assert problem.surface is not None  # of law spectrum
+    u0 = problem.surface.spectrum.rms_height
+    for _ in range(_PEAKS):
+        closed = crossover_line(line_load, problem.contact.relative_radius, problem.effective_modulus, u0)
+        u0 = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
+    return u0
 
 
 def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | None:

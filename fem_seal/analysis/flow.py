@@ -534,8 +534,9 @@ class RoughFlow(Lazy):
 
     @property
     def two_readings(self) -> bool:
-        """Whether asperities yield and the theory says how; a simulation has one reading with its own interval."""
-        return self.surface.hardness is not None and not self.ends
+        """Whether asperities yield and the theory reads that in two ways; a simulation has its own interval."""
+        yields = self.surface.hardness is not None and not self.ends
+        return yields and self.surface.conserved is not self.surface.capped
 
     def _between(self, surface: RoughContact) -> RoughFlow:
         return self if surface is self.surface else replace(self, surface=surface)

@@ -49,9 +49,9 @@ class Interface:
 
     Parameters
     ----------
-    law : {"persson", "exponential", "smooth"}
+    law : {"spectrum", "exponential", "smooth"}
     plastic : bool
-        With "persson": p(u) of the elastic or of the plastically smoothed spectrum.
+        With "spectrum": p(u) of asperities that yield instead of elastic ones.
     gamma : float or None
         With "exponential": decay length over rms height, unless `u0` is given.
     u0 : float or None
@@ -60,7 +60,7 @@ class Interface:
         With "exponential": pressure at zero gap [Pa]; that of the spectrum unless given.
     """
 
-    law: Literal["persson", "exponential", "smooth"]
+    law: Literal["spectrum", "exponential", "smooth"]
     plastic: bool = False
     gamma: float | None = None
     u0: float | None = None
@@ -77,7 +77,7 @@ class Interface:
 
         if self.law == "smooth":
             return HardContact()
-        if self.law == "persson":
+        if self.law == "spectrum":
             assert surface is not None  # the case's own checks demand a roughness
             return surface.interface_law(plastic=self.plastic)
         u0, p_c = self.exponential(surface)
@@ -87,18 +87,19 @@ class Interface:
     def exponential(self, surface: RoughContact | None) -> tuple[float | None, float | None]:
         """Decay length u0 [m] and pressure p_c [Pa] of p = p_c exp(-u/u0); None, None for a smooth interface.
 
-        With law "exponential" as given, or gamma times rms height and p_c of the spectrum; with law "persson" the
-        elastic spectrum's at low pressure.
+        With law "exponential" as given, or gamma times rms height and p_c of the spectrum; with law "spectrum" the
+        elastic spectrum's at low pressure, which the corrected theory has none of: None, None.
 
         Parameters
         ----------
         surface : RoughContact or None
         """
-        if self.law == "smooth":
+        corrected = surface is not None and surface.theory == "corrected"
+        if self.law == "smooth" or (self.law == "spectrum" and corrected):
             return None, None
         if surface is None:
             return self.u0, self.p_c
-        if self.law == "persson":
+        if self.law == "spectrum":
             return surface.u0, surface.p_c
         gamma = DEFAULT_GAMMA if self.gamma is None else self.gamma
         return self.u0 or gamma * surface.spectrum.rms_height, self.p_c or surface.p_c
@@ -382,6 +383,7 @@ def rough_contact(case: CaseTables) -> RoughContact | None:
         spectrum,
         effective_modulus=case.effective_modulus,
         hardness=case.hardness if case.leak.plasticity else None,
+        theory=case.leak.theory,
         percolation_threshold=case.leak.percolation_threshold,
         peklenik=peklenik,
     )

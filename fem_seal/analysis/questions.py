@@ -143,7 +143,7 @@ def with_answers(
     )
     capped, more = after.get(
         "force for the target leak rate, asperities changing only where they touch",
-        lambda: _forces_capped(solver, len(loads)),
+        lambda: _forces_capped(solver, loads),
         ([None] * len(loads), ()),
     )
     # elastic bodies are the same after every load
@@ -197,11 +197,12 @@ def _forces_for_target(solver: LoadSolver, count: int) -> Forces:
     return forces, verdicts, tuple(target_cautions(problem, surface, found))
 
 
-def _forces_capped(solver: LoadSolver, count: int) -> tuple[list[float | None], tuple[Caution, ...]]:
+def _forces_capped(
+    solver: LoadSolver, loads: Sequence[LoadResult]
+) -> tuple[list[float | None], tuple[Caution, ...]]:
     """The same forces in the other reading of yielding asperities, as far as there is one."""
-    problem, flow = solver.problem, solver.flow
-    single = flow is None or flow.surface.hardness is None or flow.flow.simulated is not None
-    if problem.loads.target_leak_rate is None or single:
+    problem, count = solver.problem, len(loads)
+    if problem.loads.target_leak_rate is None or not loads[0].yields:
         return [None] * count, ()
     try:
         return [one.applied_force for one in contacts_at_target(problem, capped=True)], ()

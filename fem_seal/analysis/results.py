@@ -276,7 +276,7 @@ class LoadResult(Lazy):
 
     @property
     def yields(self) -> bool:
-        """Whether asperities yield by the theory, so that the leak rate has two readings."""
+        """Whether asperities yield by a theory that reads this in two ways."""
         return self.rough is not None and self.rough.two_readings
 
     @property

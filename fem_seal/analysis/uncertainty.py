@@ -561,7 +561,7 @@ class _Study:
 
         known, problem = self.result.surface, self.result.problem
         assert known is not None  # of the checks
-        if problem.interface.law != "persson" or problem.interface.plastic:
+        if problem.interface.law != "spectrum" or problem.interface.plastic:
             return problem.interface.of_surface(surface)
         height = height_ratio(surface.elastic, known.elastic)
         if height is None:

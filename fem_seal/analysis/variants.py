@@ -74,7 +74,7 @@ def _loads(result: SealSolution, problem: SealProblem) -> Sequence[LoadResult]:
 
 
 def _laws(problem: SealProblem, surface: RoughContact) -> tuple[bool | None, ...]:
-    if problem.interface.law != "persson":
+    if problem.interface.law != "spectrum":
         return (None,)
     return (False,) if surface.hardness is None else (False, True)
 
@@ -127,7 +127,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
     """The load with the largest closing force with p(u) of the elastic and of the plastically smoothed surface."""
     problem = solver.problem
     surface = problem.surface
-    if surface is None or surface.hardness is None or problem.interface.law != "persson":
+    if surface is None or surface.hardness is None or problem.interface.law != "spectrum":
         return ()
     strongest = strongest_load(loads)
     load, variants = loads[strongest], []

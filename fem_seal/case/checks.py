@@ -271,10 +271,10 @@ def _wavenumbers(key: str, spectrum: SelfAffine) -> Iterator[Problem]:
 
 def _interface(case: CaseTables) -> Iterator[Problem]:
     interface, rough = case.interface, case.roughness is not None
-    if interface.law == "persson" and not rough:
+    if interface.law == "spectrum" and not rough:
         yield Problem(
             "roughness",
-            'is missing; interface.law = "persson" takes p(u) from the spectrum. Add [roughness], or use '
+            'is missing; interface.law = "spectrum" takes p(u) from the spectrum. Add [roughness], or use '
             'law = "smooth"',
         )
     if interface.law != "exponential":
@@ -284,11 +284,11 @@ def _interface(case: CaseTables) -> Iterator[Problem]:
                     f"interface.{key}",
                     f'only with law = "exponential", but law = "{interface.law}"; remove it',
                 )
-    if interface.law != "persson" and interface.plastic:
+    if interface.law != "spectrum" and interface.plastic:
         yield Problem(
-            "interface.plastic", f'only with law = "persson", but law = "{interface.law}"; remove it', "true"
+            "interface.plastic", f'only with law = "spectrum", but law = "{interface.law}"; remove it', "true"
         )
-    if interface.law == "persson" and interface.plastic and rough and not case.leak.plasticity:
+    if interface.law == "spectrum" and interface.plastic and rough and not case.leak.plasticity:
         yield Problem(
             "interface.plastic",
             "the asperities do not yield with leak.plasticity = false; set plastic = false, or plasticity = true",

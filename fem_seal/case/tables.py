@@ -40,15 +40,15 @@ EARLIER_FORCE = Quantity("force", "0 N", "1e9 N", exclusive=True)
 class Interface(Table):
     """[interface]: law between contact pressure and gap that carries the macroscopic contact."""
 
-    law: Literal["persson", "exponential", "smooth"] = Field(
-        "persson",
-        description='"persson": the full p(u) of the spectrum; "exponential": p = p_c exp(-u/u0); "smooth": '
+    law: Literal["spectrum", "exponential", "smooth"] = Field(
+        "spectrum",
+        description='"spectrum": p(u) of the spectrum by leak.theory; "exponential": p = p_c exp(-u/u0); "smooth": '
         "hard contact without roughness",
     )
     plastic: bool = Field(
         False,
-        description='with law = "persson": p(u) of the elastic (false) or of the plastically smoothed '
-        "spectrum (true)",
+        description='with law = "spectrum": p(u) of elastic asperities (false) or of those that yield (true); with '
+        'leak.theory = "paper" the latter is that of the plastically smoothed spectrum',
     )
     gamma: Annotated[float, Number(0.01, 2)] | None = Field(
         None,
@@ -158,6 +158,12 @@ class Load(Table):
 class Leak(Table):
     """[leak]: how the leak rate is calculated from the contact."""
 
+    theory: Literal["paper", "corrected"] = Field(
+        "paper",
+        description='theory of the rough contact. "paper": gaps as in Fischer et al. 2020, and two readings of '
+        'asperities that yield; "corrected": p(u) and flow by the gap law of theory/gap in the manual, and asperities '
+        "that yield by von Mises' criterion, in one reading",
+    )
     plasticity: bool = Field(
         True,
         description="asperities yield at the hardness of the softer body; needs a hardness of a material",

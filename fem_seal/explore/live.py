@@ -251,7 +251,7 @@ class Session:
         problem = replace(whole, loads=loads, form=None)
         if (
             problem.surface is not None
-            and problem.interface.law == "persson"
+            and problem.interface.law == "spectrum"
             and not problem.interface.plastic
         ):
             # the same law, from that of its family: made once

@@ -19,6 +19,17 @@ if TYPE_CHECKING:
 _NOT_A_DIMENSION = ("interference", "tolerance")
 
 
+def law_word(case: Case) -> str:
+    """The case's interface law, by the word that its sentences have in words.toml.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    law = case.interface.law
+    return "corrected" if law == "spectrum" and case.leak.theory == "corrected" else law
+
+
 def dimensions(case: Case, name: str) -> dict[str, float]:
     """Dimensions of a body by key.
 

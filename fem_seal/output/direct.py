@@ -148,7 +148,7 @@ def direct_lines(table: DirectTable) -> list[str]:
     ]
     theory = [row.theory for row in table.loading if row.theory is not None]
     readings = {"capped": [one.cut for one in theory], "conserved": [one.cut_conserved for one in theory]}
-    if simulation.surface.hardness is None:
+    if simulation.surface.conserved is simulation.surface.capped:
         readings = {"elastic": readings["capped"]}
     for reading, found in readings.items():
         cuts = [one for one in found if math.isfinite(one)]

@@ -18,9 +18,16 @@ def prose() -> dict[str, Any]:
     return tomllib.loads(text)
 
 
-def definitions() -> list[tuple[str, str]]:
-    """Words of the report with their meanings, in the order of the page."""
-    return [(one["term"], one["meaning"]) for one in prose()["definitions"]]
+def definitions(*, readings: bool) -> list[tuple[str, str]]:
+    """Words of the report with their meanings, in the order of the page.
+
+    Parameters
+    ----------
+    readings : bool
+        Whether those of the readings of yielding asperities are among them.
+    """
+    told = (one for one in prose()["definitions"] if readings or not one.get("readings", False))
+    return [(one["term"], one["meaning"]) for one in told]
 
 
 def said(where: str, *parts: str, **values: object) -> str:

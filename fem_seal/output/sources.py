@@ -82,6 +82,8 @@ def used(result: SealSolution) -> dict[str, bool]:
         and case.roughness.is_measured,
         "finish": surface is not None and case.roughness is not None and bool(case.roughness.finishes),
         "yielding asperities": surface is not None and surface.hardness is not None,
+        "paper's theory": surface is not None and surface.theory == "paper",
+        "corrected theory": surface is not None and surface.theory == "corrected",
         "earlier load": any(load.remembers for load in result.loads),
         "stretched roughness": surface is not None and surface.peklenik != 1.0,
         "gas": case.fluid is not None and case.fluid.gas is not None,

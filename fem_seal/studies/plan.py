@@ -171,24 +171,27 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
     return goals
 
 
-# Where asperities yield, a leak rate never stands without its other reading.
+# Where asperities yield in two readings, a leak rate never stands without the other one.
 _LEAK_RATE, _BESIDE = "leak_rate_m3_per_s", "leak_rate_capped_m3_per_s"
 # The verdict is a word, which stands in the table of the designs wherever its number does.
 _VERDICT, _MARGIN = "verdict", "margin"
-# Columns that elastic asperities leave empty, and those that uncertain inputs fill all the same.
+# Columns that one reading leaves empty, and those that uncertain inputs fill all the same.
 _OF_YIELDING = (_BESIDE, "leak_rate_conserved_m3_per_s", "force_for_target_leak_capped_N")
 _SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 
 
-def _yields(study: StudyPlan) -> bool:
-    """Whether asperities yield in some design."""
-    return study.case.leak.plasticity or "leak.plasticity" in study.names
+def _missing_for_readings(study: StudyPlan) -> str:
+    """What no design has of what two readings of yielding asperities need; empty if some design has them."""
+    leak = study.case.leak
+    if not leak.plasticity and "leak.plasticity" not in study.names:
+        return "leak.plasticity = true"
+    return "" if leak.theory == "paper" or "leak.theory" in study.names else 'leak.theory = "paper"'
 
 
 def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[str, ...]:
     """The responses asked for, those that formulas need, and what stands beside them, in the order of leak.csv."""
     wanted = _asked(study, responses)
-    if _LEAK_RATE in wanted and _yields(study):
+    if _LEAK_RATE in wanted and not _missing_for_readings(study):
         wanted.add(_BESIDE)
     if _VERDICT in wanted:
         wanted.add(_MARGIN)
@@ -260,9 +263,10 @@ def _check_possible(key: str, name: str, study: StudyPlan) -> None:
         if getattr(study.case, table) is None:
             raise InputError(Problem(key, f"{name} needs a table [{table}] in the base case"))
     sampled = name in _SAMPLED and study.case.sampled is not None
-    if name in (*_OF_YIELDING, *_SAMPLED) and not _yields(study) and not sampled:
+    missing = _missing_for_readings(study)
+    if name in (*_OF_YIELDING, *_SAMPLED) and missing and not sampled:
         also = " or a table [uncertainty]" if name in _SAMPLED else ""
-        raise InputError(Problem(key, f"{name} needs leak.plasticity = true{also} in the base case"))
+        raise InputError(Problem(key, f"{name} needs {missing}{also} in the base case"))
 
 
 def _check_name(key: str, name: str, taken: Sequence[str]) -> None:

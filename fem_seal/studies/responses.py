@@ -197,7 +197,7 @@ def _bare_load(problem: SealProblem, stress: bool) -> Steps[LoadResult]:
 
 def _law(problem: SealProblem) -> Law:
     interface, surface = problem.interface, problem.surface
-    if interface.law == "persson" and not interface.plastic and surface is not None:
+    if interface.law == "spectrum" and not interface.plastic and surface is not None:
         return family_law(surface)
     return problem.law
 

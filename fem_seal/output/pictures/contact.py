@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.analysis.load_names import LoadAxis, different, load_axis, load_name
+from fem_seal.output.case_words import law_word
 from fem_seal.output.pictures.style import (
     BLUE,
     GREEN,
@@ -78,7 +79,7 @@ def profile_picture(result: SealSolution, derived: Derived) -> Picture:
 
 
 def _profile_caption(result: SealSolution) -> str:
-    law = result.case.interface.law
+    law = law_word(result.case)
     start = ("start", "mean" if result.highest.formed is not None else "")
     if math.isinf(result.model.relative_radius):
         return said("captions.profile", *start, "conforming")

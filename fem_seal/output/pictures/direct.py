@@ -97,10 +97,14 @@ def curves_picture(table: DirectTable) -> Picture:
     flows = u > 0.0
     flow.fill_between(p[flows], low[flows], high[flows], color=FILL, lw=0)
     flow.plot(p[flows], u[flows], "o", color=BLUE, ms=3.8, label="simulated")
-    for name, values, colour, line in (
+    readings = [
         ("theory, conserved", [one.conserved for one in theory], PURPLE, "-"),
         ("theory, capped", [one.capped for one in theory], ORANGE, "-"),
-    ):
+    ]
+    surface = table.simulation.surface
+    if surface.conserved is surface.capped:
+        readings = [("theory", [one.capped for one in theory], ORANGE, "-")]
+    for name, values, colour, line in readings:
         shown = np.array(values) / length.size
         flow.plot(p, np.where(shown > 0.0, shown, np.nan), line, color=colour, label=name)
     after = np.array([row.effective_gap for row in back]) / length.size

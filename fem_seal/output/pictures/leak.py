@@ -99,16 +99,17 @@ def leak_picture(result: SealSolution) -> Picture | None:
     axes.legend(loc="best")
     label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]")
     if factor is not None:
-        readings = [("C_pl", rates, BLUE)]
+        readings = [("C_pl" if two else "", rates, BLUE)]
         if np.isfinite(capped).any():
             readings.append(("only where they touch", capped, GREEN))
         _reduction(factor, over.shown, elastic, readings, "x" in scales)
         label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
+    words = ("plastic_both" if two else "plastic", "plastic_elastic") if plastic else ()
     return Picture(
         "leak",
         svg(figure),
         said("captions.leak", "alt", over=over.name),
-        said("captions.leak", "all", over.order, "plastic" if plastic else "", over=over.name),
+        said("captions.leak", "all", over.order, *words, over=over.name),
     )
 
 

@@ -42,7 +42,9 @@ def memory_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
-    loads = [load for load in result.loads if load.leak_range is not None]
+    if result.surface is None or result.surface.hardness is None:
+        return None
+    loads = [load for load in result.loads if load.leak is not None]
     if not loads or not (result.earlier or any(load.remembers for load in loads)):
         return None
     if result.unloaded is None:
@@ -65,21 +67,22 @@ def memory_picture(result: SealSolution) -> Picture | None:
         number_dots(axes, over.shown, after[:, 1] / unit.size, numbers)
     axes.legend(loc="best")
     label(axes, "Leak rate on first loading and after a larger load", over.label, f"leak rate  [{unit.name}]")
+    words = ("rates_both", "back_both") if any(load.yields for load in loads) else ("rates", "back")
     return Picture(
         "memory",
         svg(figure),
         said("captions.memory", "alt", over=over.name, earlier=earlier),
-        said("captions.memory", "all", "bodies" if result.unloaded else "elastic", earlier=earlier),
+        said("captions.memory", *words, "bodies" if result.unloaded else "elastic", earlier=earlier),
     )
 
 
 def _ends(loads: Sequence[LoadResult]) -> FloatArray:
-    """Smaller and larger leak rate of both readings of yielding asperities, shape (loads, 2) [m^3/s]."""
-    return np.array([load.leak_range or (np.nan, np.nan) for load in loads])
+    """Smaller and larger leak rate of the readings of yielding asperities, shape (loads, 2) [m^3/s]."""
+    return np.array([load.leak_range or (load.leak.leak_rate,) * 2 for load in loads if load.leak])
 
 
 def _band(axes: Axes, x: FloatArray, ends: FloatArray, colour: str, name: str) -> None:
-    """The interval of both readings at each load; down to the foot where one of them is sealed."""
+    """The interval of the readings at each load; down to the foot where one of them is sealed."""
     leaks = ends[ends > 0]
     foot = _FOOT * float(leaks.min()) if leaks.size else 0.0
     low, high = np.where(ends > 0, ends, foot).T

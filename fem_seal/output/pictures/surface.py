@@ -127,6 +127,7 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
         wavelength_axis(view, 1.0 if view is spectrum else surface.spectrum.q_low)
     plastic = surface.hardness is not None
     share = float(surface.plastic_area(peak)) / float(surface.contact_area(peak)) if plastic else 0.0
+    smoothed = plastic and surface.yielding == "conserved"
     return Picture(
         "surface",
         svg(figure),
@@ -134,7 +135,8 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
         said(
             "captions.surface",
             "all",
-            "plastic" if plastic else "elastic",
+            "plastic" if plastic else "",
+            "smoothed" if smoothed else "same",
             load=load_name(load, result.loads),
             peak=in_words(load, "peak_pressure_Pa"),
             share=_nearly_all(share),
@@ -187,7 +189,7 @@ def _spectrum_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
     C = np.asarray(surface.spectrum(q))
     axes.plot(q, C, color=BLUE, linewidth=2.0, label="as measured or given")
     bottom = float(C[C > 0].min())
-    if surface.hardness is not None and peak < surface.hardness:
+    if surface.hardness is not None and surface.yielding == "conserved" and peak < surface.hardness:
         smoothed = C * np.asarray(surface.smoothing(peak, q))
         bottom *= 0.05
         axes.plot(q, np.where(smoothed > bottom, smoothed, np.nan), color=PURPLE, label="after yielding")
@@ -237,13 +239,14 @@ def law_picture(result: SealSolution) -> Picture | None:
     if surface is not None and surface.hardness is not None:
         p = p[p < 0.95 * surface.hardness]
     curves: list[tuple[str, FloatArray, str, bool]] = []
-    if interface.law == "persson" and surface is not None:
+    if interface.law == "spectrum" and surface is not None:
         laws = [False, True] if surface.hardness is not None else [False]
         for plastic in laws:
             name = "p(u) of the yielded surface" if plastic else "p(u) of the elastic surface"
             gap = np.asarray(surface.interface_law(plastic=plastic).gap(np.log(p)))
             curves.append((name, gap, PURPLE if plastic else BLUE, plastic == interface.plastic))
-        curves.append(("exponential with u₀, p_c", surface.u0 * np.log(surface.p_c / p), GREY, False))
+        if surface.theory == "paper":
+            curves.append(("exponential with u₀, p_c", surface.u0 * np.log(surface.p_c / p), GREY, False))
     else:
         curves.append(("exponential", _exponential_gap(result, p), BLUE, True))
     unit = unit_for("length", max(float(gap.max()) for _, gap, _, used in curves if used))

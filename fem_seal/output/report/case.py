@@ -7,9 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fem_seal.analysis.leakage import volume_of
 from fem_seal.analysis.problem import exponential_law
 from fem_seal.case.tables import curves
+from fem_seal.contact.laws import HardContact
 from fem_seal.output.case_words import (
     earlier_load,
     listed_dimensions,
@@ -180,16 +183,21 @@ def _interface(result: SealSolution) -> list[tuple[str, str]]:
 
     interface = result.case.interface
     names = {
-        "persson": "p(u) of the spectrum" + (", yielded" if interface.plastic else ", elastic"),
+        "spectrum": "p(u) of the spectrum" + (", yielded" if interface.plastic else ", elastic"),
         "exponential": "p = p_c exp(−u/u₀)",
         "smooth": "smooth, hard contact",
     }
     u0, p_c = exponential_law(result.case, result.surface)
     rows = [("law", names[interface.law])]
     if u0 is not None and p_c is not None:
-        when = " at low pressure" if interface.law == "persson" else ""
+        when = " at low pressure" if interface.law == "spectrum" else ""
         rows.append((f"decay length u₀{when}", quantity("length", u0)))
         rows.append((f"p_c{when}", quantity("contact pressure", p_c)))
+    law = result.problem.law
+    if interface.law == "spectrum" and u0 is None and not isinstance(law, HardContact):
+        peak = max(load.contact.profile.peak_pressure for load in result.loads)
+        found = law.decay_length(np.array([math.log(peak)]))
+        rows.append(("decay length at the highest peak pressure", quantity("length", float(found[0]))))
     return rows
 
 
@@ -233,6 +241,10 @@ _SIMULATED = {
     "capped": "pressure capped at the hardness",
     "von-mises": "metal that flows by von Mises",
 }
+_THEORIES = {
+    "paper": "of the paper: gaps by Persson's theory",
+    "corrected": "corrected: gap law of waves in series, asperities that flow by von Mises",
+}
 
 
 def _leak(case: Case) -> list[tuple[str, str]]:
@@ -243,6 +255,7 @@ def _leak(case: Case) -> list[tuple[str, str]]:
         "threshold-law": "effective medium, closed law near the threshold",
     }
     return [
+        ("theory", _THEORIES[case.leak.theory]),
         ("asperities", "yield at the hardness" if case.leak.plasticity else "elastic"),
         # a simulation finds by itself where the last path closes
         *(

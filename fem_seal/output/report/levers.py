@@ -149,4 +149,5 @@ def lever_note(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    return said("levers.said", "note", load=_load(result))
+    both = "note_both" if result.highest.yields else ""
+    return said("levers.said", "note", both, load=_load(result))

@@ -193,7 +193,7 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "accuracy": case.accuracy(result),
         "far_field": far_field_sentence(result),
         "timings": case.times(result),
-        "definitions": definitions(),
+        "definitions": definitions(readings=any(load.yields for load in result.loads)),
     }
 
 

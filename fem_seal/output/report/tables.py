@@ -17,6 +17,7 @@ from fem_seal.analysis.results import AGREE, Comparison, LoadResult, SealSolutio
 from fem_seal.analysis.variants import ratio_to_case
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
+from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import said
 from fem_seal.output.report.verdict import force_to_pass, verdict_force_sentences
@@ -217,12 +218,11 @@ def comparison_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> Readab
 
 def comparison_note(result: SealSolution) -> str:
     """What to expect of the comparison with the closed forms; empty if nothing needs saying."""
-    law = result.case.interface.law
     if result.unloaded is not None:
         return said("notes.comparison", "yielding")
     if limits := closed_form_limits(result.case, derive(result.case)):
         return f"{limits[0].upper()}{limits[1:]}."
-    return said("notes.comparison", law)
+    return said("notes.comparison", law_word(result.case))
 
 
 def _difference(share: float, load: LoadResult, measure: str) -> str:
@@ -347,6 +347,8 @@ def interval_note(result: SealSolution) -> str:
         "finish" if roughness is not None and roughness.finishes else "",
         "sealed" if sealed > 0 else "",
         "shares",
+        "shares_both" if result.highest.yields else "",
+        "held",
         samples=interval.samples,
         seed=interval.seed,
         inputs=", ".join(_named(name) + spreads.get(name, "") for name in interval.inputs),
