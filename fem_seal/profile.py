@@ -105,10 +105,24 @@ class PressureProfile:
         ProfileError
             Its points cannot be used.
         """
-        from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile
+        from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile, law_bends
 
         points = checked_profile(self.x, self.pressure, self.radius)
-        return ContactProfile.through(*points, checked_ends(self.ends))
+        bends = law_bends(self.pressure, self.gap)
+        return ContactProfile.through(*points, checked_ends(self.ends), bends)
+
+    def after_largest(self, conductivity: object) -> ContactProfile:
+        """The same after what its places have carried before.
+
+        Parameters
+        ----------
+        conductivity : RemembersLoad
+            Which knows what that leaves behind.
+        """
+        from leak.flow.contact_profile import after_largest, checked_ends
+
+        ends = checked_ends(self.ends)
+        return after_largest(self.contact, self.x, self.radius, self.largest, ends, conductivity)
 
     @property
     def peak_pressure(self) -> float:

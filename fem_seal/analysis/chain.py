@@ -350,7 +350,7 @@ def _with_tables(after: Afterwards, rough: RoughFlow | None) -> RoughFlow | None
         return None
     rough = after.settled(rough, {"table": "flow conductivity"})
     for name, what in _READINGS.items():
-        if getattr(rough, name) is rough:
+        if getattr(rough.surface, name) is rough.surface:
             continue
         read = after.settled(getattr(rough, name), {"table": f"flow conductivity of {what}"})
         rough = rough.knowing(**{name: read})

@@ -640,15 +640,15 @@ class DirectTable:
 
         held = self.simulation.held.capped
         theory = held.conductivity_table(p_min, p_max, num or _TABLE_PRESSURES)
-        low, high = self.range
         p = np.array([row.pressure for row in self.loading])
         u = np.array([row.effective_gap for row in self.loading])
         if end:
             u = np.array([self.ends(row)[0 if end < 0 else 1] for row in self.loading])
         factor = np.log(u / np.asarray(held.effective_separation(p)))
-        at = np.log(np.clip(theory.pressure, low, high))
+        simulated = theory.asked(np.log(p))
+        at = np.clip(np.log(theory.pressure), simulated[0], simulated[-1])
         # with one pressure the factor is the same everywhere
-        correction = PchipInterpolator(np.log(p), factor)(at) if p.size > 1 else factor[0]
+        correction = PchipInterpolator(simulated, factor)(at) if p.size > 1 else factor[0]
         separation = theory.separation * np.exp(correction)
         # samples scatter, but no more flows at a higher pressure
         falling = np.minimum.accumulate(separation) * (1.0 - 1e-9 * np.arange(separation.size))

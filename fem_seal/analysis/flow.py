@@ -241,11 +241,11 @@ class Flow:
             A `leak.CoupledLeakResult` for fluid_in_gap = "local".
         """
         x, pressure, radius, ends = profile.x, profile.pressure, profile.radius, profile.ends
-        side, largest = self.pressure_side, profile.largest
+        side = self.pressure_side
         if isinstance(table, leak.ConductivityTable):
             sigma, law = table.at(self.viscosity), self.pressure_law
             if self.fluid_in_gap == "local":
-                assert largest is None  # the case's own checks refuse it
+                assert profile.largest is None  # the case's own checks refuse it
                 found: LeakResult = leak.coupled_leak_flow(
                     x,
                     pressure,
@@ -256,45 +256,20 @@ class Flow:
                     ends=ends,
                     pressure_law=law,
                 )
-            elif largest is None:
+            else:
                 from leak.flow.leak_rate import leak_through
 
-                found = leak_through(
-                    profile.contact, x, sigma, fluid_pressure, pressure_side=side, pressure_law=law
-                )
-            else:
-                found = leak.leak_flow(
-                    x,
-                    pressure,
-                    sigma,
-                    fluid_pressure,
-                    radius,
-                    pressure_side=side,
-                    ends=ends,
-                    largest_pressure=largest,
-                    pressure_law=law,
-                )
+                contact = profile.after_largest(sigma)
+                found = leak_through(contact, x, sigma, fluid_pressure, pressure_side=side, pressure_law=law)
             return found.with_density(self.density)
         gas, outlet = self.gas, self.outlet_pressure
         assert gas is not None  # the table is one of a gas
         inlet = outlet + fluid_pressure
-        if largest is None:
-            from leak.flow.gas_flow import gas_leak_through
+        from leak.flow.gas_flow import gas_leak_through
 
-            return gas_leak_through(
-                profile.contact, x, pressure, table, gas, inlet, outlet, pressure_side=side
-            ).above_outlet
-        return leak.gas_leak_flow(
-            x,
-            pressure,
-            table,
-            gas,
-            inlet,
-            outlet,
-            radius,
-            pressure_side=side,
-            ends=ends,
-            largest_pressure=largest,
+        contact = profile.after_largest(table)
+        return gas_leak_through(
+            contact, x, pressure, table, gas, inlet, outlet, pressure_side=side
         ).above_outlet
 
     def bounds(

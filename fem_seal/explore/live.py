@@ -456,7 +456,7 @@ def _validity(problem: SealProblem, load: LoadResult) -> Any:
     """By the checks of a load, without those that take a complete run: yield stress and mesh."""
     table = None if load.rough is None or load.rough.flow is None else load.rough.table
     liquid = getattr(table, "liquid", table)
-    if problem.surface is None or not isinstance(liquid, ConductivityTable):
+    if problem.surface is None or not isinstance(liquid, ConductivityTable) or liquid.acting is not None:
         return load_validity(_elastic_bodies(problem), load, problem.surface)
     peak = load.contact.profile.peak_pressure
     if float(liquid.effective_separation(min(peak, liquid.p_max))) >= _NARROW:

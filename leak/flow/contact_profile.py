@@ -34,24 +34,33 @@ _CLOSE, _FURTHER = 0.5, 4.0
 # Shares of a cell at which a cubic is looked at.
 _LOOKED_AT = np.linspace(0.125, 0.875, 7)
 _TAIL_NODES = 96
+# A law less bent than this is an exponential: its tail is the parabola of ln p, whatever the bend.
+_STRAIGHT = 1e-3
 
 
 class Tail(NamedTuple):
-    """ln p = ln p_end - slope d - curvature d^2 at distance d outward of an end; slope > 0, curvature >= 0."""
+    """What grows beyond an end: the gap, by f = slope d + curvature d^2 decay lengths; slope > 0, curvature >= 0.
+
+    Of an exponential law ln p = ln p_end - f; in general ln p = ln p_end - f - bend f^2.
+    """
 
     slope: float
     curvature: float
     length: float = np.inf
     """Distance at which a face ends, and the contact with it [m]."""
+    bend: float = 0.0
+    """Of ln p over the gap, not negative: what the tail of Gaussian heights has."""
 
     def fall(self, d: FloatArray) -> FloatArray:
         """ln p_end - ln p at distances d; infinite beyond the end of the face."""
-        return np.where(d <= self.length * (1.0 + 1e-9), d * (self.slope + self.curvature * d), np.inf)
+        grown = d * (self.slope + self.curvature * d)
+        return np.where(d <= self.length * (1.0 + 1e-9), grown * (1.0 + self.bend * grown), np.inf)
 
     def reach(self, fall: float) -> float:
         """Distance at which ln p has fallen by `fall`, or the face ends [m]."""
-        root = float(np.sqrt(self.slope**2 + 4.0 * self.curvature * fall))
-        return min(2.0 * fall / (self.slope + root), self.length)
+        grown = 2.0 * fall / (1.0 + float(np.sqrt(1.0 + 4.0 * self.bend * fall)))
+        root = float(np.sqrt(self.slope**2 + 4.0 * self.curvature * grown))
+        return min(2.0 * grown / (self.slope + root), self.length)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,9 +181,16 @@ class ContactProfile:
 
     @classmethod
     def through(
-        cls, x: FloatArray, p: FloatArray, r: FloatArray, ends: tuple[float, float] = NO_ENDS
+        cls,
+        x: FloatArray,
+        p: FloatArray,
+        r: FloatArray,
+        ends: tuple[float, float] = NO_ENDS,
+        bends: tuple[float, float] = (0.0, 0.0),
     ) -> ContactProfile:
         """The contact through points as `checked_profile` returns them, on faces with ends as `checked_ends` does.
+
+        `bends` are those of the law at either end, see `law_bends`.
 
         Points of zero pressure between others separate the contact into patches: the gap there is open, and the
         resistances of the patches add. A face that ends next to the last point carries the contact up to its end.
@@ -194,8 +210,8 @@ class ContactProfile:
         )
         first, last = patches[0], patches[-1]
         tails = (
-            _tail(first.x, first.log_p, 0, x[0] - ends[0]) if runs[0][0] == 0 else None,
-            _tail(last.x, last.log_p, -1, ends[1] - x[-1]) if runs[-1][-1] == x.size - 1 else None,
+            _tail(first.x, first.log_p, 0, x[0] - ends[0], bends[0]) if runs[0][0] == 0 else None,
+            _tail(last.x, last.log_p, -1, ends[1] - x[-1], bends[1]) if runs[-1][-1] == x.size - 1 else None,
         )
         whole = len(patches) == 1 and first.ends == (first.x[0], first.x[-1])
         edges = (
@@ -359,18 +375,46 @@ def _edge(x: FloatArray, log_p: FloatArray, zero: float, end: int) -> float:
     return float(xs[0] + span * between[0]) if between.size else float(zero)
 
 
-def _tail(x: FloatArray, log_p: FloatArray, end: int, length: float) -> Tail | None:
+def law_bends(p: FloatArray, gap: FloatArray) -> tuple[float, float]:
+    """How ln p bends over the gap at either end, zero where the law is as good as exponential there.
+
+    Parameters
+    ----------
+    p, gap : ndarray, shape (n,)
+        Pressure [Pa] and mean gap [m] at the points of a profile.
+
+    Returns
+    -------
+    tuple of float
+        b of ln p = ln p_end - f - b f^2, f the growth of the gap over the decay length at the end.
+    """
+    return _bend(p[:3], gap[:3]), _bend(p[:-4:-1], gap[:-4:-1])
+
+
+def _bend(p: FloatArray, gap: FloatArray) -> float:
+    closer = gap[0] - gap
+    if not (p > _SMALLEST_PRESSURE).all() or not 0.0 < closer[1] < closer[2]:
+        return 0.0
+    first, second = np.log(p[1:] / p[0]) / closer[1:]
+    bent = (first - second) / (closer[2] - closer[1])
+    bend = float(bent / (first + bent * closer[1]) ** 2)
+    return bend if bend > _STRAIGHT else 0.0
+
+
+def _tail(x: FloatArray, log_p: FloatArray, end: int, length: float, bend: float) -> Tail | None:
     """Continuation of a falling end by the parabola through its last three points, or by its tangent."""
     if x.size < 3 or not length > 0.0:
         return None
     order = slice(0, 3) if end == 0 else slice(-1, -4, -1)
     d, fall = np.abs(x[order] - x[order][0]), log_p[order] - log_p[order][0]
+    # in decay lengths of the gap
+    fall = 2.0 * fall / (1.0 + np.sqrt(np.maximum(1.0 - 4.0 * bend * fall, 0.0)))
     first, second = fall[1] / d[1], fall[2] / d[2]
     curvature = (second - first) / (d[2] - d[1])
     slope = first - curvature * d[1]  # inward slope of ln p at the end
     if slope <= 0.0:
         return None
-    return Tail(float(slope), float(max(-curvature, 0.0)), float(length))
+    return Tail(float(slope), float(max(-curvature, 0.0)), float(length), bend)
 
 
 def _cell_slopes(x: FloatArray, log_p: FloatArray) -> FloatArray:
@@ -487,7 +531,8 @@ def after_largest(
         )
     if not np.any(most > np.exp(SMALLEST_LOG_PRESSURE)):
         return profile
-    return profile.after(ContactProfile.through(x, most, r, ends), conductivity)
+    inner, outer = (0.0 if tail is None else tail.bend for tail in profile.tails)
+    return profile.after(ContactProfile.through(x, most, r, ends, (inner, outer)), conductivity)
 
 
 def checked_ends(ends: tuple[float | None, float | None] | None) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray, different
 from leak.flow.conductivity import ConductivityTable, GasConductivityTable, table_abscissa
 from leak.flow.memory import LoadMemory
-from leak.flow.rough_contact import RoughContact, elastic_range, gas_conductivity_table
+from leak.flow.rough_contact import RoughContact, asked_by, elastic_range, gas_conductivity_table
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes, lagrange, spline_weights
 from leak.surfaces.spectrum import PowerSpectrum
 
@@ -176,7 +176,7 @@ class NearbyTables:
     def _by_stand_in(self, surface: RoughContact, stand_in: RoughContact, highest: FloatArray) -> AnyTable:
         """That of the surface that stands in for this one, asked at the pressures that act."""
         found = self._stand_in.table(stand_in, surface.acting_pressure(highest))
-        liquid = replace(_liquid(found), memory=LoadMemory(surface), acting=surface.log_acting_pressure)
+        liquid = asked_by(surface, _liquid(found))
         return replace(found, liquid=liquid) if isinstance(found, GasConductivityTable) else liquid
 
     @cached_property

@@ -65,8 +65,8 @@ _DISTRIBUTION_REFINEMENT = 8
 _MOST_STRETCHED = 1000.0
 # Below this p/E* slope moments leave the range of floating-point numbers; separations are long linear in ln p.
 _LEAST_RELATIVE_PRESSURE = 1e-100
-# Below this ln(p/Pa) what acts on a capped surface is in a fixed ratio to p.
-_LEAST_LOG_PRESSURE = -600.0
+# Below this ln(p/Pa) what acts on a capped surface is in a fixed ratio to p; gaps of the gap law go on much further.
+_LEAST_LOG_PRESSURE, _WIDEST_LOG_PRESSURE = -600.0, -1e5
 
 
 @dataclass(frozen=True)
@@ -218,7 +218,7 @@ class RoughContact:
     def _of_equal_gap(self, log_pressure: FloatArray) -> FloatArray:
         """ln p at which the paper's theory has the mean gap of the gap law at ln(p/Pa)."""
         assert self.stand_in is not None  # of the corrected theory
-        known = np.maximum(log_pressure, _LEAST_LOG_PRESSURE)
+        known = np.maximum(log_pressure, _WIDEST_LOG_PRESSURE)
         gap = gap_law(self.spectrum).gap(known - math.log(self.effective_modulus))
         return _interface_law(self.stand_in).log_pressure(gap) + (log_pressure - known)
 
@@ -230,8 +230,13 @@ class RoughContact:
         log_pressure : ndarray
             ln(p/Pa).
         """
+        elastic = self._log_elastic(log_pressure)
+        return elastic if self.theory == "paper" else self._of_equal_gap(elastic)
+
+    def _log_elastic(self, log_pressure: FloatArray) -> FloatArray:
+        """`_elastic_pressure` as logarithms."""
         known = np.maximum(log_pressure, _LEAST_LOG_PRESSURE)
-        return log_pressure + (np.log(self.acting_pressure(np.exp(known))) - known)
+        return log_pressure + (np.log(self._elastic_pressure(np.exp(known))) - known)
 
     def _equivalent(self, p: FloatArray, largest: FloatArray | None = None) -> FloatArray:
         """Pressure at which the elastic surface has the gaps of the one that yields where it touches."""
@@ -920,8 +925,23 @@ def _conductivity_table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
 ) -> ConductivityTable:
     within = _Range.of(surface, p_min, p_max, method)
+    if surface.theory == "corrected" and surface.stand_in is not None:
+        ends = _elastic_ends(surface, within)
+        return asked_by(surface, surface.stand_in.conductivity_table(*ends, num, method))
     separation = _separation_of(surface, within, method)
     return _tabulated(surface, within, p_max, num, lambda p: separation(p)[:, None])[0]
+
+
+def asked_by(surface: RoughContact, table: ConductivityTable) -> ConductivityTable:
+    """Table of the surface that stands in for another one, asked at the nominal pressures of that one.
+
+    Parameters
+    ----------
+    surface : RoughContact
+        The other one.
+    table : ConductivityTable
+    """
+    return replace(table, memory=LoadMemory(surface), acting=surface.log_acting_pressure)
 
 
 def _tabulated(
@@ -1052,7 +1072,7 @@ def _corrected_law(surface: RoughContact) -> RoughSurfaceLaw:
         return RoughSurfaceLaw(log_p, law.gap_nodes, law.decay_nodes)
     near = _toward(surface.hardness)
     log_p = np.concatenate([log_p[log_p < near[0] - 0.5 * _LAW_SPACING], near])
-    gap = law.gap(np.log(surface._elastic_pressure(np.exp(log_p))) - log_modulus)
+    gap = law.gap(surface._log_elastic(log_p) - log_modulus)
     used = gap > _LAW_END * surface.spectrum.rms_height
     log_p, gap = log_p[used], gap[used]
     return RoughSurfaceLaw(log_p, gap, -spline_slopes(log_p, np.log(gap)) * gap)
@@ -1123,6 +1143,10 @@ def gas_conductivity_table(
 def _table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
 ) -> GasConductivityTable:
+    if surface.theory == "corrected" and surface.stand_in is not None:
+        ends = elastic_range(surface, (p_min, p_max), method)
+        elastic = gas_conductivity_table(surface.stand_in, *ends, num, method)
+        return replace(elastic, liquid=asked_by(surface, elastic.liquid))
     if surface.stand_in is not None and num is None:
         liquid, log_R = _of_stand_in(surface, surface.stand_in, p_min, p_max, method)
     elif method == "bruggeman" and surface.stand_in is None:

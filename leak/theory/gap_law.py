@@ -32,6 +32,8 @@ _FIRST = 1e-5
 # Steps in ln q, between kinks, at which m is tabulated; closer toward the shortest waves, where it all begins.
 _STEP, _CLOSEST = 0.02, 1e-7
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-8
+# Far below u^2 is linear in ln p: places there, each this much further than the one before, to gaps of 140 h_rms.
+_FURTHER, _FURTHEST = 1.15, 1e4
 # Below this gap over h_rms a surface is flat for any purpose.
 _CLOSED = 1e-7
 
@@ -106,7 +108,13 @@ def gap_law(spectrum: PowerSpectrum) -> RoughSurfaceLaw:
     u = found.y[:, -1]
     open_ = u > _CLOSED
     y, u = y[open_], u[open_]
-    return RoughSurfaceLaw(y + np.log(slope), height * u, -height * spline_slopes(y, u))
+    decay = -spline_slopes(y, u)
+    below = y[0] * _FURTHER ** np.arange(np.log(_FURTHEST / -y[0]) / np.log(_FURTHER), 0.0, -1.0)
+    wide = np.sqrt(u[0] ** 2 + 2.0 * u[0] * decay[0] * (y[0] - below))
+    y, u, decay = (
+        np.concatenate(parts) for parts in ((below, y), (wide, u), (u[0] * decay[0] / wide, decay))
+    )
+    return RoughSurfaceLaw(y + np.log(slope), height * u, height * decay)
 
 
 def _places() -> FloatArray:
