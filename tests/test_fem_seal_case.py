@@ -55,7 +55,7 @@ def test_everything_is_si_after_reading(case):
 
 
 def test_defaults_of_the_contract(case):
-    assert (case.interface.law, case.interface.plastic) == ("persson", False)
+    assert (case.interface.law, case.interface.plastic) == ("spectrum", False)
     assert (case.load.applied_force, case.load.closing, case.load.pressure_side) == (
         0.0,
         "sealed-area",
@@ -326,7 +326,7 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
         ("roughness.spectrum.kind", None, "write kind ="),
         ("roughness.spectrum", 5, "must be a table"),
         ("roughness", None, 'use law = "smooth"'),
-        ("interface.law", "Persson", '"persson" or "exponential" or "smooth"'),
+        ("interface.law", "Persson", '"spectrum" or "exponential" or "smooth"'),
         ("interface.gamma", 0.4, 'only with law = "exponential"'),
         ("interface.plastic", "yes", "true or false"),
         ("fluid.viscosity", "-1 mPa s", "out of range"),
@@ -443,7 +443,7 @@ leaves = (
     | st.floats()
     | st.text(ANY, max_size=20)
     | st.sampled_from(
-        ["20 mm", "45 deg", "1 bar", "-3 GPa", "1e3 1/m", "ball", "cone", "steel", "table", "persson"]
+        ["20 mm", "45 deg", "1 bar", "-3 GPa", "1e3 1/m", "ball", "cone", "steel", "table", "spectrum"]
     )
 )
 anything = st.recursive(

@@ -287,9 +287,9 @@ def test_many_wrong_entries_make_a_short_message(capfd, tmp_path):
 
 
 def test_plastic_law_of_asperities_that_do_not_yield_names_its_key(capfd, tmp_path):
-    path = hostile_case(tmp_path, interface={"law": "persson", "plastic": True}, leak={"plasticity": False})
+    path = hostile_case(tmp_path, interface={"law": "spectrum", "plastic": True}, leak={"plasticity": False})
     assert cli.main(["check", str(path)]) == 2
     err = capfd.readouterr().err
     assert "interface.plastic = true: the asperities do not yield with leak.plasticity = false" in err
-    right = hostile_case(tmp_path, interface={"law": "persson", "plastic": True})
+    right = hostile_case(tmp_path, interface={"law": "spectrum", "plastic": True})
     assert cli.main(["check", str(right), "-q"]) == 0

@@ -68,6 +68,22 @@ def test_a_case_with_the_former_key_is_the_same_case(tmp_path) -> None:
     assert again.load.applied_force == 8.0 and "axial_force" not in again.written["load"]
 
 
+def test_the_former_name_of_a_value_works_and_is_said_once() -> None:
+    tables = {**ROUGH, "load": {"fluid_pressure": "20 bar"}, "leak": {"plasticity": False}}
+    with pytest.warns(FormerNameWarning) as caught:
+        cases = [fem_seal.Case(**tables, interface={"law": "persson"}) for _ in range(2)]
+        cases.append(cases[0].replace({"interface.law": "smooth"}).replace({"interface.law": "persson"}))
+        study = fem_seal.Study(
+            cases[0],
+            parameters={"interface.law": ["persson", "smooth"]},
+            responses=["peak_pressure_Pa"],
+        )
+    assert told(caught) == ['interface.law = "persson" is called "spectrum" now; the former name still works']
+    assert caught[0].filename == __file__
+    assert {case.interface.law for case in cases} == {"spectrum"}
+    assert study.parameters[0].levels == ("spectrum", "smooth")
+
+
 def test_both_names_of_a_key_are_refused() -> None:
     load = {"fluid_pressure": "20 bar", "axial_force": "1 N", "applied_force": "2 N"}
     with pytest.raises(fem_seal.InputError, match=r"load\.axial_force"):

@@ -839,7 +839,7 @@ def search(title="", **optimise):
         title=title,
         parameters={
             "load.applied_force": {"distribution": "uniform", "low": "0 N", "high": "400 N"},
-            "interface.law": ["persson"],
+            "interface.law": ["spectrum"],
         },
         constraints={"soft": 'peak_pressure_Pa < "35 MPa"'},
         optimise={"minimise": "leak_rate_m3_per_s", "trials": 10, "batch": 3, **optimise},

@@ -168,21 +168,21 @@ def test_map_marks_designs_that_violate_constraints():
 
 
 def test_words_and_truth_values_have_axes():
-    law = parameter("interface.law", levels=["persson", "exponential"])
+    law = parameter("interface.law", levels=["spectrum", "exponential"])
     plastic = parameter("leak.plasticity", levels=[True, False])
     columns = {
-        "interface.law": ["exponential", "persson", "persson"],
+        "interface.law": ["exponential", "spectrum", "spectrum"],
         "leak.plasticity": [False, False, True],
         LEAK_RATE: [ML, 2 * ML, 3 * ML],
     }
     designs = made([law, plastic], columns, goals={LEAK_RATE: LEAK_RATE})
     first, second, _ = plots.parallel_plot(Display(designs)).data[0].dimensions
-    assert (first.ticktext, list(first["values"])) == (("persson", "exponential"), [1, 0, 0])
+    assert (first.ticktext, list(first["values"])) == (("spectrum", "exponential"), [1, 0, 0])
     assert (second.ticktext, list(second["values"])) == (("yes", "no"), [1, 1, 0])
     figure = plots.response_plot(Display(designs))
     assert (figure.layout.xaxis.type, figure.layout.xaxis.categoryarray) == (
         "category",
-        ("persson", "exponential"),
+        ("spectrum", "exponential"),
     )
     assert headings(designs)["Best designs"].rows[0][:3] == ("0", "exponential", "no")
 

@@ -190,7 +190,7 @@ def test_summary_holds_the_whole_input_in_si_with_defaults():
     assert told["load"]["fluid_pressure"] == [2e5, 5e5, 20e5]
     assert told["load"]["applied_force"] == 0.0
     assert told["leak"]["percolation_threshold"] == 0.42
-    assert told["interface"] == {"law": "persson", "plastic": False, "gamma": None, "u0": None, "p_c": None}
+    assert told["interface"] == {"law": "spectrum", "plastic": False, "gamma": None, "u0": None, "p_c": None}
     assert told["fluid"]["viscosity"] == case().fluid.viscosity
 
 
@@ -280,7 +280,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     tables = {f"{kind}.{name}": table for kind in kinds for name, table in prose()[kind].items()}
     assert set(re.findall(r'said\(\s*"([^"]+)"', code)) == set(tables)
     # chosen by the interface law of the case and by the order of its loads
-    elsewhere = {"smooth", "exponential", "persson", "joined", "numbered"}
+    elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered"}
     keys = {key for table in tables.values() for key in table}
     assert {key for key in keys if f'"{key}"' not in code} <= elsewhere
 

@@ -528,7 +528,7 @@ def test_readings_of_the_theory_are_those_of_cases_that_ask_for_them():
     np.testing.assert_allclose(used[0].leak_rate, rates(result), rtol=1e-12)
     other = run_loads(
         case(
-            interface={"law": "persson", "plastic": True},
+            interface={"law": "spectrum", "plastic": True},
             leak={"conductivity": "critical-junction", "percolation_threshold": 0.5},
         )
     )

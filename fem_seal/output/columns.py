@@ -524,7 +524,8 @@ COLUMNS = {
         Column(
             "leak_rate_conserved_m3_per_s",
             "flow",
-            "where asperities yield: leak rate if their volume is conserved everywhere, valleys included (C_pl)",
+            'where asperities yield and leak.theory = "paper": leak rate if their volume is conserved everywhere, '
+            "valleys included (C_pl)",
             lambda row: _rate(row.load.leak_conserved) if row.load.yields else None,
             title="leak rate, volume conserved",
             spare_digits=0,
@@ -534,8 +535,8 @@ COLUMNS = {
         Column(
             "leak_rate_capped_m3_per_s",
             "flow",
-            "where asperities yield: leak rate of the same contact if the surface changes only where it touches, under "
-            "a pressure that the hardness limits",
+            'where asperities yield and leak.theory = "paper": leak rate of the same contact if the surface changes '
+            "only where it touches, under a pressure that the hardness limits",
             lambda row: _rate(row.load.leak_capped) if row.load.yields else None,
             heading="leak rate, capped",
             title="leak rate, changed only where it touches",
@@ -547,7 +548,8 @@ COLUMNS = {
         Column(
             "force_for_target_leak_capped_N",
             "force",
-            "where asperities yield: `force_for_target_leak_N` if the surface changes only where it touches",
+            'where asperities yield and leak.theory = "paper": `force_for_target_leak_N` if the surface changes only '
+            "where it touches",
             lambda row: row.load.force_for_target_capped,
             error_of="force_for_target",
             heading="for the target, capped",

@@ -1,0 +1,153 @@
+"""The theory that a case asks for: one number in a run, a study and on the live page, and one reading of yielding."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fem_seal
+import leak
+from fem_seal.analysis.closed_forms import closed_form_limits
+from fem_seal.analysis.problem import SealProblem
+from fem_seal.explore.live import Session
+from fem_seal.output.tables import leak_rows
+from fem_seal.studies.responses import responses
+from fem_seal.studies.session import run_study
+from leak.flow.leak_rate import leak_through
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+CORRECTED = {"leak.theory": "corrected"}
+ONE_READING = re.compile(
+    r"readings? of (yielding )?asperities|both readings|C_pl|conserve|capped|only where (it|they)"
+)
+
+
+def example(name, **changes):
+    dotted = {key.replace("__", "."): value for key, value in changes.items()}
+    return fem_seal.load_case(EXAMPLES / f"{name}.toml").replace(dotted)
+
+
+def test_the_default_is_the_papers_theory():
+    case = example("ball_cone")
+    assert (case.leak.theory, case.interface.law) == ("paper", "spectrum")
+    surface = SealProblem.of(case).surface
+    assert (surface.theory, surface.yielding) == ("paper", "conserved")
+
+
+def test_the_papers_seat_has_the_contact_and_the_leak_that_were_found_without_this_program():
+    """Half-space line contact with tabulated p(u), flow by hand: 61.6 MPa, 0.124 mm, 70 ml/min; 3.7 MPa, 0.104 mm."""
+    case = example(
+        "ball_cone", load__fluid_pressure=["1 bar", "20 bar"], interface__plastic=True, **CORRECTED
+    )
+    first, last = fem_seal.run(case).loads
+    assert last.contact.profile.peak_pressure == pytest.approx(61.6e6, rel=5e-3)
+    assert last.contact.profile.std == pytest.approx(0.124e-3, rel=0.02)
+    assert 6e7 * last.leak.leak_rate == pytest.approx(70.0, rel=0.02)
+    assert first.contact.profile.peak_pressure == pytest.approx(3.7e6, rel=0.02)
+    assert first.contact.profile.std == pytest.approx(0.104e-3, rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["ball_cone", "helium"])
+def test_run_study_and_live_page_have_the_same_number(name):
+    pressure = {"ball_cone": "10 bar", "helium": "1 bar"}[name]
+    case = example(name, load__fluid_pressure=pressure, **CORRECTED)
+    columns = ("peak_pressure_Pa", "leak_rate_m3_per_s")
+    run = leak_rows(fem_seal.run(case))[0]
+    live = Session(case).answer({}).load.values
+    # meshes differ, see test_fem_seal_studies.py and test_fem_seal_explore.py
+    for found in (responses(case, columns), live):
+        for column in columns:
+            assert found[column] == pytest.approx(run[column], rel=3e-4), column
+    paper = responses(case.replace({"leak.theory": "paper"}), columns)
+    assert run["peak_pressure_Pa"] > 1.02 * paper["peak_pressure_Pa"]
+
+
+@pytest.mark.parametrize("theory", ["paper", "corrected"])
+@pytest.mark.parametrize("relative", [1e-5, 1e-3])
+def test_where_the_points_of_a_contact_end_does_not_matter(theory, relative):
+    """A parabola above a flat, stiff: the gap is known everywhere, and the resistance an integral over it."""
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.14159e6
+    )
+    surface = leak.RoughContact(spectrum, effective_modulus=115e9, theory=theory)
+    law, radius, peak = surface.interface_law(), 0.02, relative * 115e9 * spectrum.rms_slope
+    least = float(law.gap(np.log(peak)))
+    sigma = surface.conductivity_table(1e-9 * peak, 1.01 * peak).at(1e-3)
+    x = 60.0 * np.sqrt(2.0 * radius * least) * np.sinh(np.linspace(-6.0, 6.0, 100_001)) / np.sinh(6.0)
+    resistances = 1.0 / sigma.at_log_pressure(law.log_pressure(least + x**2 / (2.0 * radius)))
+    exact = 1e5 * 2.0 * np.pi * 0.014 / np.trapezoid(resistances, x)
+    for share in (1e-5, 1e-8):
+        end = np.sqrt(2.0 * radius * (float(law.gap(np.log(share * peak))) - least))
+        x = np.linspace(-end, end, 400)
+        gap = least + x**2 / (2.0 * radius)
+        p = np.exp(law.log_pressure(gap))
+        contact = fem_seal.PressureProfile(x, np.full(400, 0.014), p, gap, np.gradient(x)).contact
+        # at worst the law leaves the parabola of ln p over the gap by so much; by ln p over x it is 1e-2
+        assert leak_through(contact, x, sigma, 1e5).leak_rate == pytest.approx(exact, rel=2e-4)
+        assert all((tail.bend > 0.0) == (theory == "corrected") for tail in contact.tails)
+
+
+def test_nothing_speaks_of_two_readings(tmp_path):
+    case = example(
+        "proof_load",
+        load__applied_force=["250 N", "1 kN"],
+        load__target_leak_rate="20 ml/min",
+        requirement={"leak_rate": "20 ml/min"},
+        uncertainty={"samples": 64, "hardness": {"relative": 0.1}},
+        **CORRECTED,
+    )
+    result = fem_seal.run(case)
+    rows = leak_rows(result)
+    for load, row in zip(result.loads, rows, strict=True):
+        assert not load.yields and load.leak_ends is None and load.capped is load
+        assert load.force_for_target_capped is None and load.force_for_target is not None
+        assert math.isnan(row["leak_rate_capped_m3_per_s"]) and math.isnan(
+            row["leak_rate_conserved_m3_per_s"]
+        )
+        # asperities still remember the larger load
+        assert load.leak.leak_rate < 0.9 * load.first_loading.leak.leak_rate
+    assert result.uncertainty.capped is None
+    result.write(tmp_path)
+    report = re.sub(r"<!--(.*?)-->", r" \1 ", (tmp_path / "report.html").read_text("utf-8"))
+    assert "first loading" in report and "gap law" in report
+    assert ONE_READING.findall(report) == []
+
+
+def test_one_reading_is_what_a_study_has():
+    base = example("ball_cone", load__fluid_pressure="10 bar", **CORRECTED)
+    parameters = {"load.fluid_pressure": ["5 bar", "10 bar"]}
+    with pytest.raises(fem_seal.InputError, match=r'leak_rate_capped_m3_per_s needs leak\.theory = "paper"'):
+        fem_seal.Study(base, parameters=parameters, responses=["leak_rate_capped_m3_per_s"])
+    study = fem_seal.Study(base, parameters=parameters, responses=["leak_rate_m3_per_s"])
+    assert "leak_rate_capped_m3_per_s" not in study.output_names
+
+
+def test_theories_can_be_compared_in_a_study(tmp_path):
+    base = example("ball_cone", load__fluid_pressure="10 bar", mesh__contact_size="30 um")
+    study = fem_seal.Study(
+        base, parameters={"leak.theory": ["paper", "corrected"]}, responses=["leak_rate_m3_per_s"]
+    )
+    table = run_study(study, folder=tmp_path / "theories", workers=0).table
+    for theory, rate, capped in zip(
+        table["leak.theory"], table["leak_rate_m3_per_s"], table["leak_rate_capped_m3_per_s"], strict=True
+    ):
+        own = responses(base.replace({"leak.theory": theory}), ["leak_rate_m3_per_s"])
+        assert rate == own["leak_rate_m3_per_s"]
+        assert np.isnan(capped) == (theory == "corrected")
+
+
+def test_closed_forms_have_the_decay_length_at_their_peak():
+    case = example("ball_cone", load__fluid_pressure=["1 bar", "20 bar"], **CORRECTED)
+    derived, law = fem_seal.derive(case), SealProblem.of(case).law
+    for load in derived.loads:
+        there = law.decay_length(np.log([load.crossover.peak_pressure]))[0]
+        assert load.crossover.u0 == pytest.approx(there, rel=1e-9)
+    assert derived.decay_length == derived.loads[-1].crossover.u0 > derived.loads[0].crossover.u0
+    peak = derived.loads[-1].crossover.peak_pressure
+    exponential = derived.decay_length * np.log(derived.law_pressure / peak)
+    assert exponential == pytest.approx(law.gap(np.log([peak]))[0], rel=1e-9)
+    assert closed_form_limits(case, derived) == ""
