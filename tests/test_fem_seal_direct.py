@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import signal
+import subprocess
+import sys
 from dataclasses import replace
 from functools import cache
 from multiprocessing import active_children
-from time import perf_counter
+from time import perf_counter, sleep
 
 import numpy as np
 import pandas as pd
@@ -21,7 +25,7 @@ from fem_seal.analysis.problem import direct_settings, rough_contact
 from fem_seal.analysis.warnings import _simulated
 from fem_seal.errors import InputError
 from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows
-from leak import RoughContact
+from leak import DirectError, RoughContact
 
 SMALL = {"points": 64, "samples": 2, "pressure": ["40 MPa", "150 MPa", "500 MPa"]}
 CASE = """
@@ -247,6 +251,162 @@ def test_interruption_does_not_wait_for_what_is_left(tmp_path):
     assert len(list((tmp_path / "pieces").iterdir())) == 1
 
 
+METAL = {
+    "points": 32,
+    "samples": 2,
+    "asperities": "von-mises",
+    "pressure": ["300 MPa", "40 MPa"],
+    "unload": ["40 MPa"],
+}
+
+
+@cache
+def metal():
+    settings, surface = simulated(**METAL)
+    return settings.table(surface)
+
+
+def test_metal_that_flows_is_loaded_step_by_step():
+    """The library itself, along the path that the guide says, yield stress 3.5 GPa/2.9."""
+    from leak.direct import PeriodicHalfSpace, patch_flow, press_elastoplastic
+
+    found = metal()
+    patch = found.simulation.patch
+    modulus = 210e9 / (1.0 - 0.3**2) / 2.0
+    path = 1e6 * np.array([40.0, 126.667, 213.333, 300.0, 213.333, 126.667, 40.0])
+    states = [
+        press_elastoplastic(
+            PeriodicHalfSpace(32, patch.size, modulus),
+            patch.heights(1 + sample, "exact"),
+            path,
+            yield_stress=3.5e9 / 2.9,
+            poissons_ratio=0.3,
+        )
+        for sample in range(2)
+    ]
+    assert [(row.branch, row.pressure, row.largest_pressure) for row in found.rows] == [
+        ("load", 4e7, 4e7), ("load", 3e8, 3e8), ("unload", 4e7, 3e8),
+    ]  # fmt: skip
+    for row, at in zip(found.rows, (0, 3, 6), strict=True):
+        pressed = [path_of_one[at] for path_of_one in states]
+        assert row.mean_gap == pytest.approx(np.mean([one.gap.mean() for one in pressed]), rel=2e-3)
+        assert row.contact_area == pytest.approx(np.mean([one.contact_area for one in pressed]), abs=2e-3)
+        assert row.yielded_area == pytest.approx(np.mean([one.yielded_area for one in pressed]), abs=4e-3)
+        both = [[patch_flow(one).gap_cubed for one in (state.gap, state.gap.T.copy())] for state in pressed]
+        logs = np.log(np.mean(both, axis=1))
+        assert row.effective_gap == pytest.approx(np.exp(logs.mean() / 3.0), rel=5e-3)
+    # flat asperities do not come back
+    assert found.rows[2].contact_area > found.rows[0].contact_area
+    assert found.rows[1].mean_gap < found.rows[2].mean_gap < found.rows[0].mean_gap
+    assert found.rows[2].yielded_area >= found.rows[1].yielded_area
+    drawn = found.pressed(3e8)
+    assert drawn.gap == pytest.approx(states[0][3].gap, abs=1e-3 * states[0][3].gap.max())
+    assert np.mean(drawn.touches) == pytest.approx(states[0][3].contact_area, abs=2e-3)
+    assert np.mean(drawn.yielded) == pytest.approx(states[0][3].yielded_area, abs=4e-3)
+    assert "flows by von Mises' rule from 1.21 GPa" in " ".join(direct_lines(found))
+    assert direct_numbers(found)["load_step_Pa"] == pytest.approx(0.025 * 3.5e9)
+
+
+def test_interval_holds_what_load_steps_miss():
+    found = metal()
+    row = found.rows[0]
+    capped = replace(found, simulation=replace(found.simulation, yield_stress=None))
+    assert found.log_error(row)[1] == pytest.approx(capped.log_error(row)[1] + 0.09)
+    assert found.log_error(row)[0] == capped.log_error(row)[0]
+
+
+def test_command_simulates_metal_that_flows(tmp_path, capsys):
+    file = tmp_path / "seal.toml"
+    given = CASE.replace("points = 64", 'points = 32\nasperities = "von-mises"')
+    file.write_text(given.replace('["40 MPa", "150 MPa", "500 MPa"]', '["40 MPa", "300 MPa"]'))
+    assert cli.main(["direct", str(file), "--jobs", "2"]) == 0
+    out, said = capsys.readouterr()
+    assert "The metal flows by von Mises' rule" in out
+    assert "direct simulation: 3 of 3 pieces" in said
+    folder = tmp_path / "seal.direct"
+    # two paths of two pressures and back, and one of two pressures
+    assert len(list((folder / "pieces").iterdir())) == 8
+    assert (folder / "direct_map_high.svg").is_file()
+    written = pd.read_csv(folder / "direct.csv")
+    assert written.effective_gap_m.to_numpy() == pytest.approx(
+        [row.effective_gap for row in metal().rows], rel=1e-9
+    )
+    assert cli.main(["direct", str(file), "--json"]) == 0
+    out, said = capsys.readouterr()
+    assert "pieces" not in said
+    assert json.loads(out)["asperities"] == "von-mises"
+
+
+def test_pressure_that_fails_leaves_those_below_it(tmp_path):
+    settings, surface = simulated(**{**METAL, "pressure": ["40 MPa", "300 MPa", "3 GPa"]})
+    settings = replace(settings, folder=tmp_path)
+    with pytest.raises(DirectError, match="flows down to a third of the side"):
+        simulate_surface(settings.of(surface), jobs=2)
+    # what had begun is finished, and nothing else begun
+    assert len(list((tmp_path / "pieces").iterdir())) == 2 * 2
+    said: list[str] = []
+    lower = replace(settings, pressures=(4e7, 3e8), unload=())
+    found = simulate_surface(lower.of(surface), progress=said.append)
+    assert said[0] == "2 of 3 pieces are there already"
+    assert [row.effective_gap for row in found.rows] == pytest.approx(
+        [row.effective_gap for row in metal().rows[:2]], rel=1e-9
+    )
+
+
+def test_interruption_ends_long_paths_at_once(tmp_path):
+    """Ctrl-C while two processes are at paths of minutes."""
+    (tmp_path / "seal.toml").write_text(CASE.replace("points = 64", 'points = 256\nasperities = "von-mises"'))
+    called = subprocess.Popen(
+        [sys.executable, "-m", "fem_seal", "direct", "seal.toml", "--jobs", "2"],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        text=True,
+    )
+    with pytest.raises(subprocess.TimeoutExpired):
+        called.wait(15.0)
+    os.killpg(called.pid, signal.SIGINT)
+    said = called.communicate(timeout=20.0)[1]
+    assert "interrupted; finished pieces are kept" in said
+    assert "Traceback" not in said
+    # nobody of the group is left: what tidies up behind them goes last
+    with pytest.raises(ProcessLookupError):
+        for _ in range(50):
+            os.killpg(called.pid, 0)
+            sleep(0.1)
+
+
+def test_elastic_asperities_of_a_body_with_a_hardness():
+    settings, surface = simulated(asperities="elastic", unload=["40 MPa"])
+    found = settings.table(surface)
+    plain = case(direct={**SMALL, "unload": ["40 MPa"]}, leak={"plasticity": False})
+    never = direct_settings(plain).table(rough_contact(plain))
+    assert [row.effective_gap for row in found.rows] == [row.effective_gap for row in never.rows]
+    assert [row.theory for row in found.rows] == [row.theory for row in never.rows]
+    # what is elastic comes back, and nothing is at the hardness
+    assert found.rows[3].mean_gap == pytest.approx(found.rows[0].mean_gap, rel=1e-3)
+    assert direct_numbers(found)["hardness_Pa"] is None
+    assert found.rows[2].mean_gap > table().rows[2].mean_gap
+    # pressures may then reach the hardness
+    assert case(direct={"asperities": "elastic", "pressure": "4 GPa"}).direct.pressure == (4e9,)
+
+
+def test_the_softer_body_yields():
+    hard = {"youngs_modulus": "400 GPa", "poissons_ratio": 0.2, "hardness": "9 GPa"}
+    soft = {"youngs_modulus": "120 GPa", "poissons_ratio": 0.34, "hardness": "1 GPa"}
+    for closure, seat in ((hard, soft), (soft, hard)):
+        given = case(
+            direct={**METAL, "pressure": "100 MPa", "unload": None},
+            closure={"shape": "ball", "radius": "20 mm", "material": closure},
+            seat={"shape": "cone", "angle": "45 deg", "material": seat},
+        )
+        simulation = direct_settings(given).of(rough_contact(given))
+        assert simulation.poissons_ratio == 0.34
+        assert simulation.yield_stress == pytest.approx(1e9 / 2.9)
+        both = 1.0 / ((1.0 - 0.2**2) / 400e9 + (1.0 - 0.34**2) / 120e9)
+        assert simulation.body.effective_modulus == pytest.approx(both)
+
+
 def test_case_without_roughness_is_refused(tmp_path, capsys):
     file = tmp_path / "smooth.toml"
     file.write_text(
@@ -272,6 +432,22 @@ def test_another_surface_is_another_piece():
         simulation = settings.of(one)
         keys |= {simulation.key(piece) for piece in simulation.pieces()}
     assert len(keys) == 3 * len(simulation.pieces())
+    # metal that flows remembers its path: each pressure has its own, and so has each yield stress
+    metal = replace(settings, asperities="von-mises")
+    for one in (
+        metal,
+        replace(metal, yield_stress=1e9),
+        replace(metal, poissons_ratio=0.2),
+        replace(metal, pressures=settings.pressures[:2], unload=(1e7,)),
+    ):
+        simulation = one.of(surface)
+        new = {simulation.key(piece) for piece in simulation.pieces()}
+        assert len(new) == 3
+        assert not new & keys
+        keys |= new
+    # nothing yields whatever the hardness
+    never = replace(settings, asperities="elastic").of(surface)
+    assert {never.key(piece) for piece in never.pieces()} <= keys
     # in which way the theory reads asperities that yield is nothing to the simulation
     capped, conserved = settings.of(surface.capped), settings.of(surface.conserved)
     assert [capped.key(piece) for piece in capped.pieces()] == [
@@ -321,6 +497,33 @@ def test_leak_rate_of_a_case_comes_from_the_simulation():
     assert load.leak_elastic.leak_rate > load.leak.leak_rate
 
 
+@cache
+def metal_result():
+    direct = {**METAL, "unload": None, "pressure": ["40 MPa", "150 MPa", "500 MPa"]}
+    return fem_seal.run(case(leak={"conductivity": "direct"}, direct=direct))
+
+
+def test_leak_rate_of_metal_that_flows():
+    same = {**SMALL, "points": 32}
+    found, capped = (
+        one.loads[-1]
+        for one in (metal_result(), fem_seal.run(case(leak={"conductivity": "direct"}, direct=same)))
+    )
+    # hard asperities yield before they reach the hardness: a little tighter than capped ones
+    assert 0.6 < found.leak.leak_rate / capped.leak.leak_rate < 0.99
+    assert found.leak_elastic.leak_rate == pytest.approx(capped.leak_elastic.leak_rate, rel=1e-9)
+    low, high = found.leak_range
+    assert low < found.leak.leak_rate < high
+
+
+def test_report_names_what_yields(tmp_path):
+    metal_result().write(tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "direct simulation of rough patches, metal that flows by von Mises" in page
+    assert "Pei" in page
+    assert "Orange touches where metal below has flowed" in page
+
+
 def test_report_shows_the_simulation(tmp_path):
     result().write(tmp_path)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
@@ -365,6 +568,22 @@ def test_what_does_not_go_with_it():
     assert "reaches the hardness" in wrong(direct={"pressure": "4 GPa"})
     assert "only smaller ones come after it" in wrong(direct={"pressure": "1 GPa", "unload": "2 GPa"})
     assert "has unload, which needs pressure" in wrong(direct={"unload": "2 GPa"})
+    assert "direct.yield_stress" in wrong(direct={"yield_stress": "1 GPa"})
+    assert 'add asperities = "von-mises"' in wrong(direct={"asperities": "capped", "yield_stress": "1 GPa"})
+    for asked in ("capped", "von-mises"):
+        never = wrong(direct={"asperities": asked}, leak={"plasticity": False})
+        assert f'direct.asperities = "{asked}"' in never
+        assert "leak.plasticity is false" in never
+    plain = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
+    bodies = {
+        "closure": {"shape": "ball", "radius": "20 mm", "material": plain},
+        "seat": {"shape": "cone", "angle": "45 deg", "material": plain},
+        "leak": {"plasticity": False},
+    }
+    assert "needs a hardness or direct.yield_stress" in wrong(direct={"asperities": "von-mises"}, **bodies)
+    assert "needs a hardness, and there is none" in wrong(direct={"asperities": "capped"}, **bodies)
+    given = case(direct={"asperities": "von-mises", "yield_stress": "1 GPa"}, **bodies)
+    assert direct_settings(given).of(rough_contact(given)).yield_stress == 1e9
     assert "remove size" in wrong(direct={"file": "map.x3p", "size": "1 mm"})
 
 

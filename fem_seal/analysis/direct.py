@@ -784,18 +784,22 @@ def _path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> It
     """Of metal that flows, in load steps of equal length from one pressure to the next."""
     assert simulation.yield_stress is not None
     assert simulation.load_step is not None
-    state, before = None, 0.0
+    state: ElastoplasticState | None = None
+    before = 0.0
     for number, p in enumerate(chain(piece.pressures, piece.unload)):
         steps = math.ceil(abs(p - before) / simulation.load_step)
-        state = press_elastoplastic(
-            simulation.body,
-            heights,
-            np.linspace(before, p, steps + 1)[1:],
-            yield_stress=simulation.yield_stress,
-            poissons_ratio=simulation.poissons_ratio,
-            start=state,
-        )[-1]
+        # one by one: states are large, and only the last one is needed
+        for step in np.linspace(before, p, steps + 1)[1:]:
+            (state,) = press_elastoplastic(
+                simulation.body,
+                heights,
+                [step],
+                yield_stress=simulation.yield_stress,
+                poissons_ratio=simulation.poissons_ratio,
+                start=state,
+            )
         before = p
+        assert state is not None  # pressures are above zero
         drawn = piece.branch == "load" and piece.sample == 0 and number < len(piece.pressures)
         yield _record(simulation, state.contact)._replace(
             yielded_area=state.yielded_area, map=PressedMap.of_metal(state).text if drawn else ""
