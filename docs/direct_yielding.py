@@ -1,7 +1,7 @@
-"""Asperities that yield, the theory beside direct simulation with the pressure capped at the hardness.
+"""Asperities that yield, the theory beside direct simulation: the pressure capped at the hardness, or von Mises.
 
-Run: python docs/direct_yielding.py, to fit the constants of `leak.theory.capped` anew: on the surfaces of even seed,
-judged on those of odd seed. Box length 1, E* = 1 and rms slope 1; pressures are in units of E* h'.
+Run: python docs/direct_yielding.py, to fit the constants of `leak.theory.capped` anew, each on one part of its surfaces
+and judged on the others. Box length 1, E* = 1 and rms slope 1; pressures are in units of E* h'.
 """
 
 from __future__ import annotations
@@ -19,15 +19,18 @@ from direct_numerical import periodic_spectrum, worst_factor
 from numpy.typing import NDArray
 
 import leak
-from leak.theory.capped import BEARING_GAP, FITTED, CappedConstants, equivalent_pressure
+from leak.theory.capped import BEARING_GAP, CAPPED, VON_MISES, YieldingConstants, equivalent_pressure
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 CAMPAIGN = "direct_yielding.csv"
+FLOWING = "direct_von_mises.csv"
 AVERAGES = "plastic_direct.csv"
 # Elastic surfaces seal at this pressure: mean over the 12 of direct_threshold.csv, standard error 0.002.
 SEALING = 0.215
+# Surfaces of the von Mises campaign from this seed on judge what the others are fitted to.
+_HELD_OUT = 200
 # Spectra of the averages: roll-off, cutoff, Hurst exponent.
 _AVERAGED = {"P5": (8.0, 64.0, 0.8), "R5": (8.0, 64.0, 0.5)}
 
@@ -53,6 +56,8 @@ class YieldingSet:
         Mean gap over rms height.
     conductivity : ndarray
         12 eta sigma_eff over rms height cubed; nan where the flow was left out.
+    theory : {"paper", "corrected"}
+        What its results are put beside.
     """
 
     name: str
@@ -65,6 +70,7 @@ class YieldingSet:
     yielded: FloatArray
     gap: FloatArray
     conductivity: FloatArray
+    theory: str = "paper"
 
     @property
     def yields(self) -> BoolArray:
@@ -79,7 +85,7 @@ class YieldingSet:
     @cached_property
     def elastic(self) -> leak.RoughContact:
         """The theory of its spectrum."""
-        return leak.RoughContact(self.spectrum, effective_modulus=1.0)
+        return leak.RoughContact(self.spectrum, effective_modulus=1.0, theory=self.theory)
 
     @cached_property
     def bearing_pressure(self) -> float:
@@ -108,7 +114,7 @@ class YieldingSet:
         u = np.cbrt(self.conductivity)
         return inverse(self.gap[elastic], self.gap), inverse(u[elastic], u)
 
-    def predicted(self, constants: CappedConstants, sealing: float) -> FloatArray:
+    def predicted(self, constants: YieldingConstants, sealing: float) -> FloatArray:
         """Equivalent pressure of every state that yields, nan for the others."""
         out = np.full(self.pressure.shape, np.nan)
         for hardness in np.unique(self.hardness[self.yields]):
@@ -154,6 +160,51 @@ def read_averages(folder: Path) -> list[YieldingSet]:
     ]
 
 
+def read_von_mises(folder: Path, metal: tuple[str, str] = ("0.3", "0")) -> list[YieldingSet]:
+    """One set per surface of `docs/direct_von_mises_campaign.py`, load steps extrapolated.
+
+    Gap and conductivity err by the first order of the load steps; what half of them change is added once more, after
+    unloading as much as at the largest pressure.
+
+    Parameters
+    ----------
+    folder : Path
+    metal : tuple of str
+        Poisson's ratio and hardening as the file writes them.
+    """
+    keys = ("rolloff_wavelengths_per_box", "cutoff_wavelengths_per_box", "hurst", "seed")
+    surfaces: dict[tuple[str, ...], dict[tuple[str, str, str, str], dict[str, dict[str, str]]]] = {}
+    for row in _rows(folder / FLOWING):
+        if row["model"] == "elastic" or (row["poissons_ratio"], row["hardening"]) == metal:
+            state = (row["hardness_over_Eh"], row["branch"], row["p_over_Eh"], row["p_max_over_Eh"])
+            surface = surfaces.setdefault(tuple(row[key] for key in keys), {})
+            surface.setdefault(state, {})[row["model"]] = row
+    return [_flowing(key, states) for key, states in surfaces.items()]
+
+
+def _flowing(
+    key: tuple[str, ...], states: dict[tuple[str, str, str, str], dict[str, dict[str, str]]]
+) -> YieldingSet:
+    rolloff, cutoff, hurst, seed = map(float, key)
+    rows = []
+    for (hardness, branch, _, p_max), models in states.items():
+        row = models.get("elastic") or models.get("von-mises-whole-steps")
+        # the half steps of the largest pressure tell what is left of the steps
+        first = models if branch == "load" else states.get((hardness, "load", p_max, p_max), {})
+        fine, coarse = (first.get(f"von-mises-{steps}-steps") for steps in ("half", "whole"))
+        if row is None or (row["model"] != "elastic" and fine is None):
+            continue
+        rows.append({**row, "yielded_area": ""})
+        for name in ("mean_gap_over_hrms", "conductivity"):
+            value = float(row[name])
+            if fine is not None and coarse is not None:
+                value *= float(fine[name]) / float(coarse[name]) if float(coarse[name]) > 0.0 else 0.0
+            rows[-1][name] = repr(value if value > 0.0 else math.nan)
+        rows[-1]["hardness_over_Eh"] = "" if hardness == "nan" else hardness
+    found = _set(f"{rolloff:g}/{cutoff:g}, {hurst:g}", int(seed), (rolloff, cutoff, hurst), rows)
+    return replace(found, theory="corrected")
+
+
 def _rows(path: Path) -> list[dict[str, str]]:
     with path.open(encoding="utf-8") as file:
         return list(csv.DictReader(line for line in file if not line.startswith("#")))
@@ -182,7 +233,7 @@ def _set(
 # -------------------------------------------------------------------- the equivalent pressure alone
 
 
-def misfit(sets: Sequence[YieldingSet], constants: CappedConstants, *, unloading: bool) -> FloatArray:
+def misfit(sets: Sequence[YieldingSet], constants: YieldingConstants, *, unloading: bool) -> FloatArray:
     """ln of the model's equivalent pressure over the direct one, by gap and by conductivity.
 
     The direct ones stand on the same surface's elastic results, so that nothing of the theory's own error enters, but
@@ -212,12 +263,16 @@ def at_largest(one: YieldingSet, values: FloatArray) -> FloatArray:
     )
 
 
-def fit(sets: Sequence[YieldingSet]) -> CappedConstants:
-    """Constants by least squares of ln p_eq: first loading, then unloading."""
+def fit(
+    sets: Sequence[YieldingSet],
+    constants: YieldingConstants = CAPPED,
+    loading: Sequence[str] = ("total", "bearing", "growth"),
+) -> YieldingConstants:
+    """Constants by least squares of ln p_eq: those of first loading, then those of unloading."""
     from scipy.optimize import least_squares
 
-    def found(constants: CappedConstants, names: Sequence[str], unloading: bool) -> CappedConstants:
-        def changed(x: FloatArray) -> CappedConstants:
+    def found(constants: YieldingConstants, names: Sequence[str], unloading: bool) -> YieldingConstants:
+        def changed(x: FloatArray) -> YieldingConstants:
             return constants._replace(**dict(zip(names, map(float, x), strict=True)))
 
         def off(x: FloatArray) -> FloatArray:
@@ -225,13 +280,17 @@ def fit(sets: Sequence[YieldingSet]) -> CappedConstants:
 
         return changed(least_squares(off, [getattr(constants, name) for name in names]).x)
 
-    loaded = found(FITTED, ("total", "bearing", "growth"), False)
-    return found(loaded, ("spring", "bend"), True)
+    return found(found(constants, loading, False), ("spring", "bend"), True)
 
 
 def halves(sets: Sequence[YieldingSet]) -> tuple[list[YieldingSet], list[YieldingSet]]:
     """Surfaces of even seed, to fit, and of odd seed, to judge."""
     return [one for one in sets if one.seed % 2 == 0], [one for one in sets if one.seed % 2 == 1]
+
+
+def held_out(sets: Sequence[YieldingSet]) -> tuple[list[YieldingSet], list[YieldingSet]]:
+    """Surfaces of the von Mises campaign to fit, and to judge."""
+    return [one for one in sets if one.seed < _HELD_OUT], [one for one in sets if one.seed >= _HELD_OUT]
 
 
 # -------------------------------------------------------------------- the readings of the theory
@@ -240,7 +299,7 @@ def halves(sets: Sequence[YieldingSet]) -> tuple[list[YieldingSet], list[Yieldin
 def capped(one: YieldingSet) -> tuple[FloatArray, FloatArray]:
     """Mean gap and conductivity of the capped reading, in the units of the results."""
     acting = one.pressure.copy()
-    acting[one.yields] = one.predicted(FITTED, one.elastic.sealing_pressure)[one.yields]
+    acting[one.yields] = one.predicted(CAPPED, one.elastic.sealing_pressure)[one.yields]
     return _theory(one, one.elastic, acting)
 
 
@@ -348,14 +407,25 @@ def _states(one: YieldingSet, hardness: float, pressure: FloatArray, largest: Fl
 
 def main(folder: Path) -> None:
     """Fit, judge, and say how far off the constants in use are."""
-    seen, unseen = halves(read_campaign(folder))
-    for name, constants in (("fitted now", fit(seen)), ("in use", FITTED)):
-        print(name, *(f"{key} {value:.3f}" for key, value in constants._asdict().items()))
-        for half, sets in (("fitted", seen), ("judged", unseen)):
-            for branch, unloading in (("loading", False), ("unloading", True)):
-                off = misfit(sets, constants, unloading=unloading)
-                worst, rms = worst_factor(np.exp(off)), math.exp(math.sqrt(float(np.mean(off**2))))
-                print(f"  {half}, {branch}: worst factor {worst:.2f}, rms {rms:.3f}, {off.size} values")
+    campaigns = {
+        "capped": (halves(read_campaign(folder)), CAPPED, ("total", "bearing", "growth")),
+        "von Mises": (
+            held_out(read_von_mises(folder)),
+            VON_MISES,
+            ("total", "bearing", "growth", "hard", "threshold"),
+        ),
+    }
+    for what, ((seen, unseen), in_use, names) in campaigns.items():
+        for name, constants in (("fitted now", fit(seen, in_use, names)), ("in use", in_use)):
+            print(what, name, *(f"{key} {value:.3f}" for key, value in constants._asdict().items()))
+            for half, sets in (("fitted", seen), ("judged", unseen)):
+                for branch, unloading in (("loading", False), ("unloading", True)):
+                    off = misfit(sets, constants, unloading=unloading)
+                    if off.size:
+                        worst, rms = worst_factor(np.exp(off)), math.exp(math.sqrt(float(np.mean(off**2))))
+                        print(
+                            f"  {half}, {branch}: worst factor {worst:.2f}, rms {rms:.3f}, {off.size} values"
+                        )
 
 
 if __name__ == "__main__":

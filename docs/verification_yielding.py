@@ -22,7 +22,7 @@ from direct_yielding import (
 )
 from verification_page import Figure, Section
 
-from leak.theory.capped import FITTED
+from leak.theory.capped import CAPPED
 
 _CAPPED, _CONSERVED, _ELASTIC = READINGS
 _NOTHING = "the same surfaces without a hardness, elastic theory"
@@ -95,7 +95,7 @@ def yielding_section(reference: Path, image: Path) -> Section:
         for source, ratios in (("averages", of_averages), ("campaign", of_campaign))
     ]
     _, unseen = halves(campaign)
-    loaded, unloaded = (misfit(unseen, FITTED, unloading=back) for back in (False, True))
+    loaded, unloaded = (misfit(unseen, CAPPED, unloading=back) for back in (False, True))
 
     def worst(quantity: str, branch: str) -> float:
         return worst_factor(of_averages[quantity, _CAPPED, branch])

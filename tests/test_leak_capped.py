@@ -19,7 +19,7 @@ from scipy import special
 import leak
 from leak.theory.capped import (
     BEARING_GAP,
-    FITTED,
+    CAPPED,
     YIELDING_THRESHOLD,
     equivalent_pressure,
     percolation_threshold,
@@ -199,13 +199,13 @@ def test_constants_are_those_of_the_fit_to_one_half(campaign):
     assert len(seen) >= 6
     assert len(unseen) >= 4
     # the constants in use are rounded
-    np.testing.assert_allclose(fit(seen), FITTED, rtol=0.03)
+    np.testing.assert_allclose(fit(seen), CAPPED, rtol=0.03)
 
 
 @pytest.mark.parametrize(("unloading", "factor", "rms"), [(False, 1.2, 1.05), (True, 1.35, 1.07)])
 def test_equivalent_pressure_on_the_surfaces_that_were_not_fitted(campaign, unloading, factor, rms):
     _, unseen = halves(campaign)
-    off = misfit(unseen, FITTED, unloading=unloading)
+    off = misfit(unseen, CAPPED, unloading=unloading)
     assert off.size > 100
     assert worst_factor(np.exp(off)) < factor
     assert np.exp(np.sqrt(np.mean(off**2))) < rms

@@ -29,8 +29,7 @@ from leak.numerics.curves import spline_slopes
 from leak.numerics.roots import root_of_rising
 from leak.numerics.sampling import sampled
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.capped import BEARING_GAP
-from leak.theory.capped import equivalent_pressure as capped_pressure
+from leak.theory.capped import BEARING_GAP, CAPPED, VON_MISES, equivalent_pressure
 from leak.theory.gap_law import gap_law
 from leak.theory.interface_law import RoughSurfaceLaw
 from leak.theory.persson import (
@@ -52,7 +51,6 @@ from leak.theory.plasticity import (
     touching_area,
 )
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
-from leak.theory.von_mises import equivalent_pressure as von_mises_pressure
 
 _WIDTHS = ("effective", "plain")
 # What each theory takes for metal that yields, its default first.
@@ -87,8 +85,8 @@ class RoughContact:
         Penetration hardness of the softer surface [Pa]; None for elastic asperities.
     theory : {"paper", "corrected"}
         "paper": mean gap and flow by Persson's theory as in Fischer et al. "corrected": the mean gap by
-        `leak.theory.gap_law`, asperities that yield by `leak.theory.von_mises`, and the flow through the paper's
-        surface of the same mean gap.
+        `leak.theory.gap_law`, asperities that yield by von Mises (`leak.theory.capped`), and the flow through the
+        paper's surface of the same mean gap.
     yielding : {"conserved", "capped", "von-mises"}, optional
         What becomes of the metal that yields. In the paper's theory "conserved", the default: the spectrum C_pl
         smoothed everywhere by plastic flow at the pressure asked for, valleys included (`leak.theory.plasticity`); or
@@ -242,8 +240,7 @@ class RoughContact:
         """Pressure at which the elastic surface has the gaps of the one that yields where it touches."""
         assert self.hardness is not None  # of all who ask
         bearing, sealing = self._elastic_pressures
-        equivalent = capped_pressure if self.theory == "paper" else von_mises_pressure
-        return equivalent(
+        return equivalent_pressure(
             p,
             hardness=self.hardness,
             effective_modulus=self.effective_modulus,
@@ -251,6 +248,7 @@ class RoughContact:
             bearing_pressure=bearing,
             sealing_pressure=sealing,
             largest=largest,
+            constants=CAPPED if self.theory == "paper" else VON_MISES,
         )
 
     def first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:

@@ -1,7 +1,9 @@
 """Asperities that yield only where they touch: the elastic contact that lets as much through.
 
 Where the pressure reaches the hardness the surface is pressed flat, and it stays as it is elsewhere. Its gaps are
-those of the elastic surface at a larger pressure, which serves mean gap and flow alike. Between two limits:
+those of the elastic surface at a larger pressure, which serves mean gap and flow alike. Metal that flows by von Mises'
+criterion has gaps of the same kind, with other constants: it begins to yield at lower pressures, below the surface,
+and carries more than the hardness where its neighbours hinder the flow. Between two limits:
 
 - hard: nothing yields, the equivalent pressure is the pressure itself;
 - soft: the area a = p/hardness is cut off the heights and the rest stands as it was. A Gaussian surface of which a
@@ -33,12 +35,12 @@ _CLOSING = 6
 _ALMOST_ALL = 1.0 - 1e-12
 
 
-class CappedConstants(NamedTuple):
-    """What direct simulation says of a capped surface; all without unit.
+class YieldingConstants(NamedTuple):
+    """What direct simulation says of a surface that yields where it touches; all without unit.
 
     Examples
     --------
-    >>> CappedConstants().total > 1.0
+    >>> CAPPED.total > VON_MISES.total
     True
     """
 
@@ -54,10 +56,17 @@ class CappedConstants(NamedTuple):
     """r, the power of p/p_max in the spring-back."""
     few: float = 0.02
     """Excess from which on yielding bends the spring-back."""
+    hard: float = 2.0
+    """How fast a harder surface yields less: s = exp(-hard (hardness/(E* h'))^2)."""
+    threshold: float = YIELDING_THRESHOLD
+    """a from which on no path is left where all of the area yields."""
 
 
-FITTED = CappedConstants()
-"""Fitted on one half of the direct results and judged on the other, see `docs/direct_yielding.py`."""
+CAPPED = YieldingConstants()
+"""The pressure never exceeds the hardness; fitted and judged by `docs/direct_yielding.py`."""
+VON_MISES = YieldingConstants(total=0.90, bearing=0.68, growth=0.55, hard=1.65, threshold=0.78)
+"""Metal that flows by von Mises' criterion without hardening, Poisson's ratio 0.3, hardness 2.9 times its yield stress;
+fitted and judged by `docs/direct_yielding.py`."""
 
 
 def equivalent_pressure(
@@ -69,12 +78,12 @@ def equivalent_pressure(
     bearing_pressure: float,
     sealing_pressure: float,
     largest: ArrayLike | None = None,
-    constants: CappedConstants = FITTED,
+    constants: YieldingConstants = CAPPED,
 ) -> FloatArray:
     """Nominal pressure at which the elastic surface lets as much through as the one that yields where it touches.
 
     First loading: p_eq^n = p^n + P_b^n, P_b = s a c(a), a = p/hardness. Of an elastic contact's area the share
-    s = exp(-2 H^2), H = hardness/(E* h'), would bear more than the hardness; c(a) rises from the slope that the
+    s = exp(-c H^2), H = hardness/(E* h'), would bear more than the hardness; c(a) rises from the slope that the
     bearing pressure at a = 1/4 fixes to the sealing pressure at the yielding threshold. Unloading from p_max to
     x p_max: p_eq = p_eq(p_max) exp(-k (1 - x^r)/r), which goes from x (elastic, r = 0 and k = 1) to one (rigid
     and plastic, k = 0). It rises with pressure and with `largest`, and is never below that of first loading.
@@ -96,8 +105,8 @@ def equivalent_pressure(
     largest : array_like, optional
         Largest nominal pressure that the place has carried [Pa]; where it is below `pressure`, and by default, the
         pressure itself.
-    constants : CappedConstants
-        Of the fit.
+    constants : YieldingConstants
+        `CAPPED` or `VON_MISES`.
 
     Returns
     -------
@@ -120,7 +129,7 @@ def equivalent_pressure(
     """
     p = np.asarray(pressure, dtype=float)
     n = constants.total
-    share = np.exp(-2.0 * (hardness / (effective_modulus * rms_slope)) ** 2)
+    share = np.exp(-constants.hard * (hardness / (effective_modulus * rms_slope)) ** 2)
 
     def first_loading(p: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Equivalent pressure, and by which factor it is above p."""
@@ -139,17 +148,17 @@ def equivalent_pressure(
 
 
 def _bearing(
-    odds: FloatArray, bearing_pressure: float, sealing_pressure: float, constants: CappedConstants
+    odds: FloatArray, bearing_pressure: float, sealing_pressure: float, constants: YieldingConstants
 ) -> FloatArray:
     """c: elastic pressure with the gap of the cut surface, over the area cut off; over odds = a/(1 - a) [Pa]."""
     growth = constants.growth
     start = constants.bearing * bearing_pressure / (_CUT_OFF * (1.0 + growth * _CUT_OFF / (1.0 - _CUT_OFF)))
-    end = YIELDING_THRESHOLD / (1.0 - YIELDING_THRESHOLD)
-    missing = max(sealing_pressure / YIELDING_THRESHOLD - start * (1.0 + growth * end), 0.0)
+    end = constants.threshold / (1.0 - constants.threshold)
+    missing = max(sealing_pressure / constants.threshold - start * (1.0 + growth * end), 0.0)
     return start * (1.0 + growth * odds) + missing * (odds / end) ** _CLOSING
 
 
-def _spring_back(log_x: FloatArray, factor: FloatArray, constants: CappedConstants) -> FloatArray:
+def _spring_back(log_x: FloatArray, factor: FloatArray, constants: YieldingConstants) -> FloatArray:
     """-ln(p_eq/p_eq(p_max)) at ln(p/p_max); `factor` is p_eq(p_max)/p_max."""
     excess = np.minimum(factor - 1.0, 1e12)
     start = 1.0 / (1.0 + constants.spring * excess)
