@@ -263,11 +263,7 @@ def at_largest(one: YieldingSet, values: FloatArray) -> FloatArray:
     )
 
 
-def fit(
-    sets: Sequence[YieldingSet],
-    constants: YieldingConstants = CAPPED,
-    loading: Sequence[str] = ("total", "bearing", "growth"),
-) -> YieldingConstants:
+def fit(sets: Sequence[YieldingSet], constants: YieldingConstants = CAPPED) -> YieldingConstants:
     """Constants by least squares of ln p_eq: those of first loading, then those of unloading."""
     from scipy.optimize import least_squares
 
@@ -280,7 +276,7 @@ def fit(
 
         return changed(least_squares(off, [getattr(constants, name) for name in names]).x)
 
-    return found(found(constants, loading, False), ("spring", "bend"), True)
+    return found(found(constants, ("total", "bearing", "growth"), False), ("spring", "bend"), True)
 
 
 def halves(sets: Sequence[YieldingSet]) -> tuple[list[YieldingSet], list[YieldingSet]]:
@@ -408,15 +404,11 @@ def _states(one: YieldingSet, hardness: float, pressure: FloatArray, largest: Fl
 def main(folder: Path) -> None:
     """Fit, judge, and say how far off the constants in use are."""
     campaigns = {
-        "capped": (halves(read_campaign(folder)), CAPPED, ("total", "bearing", "growth")),
-        "von Mises": (
-            held_out(read_von_mises(folder)),
-            VON_MISES,
-            ("total", "bearing", "growth", "hard", "threshold"),
-        ),
+        "capped": (halves(read_campaign(folder)), CAPPED),
+        "von Mises": (held_out(read_von_mises(folder)), VON_MISES),
     }
-    for what, ((seen, unseen), in_use, names) in campaigns.items():
-        for name, constants in (("fitted now", fit(seen, in_use, names)), ("in use", in_use)):
+    for what, ((seen, unseen), in_use) in campaigns.items():
+        for name, constants in (("fitted now", fit(seen, in_use)), ("in use", in_use)):
             print(what, name, *(f"{key} {value:.3f}" for key, value in constants._asdict().items()))
             for half, sets in (("fitted", seen), ("judged", unseen)):
                 for branch, unloading in (("loading", False), ("unloading", True)):

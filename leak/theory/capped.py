@@ -56,15 +56,11 @@ class YieldingConstants(NamedTuple):
     """r, the power of p/p_max in the spring-back."""
     few: float = 0.02
     """Excess from which on yielding bends the spring-back."""
-    hard: float = 2.0
-    """How fast a harder surface yields less: s = exp(-hard (hardness/(E* h'))^2)."""
-    threshold: float = YIELDING_THRESHOLD
-    """a from which on no path is left where all of the area yields."""
 
 
 CAPPED = YieldingConstants()
 """The pressure never exceeds the hardness; fitted and judged by `docs/direct_yielding.py`."""
-VON_MISES = YieldingConstants(total=0.90, bearing=0.68, growth=0.55, hard=1.65, threshold=0.78)
+VON_MISES = YieldingConstants(total=0.90, bearing=0.73, growth=0.87, spring=1.75, bend=0.17)
 """Metal that flows by von Mises' criterion without hardening, Poisson's ratio 0.3, hardness 2.9 times its yield stress;
 fitted and judged by `docs/direct_yielding.py`."""
 
@@ -83,7 +79,7 @@ def equivalent_pressure(
     """Nominal pressure at which the elastic surface lets as much through as the one that yields where it touches.
 
     First loading: p_eq^n = p^n + P_b^n, P_b = s a c(a), a = p/hardness. Of an elastic contact's area the share
-    s = exp(-c H^2), H = hardness/(E* h'), would bear more than the hardness; c(a) rises from the slope that the
+    s = exp(-2 H^2), H = hardness/(E* h'), would bear more than the hardness; c(a) rises from the slope that the
     bearing pressure at a = 1/4 fixes to the sealing pressure at the yielding threshold. Unloading from p_max to
     x p_max: p_eq = p_eq(p_max) exp(-k (1 - x^r)/r), which goes from x (elastic, r = 0 and k = 1) to one (rigid
     and plastic, k = 0). It rises with pressure and with `largest`, and is never below that of first loading.
@@ -129,7 +125,7 @@ def equivalent_pressure(
     """
     p = np.asarray(pressure, dtype=float)
     n = constants.total
-    share = np.exp(-constants.hard * (hardness / (effective_modulus * rms_slope)) ** 2)
+    share = np.exp(-2.0 * (hardness / (effective_modulus * rms_slope)) ** 2)
 
     def first_loading(p: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Equivalent pressure, and by which factor it is above p."""
@@ -153,8 +149,8 @@ def _bearing(
     """c: elastic pressure with the gap of the cut surface, over the area cut off; over odds = a/(1 - a) [Pa]."""
     growth = constants.growth
     start = constants.bearing * bearing_pressure / (_CUT_OFF * (1.0 + growth * _CUT_OFF / (1.0 - _CUT_OFF)))
-    end = constants.threshold / (1.0 - constants.threshold)
-    missing = max(sealing_pressure / constants.threshold - start * (1.0 + growth * end), 0.0)
+    end = YIELDING_THRESHOLD / (1.0 - YIELDING_THRESHOLD)
+    missing = max(sealing_pressure / YIELDING_THRESHOLD - start * (1.0 + growth * end), 0.0)
     return start * (1.0 + growth * odds) + missing * (odds / end) ** _CLOSING
 
 

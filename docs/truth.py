@@ -1,0 +1,225 @@
+"""Write docs/verification/truth.md: both theories and every reading beside every direct result of isotropic surfaces.
+
+Run: python docs/truth.py [folder with the independent reference numbers]
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import verification_medium
+from direct_numerical import LOW_LOADS, FloatArray, periodic_spectrum, read_direct
+from direct_yielding import YieldingSet, read_averages, read_campaign, read_von_mises
+from verification_page import Section, markdown
+
+import leak
+
+FILE = Path(__file__).parent / "verification" / "truth.md"
+IMAGE = Path(__file__).parent / "images" / "truth.svg"
+PRESSURES = (1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.06, 0.12, 0.31)
+AREAS = (0.0, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.4)
+METALS = ("elastic", "capped at the hardness", "von Mises")
+
+
+@dataclass(frozen=True)
+class Direct:
+    """Results on one surface, or means over surfaces of one spectrum, of one metal; arrays over its states.
+
+    Parameters
+    ----------
+    metal : str
+        One of `METALS`.
+    spectrum : leak.PowerSpectrum
+        Rms slope 1.
+    hardness : float
+        H/(E* h'), infinite for elastic ones.
+    pressure, area : ndarray
+        p/(E* h') and A/A0.
+    conductivity : ndarray
+        12 eta sigma_eff over rms height cubed.
+    """
+
+    metal: str
+    spectrum: leak.PowerSpectrum
+    hardness: float
+    pressure: FloatArray
+    area: FloatArray
+    conductivity: FloatArray
+
+
+def results(folder: Path) -> Iterator[Direct]:
+    """All there are on first loading."""
+    with (folder / LOW_LOADS).open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["conductivity_over_hrms3"]]
+    kinds = dict.fromkeys((row["hurst"], row["rolloff_waves"], row["cutoff_over_rolloff"]) for row in rows)
+    for kind in kinds:
+        of_kind = [
+            row for row in rows if (row["hurst"], row["rolloff_waves"], row["cutoff_over_rolloff"]) == kind
+        ]
+        p, area, k = (
+            np.array([float(row[name]) for row in of_kind])
+            for name in ("p_over_Eh", "area_fraction", "conductivity_over_hrms3")
+        )
+        hurst, rolloff, ratio = map(float, kind)
+        yield Direct("elastic", periodic_spectrum(rolloff, rolloff * ratio, hurst), math.inf, p, area, k)
+    for one in read_direct(folder):
+        yield Direct("elastic", one.spectrum, math.inf, one.pressure, one.area, one.conductivity)
+    for kind_of in verification_medium.read(verification_medium.CAMPAIGN):
+        if kind_of.kind.peklenik == 1.0:
+            yield Direct(
+                "elastic", kind_of.kind.spectrum, math.inf, kind_of.pressure, kind_of.area, kind_of.mean
+            )
+    for metal, sets in (
+        ("capped at the hardness", [*read_averages(folder), *read_campaign(folder)]),
+        ("von Mises", read_von_mises(folder)),
+    ):
+        for one_set in sets:
+            yield from _of_hardness(metal, one_set)
+
+
+def _of_hardness(metal: str, one: YieldingSet) -> Iterator[Direct]:
+    for hardness in np.unique(one.hardness):
+        at = (one.hardness == hardness) & ~one.unloading & (one.conductivity > 0.0)
+        yield Direct(
+            metal if np.isfinite(hardness) else "elastic",
+            one.spectrum,
+            float(hardness),
+            one.pressure[at],
+            one.area[at],
+            one.conductivity[at],
+        )
+
+
+def _surface(direct: Direct, **of: str) -> leak.RoughContact:
+    hardness = direct.hardness if math.isfinite(direct.hardness) else None
+    return leak.RoughContact(direct.spectrum, effective_modulus=1.0, hardness=hardness, **of)
+
+
+THEORIES: dict[str, Callable[[Direct], leak.RoughContact]] = {
+    "paper, elastic": lambda direct: _surface(direct).elastic,
+    "paper, conserved (C_pl)": _surface,
+    "paper, capped": partial(_surface, yielding="capped"),
+    "corrected": partial(_surface, theory="corrected"),
+}
+
+
+def ratios(all_results: Sequence[Direct]) -> dict[tuple[str, str], FloatArray]:
+    """By metal and theory: p/(E* h'), A/A0 and ln of the theory's over the direct conductivity, one row per state."""
+    found: dict[tuple[str, str], list[FloatArray]] = {}
+    for direct in all_results:
+        for name, theory in THEORIES.items():
+            if direct.metal == "elastic" and name not in ("paper, elastic", "corrected"):
+                continue
+            surface = theory(direct)
+            u = np.asarray(surface.effective_separation(direct.pressure)) / direct.spectrum.rms_height
+            with np.errstate(divide="ignore"):
+                off = 3.0 * np.log(u) - np.log(direct.conductivity)
+            found.setdefault((direct.metal, name), []).append(
+                np.column_stack([direct.pressure, direct.area, off])
+            )
+    return {key: np.concatenate(parts) for key, parts in found.items()}
+
+
+def _cell(off: FloatArray) -> str:
+    if off.size == 0:
+        return "-"
+    low, middle, high = np.exp(np.quantile(off, [0.0, 0.5, 1.0], method="nearest"))
+    return f"{_short(middle)} ({_short(low)} to {_short(high)})" if off.size > 1 else _short(middle)
+
+
+def _short(factor: float) -> str:
+    if factor < 0.001:
+        return "< 0.001"
+    return f"{factor:.0f}" if factor >= 100.0 else f"{factor:.2g}" if factor < 0.1 else f"{factor:.3g}"
+
+
+def sections(found: dict[tuple[str, str], FloatArray]) -> Iterator[Section]:
+    """Over the pressure, and over the contact area."""
+    for title, column, edges in (("p/(E* h')", 0, PRESSURES), ("A/A0", 1, AREAS)):
+        heads = [f"{a:g} to {b:g}" for a, b in pairwise(edges)]
+        rows = []
+        for (metal, theory), table in found.items():
+            inside = [(table[:, column] >= a) & (table[:, column] < b) for a, b in pairwise(edges)]
+            rows.append((metal, theory, *(_cell(table[at, 2]) for at in inside)))
+        yield Section(
+            f"Over {title}",
+            "Conductivity of the theory over the direct one: median, and in brackets the smallest and the largest.",
+            ("metal", "theory", *heads),
+            tuple(rows),
+        )
+
+
+def picture(found: dict[tuple[str, str], FloatArray], path: Path) -> Path:
+    """Factors over p/(E* h') and over A/A0, one row of axes per metal."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    colours = dict(zip(THEORIES, ("#777777", "#7a1f5a", "#c8641a", "#1f5a99"), strict=True))
+    style = {"font.size": 9, "svg.hashsalt": "truth", "axes.spines.top": False, "axes.spines.right": False}
+    with matplotlib.rc_context(style):
+        figure = Figure(figsize=(9.6, 9.0), layout="constrained")
+        axes = figure.subplots(3, 2, sharey=True)
+        for row, metal in zip(axes, METALS, strict=True):
+            for ax, column, label in zip(row, (0, 1), ("p / (E* h')", "A / A0"), strict=True):
+                for theory, colour in colours.items():
+                    table = found.get((metal, theory))
+                    if table is not None:
+                        ax.plot(table[:, column], np.exp(table[:, 2]), ".", ms=3, color=colour, label=theory)
+                ax.axhline(1.0, color="#000", linewidth=0.8)
+                ax.set(xscale="log", yscale="log", ylim=(3e-3, 30), xlabel=label)
+            row[0].set(ylabel="theory over direct conductivity", title=f"Direct: {metal}", xlim=(2e-5, 0.4))
+            row[1].set(xlim=(1e-4, 0.5))
+            row[0].legend(frameon=False, fontsize=8, markerscale=3)
+        path.parent.mkdir(exist_ok=True)
+        figure.savefig(path, metadata={"Date": None, "Creator": None})
+    return path
+
+
+def main(folder: Path) -> None:
+    """Write page and picture."""
+    everything = list(results(folder))
+    found = ratios(everything)
+    picture(found, IMAGE)
+    own = found["von Mises", "corrected"]
+    below = own[own[:, 1] < 0.3, 2]
+    elastic = found["elastic", "corrected"]
+    low = elastic[elastic[:, 0] <= 0.03, 2]
+    text = "\n".join(
+        [
+            "# The theories beside direct simulation",
+            "",
+            "Generated by `docs/truth.py`. Flow conductivity by theory over that of direct simulation: boundary "
+            "elements, elastic or capped at the hardness, or a half-space that flows by von Mises' criterion "
+            "(`leak.direct`), and Reynolds flow through the gap. Isotropic surfaces, first loading, "
+            f"{sum(one.pressure.size for one in everything)} states. Above one the theory leaks too much.",
+            "",
+            "![theory over direct conductivity](../images/truth.svg)",
+            "",
+            f'`theory = "corrected"` errs by {_percent(low)} (rms) on elastic surfaces up to p/(E* h\') = 0.03 and by '
+            f"{_percent(below)} on metal that flows while less than 0.3 of the area touches; single surfaces of "
+            "four to eight waves per side scatter by a part of that. The paper's theory is too open at low load. "
+            "Where metal flows its two readings are no bracket: capped is too open at low load as well, and C_pl "
+            "leaks far too little.",
+            "",
+            *("\n".join([markdown(section), ""]) for section in sections(found)),
+        ]
+    )
+    FILE.write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+
+
+def _percent(off: FloatArray) -> str:
+    return f"{100.0 * (math.exp(float(np.sqrt(np.mean(off**2)))) - 1.0):.0f} %"
+
+
+if __name__ == "__main__":
+    default = Path(__file__).resolve().parents[1] / "tests" / "reference"
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else os.environ.get("FEM_SEAL_REFERENCE", default)))
