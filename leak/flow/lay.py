@@ -53,5 +53,28 @@ def touching_pressure(peklenik: float, share: ArrayLike) -> FloatArray:
     >>> [round(float(factor), 3) for factor in touching_pressure(0.2, [0.0, 0.5, 1.0])]
     [1.156, 1.117, 1.0]
     """
-    stretch = ((peklenik - 1.0) / (peklenik + 1.0)) ** 2
-    return np.asarray(1.0 + _MORE * stretch * (1.0 - np.clip(share, 0.0, 1.0) ** 2))
+    return np.asarray(1.0 + _MORE * _stretch(peklenik) * (1.0 - np.clip(share, 0.0, 1.0) ** 2))
+
+
+def touching_pressure_at_equal_gap(peklenik: float, share: ArrayLike) -> FloatArray:
+    """`touching_pressure` where the mean gap is that of `leak.theory.gap_law`.
+
+    1 + 1.4 ((gamma - 1)/(gamma + 1))^2 s (1 - s), s = A/(A0 a_c): the same height at the middle, and one where little
+    touches, where the gap is that of the heights, which know no lay.
+
+    Parameters
+    ----------
+    peklenik, share
+        See `inclusion_aspect`.
+
+    Examples
+    --------
+    >>> [round(float(factor), 3) for factor in touching_pressure_at_equal_gap(0.2, [0.0, 0.5, 1.0])]
+    [1.0, 1.156, 1.0]
+    """
+    s = np.clip(share, 0.0, 1.0)
+    return np.asarray(1.0 + 4.0 * _MORE * _stretch(peklenik) * s * (1.0 - s))
+
+
+def _stretch(peklenik: float) -> float:
+    return ((peklenik - 1.0) / (peklenik + 1.0)) ** 2

@@ -193,7 +193,8 @@ class RoughContact:
         None where the theory is asked at the pressure itself.
         """
         if self.theory == "corrected":
-            return replace(self, hardness=None, theory="paper", yielding="")
+            paper = replace(self, hardness=None, theory="paper", yielding="")
+            return paper if self.peklenik == 1.0 else _OfEqualGap(**vars(paper))
         return self.elastic if self.hardness is not None and self.yielding == "capped" else None
 
     @property
@@ -750,8 +751,12 @@ class RoughContact:
             return self._lost_area(p, seen, refinement), 1.0
         touching = relative_contact_area(p, _remaining_moment(p, seen), self.effective_modulus)
         share = touching / self.percolation_threshold
-        more = lay.touching_pressure(self.peklenik, share)
+        more = self._touching_pressure(share)
         return self._lost_area(p * more, seen, refinement), lay.inclusion_aspect(self.peklenik, share)
+
+    def _touching_pressure(self, share: FloatArray) -> FloatArray:
+        of_theory = lay.touching_pressure if self.theory == "paper" else lay.touching_pressure_at_equal_gap
+        return of_theory(self.peklenik, share)
 
     def _near_threshold(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
         lost = self._lost_area(p, seen, refinement)
@@ -769,6 +774,13 @@ class RoughContact:
     def _critical_separation(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
         relative = p / self.effective_modulus
         return critical_gap(self.spectrum, seen, relative, self.gamma, self.percolation_threshold)
+
+
+class _OfEqualGap(RoughContact):
+    """Stands in for a surface of the corrected theory, whose gaps where little touches are right without the lay."""
+
+    def _touching_pressure(self, share: FloatArray) -> FloatArray:
+        return lay.touching_pressure_at_equal_gap(self.peklenik, share)
 
 
 def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
