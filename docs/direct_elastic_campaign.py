@@ -4,13 +4,14 @@ Isotropic surfaces of several Hurst exponents, roll-offs and bandwidths, and str
 conductivity over pressure, one row per surface and pressure. Boundary elements and Reynolds flow of `leak.direct`.
 
 Run: python docs/direct_elastic_campaign.py FILE.csv   (a quarter of an hour of one core; goes on where it stopped)
+     python docs/direct_elastic_campaign.py FILE.csv low-load   (an hour: from the loads at which seats work)
 """
 
 from __future__ import annotations
 
 import csv
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,6 +37,7 @@ COLUMNS = (
 )
 _PRESSURES = (0.01, 0.03, 0.06, 0.09, 0.12, 0.15, 0.18)
 _PRESSURES_STRETCHED = (0.01, 0.03, 0.06, 0.1)
+_PRESSURES_LOW = (3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.06, 0.1, 0.2, 0.3)
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,27 @@ def patches() -> Iterator[tuple[Patch, tuple[float, ...]]]:
     yield Patch(1.0, 0.7, 4, 128, 512, 0), _PRESSURES
 
 
+def low_load_patches() -> Iterator[tuple[Patch, tuple[float, ...]]]:
+    """Isotropic patches pressed from low load on, four grid points per shortest wave, and their pressures over E* h'."""
+    # Hurst exponents, roll-off, cutoff, seeds
+    groups = (
+        ((0.3, 0.8), 16, 64, range(10, 13)),
+        ((0.3, 0.5, 0.8), 8, 64, range(20, 24)),
+        ((0.4, 0.7), 4, 128, range(40, 43)),
+        ((0.5, 0.8), 8, 128, range(30, 32)),
+        ((0.8,), 4, 256, range(50, 51)),
+    )
+    for hursts, rolloff, cutoff, seeds in groups:
+        for seed in seeds:
+            for hurst in hursts:
+                yield Patch(1.0, hurst, rolloff, cutoff, 4 * cutoff, seed), _PRESSURES_LOW
+
+
+def held_out(rolloff: float, cutoff: float) -> bool:
+    """Whether low-load rows with so many waves per side judge, and enter no fit: the widest bands."""
+    return cutoff >= 32 * rolloff
+
+
 def pressed(patch: Patch, pressures: tuple[float, ...]) -> Iterator[tuple[float, ...]]:
     """Pressure, A/A0, mean gap over rms height, 12 eta sigma over rms height cubed along x and along y."""
     h = patch.heights()
@@ -144,7 +167,7 @@ def pressed(patch: Patch, pressures: tuple[float, ...]) -> Iterator[tuple[float,
         yield p, float(np.mean(state.pressure > 0.0)), float(state.gap.mean()) / rms, *flows
 
 
-def main(file: Path) -> None:
+def main(file: Path, campaign: Iterable[tuple[Patch, tuple[float, ...]]]) -> None:
     """Write the table; patches that stand in it already are not calculated again."""
     known: list[list[str]] = []
     if file.exists():
@@ -153,7 +176,7 @@ def main(file: Path) -> None:
     with file.open("w", newline="", encoding="utf-8") as out:
         write = csv.writer(out, lineterminator="\n").writerow
         write(COLUMNS)
-        for patch, pressures in patches():
+        for patch, pressures in campaign:
             numbers = (patch.peklenik, patch.hurst, patch.rolloff, patch.cutoff, patch.points, patch.seed)
             case = [f"{number:g}" for number in numbers]
             done = [row for row in known if row[: len(case)] == case]
@@ -165,4 +188,4 @@ def main(file: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), low_load_patches() if "low-load" in sys.argv[2:] else patches())
