@@ -145,7 +145,7 @@ def patches() -> Iterator[tuple[Patch, tuple[float, ...]]]:
 
 
 def low_load_patches() -> Iterator[tuple[Patch, tuple[float, ...]]]:
-    """Isotropic patches pressed from low load on, four grid points per shortest wave, and their pressures over E* h'."""
+    """Isotropic patches to press from low load on, four points per shortest wave, and their pressures over E* h'."""
     # Hurst exponents, roll-off, cutoff, seeds
     groups = (
         ((0.3, 0.8), 16, 64, range(10, 13)),

@@ -131,6 +131,7 @@ if TYPE_CHECKING:
         gaussian_line,
         hertz_line,
     )
+    from leak.theory.own_error import FlowError, flow_error
     from leak.theory.persson import relative_contact_area
     from leak.theory.plasticity import AreaFractions, area_fractions, remaining_fraction
 
@@ -242,6 +243,7 @@ _NAMES = {
         "gaussian_line",
         "hertz_line",
     ),
+    "leak.theory.own_error": ("FlowError", "flow_error"),
     "leak.theory.persson": ("relative_contact_area",),
     "leak.theory.plasticity": ("AreaFractions", "area_fractions", "remaining_fraction"),
 }
@@ -268,6 +270,7 @@ __all__ = [
     "ExponentialLaw",
     "Finish",
     "FinishedSurface",
+    "FlowError",
     "FlowPotential",
     "FluidError",
     "GapDistribution",
@@ -335,6 +338,7 @@ __all__ = [
     "effective_medium",
     "effective_viscosity_ratio",
     "expected_roughness",
+    "flow_error",
     "gas",
     "gas_around_flow",
     "gas_conductivity_table",

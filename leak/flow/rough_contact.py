@@ -32,6 +32,7 @@ from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.capped import BEARING_GAP, CAPPED, VON_MISES, equivalent_pressure
 from leak.theory.gap_law import gap_law
 from leak.theory.interface_law import RoughSurfaceLaw
+from leak.theory.own_error import FlowError, flow_error
 from leak.theory.persson import (
     ElasticRoughness,
     LowPressureLaw,
@@ -601,6 +602,27 @@ class RoughContact:
             with np.errstate(divide="ignore", invalid="ignore"):
                 log_R[part] = 3.0 * np.log(gas / u[part, None]) - log_flow_factor(log_inverse_knudsen)
         return u, log_R
+
+    def flow_error(self, pressure: ArrayLike, *, waves: float = math.inf) -> FlowError:
+        """How far the flow conductivity may be from direct simulation, see `leak.theory.own_error`.
+
+        Parameters
+        ----------
+        pressure : array_like
+            Nominal pressure, positive [Pa].
+        waves : float
+            Roll-off wave lengths squared that the sealing area holds; without end, the error of the theory alone [-].
+
+        Raises
+        ------
+        ConductivityError
+            The paper's theory, which does not know its error.
+        """
+        if self.theory != "corrected":
+            raise ConductivityError(f"theory = {self.theory!r}: only 'corrected' knows its own error")
+        p = _checked(pressure)
+        relative = p / (self.effective_modulus * self.spectrum.rms_slope)
+        return flow_error(relative, self.corrected_contact_area(p), waves=waves)
 
     @cached_property
     def sealing_pressure(self) -> float:

@@ -1,0 +1,98 @@
+"""How far the conductivity of the corrected theory is from direct simulation, as a distribution to sample.
+
+Notation: k conductivity, p nominal pressure, A/A0 contact area, A_c/A0 the area at which nothing flows. Towards sealing
+ln k goes as t ln(A_c - A), so that an area wrong by a share e changes it by -t e X, X = A/(A_c - A); bias and spread go
+with X. A finite seal is a sample: its variance falls with its waves. Its long waves are few whatever the load, at low
+load few summits touch, and towards sealing few channels are left, X again.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from leak.arrays import FloatArray
+from leak.errors import ConductivityError
+
+# docs/own_error_fit.py finds them: bias and spread where the contact is open and per X, and the standard deviation of
+# one roll-off wave always, per (p/(E* h'))^(-1/4) and per X.
+OPEN_BIAS, CLOSING_BIAS = 0.067, -0.15
+OPEN_SPREAD, CLOSING_SPREAD = 0.022, 0.04
+LONG_WAVES, SUMMITS, CHANNELS = 0.49, 0.15, 1.3
+# A_c/A0 of direct simulation, and the largest share of it that the rows fitted to reach.
+_THRESHOLD, _CLOSEST = 0.42, 0.9
+
+
+@dataclass(frozen=True, eq=False)
+class FlowError:
+    """Normal distribution of ln(direct conductivity / theory).
+
+    Parameters
+    ----------
+    bias : ndarray
+        Mean [-].
+    spread : ndarray
+        Standard deviation [-].
+
+    Examples
+    --------
+    >>> print(f"{FlowError(np.array(-0.2), np.array(0.1)).factor(0.5):.2f}")
+    0.82
+    """
+
+    bias: FloatArray
+    spread: FloatArray
+
+    def factor(self, quantile: ArrayLike) -> FloatArray:
+        """Factor on the conductivity that this share of contacts stays below.
+
+        Parameters
+        ----------
+        quantile : array_like
+            Between 0 and 1, broadcast against `bias`; evenly spread random numbers give a sample [-].
+        """
+        from scipy.special import ndtri
+
+        share = np.asarray(quantile, dtype=float)
+        if not np.all((share > 0.0) & (share < 1.0)):
+            raise ConductivityError(f"quantile = {quantile}: must lie between 0 and 1")
+        return np.asarray(np.exp(self.bias + self.spread * ndtri(share)))
+
+
+def closing(contact_area: ArrayLike) -> FloatArray:
+    """X = A/(A_c - A), as far as there are direct simulations."""
+    share = np.clip(np.asarray(contact_area, dtype=float) / _THRESHOLD, 0.0, _CLOSEST)
+    return np.asarray(share / (1.0 - share))
+
+
+def flow_error(pressure_over_Eh: ArrayLike, contact_area: ArrayLike, *, waves: float = math.inf) -> FlowError:
+    """Error of the corrected theory's conductivity, fitted to direct simulation of isotropic elastic surfaces.
+
+    Parameters
+    ----------
+    pressure_over_Eh : array_like
+        p/(E* h'), h' the rms slope, positive; fitted from 3e-5 to 0.1 [-].
+    contact_area : array_like
+        A/A0, as by `RoughContact.corrected_contact_area` [-].
+    waves : float
+        Roll-off wave lengths squared that the sealing area holds; without end, the error of the theory alone [-].
+
+    Examples
+    --------
+    >>> error = flow_error(1e-3, 0.002, waves=400)
+    >>> print(*(f"{factor:.2f}" for factor in error.factor([0.05, 0.5, 0.95])))
+    """
+    p, area = np.asarray(pressure_over_Eh, dtype=float), np.asarray(contact_area, dtype=float)
+    if not np.all(p > 0.0):
+        raise ConductivityError(f"pressure_over_Eh = {pressure_over_Eh}: must be positive [-]")
+    if not np.all((area >= 0.0) & (area <= 1.0)):
+        raise ConductivityError(f"contact_area = {contact_area}: must lie between 0 and 1 [-]")
+    if not waves > 0.0:
+        raise ConductivityError(f"waves = {waves}: must be positive [-]")
+    X = closing(area)
+    sample = (LONG_WAVES**2 + SUMMITS**2 / np.sqrt(p) + (CHANNELS * X) ** 2) / waves
+    spread = np.sqrt(OPEN_SPREAD**2 + (CLOSING_SPREAD * X) ** 2 + sample)
+    return FlowError(*np.broadcast_arrays(OPEN_BIAS + CLOSING_BIAS * X, spread))
