@@ -187,23 +187,23 @@ def low_load():
         error = np.log(surface.mean_separation(pressure) / gaussian.mean())
         mistaken = np.std(gaussian, ddof=1) / gaussian.mean() / len(rows) ** 0.5 if len(rows) > 1 else np.inf
         theory = surface.effective_separation(pressure) ** 3
-        means.append((p, error, mistaken, np.log(theory / flow) if p <= 0.1 else np.nan, rolloff))
+        means.append((p, error, mistaken, np.log(theory / flow) if p <= 0.1 else np.nan))
     return np.array(means).T
 
 
 def test_gaps_of_a_second_campaign(low_load):
-    """Own seeds, bands up to 64: mean gap rms 1.5 %, worst 4 % or two standard errors."""
-    _, gap, mistaken, _, _ = low_load
-    assert np.sqrt(np.mean(gap**2)) < 0.015
-    assert np.all(np.abs(gap) < np.maximum(0.04, 2.0 * mistaken))
+    """Own seeds, bands up to 32: mean gap rms 1.5 %, worst 4 % or two standard errors."""
+    _, gap, mistaken, _ = low_load
+    several = np.isfinite(mistaken)
+    assert np.sqrt(np.mean(gap[several] ** 2)) < 0.015
+    assert np.all(np.abs(gap[several]) < np.maximum(0.04, 2.0 * mistaken[several]))
 
 
 def test_flow_of_a_second_campaign(low_load):
-    """Patches of at least eight roll-off waves per side: rms 10 % up to p/(E* h') = 0.03, 20 % to 0.1."""
-    p, _, _, flow, rolloff = low_load
-    several = rolloff >= 8
-    assert np.sqrt(np.mean(flow[several & (p <= 0.03)] ** 2)) < 0.10
-    assert np.sqrt(np.mean(flow[several & (p <= 0.1)] ** 2)) < 0.20
+    """Conductivity of the periodic cell, bands up to 64: rms 10 % up to p/(E* h') = 0.03, 20 % to 0.1."""
+    p, _, _, flow = low_load
+    assert np.sqrt(np.mean(flow[p <= 0.03] ** 2)) < 0.10
+    assert np.sqrt(np.mean(flow[p <= 0.1] ** 2)) < 0.20
 
 
 _BY_SHAPE = {}

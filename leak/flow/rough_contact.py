@@ -606,6 +606,8 @@ class RoughContact:
     def flow_error(self, pressure: ArrayLike, *, waves: float = math.inf) -> FlowError:
         """How far the flow conductivity may be from direct simulation, see `leak.theory.own_error`.
 
+        That of elastic contact with the gaps of this one; what metal that flows adds is not in it.
+
         Parameters
         ----------
         pressure : array_like
