@@ -58,7 +58,7 @@ class FlowError:
 
         share = np.asarray(quantile, dtype=float)
         if not np.all((share > 0.0) & (share < 1.0)):
-            raise ConductivityError(f"quantile = {quantile}: must lie between 0 and 1")
+            raise ConductivityError(f"quantile = {quantile!r}: must lie between 0 and 1")
         return np.asarray(np.exp(self.bias + self.spread * ndtri(share)))
 
 
@@ -88,9 +88,9 @@ def flow_error(pressure_over_Eh: ArrayLike, contact_area: ArrayLike, *, waves: f
     """
     p, area = np.asarray(pressure_over_Eh, dtype=float), np.asarray(contact_area, dtype=float)
     if not np.all(p > 0.0):
-        raise ConductivityError(f"pressure_over_Eh = {pressure_over_Eh}: must be positive [-]")
+        raise ConductivityError(f"pressure_over_Eh = {pressure_over_Eh!r}: must be positive [-]")
     if not np.all((area >= 0.0) & (area <= 1.0)):
-        raise ConductivityError(f"contact_area = {contact_area}: must lie between 0 and 1 [-]")
+        raise ConductivityError(f"contact_area = {contact_area!r}: must lie between 0 and 1 [-]")
     if not waves > 0.0:
         raise ConductivityError(f"waves = {waves}: must be positive [-]")
     X = closing(area)
