@@ -25,6 +25,7 @@ import leak
 
 FILE = Path(__file__).parent / "verification" / "truth.md"
 IMAGE = Path(__file__).parent / "images" / "truth.png"
+LOW_LOAD_CAMPAIGN = Path(__file__).resolve().parents[1] / "tests" / "reference" / "direct_low_load.csv"
 PRESSURES = (1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.03, 0.06, 0.12, 0.31)
 AREAS = (0.0, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.4)
 METALS = ("elastic", "capped at the hardness", "von Mises")
@@ -71,6 +72,7 @@ def results(folder: Path) -> Iterator[Direct]:
         )
         hurst, rolloff, ratio = map(float, kind)
         yield Direct("elastic", periodic_spectrum(rolloff, rolloff * ratio, hurst), math.inf, p, area, k)
+    yield from _low_load_campaign()
     for one in read_direct(folder):
         yield Direct("elastic", one.spectrum, math.inf, one.pressure, one.area, one.conductivity)
     for kind_of in verification_medium.read(verification_medium.CAMPAIGN):
@@ -84,6 +86,30 @@ def results(folder: Path) -> Iterator[Direct]:
     ):
         for one_set in sets:
             yield from _of_hardness(metal, one_set)
+
+
+def _low_load_campaign() -> Iterator[Direct]:
+    kinds: dict[tuple[float, float, float, float], list[dict[str, float]]] = {}
+    with LOW_LOAD_CAMPAIGN.open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            one = {name: float(value) for name, value in row.items()}
+            key = (one["rolloff_waves"], one["cutoff_waves"], one["hurst"], one["seed"])
+            kinds.setdefault(key, []).append(one)
+    for (rolloff, cutoff, hurst, _), rows in kinds.items():
+        p, area, along, across = (
+            np.array([row[name] for row in rows])
+            for name in (
+                "p_over_Eh",
+                "contact_area",
+                "periodic_conductivity_along",
+                "periodic_conductivity_across",
+            )
+        )
+        k = 0.5 * (along + across)
+        flows = k > 0.0
+        spectrum = periodic_spectrum(rolloff, cutoff, hurst)
+        # lengths of the file are over the rms height of the spectrum
+        yield Direct("elastic", spectrum, math.inf, p[flows], area[flows], k[flows])
 
 
 def _of_hardness(metal: str, one: YieldingSet) -> Iterator[Direct]:
@@ -137,8 +163,8 @@ def _cell(off: FloatArray) -> str:
 
 
 def _short(factor: float) -> str:
-    if factor < 0.001:
-        return "< 0.001"
+    if not 0.001 <= factor <= 1000.0:
+        return "< 0.001" if factor < 1.0 else "> 1000"
     return f"{factor:.0f}" if factor >= 100.0 else f"{factor:.2g}" if factor < 0.1 else f"{factor:.3g}"
 
 

@@ -11,7 +11,8 @@ import leak
 sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
 
 from direct_elastic_campaign import held_out
-from own_error_fit import low_load_rows
+from direct_yielding import read_von_mises
+from own_error_fit import REFERENCE, low_load_rows
 
 SPECTRUM = leak.PowerSpectrum.self_affine(
     rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.14159e6
@@ -80,3 +81,22 @@ def test_what_has_no_meaning_is_refused(arguments, waves, name):
         leak.flow_error(*arguments, waves=waves)
     with pytest.raises(leak.ConductivityError, match="quantile"):
         leak.flow_error(0.01, 0.1).factor([0.5, 1.0])
+
+
+def test_metal_that_flows_is_as_far_from_the_theory_as_it_says():
+    """States of the von Mises campaign below A/A0 = 0.3, surfaces of few waves."""
+    off = []
+    for one in read_von_mises(REFERENCE):
+        for hardness in np.unique(one.hardness[one.yields]):
+            at = (one.hardness == hardness) & ~one.unloading & (one.conductivity > 0.0) & (one.area < 0.3)
+            contact = leak.RoughContact(
+                one.spectrum, effective_modulus=1.0, hardness=float(hardness), theory="corrected"
+            )
+            p = one.pressure[at]
+            error = contact.flow_error(p, waves=float(one.name.split("/")[0]) ** 2)
+            u = np.asarray(contact.effective_separation(p)) / one.spectrum.rms_height
+            off.append((np.log(one.conductivity[at]) - 3.0 * np.log(u) - error.bias) / error.spread)
+    found = np.concatenate(off)
+    assert found.size > 250
+    assert 0.7 < np.sqrt(np.mean(found**2)) < 1.4
+    assert 0.8 < np.mean(np.abs(found) < 1.645) < 0.97

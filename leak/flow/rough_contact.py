@@ -606,8 +606,6 @@ class RoughContact:
     def flow_error(self, pressure: ArrayLike, *, waves: float = math.inf) -> FlowError:
         """How far the flow conductivity may be from direct simulation, see `leak.theory.own_error`.
 
-        That of elastic contact with the gaps of this one; what metal that flows adds is not in it.
-
         Parameters
         ----------
         pressure : array_like
@@ -624,7 +622,11 @@ class RoughContact:
             raise ConductivityError(f"theory = {self.theory!r}: only 'corrected' knows its own error")
         p = _checked(pressure)
         relative = p / (self.effective_modulus * self.spectrum.rms_slope)
-        return flow_error(relative, self.corrected_contact_area(p), waves=waves)
+        area = np.asarray(self.corrected_contact_area(p))
+        if self.hardness is None:
+            return flow_error(relative, area, waves=waves)
+        yielded = 1.0 - p / self._elastic_pressure(p)
+        return flow_error(relative, np.maximum(area, self.contact_area(p)), waves=waves, yielded=yielded)
 
     @cached_property
     def sealing_pressure(self) -> float:

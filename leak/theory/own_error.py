@@ -22,6 +22,9 @@ from leak.errors import ConductivityError
 OPEN_BIAS, CLOSING_BIAS = 0.067, -0.14
 OPEN_SPREAD, CLOSING_SPREAD = 0.022, 0.045
 LONG_WAVES, SUMMITS, CHANNELS = 0.40, 0.15, 1.3
+# Of contacts that yield all over: 0.13 by what the equivalent pressure misses on direct simulations of single maps
+# (`docs/direct_yielding.py`), and 0.08 by Poisson's ratio (0.3 to 0.45) and hardening (none to 2 % of E).
+YIELDING_SPREAD = 0.15
 # A_c/A0 of direct simulation, and the largest share of it that the rows fitted to reach.
 _THRESHOLD, _CLOSEST = 0.42, 0.9
 
@@ -68,17 +71,27 @@ def closing(contact_area: ArrayLike) -> FloatArray:
     return np.asarray(share / (1.0 - share))
 
 
-def flow_error(pressure_over_Eh: ArrayLike, contact_area: ArrayLike, *, waves: float = math.inf) -> FlowError:
+def flow_error(
+    pressure_over_Eh: ArrayLike,
+    contact_area: ArrayLike,
+    *,
+    waves: float = math.inf,
+    yielded: ArrayLike = 0.0,
+) -> FlowError:
     """Error of the corrected theory's conductivity, fitted to direct simulation of isotropic elastic surfaces.
+
+    Metal that flows has the same bias and spread at its own, larger contact area, and what yielding adds.
 
     Parameters
     ----------
     pressure_over_Eh : array_like
         p/(E* h'), h' the rms slope, positive; fitted from 3e-5 to 0.1 [-].
     contact_area : array_like
-        A/A0, as by `RoughContact.corrected_contact_area` [-].
+        A/A0, as by `RoughContact.corrected_contact_area` or, of metal that flows, `RoughContact.contact_area` [-].
     waves : float
         Roll-off wave lengths squared that the sealing area holds; without end, the error of the theory alone [-].
+    yielded : array_like
+        1 - p/p_eq, p_eq the elastic pressure that stands for the one that yields, 0 for elastic contact [-].
 
     Examples
     --------
@@ -95,5 +108,6 @@ def flow_error(pressure_over_Eh: ArrayLike, contact_area: ArrayLike, *, waves: f
         raise ConductivityError(f"waves = {waves}: must be positive [-]")
     X = closing(area)
     sample = (LONG_WAVES**2 + SUMMITS**2 / np.sqrt(p) + (CHANNELS * X) ** 2) / waves
-    spread = np.sqrt(OPEN_SPREAD**2 + (CLOSING_SPREAD * X) ** 2 + sample)
+    metal = (YIELDING_SPREAD * np.asarray(yielded, dtype=float)) ** 2
+    spread = np.sqrt(OPEN_SPREAD**2 + (CLOSING_SPREAD * X) ** 2 + sample + metal)
     return FlowError(*np.broadcast_arrays(OPEN_BIAS + CLOSING_BIAS * X, spread))
