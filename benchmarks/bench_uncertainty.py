@@ -18,8 +18,9 @@ import numpy as np
 import pytest
 
 import fem_seal
-from fem_seal.analysis import chain, copies
-from fem_seal.analysis.uncertainty import _Study, leak_interval
+from fem_seal import processes
+from fem_seal.answers import chain
+from fem_seal.answers.uncertainty import _Study, leak_interval
 from fem_seal.case.uncertainty import Scans, Spread, Uncertainty
 
 STEEL = {
@@ -175,10 +176,10 @@ def test_uncertainty_per_sample(benchmark, solved, fluid, kind, form):
 @of_every_cell
 def test_uncertainty_wall_time_per_sample(benchmark, solved, monkeypatch, fluid, kind, form):
     """What a user waits for an interval, over the number of samples, with those that check the tables' accuracy."""
-    monkeypatch.setattr(copies, "_MOST", CORES)
+    monkeypatch.setattr(processes, "_MOST", CORES)
     result, settings = solved(fluid, kind, form)
     interval = benchmark.pedantic(lambda: leak_interval(result, settings), rounds=1)
-    cores = min(copies.usable_cores(), CORES) if copies.can_copy() else 1
+    cores = min(processes.usable_cores(), CORES) if processes.can_copy() else 1
     benchmark.extra_info.update(
         goal_s=GOAL,
         figure_s=benchmark.stats.stats.min / ASKED,

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from fem_seal import load_case
-from fem_seal.analysis.around import Around, around
-from fem_seal.analysis.problem import SealProblem, condensed, expected_forces, sizing
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSolution
+from fem_seal.seal.circumference import Around, around
+from fem_seal.seal.problem import SealProblem, condensed, expected_forces, sizing
 from meshes import build_contact
 
 

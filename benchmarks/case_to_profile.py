@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from fem_seal import Case, load_case
-from fem_seal.analysis.problem import SealProblem, expected_forces, sizing
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSolution
+from fem_seal.seal.problem import SealProblem, expected_forces, sizing
 from meshes import SealMesh, build_contact
 
 

@@ -27,9 +27,9 @@ from measured_process import Cost, measured
 
 import fem_seal
 import leak
-from fem_seal.analysis.problem import SealProblem, expected_forces
 from fem_seal.contact.newton import solve
 from fem_seal.profile import PressureProfile
+from fem_seal.seal.problem import SealProblem, expected_forces
 from meshes import SealMesh
 
 HERE = Path(__file__).resolve().parent

@@ -20,12 +20,12 @@ from finite_strain_solid import solve as solve_finite
 from scipy.spatial import cKDTree
 
 from fem_seal import Case
-from fem_seal.analysis.load_solver import model_and_contacts
-from fem_seal.analysis.problem import SealProblem
 from fem_seal.bodies.elasticity import node_dofs
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.profile import PressureProfile
+from fem_seal.seal.load_solver import model_and_contacts
+from fem_seal.seal.problem import SealProblem
 from leak import ExponentialLaw
 from meshes import SealMesh
 

@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fem_seal
-from fem_seal.analysis.load_solver import model_and_contacts
-from fem_seal.analysis.problem import SealProblem, expected_forces
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, SealError
+from fem_seal.seal.load_solver import model_and_contacts
+from fem_seal.seal.problem import SealProblem, expected_forces
 from leak import crossover_line
 from meshes import MeshesError
 

@@ -31,9 +31,9 @@ from measured_process import Cost, measured
 from scipy.interpolate import CubicSpline
 
 import fem_seal
-from fem_seal.analysis.around import Around, around
-from fem_seal.analysis.problem import SealProblem, expected_forces, sizing
 from fem_seal.contact.local_contact import LocalContact
+from fem_seal.seal.circumference import Around, around
+from fem_seal.seal.problem import SealProblem, expected_forces, sizing
 from meshes import SealMesh, build_contact
 
 HERE = Path(__file__).resolve().parent

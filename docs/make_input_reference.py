@@ -13,10 +13,10 @@ from fem_seal.case.bodies import MaterialTable
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Table
+from fem_seal.case.material_library import ALIASES, LIBRARY
 from fem_seal.case.messages import allowed_range, choices, tables_of, toml
 from fem_seal.case.schema import case_schema
 from fem_seal.files import as_json
-from fem_seal.material_library import ALIASES, LIBRARY
 from fem_seal.output.columns import (
     AROUND_MEANINGS,
     COLUMNS,

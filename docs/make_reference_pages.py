@@ -25,7 +25,7 @@ from typer.main import get_command
 import fem_seal
 import leak
 import meshes
-from fem_seal.cli import app
+from fem_seal.cli.app import app
 
 FOLDER = Path(__file__).parent / "reference"
 

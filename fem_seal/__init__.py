@@ -15,10 +15,11 @@ from fem_seal.version import __version__
 
 if TYPE_CHECKING:
     from fem_seal import contact
-    from fem_seal.analysis.closed_forms import derive
-    from fem_seal.analysis.leak_map import LeakMap, leak_map
+    from fem_seal.answers.closed_forms import derive
+    from fem_seal.answers.leak_map import LeakMap, leak_map
     from fem_seal.bodies.supports import Supports
     from fem_seal.case.case import Case, load_case
+    from fem_seal.case.material_library import material, vickers_pressure
     from fem_seal.contact.coupled import Seal
     from fem_seal.contact.fluid_path import FlowThrough, HeldFluid
     from fem_seal.contact.laws import HardContact
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from fem_seal.contact.penetration import blow_off_pressure, solve_penetration
     from fem_seal.contact.solution import ContactSettings, ContactSolution, body_fields
     from fem_seal.errors import ConvergenceError, InputError, SealError
-    from fem_seal.material_library import material, vickers_pressure
     from fem_seal.materials import Material, effective_modulus
     from fem_seal.profile import PressureProfile
     from fem_seal.result import SealResult, applied_force_for_leak, blow_off_pressures, direct, run
@@ -40,15 +40,15 @@ _HOME = {
     "Case": "fem_seal.case.case",
     "load_case": "fem_seal.case.case",
     "Material": "fem_seal.materials",
-    "material": "fem_seal.material_library",
-    "vickers_pressure": "fem_seal.material_library",
+    "material": "fem_seal.case.material_library",
+    "vickers_pressure": "fem_seal.case.material_library",
     "effective_modulus": "fem_seal.materials",
     "SealError": "fem_seal.errors",
     "InputError": "fem_seal.errors",
     "ConvergenceError": "fem_seal.errors",
-    "derive": "fem_seal.analysis.closed_forms",
-    "LeakMap": "fem_seal.analysis.leak_map",
-    "leak_map": "fem_seal.analysis.leak_map",
+    "derive": "fem_seal.answers.closed_forms",
+    "LeakMap": "fem_seal.answers.leak_map",
+    "leak_map": "fem_seal.answers.leak_map",
     "run": "fem_seal.result",
     "direct": "fem_seal.result",
     "SealResult": "fem_seal.result",

@@ -30,13 +30,13 @@ def main() -> int:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Nearly all that a command makes stays to its end: going through it a thousand times takes a fifteenth of a run.
     gc.set_threshold(150_000, 20, 50)
-    from fem_seal.quick_start import spare
+    from fem_seal.cli.quick_start import spare
 
     spare()
     try:
-        from fem_seal import cli
+        from fem_seal.cli.app import main as command_line
 
-        return cli.main()
+        return command_line()
     except KeyboardInterrupt:
         return 130
     finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -195,3 +196,32 @@ def unexpected(error: BaseException) -> str:
         return "not enough memory; try a coarser mesh or fewer loads"
     said = f"unexpected {type(error).__name__}: {error}. This is a defect of fem-seal; --debug shows the traceback"
     return printable(said)
+
+
+_PACKAGES = ("fem_seal", "leak", "meshes")
+
+
+def error_text(error: Exception) -> str:
+    """What an error says; one that nobody foresaw with its kind and the place in the program it comes from.
+
+    Parameters
+    ----------
+    error : Exception
+
+    Examples
+    --------
+    >>> error_text(OutputError("leak.csv: no space left on device"))
+    'leak.csv: no space left on device'
+    """
+    if type(error).__module__.split(".")[0] in _PACKAGES:
+        return " ".join(str(error).split())
+    if isinstance(error, MemoryError):
+        return "not enough memory"
+    name = type(error).__name__
+    places = [
+        frame
+        for frame in traceback.extract_tb(error.__traceback__)
+        if any(package in Path(frame.filename).parts for package in _PACKAGES)
+    ]
+    place = f" in {Path(places[-1].filename).name}, line {places[-1].lineno}" if places else ""
+    return f"unexpected {name}: {error}{place}, a defect of fem-seal"

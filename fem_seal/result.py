@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis import questions
-from fem_seal.analysis.chain import solve
-from fem_seal.analysis.problem import SealProblem
-from fem_seal.analysis.results import SealSolution
+from fem_seal.answers import questions
+from fem_seal.answers.chain import solve
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
 from fem_seal.errors import InputError, Problem
-from fem_seal.freed_memory import given_back
+from fem_seal.processes import given_back
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.results import SealSolution
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from fem_seal.analysis.direct import DirectTable
+    from fem_seal.seal.direct import DirectTable
 
 
 class SealResult(SealSolution):
@@ -122,8 +122,8 @@ class SealResult(SealSolution):
         """
         import warnings
 
-        from fem_seal.folders import alone
         from fem_seal.output.files import write
+        from fem_seal.output.folders import alone
 
         with alone(Path(folder)), given_back():
             for failure in write(self, Path(folder)):
@@ -366,8 +366,8 @@ def direct(
     >>> low.effective_gap > high.effective_gap > 0.0
     True
     """
-    from fem_seal.analysis.direct import DirectSettings
-    from fem_seal.analysis.problem import direct_settings, rough_contact
+    from fem_seal.seal.direct import DirectSettings
+    from fem_seal.seal.problem import direct_settings, rough_contact
 
     case = case_of(case)
     surface = rough_contact(case)

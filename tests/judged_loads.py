@@ -9,12 +9,12 @@ import numpy as np
 from paper_surface import surface
 from sample_results import case
 
-from fem_seal.analysis.caution import Caution
-from fem_seal.analysis.problem import SealProblem
-from fem_seal.analysis.results import LoadResult
-from fem_seal.analysis.warnings import load_cautions
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.case.case import Case
+from fem_seal.seal.findings import Caution
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.results import LoadResult
+from fem_seal.validity.checks import load_cautions
 from leak import LeakResult, RoughContact
 
 SURFACE = surface()

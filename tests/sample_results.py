@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import fem_seal
-from fem_seal.analysis.accuracy import NOT_ESTIMATED
+from fem_seal.answers.accuracy import NOT_ESTIMATED
 from fem_seal.case.case import Case
 from fem_seal.result import SealResult
 
@@ -72,15 +72,15 @@ def run_loads(of: Case, *, interval: bool = False) -> SealResult:
     Without an estimated error no load is valid.
     """
     instead = {
-        "chain.on_coarser_mesh": None,
-        "chain.discretisation_error": NOT_ESTIMATED,
-        "chain.interface_variants": (),
-        "form_answers.form_answers": None,
-        **({} if interval else {"uncertainty.leak_interval": None}),
+        "answers.chain.on_coarser_mesh": None,
+        "answers.chain.discretisation_error": NOT_ESTIMATED,
+        "answers.chain.interface_variants": (),
+        "answers.form.form_answers": None,
+        **({} if interval else {"answers.uncertainty.leak_interval": None}),
     }
     with pytest.MonkeyPatch.context() as patch:
         for name, found in instead.items():
-            patch.setattr(f"fem_seal.analysis.{name}", lambda *asked, found=found, **told: found)
+            patch.setattr(f"fem_seal.{name}", lambda *asked, found=found, **told: found)
         return fem_seal.run(of)
 
 

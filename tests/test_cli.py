@@ -14,7 +14,7 @@ import pytest
 
 import fem_seal
 import leak
-from fem_seal import cli
+from fem_seal.cli import app as cli
 from fem_seal.errors import ConvergenceError
 from fem_seal.output.columns import LEAK_COLUMNS, TEXT_COLUMNS
 
@@ -88,7 +88,7 @@ ALSO_HEAVY = {
 # Commands in their order, and what none of them has loaded up to its end.
 LOADED_BY = """
 import sys
-from fem_seal.cli import main
+from fem_seal.cli.app import main
 for words, heavy in {asked!r}:
     code = main(words)
     print("loaded:", code, *sorted(heavy & set(sys.modules)))
@@ -356,7 +356,7 @@ def main_job(tmp_path_factory):
 def test_a_run_loads_nothing_that_only_other_results_need(main_job):
     done, _ = main_job
     loaded = {line.rsplit("|", 1)[-1].strip() for line in done.stderr.splitlines() if "import time:" in line}
-    assert {"numpy", "gmsh", "fem_seal.analysis.chain"} <= loaded
+    assert {"numpy", "gmsh", "fem_seal.answers.chain"} <= loaded
     heavy = {
         "matplotlib.pyplot",
         "pandas",
@@ -367,7 +367,7 @@ def test_a_run_loads_nothing_that_only_other_results_need(main_job):
         "scipy.ndimage",
         "scipy.stats",
         "leak.direct",
-        "fem_seal.analysis.form_answers",
+        "fem_seal.answers.form",
         "leak.flow.particles",
         "fem_seal.output.pictures.three_d",
     }

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import leak
-from fem_seal import cli
 from fem_seal.case.input_files import read_spectrum
+from fem_seal.cli import app as cli
 from fem_seal.output.surface import surface_lines, surface_numbers
 from fem_seal.units import number
 

@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
 import gallery
 
 from fem_seal import load_case, run
-from fem_seal.analysis.closed_forms import derive
+from fem_seal.answers.closed_forms import derive
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 CASES = sorted(EXAMPLES.glob("*.toml"))

@@ -19,10 +19,6 @@ from test_fem_seal_shapes import tables
 
 import meshes
 from fem_seal import Case
-from fem_seal.analysis.around import Around, LeakCurve, around
-from fem_seal.analysis.flow import ProfileFlow
-from fem_seal.analysis.load_solver import model_and_contacts
-from fem_seal.analysis.problem import SealProblem
 from fem_seal.contact.around import line_load_around
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.local_contact import LocalContact
@@ -35,6 +31,10 @@ from fem_seal.errors import ConvergenceError
 from fem_seal.form import FormError, Wave, rigid_wave
 from fem_seal.materials import effective_modulus
 from fem_seal.profile import PressureProfile
+from fem_seal.seal.circumference import Around, LeakCurve, around
+from fem_seal.seal.leak_model import ProfileFlow
+from fem_seal.seal.load_solver import model_and_contacts
+from fem_seal.seal.problem import SealProblem
 from leak import ExponentialLaw, LeakResult
 
 U0 = 0.76e-6

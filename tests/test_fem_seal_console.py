@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 from sample_results import case
 
-from fem_seal import cli
-from fem_seal.analysis import caution
-from fem_seal.analysis.caution import Caution, Level, Validity
-from fem_seal.analysis.results import DiscretisationError, LoadResult
+from fem_seal.cli import app as cli
 from fem_seal.output import columns as output_columns
+from fem_seal.seal import findings as caution
+from fem_seal.seal.findings import Caution, Level, Validity
+from fem_seal.seal.results import DiscretisationError, LoadResult
 from fem_seal.studies.progress import Lines
 from leak import LeakResult
 
@@ -124,7 +124,7 @@ def test_on_a_real_terminal(width, tmp_path):
     import termios
 
     script = (
-        "from fem_seal.cli import show_table\n"
+        "from fem_seal.cli.app import show_table\n"
         "show_table('Title', [f'column {n}\\nmm³/s' for n in range(12)], [['2.018e-05'] * 12] * 2)\n"
     )
     ours, theirs = pty.openpty()
@@ -270,7 +270,7 @@ def test_progress_is_shown_without_control_characters(capfd):
 
 def test_only_one_file_prints():
     """What is printed elsewhere would not be looked through."""
-    folder = Path(cli.__file__).parent
+    folder = Path(cli.__file__).parent.parent
     prints = re.compile(r"typer\.(echo|secho|prompt)\(|^\s*print\(", re.M)
     found = [path.name for path in folder.rglob("*.py") if prints.search(path.read_text(encoding="utf-8"))]
     assert found == ["terminal.py"]

@@ -9,8 +9,8 @@ from threading import Thread
 
 import pytest
 
-from fem_seal.analysis.copies import can_copy, in_copies, usable_cores
 from fem_seal.errors import ConvergenceError
+from fem_seal.processes import can_copy, in_copies, usable_cores
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="no copies there")
 HERE = os.getpid()
@@ -74,7 +74,7 @@ def test_copies_beside_the_wheel_that_turns_on_a_terminal():
 from io import StringIO
 from threading import active_count
 from rich.console import Console
-from fem_seal.analysis.copies import can_copy, in_copies
+from fem_seal.processes import can_copy, in_copies
 with Console(file=StringIO(), force_terminal=True).status("sampling"):
     found = active_count() > 1, can_copy(), in_copies(lambda n: n**2, range(6), 2)
 print(*found)

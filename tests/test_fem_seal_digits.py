@@ -17,12 +17,8 @@ from judged_loads import SURFACE, judged
 from judged_loads import load as judged_load
 from sample_results import case, rough_result
 
-from fem_seal import cli
-from fem_seal.analysis.caution import Caution, Level, Validity, either_way
-from fem_seal.analysis.closed_forms import derive
-from fem_seal.analysis.problem import SealProblem
-from fem_seal.analysis.results import DiscretisationError
-from fem_seal.analysis.warnings import contact_cautions
+from fem_seal.answers.closed_forms import derive
+from fem_seal.cli import app as cli
 from fem_seal.explore.screen import shown_load
 from fem_seal.explore.words import leak_words
 from fem_seal.output.columns import COLUMNS, in_words
@@ -30,7 +26,11 @@ from fem_seal.output.pictures.surface import surface_picture
 from fem_seal.output.report.tables import comparison_table, variant_table
 from fem_seal.output.report.words import facts, headline, leakage_lines, reasons
 from fem_seal.output.tables import rows_of
+from fem_seal.seal.findings import Caution, Level, Validity, either_way
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.results import DiscretisationError
 from fem_seal.units import digits_beside, digits_within, quantity_worth, rounded, worth
+from fem_seal.validity.checks import contact_cautions
 
 ERRORS = st.floats(1e-6, 2.0)
 # Sizes of units in sentences and tables.

@@ -19,12 +19,12 @@ import pytest
 from sample_results import case
 
 import fem_seal
-from fem_seal import cli
-from fem_seal.analysis.direct import DirectSettings, DirectTable, calculate, simulate_surface
-from fem_seal.analysis.problem import direct_settings, rough_contact
-from fem_seal.analysis.warnings import _simulated
+from fem_seal.cli import app as cli
 from fem_seal.errors import InputError
 from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows
+from fem_seal.seal.direct import DirectSettings, DirectTable, calculate, simulate_surface
+from fem_seal.seal.problem import direct_settings, rough_contact
+from fem_seal.validity.checks import _simulated
 from leak import DirectError, RoughContact
 
 SMALL = {"points": 64, "samples": 2, "pressure": ["40 MPa", "150 MPa", "500 MPa"]}

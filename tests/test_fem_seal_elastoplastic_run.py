@@ -18,10 +18,7 @@ from sample_results import case as sample_case
 from sample_results import cone, smooth_case
 
 import fem_seal
-from fem_seal.analysis import load_solver
-from fem_seal.analysis.closed_forms import derive, profile_sizes
-from fem_seal.analysis.load_names import different, load_axis, load_name
-from fem_seal.analysis.problem import SealProblem
+from fem_seal.answers.closed_forms import derive, profile_sizes
 from fem_seal.bodies.fields import ElastoplasticField, von_mises
 from fem_seal.case.case import load_case
 from fem_seal.contact.load_path import ElastoplasticContact, load_path
@@ -38,6 +35,9 @@ from fem_seal.output.pictures.style import style
 from fem_seal.output.report import words
 from fem_seal.output.summary import summary
 from fem_seal.result import SealResult
+from fem_seal.seal import load_solver
+from fem_seal.seal.load_names import different, load_axis, load_name
+from fem_seal.seal.problem import SealProblem
 
 YIELD = 200e6
 CASE = """

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import fem_seal
-from fem_seal.analysis.problem import SealProblem
-from fem_seal.analysis.profile_file import ImportedProfile
-from fem_seal.analysis.profile_leak import leak_of_profiles
+from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.case.finish import ProcessName, read_finish
 from fem_seal.output.finish import finish_numbers, finish_rows
 from fem_seal.output.report.words import facts, headline, leakage_lines
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.profile_file import ImportedProfile
 from fem_seal.units import leak_range_text
 from leak.surfaces.finish import PROCESSES
 
@@ -173,7 +173,7 @@ def test_given_profiles_say_that_they_know_the_usual_surface_only(solved):
 
 
 def test_samples_with_tables_from_that_of_the_case_are_those_with_their_own(solved):
-    from fem_seal.analysis.uncertainty import _Study
+    from fem_seal.answers.uncertainty import _Study
     from fem_seal.case.uncertainty import Uncertainty
 
     study = _Study.of(solved, Uncertainty(samples=16, seed=2))
@@ -183,7 +183,7 @@ def test_samples_with_tables_from_that_of_the_case_are_those_with_their_own(solv
 
 
 def test_an_interval_at_few_loads_goes_through_all(base):
-    from fem_seal.analysis.uncertainty import _at_all_loads, _representative
+    from fem_seal.answers.uncertainty import _at_all_loads, _representative
 
     class Load:
         def __init__(self, line_load):
@@ -206,7 +206,7 @@ def test_an_interval_at_few_loads_goes_through_all(base):
 
 
 def test_what_the_user_knows_is_no_longer_uncertain(base):
-    from fem_seal.analysis.uncertainty import uncertain_inputs
+    from fem_seal.answers.uncertainty import uncertain_inputs
     from fem_seal.case.uncertainty import Spread, Uncertainty
 
     known = base.replace_written({"roughness": {**LAPPED, "hurst": 0.8, "q_high": "6e6 1/m"}})

@@ -14,18 +14,18 @@ from sample_results import case, cone, rough_result, run_loads
 
 import fem_seal
 import leak
-from fem_seal.analysis import fluid_warnings
-from fem_seal.analysis.caution import Level
-from fem_seal.analysis.fluid_warnings import _of_liquid
-from fem_seal.analysis.leakage import leakage_classes, nominal_size
-from fem_seal.analysis.results import LoadResult
+from fem_seal.answers.leakage_class import leakage_classes, nominal_size
 from fem_seal.errors import InputError
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import leakage_lines, leakage_text
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table, leakage_table
+from fem_seal.seal.findings import Level
+from fem_seal.seal.results import LoadResult
 from fem_seal.studies.responses import evaluate
 from fem_seal.units import parse_quantity
+from fem_seal.validity import fluid as fluid_warnings
+from fem_seal.validity.fluid import _of_liquid
 from leak import GasInertia, LeakResult
 
 

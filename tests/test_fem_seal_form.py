@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 
 from fem_seal import Case, InputError, Study, load_case
 from fem_seal.case.form import Form
+from fem_seal.case.paths import entry_at, entry_paths
 from fem_seal.case.traces import read_lay
-from fem_seal.cli import main
+from fem_seal.cli.app import main
 from fem_seal.errors import TextTableError
 from fem_seal.form import FormError, Trace, Wave, WaveTolerance, along_normal, combined, rigid_wave
-from fem_seal.studies.entries import entry_at, entry_paths
 from leak import SpiralLay
 
 TURN = 2 * np.pi * np.arange(360) / 360

@@ -13,7 +13,7 @@ import pytest
 
 import fem_seal
 from fem_seal import former_names
-from fem_seal.cli import main
+from fem_seal.cli.app import main
 from fem_seal.former_names import FormerNameWarning
 from fem_seal.studies.progress import Silent
 from fem_seal.studies.store import FILE

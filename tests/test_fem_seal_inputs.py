@@ -16,8 +16,9 @@ from pathlib import Path
 
 import pytest
 
-from fem_seal import StudyResult, cli
+from fem_seal import StudyResult
 from fem_seal.case.case import load_case
+from fem_seal.cli import app as cli
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import UnreadableFileError, check_file, read_bytes, read_text
 from fem_seal.studies.session import description
@@ -441,7 +442,7 @@ def quickly(arguments) -> subprocess.CompletedProcess[str]:
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_AS, (2 * 2**30, 2 * 2**30));"
         "resource.setrlimit(resource.RLIMIT_CPU, (12, 12));"
-        "from fem_seal import cli; sys.exit(cli.main(sys.argv[1:]))"
+        "from fem_seal.cli import app as cli; sys.exit(cli.main(sys.argv[1:]))"
     )
     words = [sys.executable, "-c", code, *map(str, arguments)]
     return subprocess.run(words, capture_output=True, text=True, check=False)

@@ -12,11 +12,11 @@ from sample_results import SMOOTH, ball, case, cone
 
 import fem_seal
 from fem_seal import Case
-from fem_seal.analysis.closed_forms import derive, strain_limit
-from fem_seal.analysis.load_solver import model_and_contacts
-from fem_seal.analysis.problem import LARGEST_TURNING, TURNED, SealProblem
-from fem_seal.analysis.warnings import load_validity
+from fem_seal.answers.closed_forms import derive, strain_limit
 from fem_seal.contact.solution import ContactSolution
+from fem_seal.seal.load_solver import model_and_contacts
+from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
+from fem_seal.validity.checks import load_validity
 
 HARD = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
 
@@ -87,7 +87,7 @@ def test_far_outside_it_is_called_so():
     chosen = edge(0.4)
     problem = SealProblem.of(chosen)
     _, _, solved = model_and_contacts(problem)
-    from fem_seal.analysis.results import LoadResult
+    from fem_seal.seal.results import LoadResult
 
     found = load_validity(problem, LoadResult(*chosen.load.points[0], solved.contacts[0]))
     assert found.outside and any("small-strain" in reason for reason in found.reasons)

@@ -15,21 +15,21 @@ import pytest
 from sample_results import STEEL, case, cone, rough_result, run_loads, single_result
 
 import fem_seal
-from fem_seal import cli
-from fem_seal.analysis import chain
-from fem_seal.analysis.afterwards import Afterwards
-from fem_seal.analysis.closed_forms import derive
-from fem_seal.analysis.flow import Flow, RoughFlow
-from fem_seal.analysis.left_out import left_out
-from fem_seal.analysis.load_solver import LoadSolver, SolvedLoads
-from fem_seal.analysis.opening import opening_margin
-from fem_seal.analysis.problem import Loads
-from fem_seal.analysis.results import LoadResult, digits_near_opening
+from fem_seal.answers import chain
+from fem_seal.answers.afterwards import Afterwards
+from fem_seal.answers.closed_forms import derive
+from fem_seal.answers.left_out import left_out
+from fem_seal.answers.opening import opening_margin
 from fem_seal.case.load_limits import refused_loads
+from fem_seal.cli import app as cli
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, OutputError
 from fem_seal.output import files
 from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.output.tables import leak_table
+from fem_seal.seal.leak_model import Flow, RoughFlow
+from fem_seal.seal.load_solver import LoadSolver, SolvedLoads
+from fem_seal.seal.problem import Loads
+from fem_seal.seal.results import LoadResult, digits_near_opening
 
 # 20 bar lift a closure that touches at 14.142 mm with 1256.64 N.
 OPENS = math.pi * case().touch_radius ** 2 * 20e5

@@ -11,8 +11,8 @@ import pytest
 from sample_results import case, run_loads, smooth_result
 
 import fem_seal
-from fem_seal.analysis.chain import solve
-from fem_seal.analysis.levers import _round_step, levers
+from fem_seal.answers.chain import solve
+from fem_seal.answers.sensitivities import _round_step, levers
 from fem_seal.output.report.levers import lever_lines, ratio_in_words, step_in_words, told_levers
 from fem_seal.output.summary import summary
 
@@ -128,8 +128,8 @@ def coined():
 @pytest.mark.slow
 def test_levers_of_a_body_that_yields_are_paths_of_their_own(monkeypatch):
     # each lever takes two paths: one dimension and none of the shape of the spectrum stand for the others
-    monkeypatch.setattr("fem_seal.analysis.levers._MOST_DIMENSIONS", 1)
-    monkeypatch.setattr("fem_seal.analysis.levers.self_affine_part", lambda roughness: None)
+    monkeypatch.setattr("fem_seal.answers.sensitivities._MOST_DIMENSIONS", 1)
+    monkeypatch.setattr("fem_seal.answers.sensitivities.self_affine_part", lambda roughness: None)
     result = coined()
     assert result.levers == ()
     found = {one.key: one for one in levers(result, 1)}
@@ -146,6 +146,6 @@ def test_levers_of_a_body_that_yields_are_paths_of_their_own(monkeypatch):
 
 
 def test_levers_of_a_path_are_not_looked_for_unless_asked(monkeypatch):
-    monkeypatch.setattr("fem_seal.analysis.levers.levers", lambda result: pytest.fail("looked for"))
+    monkeypatch.setattr("fem_seal.answers.sensitivities.levers", lambda result: pytest.fail("looked for"))
     asked = coined().case.replace({"load.fluid_pressure": "50 bar", "requirement": {"leak_rate": "1 ml/min"}})
     assert solve(asked).levers == ()

@@ -15,12 +15,8 @@ from sample_results import STEEL as STEEL_TABLE
 
 import fem_seal
 import meshes
-from fem_seal.analysis.closed_forms import derive
-from fem_seal.analysis.load_names import different, load_axis, load_name
-from fem_seal.analysis.problem import SealProblem
-from fem_seal.analysis.profile_file import read_profiles
-from fem_seal.analysis.results import LoadResult
-from fem_seal.analysis.target import target_remarks
+from fem_seal.answers.closed_forms import derive
+from fem_seal.answers.target import target_remarks
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import condense
@@ -31,6 +27,10 @@ from fem_seal.output.report.page import report
 from fem_seal.output.report.words import far_field_sentence, headline, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import write_profile_csv
+from fem_seal.seal.load_names import different, load_axis, load_name
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.profile_file import read_profiles
+from fem_seal.seal.results import LoadResult
 from leak import LeakResult
 
 VALVE = {

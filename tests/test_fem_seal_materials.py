@@ -11,10 +11,11 @@ import pytest
 from sample_results import ball, cone, smooth_case
 
 import fem_seal
-from fem_seal import Case, InputError, Study, cli
-from fem_seal.analysis.caution import Level
-from fem_seal.material_library import ALIASES, LIBRARY, _key, library_name, material, similar_names
+from fem_seal import Case, InputError, Study
+from fem_seal.case.material_library import ALIASES, LIBRARY, _key, library_name, material, similar_names
+from fem_seal.cli import app as cli
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
+from fem_seal.seal.findings import Level
 from fem_seal.units import parse_quantity
 
 TASK = Path(__file__).parent.parent.parent / "shared" / "cases" / "tasks" / "hydrogen_77_K.toml"

@@ -15,17 +15,11 @@ from sample_results import SPECTRUM, STEEL, case, cone
 
 import fem_seal
 import leak
-from fem_seal.analysis import chain
-from fem_seal.analysis.accuracy import NOT_ESTIMATED
-from fem_seal.analysis.afterwards import Afterwards
-from fem_seal.analysis.caution import Caution, Validity
-from fem_seal.analysis.flow import RoughFlow
-from fem_seal.analysis.load_solver import linearised_again, model_and_contacts, solved_again
-from fem_seal.analysis.problem import SealProblem
-from fem_seal.analysis.profile_leak import leak_of_profiles
-from fem_seal.analysis.questions import contacts_at_target
-from fem_seal.analysis.results import LoadResult
-from fem_seal.analysis.warnings import earlier_cautions, load_validity
+from fem_seal.answers import chain
+from fem_seal.answers.accuracy import NOT_ESTIMATED
+from fem_seal.answers.afterwards import Afterwards
+from fem_seal.answers.profile_leak import leak_of_profiles
+from fem_seal.answers.questions import contacts_at_target
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.errors import InputError
 from fem_seal.output.pictures.memory import memory_picture
@@ -33,7 +27,13 @@ from fem_seal.output.pictures.style import style
 from fem_seal.output.report import words
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
+from fem_seal.seal.findings import Caution, Validity
+from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_solver import linearised_again, model_and_contacts, solved_again
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.results import LoadResult
 from fem_seal.studies.complete_runs import takes_complete_run
+from fem_seal.validity.checks import earlier_cautions, load_validity
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 FORCES = ("300 N", "1 kN", "2 kN")

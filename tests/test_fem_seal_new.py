@@ -15,9 +15,9 @@ from fem_seal import InputError, load_case, run
 from fem_seal.case.new_case import QUESTIONS, TEMPLATES, asked, read_text_case, template, with_entries
 from fem_seal.case.schema import case_schema
 from fem_seal.case.touched_face import touched_beside
-from fem_seal.cli import app, main
-from fem_seal.cli_new import CLASSES as LISTED
-from fem_seal.cli_new import _with_options
+from fem_seal.cli.app import app, main
+from fem_seal.cli.new import CLASSES as LISTED
+from fem_seal.cli.new import _with_options
 from fem_seal.units import parse_quantity
 from leak.standards import STANDARDS, classes_of
 
@@ -149,7 +149,7 @@ def test_a_file_is_replaced_only_by_force(call, tmp_path) -> None:
 
 def test_questions_are_asked_again_until_they_fit(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("fem_seal.cli_new._can_ask", lambda: True)
+    monkeypatch.setattr("fem_seal.cli.new._can_ask", lambda: True)
     answers = [
         "7",
         "check-valve",

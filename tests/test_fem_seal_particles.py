@@ -16,12 +16,12 @@ from sample_results import SPECTRUM, case
 import fem_seal
 import leak
 from fem_seal import InputError
-from fem_seal.analysis.caution import Caution, Level, Validity
-from fem_seal.analysis.particle_answers import KEPT, particle_answers
-from fem_seal.cli import main
+from fem_seal.answers.particles import KEPT, particle_answers
+from fem_seal.cli.app import main
 from fem_seal.output.report.page import report
 from fem_seal.output.report.particles import particle_table, particles_in_words
 from fem_seal.result import SealResult
+from fem_seal.seal.findings import Caution, Level, Validity
 
 DIRTY: dict[str, Any] = {"iso_4406": "15/13/10"}
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from sample_results import rough_result
 
-from fem_seal import cli
+from fem_seal.cli import app as cli
 from fem_seal.errors import DrawingError
 from fem_seal.output import pdf
 from fem_seal.output.pictures.leak import leak_picture

@@ -13,7 +13,6 @@ import fem_seal
 import leak
 import meshes
 from fem_seal import HardContact, solve
-from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.bodies.elasticity import node_dofs, pressure_load, quadratic_nodes, stiffness_matrix
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.coupled import FluidAndContact
@@ -28,6 +27,7 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.errors import ConvergenceError, OpenSealError
+from fem_seal.seal.problem import SealProblem, condensed, sizing
 from meshes import build_contact
 
 LAW = leak.ExponentialLaw(p_c=10e9, u0=0.76e-6)

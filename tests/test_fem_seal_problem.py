@@ -10,11 +10,11 @@ import pytest
 from sample_results import case, cone, rough_result, single_result
 
 import fem_seal
-from fem_seal.analysis.flow import Flow
-from fem_seal.analysis.problem import Loads, SealProblem, expected_forces
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import HardContact
 from fem_seal.errors import LoadProblem
+from fem_seal.seal.leak_model import Flow
+from fem_seal.seal.problem import Loads, SealProblem, expected_forces
 
 
 def test_what_is_left_of_the_loads_keeps_its_reasons():

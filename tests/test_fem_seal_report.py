@@ -20,8 +20,7 @@ from matplotlib.textpath import TextToPath
 from sample_results import SPECTRUM, case, cone, rough_result, single_result, smooth_result
 
 import fem_seal
-from fem_seal.analysis.caution import Caution, Level, Validity
-from fem_seal.analysis.closed_forms import derive, profile_sizes
+from fem_seal.answers.closed_forms import derive, profile_sizes
 from fem_seal.output.pictures.renderer import Renderer
 from fem_seal.output.pictures.style import label, logarithmic, number_dots, panels, style
 from fem_seal.output.pictures.style import svg as written_svg
@@ -30,6 +29,7 @@ from fem_seal.output.report import words as report_words
 from fem_seal.output.report.page import pictures, report
 from fem_seal.output.summary import summary
 from fem_seal.result import SealResult
+from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.units import leak_range_text
 
 FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}

@@ -17,13 +17,12 @@ from unittest.mock import Mock
 import pytest
 from sample_results import rough_result, single_result
 
-from fem_seal import folders
-from fem_seal.cli import main
+from fem_seal.cli.app import main
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import write_text
-from fem_seal.folders import FILE as LOCK
-from fem_seal.folders import UNFINISHED, alone, replaced_together, unfinished
-from fem_seal.output import files
+from fem_seal.output import files, folders
+from fem_seal.output.folders import FILE as LOCK
+from fem_seal.output.folders import UNFINISHED, alone, replaced_together, unfinished
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
@@ -254,7 +253,7 @@ HOLDER = """
 import sys, time
 from pathlib import Path
 from unittest.mock import Mock
-from fem_seal.folders import alone
+from fem_seal.output.folders import alone
 with alone(Path(sys.argv[1])):
     print("mine", flush=True)
     time.sleep(600)
@@ -283,7 +282,7 @@ def test_a_second_run_is_refused_while_the_first_lives(tmp_path, capsys):
 
 def test_a_lock_that_was_removed_meanwhile_is_taken_anew(tmp_path, monkeypatch):
     """Opened before its owner removes it, locked after: another process may have a new one by then."""
-    from fem_seal import folders
+    from fem_seal.output import folders
 
     lock = folders._lock
     removed = []
@@ -306,7 +305,7 @@ def test_a_lock_that_was_removed_meanwhile_is_taken_anew(tmp_path, monkeypatch):
 def test_without_locks_nobody_is_kept_out(tmp_path, monkeypatch, reason):
     import errno
 
-    from fem_seal import folders
+    from fem_seal.output import folders
 
     error = OSError(getattr(errno, reason), "no locks here")
     monkeypatch.setattr(folders, "_lock", Mock(side_effect=error))

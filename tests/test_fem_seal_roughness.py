@@ -8,8 +8,8 @@ from sample_results import ball, cone
 
 import leak
 from fem_seal import Case, load_case
-from fem_seal.analysis.problem import rough_contact
 from fem_seal.errors import InputError
+from fem_seal.seal.problem import rough_contact
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 SCAN = EXAMPLES / "seat_scan.csv"

@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from sample_results import case, rough_result
 
 import fem_seal
-from fem_seal.analysis import accuracy, chain
-from fem_seal.analysis.closed_forms import derive, profile_sizes
-from fem_seal.analysis.variants import interface_variants
+from fem_seal.answers import accuracy, chain
+from fem_seal.answers.closed_forms import derive, profile_sizes
+from fem_seal.answers.variants import interface_variants
+from fem_seal.cli.quick_start import POSTPONED
 from fem_seal.output.report.page import pictures
-from fem_seal.quick_start import POSTPONED
 from leak.flow.rough_contact import _conductivity_table
 
 
@@ -33,7 +33,7 @@ def test_a_command_spares_itself_at_its_start_and_at_its_end():
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[-1] == "fem_seal.quick_start True True"
+    assert done.stdout.splitlines()[-1] == "fem_seal.cli.quick_start True True"
 
 
 def test_figures_are_gone_once_they_are_drawn():
@@ -111,7 +111,7 @@ def test_the_shapes_of_a_case_are_made_once():
 
 _DRAWN = """
 import json, sys, types
-from fem_seal.quick_start import POSTPONED, spare
+from fem_seal.cli.quick_start import POSTPONED, spare
 if sys.argv[1] == "command":
     spare()
 import scipy.special
@@ -210,7 +210,7 @@ def _is_ours(one: object) -> bool:
 @pytest.mark.skipif(sys.platform != "linux", reason="the reserve is one of Linux's C library")
 def test_free_memory_goes_back_to_the_system():
     code = (
-        "from fem_seal.freed_memory import given_back\n"
+        "from fem_seal.processes import given_back\n"
         "def resident():\n"
         "    with open('/proc/self/statm') as file: return int(file.read().split()[1]) * 4096 / 2**20\n"
         "before = resident()\n"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from fem_seal import Case, InputError
-from fem_seal.cli import main
+from fem_seal.cli.app import main
 from fem_seal.output.pictures.section import write_section
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"

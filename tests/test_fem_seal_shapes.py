@@ -10,12 +10,12 @@ import pytest
 from sample_results import run_loads
 
 from fem_seal import Case, InputError, load_case, run
-from fem_seal.analysis.closed_forms import derive
+from fem_seal.answers.closed_forms import derive
 from fem_seal.case import closures, seats
 from fem_seal.case.bodies import Body
 from fem_seal.case.messages import choices, tables_of
 from fem_seal.case.si_numbers import with_units
-from fem_seal.cli import show_derived
+from fem_seal.cli.app import show_derived
 from fem_seal.output.case_words import chosen_dimensions, dimensions
 from fem_seal.output.report.case import seal_groups
 from fem_seal.output.summary import derived_numbers

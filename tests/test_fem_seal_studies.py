@@ -17,16 +17,16 @@ from sample_results import run_loads
 import fem_seal
 import leak
 from fem_seal import InputError, Study, load_study
-from fem_seal.analysis.families import family_table
-from fem_seal.analysis.flow import Flow
-from fem_seal.analysis.sampling import LogNormal, Normal
 from fem_seal.errors import Problem
-from fem_seal.folders import alone
 from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.output.folders import alone
 from fem_seal.output.tables import leak_rows
+from fem_seal.sampling import LogNormal, Normal
+from fem_seal.seal import shared_bodies as studies_shared
+from fem_seal.seal.conductivity_tables import family_table
+from fem_seal.seal.leak_model import Flow
 from fem_seal.studies import designs, store, work
 from fem_seal.studies import responses as studies_responses
-from fem_seal.studies import shared as studies_shared
 from fem_seal.studies.complete_runs import FAST
 from fem_seal.studies.designs_table import pareto_front
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError
@@ -873,7 +873,7 @@ def test_a_search_stays_within_its_constraint_and_resumes(tmp_path, monkeypatch)
 
 
 def test_command_line(tmp_path, capsys):
-    from fem_seal.cli import main
+    from fem_seal.cli.app import main
 
     (tmp_path / "study.toml").write_text(
         f'base = "{CASE}"\nresponses = ["peak_pressure_Pa"]\n'
@@ -897,7 +897,7 @@ def test_command_line(tmp_path, capsys):
 
 
 def test_a_study_of_which_no_design_can_be_calculated_says_so_to_a_script(tmp_path, capsys):
-    from fem_seal.cli import main
+    from fem_seal.cli.app import main
 
     study = tmp_path / "study.toml"
     study.write_text(

@@ -15,9 +15,9 @@ import pandas as pd
 import pytest
 
 from fem_seal import Study, StudyResult, load_case
-from fem_seal.analysis.caution import VALID
-from fem_seal.cli import main
+from fem_seal.cli.app import main
 from fem_seal.errors import InputError, OutputError
+from fem_seal.seal.findings import VALID
 from fem_seal.studies import responses, store
 from fem_seal.studies.progress import Lines
 from fem_seal.studies.session import run_study
@@ -136,7 +136,7 @@ def test_a_search_goes_on_after_a_design_that_never_ends(tmp_path, monkeypatch):
 # A library that never comes back: deaf to all signals, deep in the system.
 STUCK = f"""
 import ctypes, sys
-from fem_seal.cli import main
+from fem_seal.cli.app import main
 from fem_seal.studies import responses, time_limit
 
 time_limit._APART = 0.1
@@ -283,7 +283,7 @@ import sys
 from contextlib import closing
 from pathlib import Path
 from fem_seal import StudyResult
-from fem_seal.cli import main
+from fem_seal.cli.app import main
 for folder, out in zip(*[map(Path, sys.argv[1:])] * 2):
     try:
         (folder / "probe").touch()

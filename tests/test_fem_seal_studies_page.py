@@ -376,7 +376,7 @@ def test_the_page_escapes_what_users_write():
 
 @pytest.mark.parametrize("width", [80, 120])
 def test_the_table_of_the_command_line_is_never_cut(tmp_path, capsys, monkeypatch, width):
-    from fem_seal.cli import main
+    from fem_seal.cli.app import main
 
     (tmp_path / "study.toml").write_text(
         f'base = "{CASE}"\nresponses = ["fluid_pressure_Pa", "line_load_N_per_m", "contact_force_N"]\n'

@@ -13,8 +13,8 @@ import pytest
 
 import fem_seal
 from fem_seal import InputError, Study
-from fem_seal.analysis.caution import VALID, Level
-from fem_seal.cli import main
+from fem_seal.cli.app import main
+from fem_seal.seal.findings import VALID, Level
 from fem_seal.studies import store
 from fem_seal.studies.responses import evaluate
 from fem_seal.studies.session import run_study

@@ -17,11 +17,6 @@ from skfem import Basis, ElementTriP2, MeshTri, condense, solve
 import fem_seal
 import leak
 import meshes
-from fem_seal.analysis.caution import Level
-from fem_seal.analysis.heating import Heating
-from fem_seal.analysis.load_solver import LoadSolver, solve_load
-from fem_seal.analysis.material_warnings import temperature_cautions
-from fem_seal.analysis.problem import SealProblem, condensed, sizing
 from fem_seal.bodies.condensed import body_field
 from fem_seal.bodies.elasticity import (
     at_quadrature_points,
@@ -33,6 +28,7 @@ from fem_seal.bodies.elasticity import (
 )
 from fem_seal.bodies.stress_recovery import StressRecovery
 from fem_seal.case.case import Case
+from fem_seal.case.material_library import LIBRARY
 from fem_seal.contact.conduction import Face, Surroundings, conduct
 from fem_seal.contact.load_path import load_path
 from fem_seal.contact.model import ContactModel, line_points
@@ -40,9 +36,13 @@ from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.solution import fields_at_rest
 from fem_seal.errors import InputError
-from fem_seal.material_library import LIBRARY
 from fem_seal.materials import HardeningCurve, Material, OverTemperature
+from fem_seal.seal.findings import Level
+from fem_seal.seal.heating import Heating
+from fem_seal.seal.load_solver import LoadSolver, solve_load
+from fem_seal.seal.problem import SealProblem, condensed, sizing
 from fem_seal.studies.responses import responses
+from fem_seal.validity.materials import temperature_cautions
 
 STEEL = Material("steel", 210e9, 0.3, thermal_expansion=11e-6)
 STEADY = {

@@ -11,10 +11,10 @@ import pytest
 
 import fem_seal
 import leak
-from fem_seal.analysis.closed_forms import closed_form_limits
-from fem_seal.analysis.problem import SealProblem
+from fem_seal.answers.closed_forms import closed_form_limits
 from fem_seal.explore.live import Session
 from fem_seal.output.tables import leak_rows
+from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.responses import responses
 from fem_seal.studies.session import run_study
 from leak.flow.leak_rate import leak_through

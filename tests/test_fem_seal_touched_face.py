@@ -10,7 +10,7 @@ import pytest
 import fem_seal
 import meshes
 from fem_seal.case.touched_face import touched_beside
-from fem_seal.cli import main
+from fem_seal.cli.app import main
 from meshes.shapes.shape import named_face
 
 # a drawing is named after no face

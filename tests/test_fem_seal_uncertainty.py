@@ -24,20 +24,20 @@ from scipy.stats import norm
 
 import fem_seal
 import leak
-from fem_seal.analysis import uncertainty as module
-from fem_seal.analysis.families import family_table
-from fem_seal.analysis.flow import Flow
-from fem_seal.analysis.response_surface import fit
-from fem_seal.analysis.results import LeakInterval
-from fem_seal.analysis.sampling import LogNormal, Normal, UncertainInput
-from fem_seal.analysis.uncertainty import UncertainScans, leak_interval, uncertain_inputs, weighted_mean
-from fem_seal.analysis.variants import theory_variants
+from fem_seal.answers import uncertainty as module
+from fem_seal.answers.response_surface import fit
+from fem_seal.answers.uncertainty import UncertainScans, leak_interval, uncertain_inputs, weighted_mean
+from fem_seal.answers.variants import theory_variants
 from fem_seal.case.roughness import UncertainHeight
 from fem_seal.case.uncertainty import Spread, Uncertainty
 from fem_seal.errors import InputError
 from fem_seal.output.report.page import report
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import variant_rows
+from fem_seal.sampling import LogNormal, Normal, UncertainInput
+from fem_seal.seal.conductivity_tables import family_table
+from fem_seal.seal.leak_model import Flow
+from fem_seal.seal.results import LeakInterval
 from leak import PowerSpectrum
 
 TEN_PER_CENT = Spread(relative=0.1)
@@ -231,7 +231,7 @@ def test_spectrum_between_scans(tmp_path, monkeypatch):
     table = {"samples": 16, "spectrum": {"distribution": "scans"}}
     both = result(*files, uncertainty=table).uncertainty
     with monkeypatch.context() as patch:
-        patch.setattr("fem_seal.analysis.uncertainty.uncertain_heights", lambda *_, **__: ())
+        patch.setattr("fem_seal.answers.uncertainty.uncertain_heights", lambda *_, **__: ())
         interval = result(*files, uncertainty=table).uncertainty
     low, high = (rates(result(file))[0] for file in (files[0], files[2]))
     assert low < interval.low[0] < interval.median[0] < interval.high[0] < high
@@ -572,7 +572,7 @@ def test_nothing_to_read_without_a_leak():
 
 
 def test_variants_on_the_command_line(tmp_path, capsys):
-    from fem_seal.cli import main
+    from fem_seal.cli.app import main
 
     file = tmp_path / "seal.toml"
     file.write_text(

@@ -11,7 +11,7 @@ from judged_loads import SURFACE, judged, load
 from sample_results import case, rough_result, single_result, smooth_result
 
 import leak
-from fem_seal.analysis import warnings
+from fem_seal.validity import checks as warnings
 from leak.fluids.names import molecular_size
 
 PAPER = SURFACE.spectrum

@@ -12,12 +12,10 @@ from hypothesis import strategies as st
 from sample_results import STEEL, ball, case, cone, rough_result
 
 import fem_seal
-from fem_seal import cli
-from fem_seal.analysis.caution import Caution, Level, Validity, either_way
-from fem_seal.analysis.chain import _with_judgement
-from fem_seal.analysis.judgement import Judgement, Limit, Verdict, Why
-from fem_seal.analysis.leakage import leakage_classes, next_class
-from fem_seal.analysis.verdict import limits, seal_judgement
+from fem_seal.answers.chain import _with_judgement
+from fem_seal.answers.leakage_class import leakage_classes, next_class
+from fem_seal.answers.verdict import limits, seal_judgement
+from fem_seal.cli import app as cli
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem
 from fem_seal.output.report.page import report
 from fem_seal.output.report.verdict import (
@@ -31,6 +29,8 @@ from fem_seal.output.report.verdict import (
 from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table
+from fem_seal.seal.findings import Caution, Level, Validity, either_way
+from fem_seal.seal.judgement import Judgement, Limit, Verdict, Why
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate
 from fem_seal.units import leak_range_text
 from leak import FluidError
@@ -591,7 +591,7 @@ def test_an_interval_that_cannot_be_calculated_leaves_the_verdict_inconclusive(m
     def fails(*_, **__):
         raise ConvergenceError("nothing converges")
 
-    monkeypatch.setattr("fem_seal.analysis.uncertainty.leak_interval", fails)
+    monkeypatch.setattr("fem_seal.answers.uncertainty.leak_interval", fails)
     result = fem_seal.run(
         case(
             load={"fluid_pressure": "20 bar"},

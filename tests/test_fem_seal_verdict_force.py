@@ -10,14 +10,14 @@ import pytest
 from sample_results import STEEL, ball, case, cone, run_loads
 
 import fem_seal
-from fem_seal.analysis.accuracy import NOT_ESTIMATED
-from fem_seal.analysis.closed_forms import derive
-from fem_seal.analysis.results import VerdictForce
-from fem_seal.analysis.verdict_force import _begins
+from fem_seal.answers.accuracy import NOT_ESTIMATED
+from fem_seal.answers.closed_forms import derive
+from fem_seal.answers.verdict_force import _begins
 from fem_seal.output.report.tables import valve_facts
 from fem_seal.output.report.verdict import force_to_pass, verdict_force_sentences, verdict_lines
 from fem_seal.output.report.words import reasons
 from fem_seal.output.summary import summary
+from fem_seal.seal.results import VerdictForce
 
 DRAWN = {"Ra": "0.4 um", "process": "lapped"}
 
@@ -115,7 +115,7 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
         {**{f"load.{key}": value for key, value in load.items()}, "mesh.contact_size": "40 um"}
     )
     # the forces without the interval are not what this is about
-    monkeypatch.setattr("fem_seal.analysis.chain.with_answers", lambda solver, loads, after: (loads, ()))
+    monkeypatch.setattr("fem_seal.answers.chain.with_answers", lambda solver, loads, after: (loads, ()))
     told = []
 
     def search(result, alone, *, progress):
@@ -129,7 +129,7 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
         if told[-2:-1] == ["trying"]:
             raise _LeaveError
 
-    monkeypatch.setattr("fem_seal.analysis.verdict_force.forces_for_verdict", search)
+    monkeypatch.setattr("fem_seal.answers.verdict_force.forces_for_verdict", search)
     plain = run_loads(of)
     assert all(not one.verdict_force.looked_for and one.force_for_verdict is None for one in plain.loads)
     (said,) = verdict_force_sentences(plain.loads)
@@ -137,10 +137,10 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
     (tile,) = [one for one in valve_facts(plain, plain.loads[0]) if one[0] == "Force for a pass"]
     assert tile[1] == "not looked for"
     with pytest.MonkeyPatch.context() as few:
-        few.setattr("fem_seal.analysis.chain.on_coarser_mesh", lambda *given: None)
-        few.setattr("fem_seal.analysis.chain.discretisation_error", lambda *given: NOT_ESTIMATED)
-        few.setattr("fem_seal.analysis.chain.far_field", lambda *given: ())
-        few.setattr("fem_seal.analysis.chain.interface_variants", lambda *given: ())
+        few.setattr("fem_seal.answers.chain.on_coarser_mesh", lambda *given: None)
+        few.setattr("fem_seal.answers.chain.discretisation_error", lambda *given: NOT_ESTIMATED)
+        few.setattr("fem_seal.answers.chain.far_field", lambda *given: ())
+        few.setattr("fem_seal.answers.chain.interface_variants", lambda *given: ())
         asked = fem_seal.run(of, progress, levers=False, verdict_force=True)
     # a run of the search tells what it does, and who is told may leave it
     assert told[told.index("trying") + 1] == "meshing closure and seat"

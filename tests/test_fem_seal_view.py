@@ -14,7 +14,7 @@ import pytest
 from around_results import oval_result
 from sample_results import rough_result
 
-from fem_seal import cli
+from fem_seal.cli import app as cli
 from fem_seal.errors import DrawingError, InputError, OutputError
 from fem_seal.output.pictures import three_d
 from fem_seal.output.pictures.style import style

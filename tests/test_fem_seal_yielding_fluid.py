@@ -13,13 +13,8 @@ from plastic_solids import HARDENING, LAW, YIELD, E, seal
 
 import fem_seal
 import leak
-from fem_seal.analysis.accuracy import NOT_ESTIMATED
-from fem_seal.analysis.flow import RoughFlow
-from fem_seal.analysis.load_solver import LoadSolver, SolvedLoads, linearised_again, model_and_contacts
-from fem_seal.analysis.problem import SealProblem
-from fem_seal.analysis.results import LoadResult, SealSolution
-from fem_seal.analysis.seal_flow import SealFlow
-from fem_seal.analysis.uncertainty import _Study
+from fem_seal.answers.accuracy import NOT_ESTIMATED
+from fem_seal.answers.uncertainty import _Study
 from fem_seal.bodies.elasticity import node_dofs
 from fem_seal.bodies.supports import Supports
 from fem_seal.case.uncertainty import Spread, Uncertainty
@@ -35,6 +30,11 @@ from fem_seal.contact.penetration import blow_off_pressure, effective_radius, so
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
+from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, linearised_again, model_and_contacts
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.results import LoadResult, SealSolution
+from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.studies.responses import evaluate
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))

@@ -105,7 +105,7 @@ num = 2
     ],
 )
 def test_each_command_says_it_in_one_line(hidden, arguments, extra, tmp_path):
-    code = f"import sys; sys.modules[{hidden!r}] = None; from fem_seal.cli import main; sys.exit(main())"
+    code = f"import sys; sys.modules[{hidden!r}] = None; from fem_seal.cli.app import main; sys.exit(main())"
     study = tmp_path / "study.toml"
     study.write_text(
         STUDY.replace("BASE", (ROOT / "examples" / "ball_cone.toml").as_posix()), encoding="utf-8"

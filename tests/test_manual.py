@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "docs"))
 import gallery
 
 import fem_seal
-from fem_seal.analysis.closed_forms import derive
+from fem_seal.answers.closed_forms import derive
 from fem_seal.case.case import Case
 from fem_seal.case.messages import tables_of
 
@@ -105,7 +105,7 @@ def test_the_relief_valve_of_the_how_to_page_is_told_as_the_page_says():
 
 
 def test_commands_of_the_manual_exist():
-    from fem_seal.cli import app
+    from fem_seal.cli.app import app
 
     known = {command.name or command.callback.__name__ for command in app.registered_commands}
     known |= {group.name for group in app.registered_groups}

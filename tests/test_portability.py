@@ -244,7 +244,7 @@ def test_output_that_lacks_signs_becomes_utf_8(monkeypatch):
 
 def test_the_citation_says_the_same_everywhere(capsys):
     import fem_seal
-    from fem_seal import cli
+    from fem_seal.cli import app as cli
 
     yaml = pytest.importorskip("yaml")
     cff = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))

@@ -28,7 +28,7 @@ def test_files_and_folders_named_in_the_readme_exist():
 
 
 def test_commands_named_in_the_readme_exist():
-    from fem_seal.cli import app
+    from fem_seal.cli.app import app
 
     known = {command.name or command.callback.__name__ for command in app.registered_commands}
     known |= {group.name for group in app.registered_groups}

@@ -30,8 +30,8 @@ from fem_seal.bodies.elasticity import (
     strain_matrix,
 )
 from fem_seal.bodies.held_body import HeldBody
-from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.materials import Material
+from fem_seal.processes import single_threaded
 
 if TYPE_CHECKING:
     from skfem import Basis

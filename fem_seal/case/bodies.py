@@ -27,8 +27,8 @@ from fem_seal.case.fields import (
     Table,
 )
 from fem_seal.case.input_files import TensileTest, read_stress_strain
+from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
 from fem_seal.errors import InputError, Problem
-from fem_seal.material_library import LIBRARY, library_name, material, similar_names
 from fem_seal.materials import (
     ROOM_TEMPERATURE,
     HardeningCurve,

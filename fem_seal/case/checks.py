@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from fem_seal.case.fields import shown
 from fem_seal.case.leak_rate import problems_with_leak_rates
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
+from fem_seal.case.material_library import suggestion
 from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import SelfAffine
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.errors import InputError, Problem
-from fem_seal.material_library import suggestion
 from fem_seal.units import given as written
 from meshes import GeometryError
 

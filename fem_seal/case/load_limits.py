@@ -114,7 +114,7 @@ def _too_large(
 ) -> Iterator[LoadProblem]:
     """More than the faces can carry over all their length; `lower` is what to lower.
 
-    How large the strains of a smaller load are is said after it is solved (`fem_seal.analysis.warnings`).
+    How large the strains of a smaller load are is said after it is solved (`fem_seal.validity.checks`).
     """
     contact, E, force = case.contact, case.effective_modulus, _force(case, fluid_pressure, applied_force)
     f = line_load(force, contact.touch_radius, contact.angle)

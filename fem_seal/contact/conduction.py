@@ -17,9 +17,9 @@ from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.held_body import trace_matrix
-from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.materials import Material
+from fem_seal.processes import single_threaded
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

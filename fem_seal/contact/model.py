@@ -31,10 +31,10 @@ from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
 from fem_seal.bodies.held_body import Heat, HeldBody, held_body
-from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.bodies.stress_screen import StressScreen
 from fem_seal.bodies.supports import Supports
 from fem_seal.materials import Material, effective_modulus
+from fem_seal.processes import single_threaded
 from fem_seal.units import quantity
 from meshes import ContactGeometry, SealMesh
 

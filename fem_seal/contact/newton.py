@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotrs
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.single_thread import single_threaded
 from fem_seal.contact.hard import solve_hard
 from fem_seal.contact.laws import HardContact, Law, LawOfRows, shape_of
 from fem_seal.contact.model import ContactModel
@@ -19,6 +18,7 @@ from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
 from fem_seal.former_names import formerly
+from fem_seal.processes import single_threaded
 
 # Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
 _FLOOR = 1e-6

@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
+from fem_seal.case.paths import Entry, entry_at, entry_paths, with_open_materials
 from fem_seal.errors import InputError, Problem
-from fem_seal.studies.entries import Entry, entry_at, entry_paths, with_open_materials
 from fem_seal.units import DIMENSIONS, parse_quantity, unit_for
 
 if TYPE_CHECKING:

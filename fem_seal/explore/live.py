@@ -2,9 +2,9 @@
 
 A design is a few texts, "20.5 bar", in place of those of the case. What it shows depends on it alone, never on the
 designs before it; what they share is kept: condensed bodies of the last geometries, and flow conductivities of one
-family of surfaces (`fem_seal.studies.shared`). The mesh is that of `fem-seal run` with sizes rounded to powers of the
-square root of two, never coarser where the bodies touch, and coarser inside of them: its numbers are good to the digits
-that are shown. Those of `fem-seal run` itself follow when the sliders rest (`fem_seal.explore.worker`).
+family of surfaces (`fem_seal.seal.shared_bodies`). The mesh is that of `fem-seal run` with sizes rounded to powers of
+the square root of two, never coarser where the bodies touch, and coarser inside of them: its numbers are good to the
+digits that are shown. Those of `fem-seal run` itself follow when the sliders rest (`fem_seal.explore.worker`).
 """
 
 from __future__ import annotations
@@ -17,14 +17,8 @@ from functools import cached_property, partial
 from threading import RLock
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.analysis.families import family_law
-from fem_seal.analysis.flow import Flow, RoughFlow, log_peaks
-from fem_seal.analysis.load_solver import LoadSolver
-from fem_seal.analysis.opening import with_margins
-from fem_seal.analysis.problem import SealProblem, condensed, sizing
-from fem_seal.analysis.results import LoadResult, highest_load
-from fem_seal.analysis.verdict import seal_judgement, with_judgements
-from fem_seal.analysis.warnings import load_validity
+from fem_seal.answers.opening import with_margins
+from fem_seal.answers.verdict import seal_judgement, with_judgements
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.refit import solve_fitted
@@ -33,13 +27,19 @@ from fem_seal.errors import InputError, SealError
 from fem_seal.explore.factors import Factors, factors_of, opened
 from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load, without_leak
 from fem_seal.explore.tables import Missing, TableName, conductivity
-from fem_seal.studies.shared import TabulatedSurface
+from fem_seal.seal.conductivity_tables import family_law
+from fem_seal.seal.leak_model import Flow, RoughFlow, log_peaks
+from fem_seal.seal.load_solver import LoadSolver
+from fem_seal.seal.problem import SealProblem, condensed, sizing
+from fem_seal.seal.results import LoadResult, highest_load
+from fem_seal.seal.shared_bodies import TabulatedSurface
+from fem_seal.validity.checks import load_validity
 from leak import ConductivityTable, LeakError, RoughContact
 from meshes import MeshesError, Sizing, build_contact
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.flow import Conductivity
     from fem_seal.case.case import Case
+    from fem_seal.seal.leak_model import Conductivity
 
 # Loads of the case that follow a slider; the others are there when it rests.
 _LIVE_LOADS = 5

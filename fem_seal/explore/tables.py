@@ -7,8 +7,8 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from fem_seal.analysis.families import FamilyTable, family_table, family_tables
-from fem_seal.analysis.flow import MARGIN, Conductivity, Flow
+from fem_seal.seal.conductivity_tables import FamilyTable, family_table, family_tables
+from fem_seal.seal.leak_model import MARGIN, Conductivity, Flow
 from leak import RoughContact, gas_conductivity_table
 
 # Decades below the peak pressure over which a table of one surface alone reaches.

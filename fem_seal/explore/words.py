@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem_seal.analysis.caution import Level
 from fem_seal.explore.screen import Screen, ShownLoad
 from fem_seal.output.report.words import state_in_words
+from fem_seal.seal.findings import Level
 from fem_seal.units import LIQUID, LeakVolume, given, leak_range_text, leak_rate_text, quantity_worth
 
 if TYPE_CHECKING:

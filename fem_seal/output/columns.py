@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.caution import VALIDITY_COLUMNS
+from fem_seal.seal.findings import VALIDITY_COLUMNS
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import LoadResult
+    from fem_seal.seal.results import LoadResult
     from leak import CoupledLeakResult, LeakResult
 
 

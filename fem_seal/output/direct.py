@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from fem_seal.analysis.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.files import as_json, write_bytes, write_text
 from fem_seal.output.prose import said
 from fem_seal.output.tables import write_rows_csv
+from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.units import number, percent, quantity
 
 TABLE, GAPS, ABOUT = "direct.csv", "direct_gaps.csv", "direct.json"

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.analysis.afterwards import Afterwards
-from fem_seal.folders import replaced_together
+from fem_seal.answers.afterwards import Afterwards
 from fem_seal.output.around import write_around_csv
+from fem_seal.output.folders import replaced_together
 from fem_seal.output.particles import write_particles_csv
 from fem_seal.output.report.page import write_report
 from fem_seal.output.summary import write_summary
@@ -17,14 +17,14 @@ from fem_seal.output.tables import write_imprint_csv, write_leak_csv, write_prof
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import SealSolution
+    from fem_seal.seal.results import SealSolution
 
 
 def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
     """Write tables, summary, VTK files, mesh and report into a folder, all that can be made or none.
 
     They take the places of those of an earlier run together; everything else in the folder is left alone. The caller
-    sees to it that nobody else writes there, see `fem_seal.folders`.
+    sees to it that nobody else writes there, see `fem_seal.output.folders`.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from fem_seal.output.prose import said
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.leak_map import LeakMap
+    from fem_seal.answers.leak_map import LeakMap
     from fem_seal.arrays import FloatArray
 
 CSV, MODELICA, MATLAB = "table.csv", "modelica_tables.txt", "leak_tables.m"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.material_library import ALIASES, LIBRARY
+from fem_seal.case.material_library import ALIASES, LIBRARY
 from leak.fluids.find import gas, is_gas, is_liquid, liquid
 from leak.fluids.library import GAS_ENTRIES, LIQUID_ENTRIES
 from leak.fluids.names import ROOM_TEMPERATURE, known_name

@@ -5,13 +5,13 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from fem_seal.analysis.load_names import load_name
+from fem_seal.seal.load_names import load_name
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from fem_seal.analysis.results import SealSolution
     from fem_seal.output.report.tables import ReadableTable
+    from fem_seal.seal.results import SealSolution
 
 # Loads that a text names one by one, and rows that a notebook shows.
 _NAMED = 5

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.closed_forms import derive
-from fem_seal.analysis.problem import exponential_law
+from fem_seal.answers.closed_forms import derive
 from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
@@ -23,10 +22,11 @@ from fem_seal.output.report.verdict import verdict_sentences
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import leak_rows, leakage_table, variant_rows
+from fem_seal.seal.problem import exponential_law
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import LeakInterval, LoadResult, SealSolution
+    from fem_seal.seal.results import LeakInterval, LoadResult, SealSolution
 
 # Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
 FORMAT_VERSION = 1

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.caution import VALIDITY_COLUMNS, validity_entries
-from fem_seal.analysis.leakage import leakage_classes, nominal_size
-from fem_seal.analysis.variants import ratio_to_case
+from fem_seal.answers.leakage_class import leakage_classes, nominal_size
+from fem_seal.answers.variants import ratio_to_case
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.columns import (
     COLUMNS,
@@ -25,13 +24,14 @@ from fem_seal.output.columns import (
     VARIANT_COLUMNS,
     Row,
 )
+from fem_seal.seal.findings import VALIDITY_COLUMNS, validity_entries
 from leak.standards import STANDARDS, Standard
 
 if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-    from fem_seal.analysis.results import GivenLoad, SealSolution
+    from fem_seal.seal.results import GivenLoad, SealSolution
 
 
 # Ten digits: more than any of the numbers is good for, and the files stay readable.
@@ -73,7 +73,7 @@ def profile_leak_rows(loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
     Parameters
     ----------
     loads : sequence of GivenLoad
-        From `fem_seal.analysis.profile_leak.leak_of_profiles`.
+        From `fem_seal.answers.profile_leak.leak_of_profiles`.
     """
     return [
         # these columns ask nothing that a profile without its bodies does not know

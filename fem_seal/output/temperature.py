@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from fem_seal.units import given, number, trimmed
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.problem import SealProblem
     from fem_seal.case.case import Case
     from fem_seal.contact.conduction import TemperatureField
+    from fem_seal.seal.problem import SealProblem
 
 
 def temperature_rows(

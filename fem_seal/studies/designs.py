@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.sampling import LogNormal, Normal
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.fields import Quantity, shown
+from fem_seal.case.paths import Entry, Value, entry_at
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import UnreadableFileError, read_text
 from fem_seal.former_names import in_present_words
-from fem_seal.studies.entries import Entry, Value, entry_at
+from fem_seal.sampling import LogNormal, Normal
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.tables import MOST_POINTS, Design
 

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.caution import Level
-from fem_seal.analysis.sampling import LogUniform, Uniform
 from fem_seal.errors import InputError, OutputError, Problem
+from fem_seal.sampling import LogUniform, Uniform
+from fem_seal.seal.findings import Level
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.store import Row, Store, damaged
 from fem_seal.studies.work import Chunk, Recipe, check_unchanged

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.sampling import Distribution, LogNormal, LogUniform, Normal, Uniform
 from fem_seal.case.fields import Quantity, shown
+from fem_seal.case.paths import Entry, Value
 from fem_seal.errors import InputError, Problem
-from fem_seal.studies.entries import Entry, Value
+from fem_seal.sampling import Distribution, LogNormal, LogUniform, Normal, Uniform
 from fem_seal.units import parse_quantity
 
 if TYPE_CHECKING:

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from fem_seal.analysis.sampling import LogNormal, Normal
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import same_entry
 from fem_seal.case.fields import shown
+from fem_seal.case.paths import Value
 from fem_seal.errors import InputError, Problem
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
+from fem_seal.sampling import LogNormal, Normal
 from fem_seal.studies.designs import SENSITIVITY
-from fem_seal.studies.entries import Value
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unit_of, unknown_name
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.tables import Design, Optimise, Report, Run, StudyTables

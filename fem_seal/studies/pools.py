@@ -19,9 +19,9 @@ from uuid import uuid4
 
 import numpy as np
 
-from fem_seal.analysis.copies import usable_cores
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ClusterError, InputError, Problem
+from fem_seal.processes import usable_cores
 from fem_seal.studies.progress import duration
 from fem_seal.studies.store import Row
 from fem_seal.studies.time_limit import Block, OvertimeError, Watch, ended_after, slow_line

@@ -11,16 +11,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from fem_seal import result as seal_result
-from fem_seal.analysis.caution import Validity
-from fem_seal.analysis.families import family_law, family_table
-from fem_seal.analysis.flow import Conductivity, Flow, RoughFlow
-from fem_seal.analysis.judgement import Verdict
-from fem_seal.analysis.load_solver import LoadSolver
-from fem_seal.analysis.opening import with_margins
-from fem_seal.analysis.problem import SealProblem, expected_contacts, expected_forces, sizing
-from fem_seal.analysis.results import LoadResult
-from fem_seal.analysis.verdict import judged
-from fem_seal.analysis.warnings import load_validity
+from fem_seal.answers.opening import with_margins
+from fem_seal.answers.verdict import judged
 from fem_seal.case.case import Case
 from fem_seal.contact.laws import Law
 from fem_seal.contact.newton import Pressing
@@ -28,9 +20,17 @@ from fem_seal.contact.refit import fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.tables import rows_of
+from fem_seal.seal.conductivity_tables import family_law, family_table
+from fem_seal.seal.findings import Validity
+from fem_seal.seal.judgement import Verdict
+from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
+from fem_seal.seal.load_solver import LoadSolver
+from fem_seal.seal.problem import SealProblem, expected_contacts, expected_forces, sizing
+from fem_seal.seal.results import LoadResult
+from fem_seal.seal.shared_bodies import TabulatedSurface, shared_model
 from fem_seal.studies.complete_runs import takes_complete_run
-from fem_seal.studies.shared import TabulatedSurface, shared_model
 from fem_seal.studies.together import Steps, alone
+from fem_seal.validity.checks import load_validity
 from leak import ConductivityTable, GasConductivityTable, RoughContact
 from meshes import Sizing
 
@@ -131,7 +131,7 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
         temperature or a stress-strain curve.
     interpolate : bool
         Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
-        see `fem_seal.studies.shared` and `fem_seal.analysis.families`.
+        see `fem_seal.seal.shared_bodies` and `fem_seal.seal.conductivity_tables`.
 
     Raises
     ------

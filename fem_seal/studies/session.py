@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import parse_json, read_text, write_text
-from fem_seal.folders import alone
+from fem_seal.output.folders import alone
 from fem_seal.studies.pools import KEPT, Pool, pool
 from fem_seal.studies.progress import Progress, Silent
 from fem_seal.studies.results import StudyResult
@@ -173,7 +173,7 @@ def _column_types(study: StudyPlan) -> dict[str, str]:
 
 def description(study: StudyPlan) -> dict[str, Any]:
     """What a reader of the file has to know about the columns; in JSON's types."""
-    from fem_seal.analysis.leakage import nominal_size
+    from fem_seal.answers.leakage_class import nominal_size
 
     case = study.case
     return {

@@ -14,11 +14,11 @@ from pydantic import ValidationError
 from fem_seal.case.case import Case, case_of, load_case
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.messages import problems
+from fem_seal.case.paths import entry_at, with_open_materials
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import UnreadableFileError, read_text, read_toml
 from fem_seal.former_names import in_present_entries, in_present_words
 from fem_seal.studies import designs
-from fem_seal.studies.entries import entry_at, with_open_materials
 from fem_seal.studies.parameters import Parameter, read_parameter
 from fem_seal.studies.plan import (
     StudyPlan,

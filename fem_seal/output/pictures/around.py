@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.around import Around
-from fem_seal.analysis.leakage import volume_of
-from fem_seal.analysis.load_names import different, load_axis, load_name
+from fem_seal.answers.leakage_class import volume_of
 from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.fields import SCALE_ROOM, scale_of_colours
 from fem_seal.output.pictures.style import (
@@ -29,13 +27,15 @@ from fem_seal.output.pictures.style import (
     svg,
 )
 from fem_seal.output.prose import said
+from fem_seal.seal.circumference import Around
+from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.units import unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from fem_seal.analysis.results import LoadResult, SealSolution
+    from fem_seal.seal.results import LoadResult, SealSolution
 
 _BANDS = 12
 # Pressures below this share of the largest stay white.

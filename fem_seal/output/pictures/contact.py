@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.load_names import LoadAxis, different, load_axis, load_name
 from fem_seal.output.case_words import law_word
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -27,13 +26,14 @@ from fem_seal.output.pictures.style import (
     svg,
 )
 from fem_seal.output.prose import said
+from fem_seal.seal.load_names import LoadAxis, different, load_axis, load_name
 from fem_seal.units import quantity, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from fem_seal.analysis.closed_forms import Derived, DerivedLoad, Sizes
-    from fem_seal.analysis.results import LoadResult, SealSolution
+    from fem_seal.answers.closed_forms import Derived, DerivedLoad, Sizes
+    from fem_seal.seal.results import LoadResult, SealSolution
 
 # More lines than this get a scale of colours instead of names.
 _NAMED_LOADS = 6
@@ -100,7 +100,7 @@ def all_profiles(
     axes : Axes
     loads : sequence of LoadResult
     order : sequence of int
-        Numbers of those that are drawn, from `fem_seal.analysis.load_names.different`.
+        Numbers of those that are drawn, from `fem_seal.seal.load_names.different`.
     length, unit : float, str
         What x is divided by, and its name.
     """
@@ -166,7 +166,7 @@ def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> Picture | 
     ----------
     result : SealSolution
     sizes : mapping
-        From `fem_seal.analysis.closed_forms.profile_sizes`.
+        From `fem_seal.answers.closed_forms.profile_sizes`.
     """
     if len(result.loads) == 1:
         return None

@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.direct import DirectTable, PressedMap
-from fem_seal.analysis.results import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -24,6 +22,8 @@ from fem_seal.output.pictures.style import (
     svg,
 )
 from fem_seal.output.prose import said
+from fem_seal.seal.direct import DirectTable, PressedMap
+from fem_seal.seal.results import SealSolution
 from fem_seal.units import quantity, unit_for
 
 if TYPE_CHECKING:

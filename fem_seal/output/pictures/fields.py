@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.analysis.load_names import load_name
 from fem_seal.bodies.fields import ElastoplasticField
 from fem_seal.contact.yielding import plastic_zone
 from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, label, panels, svg
 from fem_seal.output.prose import said
+from fem_seal.seal.load_names import load_name
 from fem_seal.units import percent, quantity, quantity_worth, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.contour import ContourSet
 
-    from fem_seal.analysis.results import LoadResult, SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.load_path import Unloaded
+    from fem_seal.seal.results import LoadResult, SealSolution
     from meshes import SealMesh
 
 IntArray = NDArray[np.int64]

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.analysis.leakage import volume_of
-from fem_seal.analysis.load_names import load_axis, load_name
+from fem_seal.answers.leakage_class import volume_of
 from fem_seal.output.pictures.style import (
     BLUE,
     GREEN,
@@ -24,14 +23,15 @@ from fem_seal.output.pictures.style import (
     svg,
 )
 from fem_seal.output.prose import said
+from fem_seal.seal.load_names import load_axis, load_name
 from fem_seal.units import LeakVolume, Unit, percent, unit_for, worth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from fem_seal.analysis.results import SealSolution
     from fem_seal.arrays import FloatArray
+    from fem_seal.seal.results import SealSolution
 
 
 def leak_picture(result: SealSolution) -> Picture | None:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.leakage import volume_of
-from fem_seal.analysis.load_names import load_axis
+from fem_seal.answers.leakage_class import volume_of
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -21,6 +20,7 @@ from fem_seal.output.pictures.style import (
     svg,
 )
 from fem_seal.output.prose import said
+from fem_seal.seal.load_names import load_axis
 from fem_seal.units import unit_for
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-    from fem_seal.analysis.results import LoadResult, SealSolution
     from fem_seal.arrays import FloatArray
+    from fem_seal.seal.results import LoadResult, SealSolution
 
 # How far below the smallest leak rate a band goes that reaches down to a sealed contact.
 _FOOT = 0.1

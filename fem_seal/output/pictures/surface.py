@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.load_names import load_name
 from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -24,13 +23,14 @@ from fem_seal.output.pictures.style import (
     svg,
 )
 from fem_seal.output.prose import said
+from fem_seal.seal.load_names import load_name
 from fem_seal.units import number, percent, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from fem_seal.analysis.results import LoadResult, SealSolution
     from fem_seal.arrays import FloatArray
+    from fem_seal.seal.results import LoadResult, SealSolution
     from leak import HeightMap, LineScan, MeasuredSurface, RoughContact
 
 # Fractions below this share of the nominal area are not worth a decade of paper.
@@ -281,7 +281,7 @@ def law_picture(result: SealSolution) -> Picture | None:
 
 
 def _exponential_gap(result: SealSolution, p: FloatArray) -> FloatArray:
-    from fem_seal.analysis.problem import exponential_law
+    from fem_seal.seal.problem import exponential_law
 
     u0, p_c = exponential_law(result.case, result.surface)
     assert u0 is not None and p_c is not None

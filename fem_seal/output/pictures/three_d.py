@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.analysis.load_names import load_name
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import DrawingError, InputError, Problem
 from fem_seal.files import write_bytes
@@ -30,11 +29,12 @@ from fem_seal.output.pictures.fields import QUARTERS
 from fem_seal.output.pictures.style import Picture, svg
 from fem_seal.output.prose import said
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line
+from fem_seal.seal.load_names import load_name
 from fem_seal.units import given, quantity, split_unit, unit_for
 from meshes.own_process import OwnProcessError, call_apart
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import SealSolution
+    from fem_seal.seal.results import SealSolution
 
 IntArray = NDArray[np.int64]
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.load_names import load_name
 from fem_seal.output.prose import said
+from fem_seal.seal.load_names import load_name
 from fem_seal.units import percent
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.around import Around
-    from fem_seal.analysis.results import LoadResult, SealSolution
     from fem_seal.arrays import FloatArray
+    from fem_seal.seal.circumference import Around
+    from fem_seal.seal.results import LoadResult, SealSolution
 
 # Share of the leak whose part of the circumference is told.
 _MOST = 0.8

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.leakage import volume_of
-from fem_seal.analysis.problem import exponential_law
+from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
 from fem_seal.output.case_words import (
@@ -24,13 +23,14 @@ from fem_seal.output.report.form import form_rows
 from fem_seal.output.report.particles import particle_rows
 from fem_seal.output.report.tables import curve_in_words, path_accuracy
 from fem_seal.output.temperature import celsius, temperature_rows
+from fem_seal.seal.problem import exponential_law
 from fem_seal.units import given, number, percent, quantity, trimmed
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import SealSolution
     from fem_seal.case.case import Case
     from fem_seal.case.fluid import Fluid
     from fem_seal.materials import Material
+    from fem_seal.seal.results import SealSolution
 
 _FLUID_ACTS_ON = {
     "sealed-area": "the sealed area",

@@ -6,9 +6,12 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from fem_seal.analysis.leakage import volume_of
-from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.results import (
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.verdict import OF_LEAK_RATE
+from fem_seal.output.prose import said
+from fem_seal.output.report.tables import ReadableTable
+from fem_seal.seal.load_names import load_name
+from fem_seal.seal.results import (
     AGREE,
     CLOSED,
     Allowed,
@@ -18,9 +21,6 @@ from fem_seal.analysis.results import (
     SealSolution,
     WaveAlone,
 )
-from fem_seal.analysis.verdict import OF_LEAK_RATE
-from fem_seal.output.prose import said
-from fem_seal.output.report.tables import ReadableTable
 from fem_seal.units import given, leak_range_text, number, percent, quantity
 
 if TYPE_CHECKING:

@@ -6,14 +6,14 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from fem_seal.analysis.load_names import load_name
 from fem_seal.output.prose import said
 from fem_seal.output.report.tables import ReadableTable
+from fem_seal.seal.load_names import load_name
 from fem_seal.units import number, percent, quantity, range_text, trimmed, unit_for, worth
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import Lever, SealSolution
     from fem_seal.case.case import Case
+    from fem_seal.seal.results import Lever, SealSolution
 
 # So many are told, and no smaller ones: a change of half a per cent is no lever.
 _TOLD, _SMALLEST = 3, 0.005

@@ -9,8 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.analysis.closed_forms import Derived, Sizes, derive, profile_sizes
-from fem_seal.analysis.load_names import load_name
+from fem_seal.answers.closed_forms import Derived, Sizes, derive, profile_sizes
 from fem_seal.files import write_text
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import (
@@ -34,12 +33,13 @@ from fem_seal.output.report.particles import particle_table, particles_in_words
 from fem_seal.output.report.verdict import next_class_of, verdict_facts, verdict_sentences
 from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
+from fem_seal.seal.load_names import load_name
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
-    from fem_seal.analysis.results import SealSolution
+    from fem_seal.seal.results import SealSolution
 
 
 def write_report(result: SealSolution, path: Path) -> Path:
@@ -94,7 +94,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
     derived : Derived
         Closed forms of the case.
     sizes : mapping
-        From `fem_seal.analysis.closed_forms.profile_sizes`.
+        From `fem_seal.answers.closed_forms.profile_sizes`.
     """
     found = [sketch(result)]
     with style():

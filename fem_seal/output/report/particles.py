@@ -6,16 +6,16 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from fem_seal.analysis.leakage import volume_of
-from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.particle_answers import KEPT, answers_of_highest
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.particles import KEPT, answers_of_highest
 from fem_seal.output.prose import said
 from fem_seal.output.report.tables import ReadableTable
+from fem_seal.seal.load_names import load_name
 from fem_seal.units import given, number, percent, quantity, quantity_worth, worth
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import ParticleAnswers, SealSolution
     from fem_seal.case.fluid import Particles
+    from fem_seal.seal.results import ParticleAnswers, SealSolution
 
 _PER_ML = 1e-6
 

@@ -9,12 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.caution import Level
-from fem_seal.analysis.closed_forms import Sizes, closed_form_limits, derive
-from fem_seal.analysis.leakage import volume_of
-from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.results import AGREE, Comparison, LoadResult, SealSolution, highest_load
-from fem_seal.analysis.variants import ratio_to_case
+from fem_seal.answers.closed_forms import Sizes, closed_form_limits, derive
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.variants import ratio_to_case
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.case_words import law_word
@@ -22,6 +19,9 @@ from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import said
 from fem_seal.output.report.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.tables import rows_of
+from fem_seal.seal.findings import Level
+from fem_seal.seal.load_names import load_name
+from fem_seal.seal.results import AGREE, Comparison, LoadResult, SealSolution, highest_load
 from fem_seal.units import (
     LIQUID,
     LeakVolume,

@@ -6,13 +6,13 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from fem_seal.analysis.caution import Level
-from fem_seal.analysis.judgement import Limit, SealJudgement, Shares, Why
-from fem_seal.analysis.leakage import next_class, nominal_size, volume_of
-from fem_seal.analysis.load_names import load_name
-from fem_seal.analysis.verdict import OF_LEAK_RATE, limits
+from fem_seal.answers.leakage_class import next_class, nominal_size, volume_of
+from fem_seal.answers.verdict import OF_LEAK_RATE, limits
 from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
 from fem_seal.output.prose import said
+from fem_seal.seal.findings import Level
+from fem_seal.seal.judgement import Limit, SealJudgement, Shares, Why
+from fem_seal.seal.load_names import load_name
 from fem_seal.units import (
     LeakVolume,
     digits_beside,
@@ -31,8 +31,8 @@ from fem_seal.units import (
 from leak import millibar_litres_per_second, millilitres_per_minute
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.results import LoadResult, SealSolution, VerdictForce
     from fem_seal.case.case import Case
+    from fem_seal.seal.results import LoadResult, SealSolution, VerdictForce
 
 # Factors beyond this are told as "more than".
 _FAR, _FAR_IN_WORDS = 1e6, "a million"

@@ -9,11 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.analysis.caution import Level, Validity
-from fem_seal.analysis.leakage import leakage_classes, nominal_size, test_of, volume_of
-from fem_seal.analysis.load_names import load_name, load_values
-from fem_seal.analysis.results import AGREE, LoadResult, SealSolution, highest_load
-from fem_seal.analysis.warnings import FLUID_OPENS
+from fem_seal.answers.leakage_class import leakage_classes, nominal_size, test_of, volume_of
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import COLUMNS, in_words
@@ -26,6 +22,9 @@ from fem_seal.output.report.tables import (
     what_opens,
     what_yielded,
 )
+from fem_seal.seal.findings import Level, Validity
+from fem_seal.seal.load_names import load_name, load_values
+from fem_seal.seal.results import AGREE, LoadResult, SealSolution, highest_load
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
@@ -38,6 +37,7 @@ from fem_seal.units import (
     unit_for,
     worth,
 )
+from fem_seal.validity.checks import FLUID_OPENS
 from leak import (
     CoupledLeakResult,
     LeakResult,
@@ -47,7 +47,7 @@ from leak import (
 )
 
 if TYPE_CHECKING:
-    from fem_seal.analysis.closed_forms import Derived
+    from fem_seal.answers.closed_forms import Derived
     from fem_seal.case.case import Case
     from leak import LeakageClass
     from leak.theory.line_contact import HertzLine

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem_seal.analysis.caution import Level
 from fem_seal.arrays import FloatArray
 from fem_seal.output.columns import COLUMNS
+from fem_seal.seal.findings import Level
 from fem_seal.studies.designs_table import Designs
 from fem_seal.units import Unit, kind_of, number, unit_for
 

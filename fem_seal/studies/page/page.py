@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.analysis.caution import Level
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import write_text
 from fem_seal.output.prose import said
 from fem_seal.output.report.words import volumes_of_gas
+from fem_seal.seal.findings import Level
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.designs_table import (
     LEAK_RATE,

@@ -1,0 +1,155 @@
+"""How far a load can be trusted: the same load on larger elements, and with another far field."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from fem_seal.bodies.supports import Supports
+from fem_seal.contact.model import ContactModel
+from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.errors import ConvergenceError, InputError
+from fem_seal.seal.load_solver import LoadSolver, solve_load
+from fem_seal.seal.problem import SealProblem, condensed
+from fem_seal.seal.results import Comparison, DiscretisationError
+from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
+
+# Of a result whose estimate failed.
+NOT_ESTIMATED = DiscretisationError(math.nan, math.nan, math.nan, None)
+# The coarser mesh of the error estimate has elements this much larger, its path load steps.
+COARSER = 2
+_STEPS = PlasticSettings().steps
+
+
+@dataclass(frozen=True)
+class CoarserLoad:
+    """One load of a problem on larger elements than those of the result.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+    mesh : SealMesh
+    number : int
+        Which of the loads it is.
+    contact : ContactSolution
+    """
+
+    solver: LoadSolver
+    mesh: SealMesh
+    number: int
+    contact: ContactSolution
+
+    def solve(self, solver: LoadSolver) -> ContactSolution:
+        """The same load and load steps with another solver."""
+        return solve_load(solver, self.number, steps=_STEPS // COARSER, start=self.contact)
+
+    def compared(self, name: str, contact: ContactSolution) -> Comparison:
+        """What is compared of this load on some contact."""
+        flow, profile = self.solver.flow, contact.profile
+        pressure = self.solver.problem.loads.fluid_pressure[self.number]
+        return Comparison.of(name, profile, None if flow is None else flow.leak_of(contact, pressure))
+
+
+def on_coarser_mesh(problem: SealProblem, sizing: Sizing, number: int) -> CoarserLoad:
+    """Solve one load of a problem on elements larger by `COARSER`.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    sizing : Sizing
+        Of the result.
+    number : int
+        Which of the loads.
+    """
+    mesh = build_contact(problem.contact, sizing.refined(1 / COARSER))
+    solver = LoadSolver(problem, condensed(problem, mesh))
+    return CoarserLoad(solver, mesh, number, solve_load(solver, number, steps=_STEPS // COARSER))
+
+
+def discretisation_error(
+    result: ContactSolution, coarser: CoarserLoad, sizing: Sizing
+) -> DiscretisationError:
+    """How far a load may be from that on infinitely small elements.
+
+    Parameters
+    ----------
+    result : ContactSolution
+    coarser : CoarserLoad
+        The same load on larger elements.
+    sizing : Sizing
+        Of the result.
+    """
+    problem = coarser.solver.problem
+    if not problem.contact.has_ready_mesh:
+        return _compared(coarser, result, coarser.contact)
+    # A ready mesh cannot be made coarser, but finer.
+    fine_mesh = build_contact(problem.contact.with_finer_meshes(), sizing.refined(COARSER))
+    solver = LoadSolver(problem, condensed(problem, fine_mesh))
+    fine = solve_load(solver, coarser.number, steps=_STEPS * COARSER)
+    return _compared(coarser, fine, result, of_coarse=True)
+
+
+def _compared(
+    load: CoarserLoad, fine: ContactSolution, coarse: ContactSolution, *, of_coarse: bool = False
+) -> DiscretisationError:
+    """Error of the fine or of the coarse one of two contacts."""
+    # Load steps of implicit Euler are of first order; elements of second at least.
+    order = 1 if load.solver.yields else 2
+    change = load.compared("coarser", coarse).relative_to(load.compared("finer", fine))
+
+    def estimated(change: float) -> float:
+        """Relative error by Richardson's rule."""
+        return abs(change) / (COARSER**order - 1) * (COARSER**order if of_coarse else 1.0)
+
+    return DiscretisationError(
+        estimated(change.peak_pressure),
+        estimated(change.fwhm),
+        estimated(change.std),
+        None if change.leak_rate is None else estimated(change.leak_rate),
+    )
+
+
+def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
+    """Solve one load with a housing twice as large, and with its wall held if it is free and free if it is held.
+
+    Parameters
+    ----------
+    load : CoarserLoad
+    """
+    base = load.compared("as it is", load.contact)
+
+    def change(name: str, model: ContactModel) -> Comparison:
+        changed = load.solve(replace(load.solver, model=model))
+        return load.compared(name, changed).relative_to(base)
+
+    changes = []
+    for name, condense in _variations(load.solver, load.mesh):
+        # Close to blow-off the seal may open with another support: that is told by the blow-off pressure. The larger
+        # housing is no question of this seal if it cannot be built.
+        with suppress(InputError, ConvergenceError, GeometryError, MeshingError):
+            changes.append(change(name, condense()))
+    return tuple(changes)
+
+
+def _variations(solver: LoadSolver, mesh: SealMesh) -> Iterator[tuple[str, Callable[[], ContactModel]]]:
+    """Other bodies, made one after the other: each takes as much memory as those of the result."""
+    problem, known = solver.problem, solver.model
+    if problem.interference:
+        return  # another size or support is another fit: that is no question of the far field
+    with suppress(GeometryError, MeshingError):
+        larger = problem.larger_housing()
+        if larger is not None:
+            wider = replace(problem, contact=larger)
+            yield (
+                "a housing twice as wide and high",
+                lambda: condensed(wider, build_contact(larger, mesh.sizing, mesh), known),
+            )
+    free = problem.supports.wall == "free"
+    other = replace(problem, supports=Supports(wall="fixed" if free else "free"))
+    yield (
+        "holding its wall" if free else "leaving its wall free",
+        lambda: condensed(other, mesh, known),
+    )

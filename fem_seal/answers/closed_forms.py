@@ -1,0 +1,357 @@
+"""What closed forms say: before anything is solved, and beside what was calculated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_seal.case.case import CaseSource, case_of
+from fem_seal.contact.laws import HardContact, InterfaceLaw
+from fem_seal.errors import InputError
+from fem_seal.former_names import former_attribute
+from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force, line_load
+from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
+from leak import (
+    CrossoverLine,
+    GaussianLine,
+    HertzLine,
+    crossover_line,
+    crossover_widths,
+    gaussian_line,
+    hertz_line,
+)
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from fem_seal.case.case import Case
+    from fem_seal.seal.results import SealSolution
+
+# Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
+_STIFFER = 0.05
+# The peak changes little with u0: so many steps settle both.
+_PEAKS = 12
+
+
+@dataclass(frozen=True)
+class DerivedLoad:
+    """One load of a case with its closed pressure profiles.
+
+    Parameters
+    ----------
+    fluid_pressure : float
+        [Pa]
+    contact_force : float
+        Axial force F_N that presses the closure on the seat [N]; with closing "penetration" what is expected of it.
+    line_load : float
+        f_N [N/m].
+    hertz : HertzLine or None
+        Smooth elastic bodies; None for faces that fit each other along a stretch, and for a load that cannot be
+        calculated, as the other profiles.
+    gaussian : GaussianLine or None
+        Rigid bodies with the exponential law; None for a smooth interface.
+    crossover : CrossoverLine or None
+        Elastic bodies with the exponential law, exact for half-spaces; None for a smooth interface.
+    blow_off_pressure : float or None
+        Fluid pressure that lifts the closure off the circle of first touch [Pa]; None where it closes.
+    force_for_target : float or None
+        Force of spring or actuator for the target leak rate [N], from a Gaussian profile of the expected width; None
+        without a target, or if no sensible force reaches it.
+    """
+
+    fluid_pressure: float
+    contact_force: float
+    closing_force = former_attribute("closing_force", "contact_force")
+    line_load: float
+    hertz: HertzLine | None
+    gaussian: GaussianLine | None
+    crossover: CrossoverLine | None
+    blow_off_pressure: float | None
+    force_for_target: float | None
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Closed-form numbers of a case.
+
+    Parameters
+    ----------
+    touch_radius : float
+        Radius r0 of the circle of first touch [m].
+    effective_modulus : float
+        E* [Pa].
+    relative_radius : float
+        Radius of relative curvature across the contact line [m]; inf for faces that fit each other along a stretch.
+    hardness : float or None
+        Penetration hardness used for the asperities [Pa]; None without asperity plasticity.
+    rms_height, rms_slope : float or None
+        Of the combined roughness [m], [-]; None without roughness.
+    decay_length : float or None
+        u0 of p = p_c exp(-u/u0) [m]: as given, gamma times rms height, or of the spectrum at low pressure, of the
+        corrected theory at the peak of the load with the largest contact force; None for a smooth interface.
+    law_pressure : float or None
+        p_c [Pa].
+    loads : tuple of DerivedLoad
+        One per fluid pressure.
+    """
+
+    touch_radius: float
+    effective_modulus: float
+    relative_radius: float
+    hardness: float | None
+    rms_height: float | None
+    rms_slope: float | None
+    decay_length: float | None
+    law_pressure: float | None
+    loads: tuple[DerivedLoad, ...]
+
+
+def derive(case: CaseSource) -> Derived:
+    """Closed-form numbers of a case: geometry, loads, and the Hertz, Gaussian and crossover profiles.
+
+    Parameters
+    ----------
+    case : Case, path or mapping
+
+    Returns
+    -------
+    Derived
+        With law "spectrum" an exponential stands for the law: that of the elastic spectrum at low pressure or, of
+        the corrected theory, at each load the one that touches the law at the peak pressure.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> case = fem_seal.Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     interface={"law": "smooth"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ... )
+    >>> derived = fem_seal.derive(case)
+    >>> print(f"r0 = {derived.touch_radius * 1e3:.2f} mm, Hertz {derived.loads[0].hertz.peak_pressure / 1e6:.0f} MPa")
+    r0 = 14.14 mm, Hertz 192 MPa
+    """
+    problem = SealProblem.of(case_of(case))
+    surface = problem.surface
+    loads = tuple(
+        _derive_load(problem, *point, profiles=number not in problem.loads.refused)
+        for number, point in enumerate(problem.loads.points)
+    )
+    decay_length, law_pressure = problem.interface.exponential(surface)
+    closed = [load.crossover for load in loads if load.crossover is not None]
+    law = _stiffening_law(problem)
+    if decay_length is None and law is not None and closed:
+        strongest = max(closed, key=lambda one: one.line_load)
+        gap = float(law.gap(np.array([math.log(strongest.peak_pressure)]))[0])
+        decay_length = strongest.u0
+        law_pressure = strongest.peak_pressure * math.exp(gap / decay_length)
+    return Derived(
+        touch_radius=problem.touch_radius,
+        effective_modulus=problem.effective_modulus,
+        relative_radius=problem.contact.relative_radius,
+        hardness=surface.hardness if surface else None,
+        rms_height=surface.spectrum.rms_height if surface else None,
+        rms_slope=surface.spectrum.rms_slope if surface else None,
+        decay_length=decay_length,
+        law_pressure=law_pressure,
+        loads=loads,
+    )
+
+
+def closed_form_limits(case: Case, derived: Derived) -> str:
+    """Why the closed forms are not what a run finds: a law or faces that change within the contact; "" if they are.
+
+    Parameters
+    ----------
+    case : Case
+    derived : Derived
+        Of the same case.
+    """
+    law = _stiffening_law(SealProblem.of(case))
+    for load in derived.loads:
+        closed = load.crossover or load.hertz
+        if closed is None:
+            continue
+        if law is not None and load.crossover is not None:
+            there = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
+            if there < (1 - _STIFFER) * load.crossover.u0:
+                return (
+                    f"from {load.fluid_pressure / 1e5:.6g} bar on, p(u) of this surface is not exponential: its decay "
+                    f"length falls from {1e6 * load.crossover.u0:.3g} um at low pressure to {1e6 * there:.3g} um at "
+                    "the peak. The crossover uses the former; the calculated contact is narrower and its peak higher"
+                )
+        # Beyond two standard deviations there is a twentieth of the load; Hertz's contact ends there.
+        inside = case.contact.breaks[np.abs(case.contact.breaks) < 2 * closed.std]
+        if len(inside):
+            nearest = 1e6 * float(np.abs(inside).min())
+            return (
+                f"from {load.fluid_pressure / 1e5:.6g} bar on, the contact is wider than the stretch over which the "
+                f"faces keep the curvature of first touch ({nearest:.3g} um to one side of it): the closed forms "
+                "(Hertz, crossover) do not hold there, and the calculated peak differs from theirs"
+            )
+    return ""
+
+
+def strain_limit(derived: Derived) -> str:
+    """From which load on the closed forms expect more than small strains; "" if from none.
+
+    Parameters
+    ----------
+    derived : Derived
+    """
+    for load in derived.loads:
+        closed = load.crossover or load.hertz
+        turned = 0.0 if closed is None else 2 * closed.peak_pressure / derived.effective_modulus
+        if turned > TURNED:
+            return (
+                f"from {load.fluid_pressure / 1e5:.6g} bar on, the closed forms expect a contact that turns the faces "
+                f"against each other by {turned:.2g} rad (half-width over radius of relative curvature); the theory is "
+                f"for small strains, doubtful above {TURNED:g} and without meaning above {LARGEST_TURNING:g}. A run "
+                "calculates such a load and says how far it turned the faces; a smaller load, a larger edge radius or "
+                "stiffer materials turn them less"
+            )
+    return ""
+
+
+def nearly_open(derived: Derived) -> str:
+    """Which loads the fluid carries on the sealed area, so that only a run decides about them; "" if there are none.
+
+    Parameters
+    ----------
+    derived : Derived
+    """
+    carried = [load.fluid_pressure / 1e5 for load in derived.loads if math.isnan(load.contact_force)]
+    if not carried:
+        return ""
+    return (
+        f"at {', '.join(f'{pressure:.6g}' for pressure in carried)} bar the fluid on the sealed area balances the "
+        "applied force, or nearly so: the seal is open or close to opening, and only a run can tell"
+    )
+
+
+def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:
+    """The law of the rough surface; None where it is an exponential or hard contact."""
+    if problem.interface.law != "spectrum":
+        return None
+
+    law = problem.law
+    assert not isinstance(law, HardContact)  # that is law = "smooth"
+    return law
+
+
+def _derive_load(
+    problem: SealProblem,
+    fluid_pressure: float,
+    applied_force: float,
+    *,
+    profiles: bool,
+) -> DerivedLoad:
+
+    r0, R, E = problem.touch_radius, problem.contact.relative_radius, problem.effective_modulus
+    profiles = profiles and not math.isinf(R)
+    side = problem.loads.pressure_side
+    force = expected_force(r0, fluid_pressure, applied_force, side, problem.loads.closing)
+    if force > contact_force(r0, fluid_pressure, applied_force, side):
+        # what a run begins with where the fluid balances the applied force or nearly so, and no estimate of the force
+        force, profiles = math.nan, False
+    f = line_load(force, r0, problem.contact.angle)
+    decay_length = _decay_length(problem, f) if profiles else None
+    return DerivedLoad(
+        fluid_pressure=fluid_pressure,
+        contact_force=force,
+        line_load=f,
+        hertz=hertz_line(f, R, E) if profiles else None,
+        gaussian=gaussian_line(f, R, decay_length) if decay_length else None,
+        crossover=crossover_line(f, R, E, decay_length) if decay_length else None,
+        blow_off_pressure=blow_off_of_sealed_area(r0, applied_force) if side == "inner" else None,
+        force_for_target=_force_for_target(problem, fluid_pressure),
+    )
+
+
+def _decay_length(problem: SealProblem, line_load: float) -> float | None:
+    """u0 of the exponential that stands for the law; of the corrected theory the one at the peak that it gives."""
+    u0, law = problem.interface.exponential(problem.surface)[0], _stiffening_law(problem)
+    if u0 is not None or law is None:
+        return u0
+    assert problem.surface is not None  # of law spectrum
+    u0 = problem.surface.spectrum.rms_height
+    for _ in range(_PEAKS):
+        closed = crossover_line(line_load, problem.contact.relative_radius, problem.effective_modulus, u0)
+        u0 = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
+    return u0
+
+
+def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | None:
+    target = problem.loads.target_leak_rate
+    if target is None:
+        return None
+    from fem_seal.answers.target import expected_contact_force
+    from fem_seal.seal.seal_flow import SealFlow
+
+    flow = SealFlow.of(problem)
+    if flow is None:
+        return None
+    try:
+        force = expected_contact_force(flow, fluid_pressure, target)
+    except InputError:
+        return None
+    return force - contact_force(problem.touch_radius, fluid_pressure, 0.0, problem.loads.pressure_side)
+
+
+CLOSED_FORMS = ("hertz", "gaussian", "crossover")
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Measures of one kind of profile, one entry per load.
+
+    Parameters
+    ----------
+    peak_pressure : ndarray
+        [Pa]
+    fwhm : ndarray
+        Full width at half maximum [m].
+    std : ndarray
+        Standard deviation [m].
+    """
+
+    peak_pressure: FloatArray
+    fwhm: FloatArray
+    std: FloatArray
+
+    @classmethod
+    def of(cls, profiles: Sequence[Any]) -> Sizes:
+        """Measure profiles, calculated or closed."""
+        return cls(
+            np.array([p.peak_pressure for p in profiles]),
+            widths(profiles),
+            np.array([p.std for p in profiles]),
+        )
+
+
+def widths(profiles: Sequence[Any]) -> FloatArray:
+    """Full widths at half maximum of profiles of one kind [m]; those that have to be looked for all together."""
+    if profiles and isinstance(profiles[0], CrossoverLine):
+        return crossover_widths(profiles)
+    return np.array([p.fwhm for p in profiles])
+
+
+def profile_sizes(result: SealSolution, derived: Derived) -> dict[str, Sizes]:
+    """Sizes of the "calculated" profiles and of each closed form that the case has, over its loads.
+
+    Parameters
+    ----------
+    result : SealSolution
+    derived : Derived
+        Closed forms of the case.
+    """
+    sizes = {"calculated": Sizes.of(result.profiles)}
+    for name in CLOSED_FORMS:
+        profiles = [getattr(load, name) for load in derived.loads]
+        if all(profile is not None for profile in profiles):
+            sizes[name] = Sizes.of(profiles)
+    return sizes

@@ -1,0 +1,294 @@
+"""What a form error means: how much it may be, what hurts most, and the force that closes the seal all around."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.answers.leakage_class import leakage_classes, test_of
+from fem_seal.answers.verdict import limits
+from fem_seal.errors import ConvergenceError, OpenSealError
+from fem_seal.form import FormError, Wave, WaveTolerance
+from fem_seal.seal.circumference import Around, LeakCurve, around_after
+from fem_seal.seal.leak_model import as_first_loaded
+from fem_seal.seal.problem import largest_force
+from fem_seal.seal.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
+from leak import Scratch, deepest_scratch
+from leak.numerics.roots import root_between
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+    from fem_seal.seal.load_solver import LoadSolver
+
+# Sizes of the form error that the curve shows, over the one that is given.
+_FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
+# Numbers of waves that are tried for the tolerance on the drawing, unless the case says which.
+_WAVES = (2, 15)
+# Radial part of the contact normal below which a drawing calls for flatness instead of roundness.
+_FLAT = 0.05
+# Angles on which the flow around the axis is solved, at most.
+_ANGLES = 256
+# Largest and first change of the gap that is looked at [m], steps and smallest in the logarithm, and the accuracy.
+_LARGEST, _FIRST, _STEP, _DEEPEST, _ACCURACY = 1e-3, 1e-6, 1.0, 20.0, 1e-3
+
+
+def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormError) -> FormAnswers:
+    """Answers for one load.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+        Of the load's model.
+    case : Case
+    load : LoadResult
+        Of a seal that is not round.
+    given : FormError
+        The form error as the case has it, its tolerance not yet filled.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    asked = _Formed(load)
+    capped = asked.capped
+    waves = sorted(map(asked.alone, asked.form.felt), key=lambda one: one.line_load_min_over_mean)
+    filled = None if given.tolerance is None else _filling(given, asked.form)
+    return FormAnswers(
+        load.fluid_pressure,
+        load.applied_force,
+        tuple(asked.curve()),
+        tuple(waves),
+        filled,
+        _closing_force(solver, load),
+        _allowed(case, load, asked, given),
+        _goes_round(load) if case.form is not None and case.form.flow_around else None,
+        _shallower([_deepest_scratch(case, load, one) for one in (asked, capped) if one is not None]),
+        None if capped is None else _allowed(case, load, capped, given),
+    )
+
+
+def _filling(given: FormError, filled: FormError) -> int | None:
+    """Number of waves that a tolerance was filled with."""
+    before = {one.waves: one.amplitude for one in given.waves}
+    added = [one.waves for one in filled.waves if one.amplitude != before.get(one.waves, 0.0)]
+    return added[0] if added else None
+
+
+@dataclass(frozen=True)
+class _Formed:
+    """A load whose form error can be exchanged."""
+
+    load: LoadResult
+
+    @cached_property
+    def formed(self) -> Around:
+        assert self.load.formed is not None
+        return self.load.formed
+
+    @property
+    def form(self) -> FormError:
+        """Without scratches: they are a question of their own."""
+        return replace(self.formed.form, grooves=())
+
+    @cached_property
+    def leaks(self) -> LeakCurve | None:
+        """Leak rate over the line load, the same for every form error."""
+        flow = None if self.load.rough is None else self.load.rough.at(self.load.fluid_pressure)
+        return None if flow is None else LeakCurve(self.formed.local, flow)
+
+    @cached_property
+    def capped(self) -> _Formed | None:
+        """In the other reading of yielding asperities; None where there is but one."""
+        return _Formed(self.load.capped) if self.load.yields else None
+
+    def rate_capped(self, formed: Around) -> float | None:
+        """Leak rate in that reading [m^3/s]."""
+        leaks = None if self.capped is None else self.capped.leaks
+        return None if leaks is None else _rate(formed.with_leak(leaks))
+
+    def with_form(self, form: FormError) -> Around:
+        before = None if self.formed.before is None else self.formed.before.local
+        formed = around_after(form, self.formed.local, before)
+        return formed if self.leaks is None else formed.with_leak(self.leaks)
+
+    def curve(self) -> list[FormPoint]:
+        """Points of the curve, as far as they can be calculated."""
+        found = []
+        for factor in _FACTORS:
+            try:
+                formed = self.with_form(self.form.scaled(factor))
+            except (ConvergenceError, OpenSealError):
+                break
+            height = float(np.ptp(formed.gap_change))
+            least, capped = formed.least_over_mean, self.rate_capped(formed)
+            found.append(FormPoint(factor, height, _rate(formed), least, capped))
+        return found
+
+    def alone(self, wave: Wave) -> WaveAlone:
+        formed = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
+        least, capped = formed.least_over_mean, self.rate_capped(formed)
+        return WaveAlone(wave.waves, wave.amplitude, _rate(formed), least, capped)
+
+    def with_wave(self, number: int, amplitude: float) -> FormError:
+        """One wave beside the eccentricity and tilt that there are, widest where they are."""
+        rigid = tuple(one for one in self.form.waves if one.waves == 1)
+        zone = WaveTolerance(amplitude, (number, number))
+        return FormError(rigid, self.form.guided, zone).with_waves(number)
+
+    def leak_rate(self, form: FormError) -> float:
+        """Infinite where the form error is too large to be solved."""
+        try:
+            rate = _rate(self.with_form(form))
+        except (ConvergenceError, OpenSealError):
+            return math.inf
+        return math.inf if rate is None else rate
+
+
+def _rate(formed: Around) -> float | None:
+    return None if formed.leak is None else formed.leak.leak_rate
+
+
+def _closing_force(solver: LoadSolver, load: LoadResult) -> float | None:
+    """Force of spring or actuator at which the seal is closed all around."""
+    formed = load.formed
+    if formed is None or not formed.form.felt:
+        return None
+
+    def lacking(log_force: float) -> float:
+        contact, spring = solver.at_contact_force(load.fluid_pressure, math.exp(log_force), load.contact)
+        springs[log_force] = spring
+        found = solver.problem.around(contact)
+        return CLOSED - (1.0 if found is None else found.least_over_mean)
+
+    springs: dict[float, float] = {}
+    highest = math.log(largest_force(solver.problem))
+    root = _smallest(lacking, math.log(load.contact_force), highest)
+    return None if root is None else springs[root]
+
+
+def _smallest(lacking: Callable[[float], float], start: float, highest: float) -> float | None:
+    """Place from which on a falling function is not positive, near `start`; None if not below `highest`."""
+    at, value = start, lacking(start)
+    step = math.copysign(0.5, value)
+    for _ in range(40):
+        ahead = at + step
+        if ahead > highest:
+            return None
+        beyond = lacking(ahead)
+        if beyond * value <= 0:
+            root = root_between(lacking, at, ahead, xtol=_ACCURACY)
+            lacking(root)
+            return root
+        at, value, step = ahead, beyond, 1.5 * step
+    return None
+
+
+def _goes_round(load: LoadResult) -> float | None:
+    formed, rough = load.formed, load.rough
+    if formed is None or rough is None or rough.flow is None or rough.table is None:
+        return None
+    step = max(len(formed.angle) // _ANGLES, 1)
+    table = rough.table
+    pressure = np.array([as_first_loaded(table, profile).pressure for profile in formed.profiles(step)])
+    return rough.flow.goes_round(table, load.contact.profile, pressure, load.fluid_pressure)
+
+
+def _shallower(scratches: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
+    """The one that is allowed in every reading."""
+    found = [one for one in scratches if one is not None]
+    return min(found) if len(found) == len(scratches) else None
+
+
+def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[float, float] | None:
+    """In place of the widest one, of its proportions; all others and the lay leak as they do."""
+    limit = _limit(case, load)
+    placed = [(one, one.groove) for one in asked.formed.form.grooves if isinstance(one.groove, Scratch)]
+    if not placed or limit is None:
+        return None
+    place, widest = max(placed, key=lambda one: one[1].width)
+    if asked.leaks is None:
+        return None
+    flow = asked.leaks.flow
+    profile = asked.formed.profile_at(place.angle)
+    if asked.load.leak is None:
+        return None
+    without = asked.load.leak.leak_rate - flow.bounds(profile, [widest]).largest_extra
+    found = deepest_scratch(
+        lambda scratch: without + flow.bounds(profile, [scratch]).largest_extra,
+        limit[1],
+        width_over_depth=widest.width / widest.depth,
+        angle=widest.angle,
+    )
+    return None if found is None else (found.depth, found.width)
+
+
+def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:
+    """Leak rate that is wanted: what the case requires, its target, or the tightest class that the round seal meets."""
+    if case.requirement is not None and case.requirement.judges(load.fluid_pressure):
+        required = limits(case, load.fluid_pressure, load)
+        # in the case's own fluid
+        found = [(one.name, one.leak_rate / one.ratio[1]) for one in required if one.leak_rate > 0]
+        return min(found, key=lambda one: one[1], default=None)
+    if case.load.target_leak_rate is not None:
+        return "target", case.load.target_leak_rate
+    met = [
+        one
+        for one in leakage_classes(case, replace(load, formed=None))
+        if one.name is not None and one.limit is not None
+    ]
+    if not met or not met[0].limit or case.fluid is None:
+        return None
+    # in the case's own fluid
+    most = test_of(case.fluid, load.fluid_pressure, load)[1][1]
+    return f"{met[0].standard} {met[0].name}", met[0].limit / most
+
+
+def _allowed(case: Case, load: LoadResult, asked: _Formed, given: FormError) -> Allowed | None:
+    limit = _limit(case, load)
+    if limit is None or load.leak is None:
+        return None
+    name, rate = limit
+    axial = load.contact.model.touch_normal_z
+    radial = math.sqrt(max(1.0 - axial**2, 0.0))
+    direction, share = ("radial", radial) if radial > _FLAT else ("axial", axial)
+    round_rate = math.inf if asked.load.leak_round is None else asked.load.leak_round.leak_rate
+    if round_rate > rate:
+        return Allowed(name, rate, None, None, direction, None)
+    height = float(np.ptp(asked.formed.gap_change))
+    factor = (
+        _largest(lambda f: asked.leak_rate(asked.form.scaled(f)), rate, 1.0, _LARGEST / height)
+        if height
+        else math.inf
+    )
+    fewest, most = _WAVES if given.tolerance is None else given.tolerance.waves
+    zones = {
+        n: 2 / share * _largest(lambda a, n=n: asked.leak_rate(asked.with_wave(n, a)), rate, _FIRST, _LARGEST)  # type: ignore[misc]
+        # the bodies even out more waves less; the fewest are asked as well, because thin walls may not
+        for n in {fewest, most}
+    }
+    worst = min(zones, key=lambda n: zones[n])
+    return Allowed(name, rate, factor, zones[worst], direction, worst)
+
+
+def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, most: float) -> float:
+    """Largest size with no more than the allowed leak rate; infinite if `most` has it."""
+
+    def excess(log_size: float) -> float:
+        return min(math.log(max(leak_rate(math.exp(log_size)), 1e-300) / allowed), 700.0)
+
+    low, high = math.log(start), math.log(most)
+    while excess(low) > 0:
+        low -= _STEP
+        if low < high - _DEEPEST:
+            return 0.0
+    above = low
+    while excess(above) <= 0:
+        low, above = above, above + _STEP
+        if above > high:
+            return math.inf
+    return math.exp(root_between(excess, low, above, xtol=_ACCURACY))

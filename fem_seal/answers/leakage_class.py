@@ -1,0 +1,229 @@
+"""Leakage classes of leak rates, and the nominal size that they refer to."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem_seal.seal.leak_model import ROOM_TEMPERATURE, TEST_GASES, TEST_TEMPERATURES, gas_of_test
+from fem_seal.units import LIQUID, LeakVolume, quantity
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+    from fem_seal.case.fluid import Fluid
+    from fem_seal.seal.results import LoadResult
+    from leak import LeakageClass
+
+# What the standards test with: liquids no thicker than water.
+_TEST_LIQUID = "water"
+
+
+def volume_of(case: Case) -> LeakVolume:
+    """What a volume is that leaks: of a gas its state.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    return LIQUID if case.fluid is None else case.fluid.volume
+
+
+@dataclass(frozen=True)
+class NominalSize:
+    """Nominal size that the classes refer to.
+
+    Parameters
+    ----------
+    size : float
+        DN as a length [m].
+    diameter : float
+        Bore of the seat, or the circle of first touch where no bore is given [m].
+    circle : str
+        Which of the two it is, in words.
+    estimated : bool
+        Whether the size was taken from the diameter.
+    """
+
+    size: float
+    diameter: float
+    circle: str
+    estimated: bool
+
+    def __str__(self) -> str:
+        """The size in words."""
+        text = f"DN {1e3 * self.size:.4g}"
+        return (
+            f"{text}, estimated from the {self.circle}, {quantity('length', self.diameter)} in diameter"
+            if self.estimated
+            else text
+        )
+
+
+def nominal_size(case: Case) -> NominalSize:
+    """The case's own nominal size, or the one nearest to the bore of the seat.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    from leak import nominal_size_of_bore
+
+    bore = getattr(case.seat, "bore_radius", None)
+    diameter = 2.0 * (case.touch_radius if bore is None else bore)
+    circle = "circle of first touch" if bore is None else "bore of the seat"
+    if case.leak.nominal_size is not None:
+        return NominalSize(case.leak.nominal_size, diameter, circle, False)
+    return NominalSize(nominal_size_of_bore(diameter), diameter, circle, True)
+
+
+def fluid_of_test(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, float]]:
+    """The fluid of the test, where it is another one, and its leak rate over that of the case, least and most.
+
+    A liquid leaks in inverse proportion to its viscosity under that pressure; one that is no thicker than water may be
+    the test's own, and so may water at any temperature of a test. Of gases it is what any gap may have
+    (`leak.flow.rarefied.flow_ratio_range`); once the contact is known see `test_of`.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    pressure : float
+        That drives the leak [Pa].
+
+    Returns
+    -------
+    tuple
+        Its name, empty where the case's own is one of the test, and both ratios.
+    """
+    from leak import effective_viscosity_ratio, liquid
+    from leak.flow.rarefied import flow_ratio_range
+
+    own = fluid.gas
+    if own is None:
+        own_viscosity, tested = (
+            one.viscosity * effective_viscosity_ratio(one.pressure_law, pressure)
+            for one in (fluid, liquid(_TEST_LIQUID, ROOM_TEMPERATURE))
+        )
+        ratio = own_viscosity / tested
+        coldest = liquid(_TEST_LIQUID, TEST_TEMPERATURES[0]).viscosity
+        water = fluid.name.lower() == _TEST_LIQUID and fluid.viscosity <= coldest
+        return ("", (1.0, 1.0)) if ratio <= 1.0 or water else (_TEST_LIQUID, (ratio, ratio))
+    of_test = gas_of_test(fluid.name, own)
+    return ("", (1.0, 1.0)) if of_test is own else (TEST_GASES[0], flow_ratio_range(of_test, own))
+
+
+def test_of(fluid: Fluid, pressure: float, load: LoadResult | None = None) -> tuple[str, tuple[float, float]]:
+    """`fluid_of_test`, of a gas with the ratios that a contact has at both ends of its leak rate's interval.
+
+    Another gas is let through the same contact, in every reading and sample, so that the flow is as rarefied as it is.
+
+    Parameters
+    ----------
+    fluid : Fluid
+    pressure : float
+        That drives the leak [Pa].
+    load : LoadResult, optional
+        Without it the ratios are those that any gap may have.
+    """
+    name, widest = fluid_of_test(fluid, pressure)
+    if not name or fluid.gas is None or load is None:
+        return name, widest
+    own, tested = load.leak_interval, load.in_test.leak_interval
+    if own is None or tested is None or load.in_test is load:
+        return name, widest
+    # what is sealed is so for both
+    ratios = [other / end for other, end in zip(tested, own, strict=True) if 0.0 < end < math.inf]
+    return name, (ratios[0], ratios[-1]) if ratios else (1.0, 1.0)
+
+
+def in_the_test(case: Case, load: LoadResult) -> tuple[float, float]:
+    """Ends of a load's leak rate, see `LoadResult.leak_interval`, for the fluid of the standards' tests [m^3/s].
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+        With a leak rate.
+    """
+    assert load.leak_interval is not None and case.fluid is not None
+    low, high = load.leak_interval
+    _, (least, most) = test_of(case.fluid, load.fluid_pressure, load)
+    return low * least, high * most
+
+
+@dataclass(frozen=True)
+class NextClass:
+    """The class that is next to be met.
+
+    Parameters
+    ----------
+    standard, name : str
+    factor : float
+        By which the leak rate would have to be smaller, in the fluid of the test.
+    as_calculated : bool
+        Whether the interval of the leak rate meets it, and only what the calculation may be off by does not.
+    """
+
+    standard: str
+    name: str
+    factor: float
+    as_calculated: bool
+
+
+def next_class(case: Case, load: LoadResult) -> NextClass | None:
+    """The loosest class, of the first standard that has several, which the upper end of a leak rate does not meet.
+
+    None without a leak rate, outside the theory, and where the seal is open or meets them all.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    """
+    from leak import leakage_limits
+
+    if load.leak is None or load.validity.outside:
+        return None
+    _, high = in_the_test(case, load)
+    gas = load.leak.throughput is not None
+    limits = leakage_limits(nominal_size(case).size, gas=gas, bubble_volume=_bubble_volume(case))
+    missed = [one for one in limits if one.standard == limits[0].standard and 0 < one.leak_rate < high]
+    if not missed or math.isinf(high):
+        return None
+    closest = max(missed, key=lambda one: one.leak_rate)
+    _, most = load.leak_validity.leak_factor
+    return NextClass(
+        closest.standard, closest.name, high / closest.leak_rate, high / most <= closest.leak_rate
+    )
+
+
+def leakage_classes(case: Case, load: LoadResult) -> tuple[LeakageClass, ...]:
+    """The tightest class of each standard that a load meets; empty without a leak rate, and outside the theory.
+
+    Both ends of the leak rate's interval have to meet a class, and its limits stand for the fluid of the standard's
+    test (`in_the_test`).
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    """
+    from leak import leakage_class
+
+    if load.leak is None or load.validity.outside:
+        return ()
+    size = nominal_size(case)
+    low, high = in_the_test(case, load)
+    return leakage_class(
+        low,
+        size.size,
+        gas=load.leak.throughput is not None,
+        pressure_drop=load.fluid_pressure,
+        seat_diameter=size.diameter,
+        bubble_volume=_bubble_volume(case),
+        highest=high,
+    )
+
+
+def _bubble_volume(case: Case) -> float | None:
+    return None if case.requirement is None else case.requirement.bubble_volume

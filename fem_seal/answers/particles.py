@@ -1,0 +1,217 @@
+"""What particles in the fluid do to a leak: which gaps stop them, what still leaks, how fast it clogs. An estimate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import leak
+from fem_seal.arrays import FloatArray
+from fem_seal.profile import PressureProfile
+from fem_seal.seal.leak_model import RoughFlow, as_first_loaded
+from fem_seal.seal.results import LoadResult, ParticleAnswers, SealSolution, ShutGaps
+
+if TYPE_CHECKING:
+    from leak import GapDistribution, ParticleCounts, Paths
+
+# Sizes at which the leak is looked at [m]: the series E12, 12 to the decade, from a nanometre to nearly a millimetre.
+_SERIES = (1.0, 1.2, 1.5, 1.8, 2.2, 2.7, 3.3, 3.9, 4.7, 5.6, 6.8, 8.2)
+_SIZES = tuple(float(f"{one}e{decade}") for decade in range(-9, -3) for one in _SERIES)
+# Below this share of the narrowest place particles pass: they would shut some ten-thousandths of the leak.
+_PASSING = 0.2
+# More of the leak than one of them is all, and less than the other none; at most so many sizes lie between.
+_WHOLE, _NOTHING, _MOST = 0.99, 1e-3, 40
+_NEVER = (math.inf, math.inf)
+# Share of the leak that a filter is to keep.
+KEPT = 0.9
+
+Shut = Callable[[RoughFlow, float], RoughFlow]
+
+
+def particle_answers(loads: Sequence[LoadResult], counts: ParticleCounts) -> tuple[ParticleAnswers, ...]:
+    """Answers for all loads that leak.
+
+    Parameters
+    ----------
+    loads : sequence of LoadResult
+        Of one case.
+    counts : ParticleCounts
+        Particles in its fluid.
+    """
+    shut = _shut()
+    found = (_answers(load, counts, shut) for load in loads)
+    return tuple(one for one in found if one is not None)
+
+
+def answers_of_highest(result: SealSolution) -> ParticleAnswers | None:
+    """Those of the load with the highest fluid pressure; None if it does not leak or lies outside the theory.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    load = result.highest
+    if load.validity.outside:
+        return None
+    return next(
+        (one for one in result.particles if (one.fluid_pressure, one.applied_force) == load.point), None
+    )
+
+
+def _shut() -> Shut:
+    """Rough surfaces with all gaps below a size shut, made once for each surface and size."""
+    known: dict[tuple[RoughFlow, float], RoughFlow] = {}
+
+    def shut(rough: RoughFlow, size: float) -> RoughFlow:
+        if (rough, size) not in known:
+            table = rough.table
+            assert table is not None  # the load leaks
+            known[rough, size] = replace(
+                rough, make=lambda flow, surface: leak.shut_conductivity(table, surface, size)
+            )
+        return known[rough, size]
+
+    return shut
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """A load with one reading of its asperities, which leaks."""
+
+    load: LoadResult
+    rough: RoughFlow
+    leak_rate: float
+    shut: Shut
+
+    @classmethod
+    def of(cls, load: LoadResult, shut: Shut) -> list[_Reading]:
+        """Those of both readings that leak."""
+        both = (load.conserved, load.capped) if load.yields else (load,)
+        return [
+            cls(one, one.rough, one.leak.leak_rate, shut)
+            for one in both
+            if one.rough is not None and one.leak is not None and 0 < one.leak.leak_rate < math.inf
+        ]
+
+    @cached_property
+    def profile(self) -> PressureProfile:
+        """At the pressures of first loading that leave the same gaps."""
+        assert self.rough.table is not None  # the load leaks
+        return as_first_loaded(self.rough.table, self.load.contact.profile)
+
+    @cached_property
+    def gaps(self) -> GapDistribution:
+        return leak.GapDistribution.of(self.rough.surface, [self.profile.peak_pressure])
+
+    @property
+    def largest_passing(self) -> float:
+        return float(self.gaps.largest_passing[0])
+
+    @property
+    def narrowest(self) -> tuple[float, float]:
+        return self.largest_passing, self.load.critical_separation or 0.0
+
+    def below(self, size: float) -> float:
+        """Share of the open area."""
+        contact = float(self.gaps.contact[0])
+        return (float(self.gaps.below(size)[0]) - contact) / (1.0 - contact)
+
+    def remaining(self, size: float) -> float:
+        """Share of the leak that is left with all gaps below a size shut."""
+        found = replace(self.load, rough=self.shut(self.rough, size)).leak
+        assert found is not None  # that of the open surfaces is there
+        return min(found.leak_rate / self.leak_rate, 1.0)
+
+    def places(self) -> Paths:
+        table, profile = self.rough.table, self.profile
+        liquid = table.liquid if isinstance(table, leak.GasConductivityTable) else table
+        assert liquid is not None  # the load leaks
+        length = leak.throttling_length(profile.x, profile.pressure, liquid)
+        around = 2.0 * math.pi * self.load.contact.model.touch_radius
+        return leak.parallel_paths(around, length, self.largest_passing)
+
+
+def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAnswers | None:
+    readings = _Reading.of(load, shut)
+    # a scratch leaks where nothing else does, and is open to particles
+    if not readings or not all(one.largest_passing > 0.0 for one in readings):
+        return None
+    sizes, shares = _curve(readings)
+    particles = counts.at_least(sizes)
+    each = [leak.stopped(counts, sizes, share) for share in shares]
+    places = [one.places() for one in readings]
+    decays = [leak.cloggings(*one) for one in zip((r.leak_rate for r in readings), each, places, strict=True)]
+    filter_size = counts.largest if math.isfinite(counts.largest) else None
+    left = None if filter_size is None else _range(one.remaining(filter_size) for one in readings)
+    # a scratch stays open, whatever is shut beside it
+    halved = max(0.0 if left is None else left[1], *(share[-1] for share in shares)) < 0.5
+    keeping = [_size_that_leaves(KEPT, sizes, share) for share in shares]
+    return ParticleAnswers(
+        load.fluid_pressure,
+        load.applied_force,
+        _range(one.leak_rate for one in readings),
+        _range(size for one in readings for size in one.narrowest),
+        tuple(
+            ShutGaps(
+                float(size),
+                _range(one.below(float(size)) for one in readings),
+                _range(one.leak_rate * share[n] for one, share in zip(readings, shares, strict=True)),
+                _range(share[n] for share in shares),
+                (float(particles.low[n]), float(particles.high[n])),
+            )
+            for n, size in enumerate(sizes)
+        ),
+        _range(float(end[0]) for one in each for end in (one.low, one.high)),
+        _range(count for one in places for count in one),
+        _range(decay.volume_to(0.5) for both in decays for decay in both) if halved else _NEVER,
+        _range(decay.time_to(0.5) for both in decays for decay in both) if halved else _NEVER,
+        _range(size for size in keeping if size is not None) if any(keeping) else None,
+        filter_size,
+        left,
+    )
+
+
+def _curve(readings: Sequence[_Reading]) -> tuple[FloatArray, list[FloatArray]]:
+    """Round sizes, and the share of the leak that is left of each reading."""
+
+    def shares(size: float) -> list[float]:
+        return [one.remaining(size) for one in readings]
+
+    expected = _PASSING * min(one.largest_passing for one in readings)
+    first = int(np.searchsorted(_SIZES, expected))
+    found = {_SIZES[first]: shares(_SIZES[first])}
+    # almost sealed, the last paths are lost to particles far below the narrowest place
+    for size in reversed(_SIZES[:first]):
+        if min(found[min(found)]) > _WHOLE:
+            break
+        found[size] = shares(size)
+    for size in _SIZES[first + 1 :]:
+        if max(found[max(found)]) < _NOTHING or len(found) > _MOST:
+            break
+        found[size] = shares(size)
+    sizes = sorted(found)
+    # a few parts in a million of interpolation may not make a leak grow
+    return np.array(sizes), list(np.minimum.accumulate([found[size] for size in sizes], axis=0).T)
+
+
+def _range(values: Iterable[float]) -> tuple[float, float]:
+    numbers = np.array(list(values), dtype=float)
+    return float(numbers.min()), float(numbers.max())
+
+
+def _size_that_leaves(kept: float, sizes: FloatArray, share: FloatArray) -> float | None:
+    """Size below which gaps may be shut for a share of the leak; None if it is not among them."""
+    lost = 1.0 - share
+    if not lost[0] < 1.0 - kept < lost[-1]:
+        return None
+    # what is lost goes like the fourth power of the size
+    k = int(np.searchsorted(lost, 1.0 - kept))
+    at = np.interp(
+        math.log(1.0 - kept), np.log(np.maximum(lost[k - 1 : k + 1], 1e-9)), np.log(sizes[k - 1 : k + 1])
+    )
+    return math.exp(float(at))

@@ -1,0 +1,121 @@
+"""Leak rates of pressure profiles that come from elsewhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.arrays import FloatArray
+from fem_seal.errors import InputError, Problem
+from fem_seal.profile import PressureProfile
+from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
+from fem_seal.seal.results import GivenContact, GivenLoad
+from fem_seal.validity.checks import profile_validity
+from leak import RoughContact
+from meshes import ContactGeometry
+
+if TYPE_CHECKING:
+    from fem_seal.seal.problem import SealProblem
+    from fem_seal.seal.profile_file import ImportedProfile
+
+# Radii of a profile that this program wrote are those of its seat up to the digits of the file.
+_SAME_RADIUS = 1e-7
+
+
+def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) -> list[GivenLoad]:
+    """Leak rates of imported pressure profiles with the surface and the fluid of a problem.
+
+    Parameters
+    ----------
+    problem : SealProblem
+        Its surface and flow are used, and its contact where a profile has no radius.
+    profiles : sequence of ImportedProfile
+        A profile with its own fluid pressure gives one load, one without gives a load for each fluid pressure
+        of the problem.
+
+    Returns
+    -------
+    list of GivenLoad
+        With their validity, as far as a profile without its bodies tells it.
+
+    Raises
+    ------
+    InputError
+        If the problem has no roughness or no fluid.
+    """
+    surface, flow = problem.surface, problem.flow
+    if surface is None or flow is None:
+        missing = [name for name, one in (("roughness", surface), ("fluid", flow)) if one is None]
+        raise InputError(
+            *(Problem(name, f"is missing; a leak rate needs a table [{name}]") for name in missing),
+            file=problem.file,
+        )
+    if problem.loads.earlier is not None:
+        raise InputError(
+            Problem(
+                "load.largest_earlier_force or load.largest_earlier_pressure",
+                "the contact of that load is not solved for profiles that come from elsewhere; remove it",
+            ),
+            file=problem.file,
+        )
+    # samples would need the bodies
+    problem = replace(problem, usual_only=problem.of_finish)
+    peaks = [float(profile.pressure.max()) for profile in profiles]
+    rough = RoughFlow(surface, flow, partial(_conductivity, peaks))
+    return [
+        _given_load(problem, rough, profile, fluid_pressure)
+        for profile in profiles
+        for fluid_pressure in (
+            [profile.fluid_pressure]
+            if profile.fluid_pressure
+            else dict.fromkeys(problem.loads.fluid_pressure)
+        )
+    ]
+
+
+def _given_load(
+    problem: SealProblem, rough: RoughFlow, profile: ImportedProfile, fluid_pressure: float
+) -> GivenLoad:
+    contact = GivenContact(_profile(problem.contact, profile))
+    # the force is not known, and the same for all
+    load = GivenLoad(fluid_pressure, 0.0, contact, rough)
+    return load.knowing(validity=profile_validity(problem, rough.surface, load))
+
+
+def _conductivity(peaks: Sequence[float], flow: Flow, surface: RoughContact) -> Conductivity:
+    """Flow conductivity over all pressures of the profiles."""
+    # nine decades below the peak the resistance is less than one part in a million of the whole
+    return flow.table(surface, 1e-9 * min(peaks), 1.01 * max(peaks))
+
+
+def _ends(contact: ContactGeometry, profile: ImportedProfile) -> tuple[float | None, float | None]:
+    """Where the faces end, if the profile is one on its seat: with the x of this program, or its radii."""
+    ends, x = contact.reach, profile.x
+    if not ends[0] <= x[0] < x[-1] <= ends[1]:
+        return None, None
+    if profile.radius is None:
+        return ends
+    same = np.allclose(profile.radius, contact.radius(x), rtol=_SAME_RADIUS, atol=0.0)
+    return ends if same else (None, None)
+
+
+def _radius(contact: ContactGeometry, profile: ImportedProfile) -> FloatArray:
+    return contact.radius(profile.x) if profile.radius is None else profile.radius
+
+
+def _profile(contact: ContactGeometry, profile: ImportedProfile) -> PressureProfile:
+    """The profile with weights of the trapezoidal rule; nothing is known of its gap."""
+    x, steps = profile.x, np.diff(profile.x, prepend=profile.x[0], append=profile.x[-1])
+    return PressureProfile(
+        x,
+        _radius(contact, profile),
+        profile.pressure,
+        np.full(len(x), math.nan),
+        0.5 * (steps[1:] + steps[:-1]),
+        _ends(contact, profile),
+    )

@@ -1,0 +1,765 @@
+"""Leak rate with an interval: what uncertain inputs do to it, by quasi-Monte Carlo."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.answers.response_surface import ResponseSurface, fit
+from fem_seal.arrays import FloatArray
+from fem_seal.case.checks import problems_with_uncertainty
+from fem_seal.case.roughness import (
+    SHAPE,
+    SelfAffine,
+    UncertainFinish,
+    UncertainHeight,
+    scan_spectra,
+    self_affine_part,
+    uncertain_finishes,
+    uncertain_heights,
+)
+from fem_seal.case.uncertainty import Uncertainty
+from fem_seal.contact.laws import HardContact, ScaledLaw
+from fem_seal.errors import ConvergenceError, InputError, Problem
+from fem_seal.processes import in_copies
+from fem_seal.sampling import UncertainInput, sobol_points
+from fem_seal.seal.leak_model import log_peaks, range_around
+from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again
+from fem_seal.seal.problem import condensed
+from fem_seal.seal.results import LeakInterval, LoadResult, SealSolution, leak_rates
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+    from fem_seal.contact.laws import Law
+    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.materials import Material
+    from fem_seal.seal.leak_model import Conductivity, Flow
+    from fem_seal.seal.problem import SealProblem
+    from leak import NearbyTables, PowerSpectrum, RoughContact
+
+_FIRST_RUNS = 16
+# Left-out runs must be predicted this well: an error that adds 0.05 % to the width of the interval.
+_ERROR_OF_STD = 0.03
+_SMALLEST_ERROR = 2e-4
+# Beside the runs of the polynomial: samples at both ends of the interval, calculated to see how well it does there.
+_CHECKS = 4
+# Bodies that yield are linearised at the loads of the case, unless these checks, which go through all loads, differ by
+# more than the first and by more than this share of the width of ln Q that holds nine tenths of the samples.
+_OF_LINEAR = 0.03, 0.06
+# So it is with tables from that of the case: one of their own for every sample unless they are as good as this.
+_OF_TABLES = 0.01, 0.02
+
+# What is less is no leak: a molecule of a gas in a hundred years [m^3/s], or so much of what the case itself leaks.
+# Next to sealing a sample that leaks so little may be off by a factor, and nobody sees it.
+_NOTHING, _TRACE = 1e-35, 1e-9
+# Share of the sealing pressure that counts for a sealed contact between whose asperities fluid carries.
+_NEARLY_SEALED = 0.95
+
+
+def leak_interval(
+    result: SealSolution,
+    settings: Uncertainty | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> LeakInterval:
+    """Leak rate of a result with an interval from uncertain inputs.
+
+    The samples are a scrambled Sobol sequence. For the first of them the whole chain is calculated: interface law,
+    contact on the condensed bodies, flow conductivity, leak rate. If ln Q turns out to be a smooth function of the
+    inputs, a polynomial through these runs gives the others; if not (a sample is sealed or blown open), all are
+    calculated. A liquid's viscosity needs no runs: Q is inversely proportional to it. Where asperities yield, each run
+    gives the leak rate in both readings of the theory, on the same contact.
+
+    Bodies that yield have a path. What touches the surface alone changes the law between them: the bodies are
+    linearised at each load of the case, plastic flow of its last load step included, and pressed together anew with the
+    law of the sample. The samples at both ends of the interval go through all loads, and if that changes their leak
+    rate by more than 3 %, and than 6 % of the width of the interval in ln Q, so do all others, unless some are sealed;
+    they do at once if Young's moduli are uncertain.
+
+    Parameters
+    ----------
+    result : SealSolution
+        Of a case with roughness and fluid.
+    settings : Uncertainty, optional
+        Instead of the case's own table [uncertainty].
+    progress : callable, optional
+        Told in words what is being done.
+
+    Returns
+    -------
+    LeakInterval
+
+    Raises
+    ------
+    InputError
+        If the case has no roughness or no fluid, no input is uncertain, or one does not fit the case.
+    ConvergenceError
+        If the contact of a sample does not converge.
+
+    References
+    ----------
+    A. B. Owen, SIAM J. Numer. Anal. 34, 1884 (1997): scrambled nets. B. Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008).
+
+    Examples
+    --------
+    >>> from fem_seal.case.uncertainty import Spread, Uncertainty
+    >>> settings = Uncertainty(samples=1024, hardness=Spread(relative=0.1))
+    >>> leak_interval(fem_seal.run(case), settings).high                # doctest: +SKIP
+    """
+    settings = settings or result.case.sampled
+    if settings is None:
+        raise InputError(Problem("uncertainty", "is missing; say which inputs are uncertain"))
+    wrong = list(problems_with_uncertainty(result.case, settings))
+    if wrong:
+        raise InputError(*wrong)
+    told = progress or (lambda text: None)
+    if result.case.roughness is not None and result.case.roughness.finishes:
+        return _interval_of_finish(result, settings, told)
+    return _interval(_Study.of(result, settings), settings, told)
+
+
+# Runs per term of a quadratic polynomial in the inputs of a finish, and the most runs.
+_RUNS_PER_TERM, _MOST_RUNS = 1.35, 96
+# Error of a left-out run over the scatter, above which the runs are doubled.
+_ERROR_OF_WIDE = 0.4
+# Samples of a finish whose usual surface is sealed at a load, all calculated.
+_OF_SEALED = 64
+# Share of the runs that must converge.
+_FEWEST_KNOWN = 0.7
+# Loads that are sampled where there are more.
+_LOADS = 5
+
+
+def _interval_of_finish(
+    result: SealSolution,
+    settings: Uncertainty,
+    progress: Callable[[str], None],
+    *,
+    whole_paths: bool = False,
+) -> LeakInterval:
+    """The interval of a finish, a factor of ten or more, for the price of few runs.
+
+    Ratios of leak rates to those of the case itself at few loads: a quadratic polynomial of their logarithms gives the
+    samples, and the other loads follow over the line load.
+    """
+    chosen = _representative(result.loads)
+    part = replace(result, loads=tuple(result.loads[n] for n in chosen))
+    study = _Study.of(part, settings)
+    study = replace(study, lenient=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
+    usual, viscosity = np.array(study.of_case), study.viscosity[:, None]
+    if not np.all((usual > 0) & np.isfinite(usual)):
+        # what is sealed has no ratios
+        few = settings.model_copy(update={"samples": min(settings.samples, _OF_SEALED)})
+        return _interval(_Study.of(result, few), few, progress)
+    terms = (study.scores.shape[1] + 1) * (study.scores.shape[1] + 2) // 2
+    goal = min(math.ceil(_RUNS_PER_TERM * terms) + 1, len(study.uniform), _MOST_RUNS)
+    runs, rates, surface, error = 0, np.empty((0, usual.size)), None, None
+    while runs < goal:
+        progress(f"uncertainty of the finish: samples {runs + 1} to {goal}")
+        rates = np.concatenate([rates, study.leak_rates(range(runs, goal)) / usual])
+        runs = goal
+        # a contact that did not converge says nothing; the polynomial goes through the others
+        known = np.flatnonzero(~np.isnan(rates).any(axis=1))
+        if len(known) < _FEWEST_KNOWN * runs:
+            raise ConvergenceError(f"uncertainty: {runs - len(known)} of {runs} samples did not converge")
+        smooth = bool(np.all((rates[known] > 0) & np.isfinite(rates[known])))
+        scores = study.scores[known]
+        surface = fit(scores, np.log(rates[known]), study.scores, _RUNS_PER_TERM) if smooth else None
+        if surface is None or np.any(surface.error > _ERROR_OF_WIDE * np.sqrt(surface.variance)):
+            goal = min(2 * runs, len(study.uniform), _MOST_RUNS)
+    if surface is None:
+        ratios, viscosity = rates[known], viscosity[known]
+    else:
+        ratios = np.exp(surface(study.scores))
+        checked = np.array(_ends((ratios * usual / viscosity)[:, study.last_load], settings.confidence))
+        truth = replace(study, whole_paths=True).leak_rates(checked.tolist()) / usual
+        checked, truth = (one[~np.isnan(truth).any(axis=1)] for one in (checked, truth))
+        error = float(np.abs(ratios[checked] / truth - 1).max(initial=0.0))
+        if study.linearised and error > _allowed(ratios, *_OF_LINEAR):
+            return _interval_of_finish(result, settings, progress, whole_paths=True)
+        ratios[checked], ratios[known] = truth, rates[known]
+        runs += _CHECKS
+    ratios = ratios / viscosity
+    nominal = np.array(_Study(result, (), study.uniform).of_case).reshape(study.kinds, 1, -1)
+    by_kind = ratios.reshape(len(ratios), study.kinds, len(chosen)).swapaxes(0, 1)
+    rates = _at_all_loads(np.log(_line_loads(result.loads)), chosen, by_kind) * nominal
+    shares = _shares(study, ratios * usual, surface)
+    near = np.argmin(np.abs(np.arange(len(result.loads))[:, None] - chosen), axis=1)
+    return _told(study, settings, [one.T for one in rates], runs=runs, shares=shares[near], error=error)
+
+
+def _told(
+    study: _Study,
+    settings: Uncertainty,
+    rates: Sequence[FloatArray],
+    *,
+    runs: int,
+    shares: FloatArray,
+    error: float | None,
+) -> LeakInterval:
+    """The interval of samples, shape (loads, samples) in each reading of the case's fluid, then of the tests' gas."""
+    names = tuple(one.name for one in study.inputs)
+
+    def interval(conserved: FloatArray, capped: FloatArray | None = None) -> LeakInterval:
+        return LeakInterval(names, settings.confidence, settings.seed, runs, conserved, shares, error, capped)
+
+    own, *tested = (
+        interval(*rates[first : first + study.readings]) for first in range(0, study.kinds, study.readings)
+    )
+    return replace(own, in_test=tested[0]) if tested else own
+
+
+def _line_loads(loads: Sequence[LoadResult]) -> FloatArray:
+    return np.array([load.line_load for load in loads])
+
+
+def _representative(loads: Sequence[LoadResult]) -> list[int]:
+    """Numbers of few loads with line loads over the whole range, the last one among them; of all if they are few."""
+    if len(loads) <= _LOADS:
+        return list(range(len(loads)))
+    order = np.argsort(np.log(_line_loads(loads)), kind="stable")
+    even = np.linspace(0, len(loads) - 1, _LOADS).round().astype(int)
+    return sorted({*order[even].tolist(), len(loads) - 1})
+
+
+def _at_all_loads(log_load: FloatArray, chosen: Sequence[int], ratios: FloatArray) -> FloatArray:
+    """Ratios of leak rates at all loads from those at few, shape (readings, samples, chosen) to (.., .., loads)."""
+    if len(chosen) == len(log_load):
+        return ratios
+    from scipy.interpolate import PchipInterpolator
+
+    nodes = log_load[list(chosen)]
+    _, first = np.unique(nodes, return_index=True)
+    nearest = np.argmin(np.abs(log_load[:, None] - nodes), axis=1)
+    found = ratios[..., nearest]
+    smooth = np.all((ratios > 0) & np.isfinite(ratios), axis=-1)
+    if len(first) > 1 and smooth.any():
+        between = PchipInterpolator(nodes[first], np.log(ratios[smooth][:, first]), axis=-1)
+        found[smooth] = np.exp(between(log_load))
+    return found
+
+
+def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], None]) -> LeakInterval:
+    viscosity = study.viscosity
+    runs, rates, surface = _runs(study, progress)
+    error = None
+    nominal = rates * viscosity[:, None] if surface is None else np.exp(surface(study.scores))
+    if study.calculated and (surface is not None or study.linearised or not study.exact):
+        checked = _ends((nominal / viscosity[:, None])[:, study.last_load], settings.confidence)
+        truth = replace(study, whole_paths=True, exact=True).leak_rates(checked)
+        error = _largest_difference(nominal[checked], truth, study.of_case)
+        if study.linearised and surface is not None and error > _allowed(nominal, *_OF_LINEAR):
+            return _interval(replace(study, whole_paths=True), settings, progress)
+        if not study.exact and error > _allowed(nominal, *_OF_TABLES):
+            return _interval(replace(study, exact=True), settings, progress)
+        if surface is not None:
+            nominal[: len(rates)] = rates
+            runs += len(checked)
+        nominal[checked] = np.where(np.isnan(truth), nominal[checked], truth)
+    by_kind = np.split((nominal / viscosity[:, None]).T, study.kinds)
+    return _told(study, settings, by_kind, runs=runs, shares=_shares(study, nominal, surface), error=error)
+
+
+def _largest_difference(found: FloatArray, truth: FloatArray, of_case: Sequence[float]) -> float:
+    """Relative difference of samples, shape (samples, columns), whose case leaks so much in each column."""
+    own = np.array(of_case)
+    least = np.maximum(_NOTHING, _TRACE * np.where(np.isfinite(own), own, 0.0))
+    with np.errstate(invalid="ignore"):
+        differ = np.abs((found + least) / (truth + least) - 1)
+    # both blown open is no difference; a path that did not converge says nothing
+    return float(np.nan_to_num(differ, nan=0.0).max())
+
+
+def _allowed(leak_rate: FloatArray, least: float, share: float) -> float:
+    """How far samples that scatter like these may be off, from shares of one and of their scatter in ln Q.
+
+    At each load the samples that leak count, also where it seals or opens others, or all at another load.
+    """
+    leaking = [one[(one > 0) & np.isfinite(one)] for one in leak_rate.T]
+    widths = [np.diff(np.quantile(np.log(one), (0.05, 0.95))) for one in leaking if one.size]
+    return max(least, share * float(np.max(widths, initial=0.0)))
+
+
+def _runs(study: _Study, progress: Callable[[str], None]) -> tuple[int, FloatArray, ResponseSurface | None]:
+    """Calculate samples until a polynomial through them is good enough; None instead of it if all are calculated."""
+    total = len(study.uniform)
+    if not study.calculated:
+        nominal = np.array([study.of_case])
+        return 0, np.repeat(nominal, total, axis=0) / study.viscosity[:, None], None
+    count, rates = 0, np.empty((0, study.kinds * len(study.result.loads)))
+    goal = min(total, _FIRST_RUNS * 2 ** min(study.scores.shape[1] - 1, 3))
+    while count < total:
+        progress(f"uncertainty: samples {count + 1} to {goal} of {total}")
+        rates = np.concatenate([rates, study.leak_rates(range(count, goal))])
+        count = goal
+        if np.all((rates > 0) & np.isfinite(rates)) and count < total:
+            surface = fit(study.scores[:count], np.log(rates), study.scores)
+            allowed = np.maximum(_ERROR_OF_STD * np.sqrt(surface.variance), _SMALLEST_ERROR)
+            if np.all(surface.error <= allowed):
+                return count, rates, surface
+            goal = min(total, 2 * count)
+        else:
+            goal = total
+    return count, rates / study.viscosity[:, None], None
+
+
+def _ends(leak_rate: FloatArray, confidence: float) -> list[int]:
+    """Samples at the ends of an interval: the lower one of the smaller reading, the upper one of the larger.
+
+    Parameters
+    ----------
+    leak_rate : ndarray, shape (samples, readings)
+    confidence : float
+    """
+    last = len(leak_rate) - 1
+    near = []
+    for share, outer in ((0.5 - 0.5 * confidence, np.argmin), (0.5 + 0.5 * confidence, np.argmax)):
+        order = np.argsort(leak_rate[:, outer(np.quantile(leak_rate, share, axis=0, method="lower"))])
+        near += [int(order[min(last, int(share * last) + n)]) for n in range(_CHECKS // 2)]
+    return sorted(set(near))
+
+
+def _shares(study: _Study, nominal: FloatArray, surface: ResponseSurface | None) -> FloatArray:
+    """First-order shares in the variance of ln Q of the case's own reading, shape (loads, inputs)."""
+    loads, inputs = len(study.result.loads), study.inputs
+    nominal = nominal[:, :loads]
+    if not np.all((nominal > 0) & np.isfinite(nominal)):
+        return np.full((loads, len(inputs)), np.nan)
+    own = float(np.log(study.viscosity).var())
+    if surface is None and study.calculated:
+        surface = fit(study.scores, np.log(nominal), study.scores)
+    variances = np.zeros((loads, len(inputs)))
+    total = np.full(loads, own)
+    if surface is not None:
+        total += surface.variance[:loads]
+    for n, one in enumerate(inputs):
+        if one in study.calculated and surface is not None:
+            variances[:, n] = surface.variance_of(study.columns(one))[:loads]
+        elif one not in study.calculated:
+            variances[:, n] = own
+    return variances / total[:, None]
+
+
+@dataclass(frozen=True)
+class _Study:
+    """All samples of the inputs of one result.
+
+    Parameters
+    ----------
+    uniform : ndarray, shape (samples, dimensions)
+        Numbers between 0 and 1.
+    lenient : bool
+        Whether samples whose contact does not converge are NaN, instead of an error.
+    exact : bool
+        Whether each sample has a conductivity table of its own, instead of one from that of the case.
+    whole_paths : bool
+        Whether bodies that yield go through all their loads in every sample, instead of being linearised at each load
+        of the case.
+    numbers : sequence of int, optional
+        Which of the loads of the problem are sampled; all unless given.
+    """
+
+    result: SealSolution
+    inputs: tuple[AnyInput, ...]
+    uniform: FloatArray
+    lenient: bool = False
+    exact: bool = False
+    whole_paths: bool = False
+    numbers: Sequence[int] | None = None
+
+    @classmethod
+    def of(cls, result: SealSolution, settings: Uncertainty) -> _Study:
+        inputs = uncertain_inputs(result.case, settings)
+        dimensions = sum(one.dimensions for one in inputs)
+        uniform = sobol_points(settings.samples, dimensions, settings.seed)
+        study = cls(result, inputs, uniform)
+        return replace(study, whole_paths=study._bulk)
+
+    @property
+    def _bulk(self) -> bool:
+        """Whether bodies yield elsewhere in a sample, because their modulus is another one."""
+        return bool(self.result.problem.curves) and any(one.name == "youngs_modulus" for one in self.inputs)
+
+    @property
+    def linearised(self) -> bool:
+        """Whether bodies that yield are linearised at the loads of the case."""
+        return bool(self.result.problem.curves) and not self.whole_paths
+
+    @property
+    def readings(self) -> int:
+        """Leak rates of each sample and load: that of the case's own reading first, then the capped one, if any."""
+        return 2 if self.result.loads[0].yields else 1
+
+    @property
+    def flows(self) -> tuple[Flow, ...]:
+        """That of the case and, where it is another one, that of the gas that the standards test with."""
+        own = self.result.problem.flow
+        assert own is not None  # of the checks
+        return (own,) if own.in_test is own else (own, own.in_test)
+
+    @property
+    def kinds(self) -> int:
+        """Leak rates of each sample and load: the readings of each fluid."""
+        return len(self.flows) * self.readings
+
+    @property
+    def last_load(self) -> slice:
+        """Where the readings of its own fluid stand among the leak rates of a sample."""
+        loads = len(self.result.loads)
+        return slice(loads - 1, self.readings * loads, loads)
+
+    @property
+    def of_case(self) -> list[float]:
+        """Leak rates of the case itself, as those of a sample."""
+        own = self.result.loads
+        fluids = (own, [load.in_test for load in own])[: len(self.flows)]
+        read = ("leak", "leak_capped")[: self.readings]
+        found = [getattr(load, name) for loads in fluids for name in read for load in loads]
+        return [math.nan if leak is None else leak.leak_rate for leak in found]
+
+    @cached_property
+    def calculated(self) -> tuple[AnyInput, ...]:
+        """Inputs whose effect is not known beforehand: all but a liquid's viscosity."""
+        return tuple(one for one in self.inputs if one.name != "viscosity")
+
+    @cached_property
+    def values(self) -> dict[str, FloatArray]:
+        """Factors (samples, 1) or weights (samples, scans) of each input."""
+        values, column = {}, 0
+        for one in self.inputs:
+            values[one.name] = one.values(self.uniform[:, column : column + one.dimensions])
+            column += one.dimensions
+        return values
+
+    @cached_property
+    def viscosity(self) -> FloatArray:
+        """Factor of the viscosity of each sample, shape (samples,)."""
+        if "viscosity" not in self.values:
+            return np.ones(len(self.uniform))
+        return self.values["viscosity"][:, 0]
+
+    @cached_property
+    def scores(self) -> FloatArray:
+        """Variables of the polynomial, shape (samples, dimensions of `calculated`)."""
+        parts = [one.scores(self.values[one.name]) for one in self.calculated]
+        return np.concatenate(parts, axis=1) if parts else np.empty((len(self.uniform), 0))
+
+    def columns(self, wanted: AnyInput) -> list[int]:
+        """Columns of `scores` that belong to an input."""
+        first = 0
+        for one in self.calculated:
+            if one is wanted:
+                break
+            first += one.dimensions
+        return list(range(first, first + wanted.dimensions))
+
+    def leak_rates(self, samples: Sequence[int]) -> FloatArray:
+        """Leak rates at the case's own viscosity, calculated, shape (samples, readings times loads) [m^3/s]."""
+        # the first makes the tables that all share, if they do not have their own
+        shared = 0 if self.exact else 1
+        first = [self._leak_rates(number) for number in samples[:shared]]
+        return np.array(first + in_copies(self._leak_rates, samples[shared:]))
+
+    def _leak_rates(self, sample: int) -> list[float]:
+        factors = {
+            one.name: float(self.values[one.name][sample, 0])
+            for one in self.calculated
+            if isinstance(one, UncertainInput)
+        }
+        surface = self._surface(sample, factors)
+        try:
+            return self._rates(surface, self._loads(surface, factors))
+        except ConvergenceError:
+            if self.lenient or (self.whole_paths and not self._bulk):
+                return [math.nan] * (self.kinds * len(self.result.loads))
+            raise
+
+    def _rates(self, surface: RoughContact, loads: Sequence[LoadResult]) -> list[float]:
+        """Leak rates in each reading at each load."""
+        read, (flow, *_) = (surface, surface.capped)[: self.readings], self.flows
+        by_reading = (
+            # with the range of the case itself, as long as it will do, the table's own error is that of all samples
+            leak_rates(one, self.flows, loads, alike=self.result.loads)
+            if self.exact or flow.simulated is not None
+            else leak_rates(one, self.flows, loads, table=self._table)
+            for one in read
+        )
+        return [rate for of_fluid in zip(*by_reading, strict=True) for rates in of_fluid for rate in rates]
+
+    def _table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+        """Conductivity from the table of the case."""
+        highest = 10.0 ** np.array(log_peaks)
+        if flow.fluid_in_gap == "local":  # which opens what would be sealed without it
+            highest = np.minimum(highest, _NEARLY_SEALED * flow.sealing_pressure(surface))
+        return self._nearby[surface.yielding].table(surface, highest)
+
+    @cached_property
+    def _nearby(self) -> dict[str, NearbyTables]:
+        """Tables of surfaces close to that of the case, by its reading of yielding."""
+        from leak import NearbyTables
+
+        surface, flow = self.result.surface, self.result.problem.flow
+        assert surface is not None and flow is not None  # of the checks
+        # the case has its tables already
+        within = range_around(log_peaks([one for load in self.result.loads for one in load.contacts]))
+        return {
+            one.yielding: NearbyTables(one, flow.gas is not None, flow.conductivity, within)
+            for one in (surface, surface.capped)
+        }
+
+    def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:
+        assert self.result.surface is not None
+        means = {
+            one.name: one.spectrum(self.values[one.name][sample])
+            for one in self.calculated
+            if isinstance(one, UncertainScans)
+        }
+        for one in self.calculated:
+            if isinstance(one, UncertainHeight):
+                roughness = self.result.case.roughness
+                assert roughness is not None
+                mean = means[one.key] if one.key in means else roughness.parts[one.key].build()
+                means[one.key] = one.spectrum(mean, float(self.values[one.name][sample, 0]))
+        shares = {
+            one.name: float(self.values[one.name][sample, 0])
+            for one in self.calculated
+            if isinstance(one, UncertainFinish)
+        }
+        return changed_surface(self.result.case, self.result.surface, factors, means, shares)
+
+    def _loads(self, surface: RoughContact, factors: dict[str, float]) -> Sequence[LoadResult]:
+        """Every load; those of the case itself where its law and its bodies have not changed."""
+        result = self.result
+        law = self._law(surface)
+        stiffness, problem = factors.get("youngs_modulus", 1.0), result.problem
+        if problem.form is not None and "form" in factors:
+            problem = replace(problem, form=problem.form.scaled(factors["form"]))
+        if stiffness == 1 and law is problem.law:
+            if problem.form is result.problem.form:
+                return result.loads
+            return [
+                replace(load, formed=problem.around(load.contact, near=load.formed)) for load in result.loads
+            ]
+        try:
+            contacts = self._contacts(problem, surface, law, stiffness)
+            return [
+                LoadResult(*load.point, contact, formed=problem.around(contact, law, load.formed))
+                for load, contact in zip(result.loads, contacts, strict=True)
+            ]
+        except ConvergenceError as error:
+            changes = ", ".join(f"{name} times {factor:.4g}" for name, factor in factors.items())
+            raise ConvergenceError(f"uncertainty, sample with {changes}: {error}") from error
+
+    def _law(self, surface: RoughContact) -> Law:
+        """The law of a sample; where the elastic p(u) keeps its shape that of the case in other units."""
+        from leak.flow.nearby import height_ratio
+
+        known, problem = self.result.surface, self.result.problem
+        assert known is not None  # of the checks
+        if problem.interface.law != "spectrum" or problem.interface.plastic:
+            return problem.interface.of_surface(surface)
+        height = height_ratio(surface.elastic, known.elastic)
+        if height is None:
+            return problem.interface.of_surface(surface)
+        pressure = height * surface.effective_modulus / known.effective_modulus
+        if height == 1.0 and pressure == 1.0:
+            return problem.law
+        assert not isinstance(problem.law, HardContact)  # of law persson
+        return ScaledLaw(problem.law, height, pressure)
+
+    def _contacts(
+        self, problem: SealProblem, surface: RoughContact, law: Law, stiffness: float
+    ) -> Sequence[ContactSolution]:
+        result = self.result
+        if self.linearised:
+            return linearised_again(result.contact, law)
+        if not problem.curves:
+            return solved_again(result.contact, stiffer(result.model, stiffness), law, result.earlier)
+        changed = replace(problem, surface=surface, materials=stiffer_bodies(problem.materials, stiffness))
+        model = result.model if stiffness == 1 else condensed(changed, result.seal_mesh)
+        contacts = path_again(LoadSolver(changed, model))
+        return contacts if self.numbers is None else [contacts[number] for number in self.numbers]
+
+
+def stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[str, Material]:
+    """Materials with both Young's moduli times a factor."""
+    return {name: replace(one, youngs_modulus=one.youngs_modulus * factor) for name, one in materials.items()}
+
+
+# Loads of a body that prescribe how far it moves, whatever its stiffness.
+_IMPOSED = ("wall", "expansion", "heat")
+
+
+def stiffer(model: ContactModel, factor: float) -> ContactModel:
+    """Model of the same bodies with both Young's moduli times a factor, as far as a contact needs it."""
+    if factor == 1:
+        return model
+
+    def body(one):  # type: ignore[no-untyped-def]
+        material = replace(one.material, youngs_modulus=one.material.youngs_modulus * factor)
+        # The wall of a pressed-in housing and heat move a body as far as before; pressures move a stiffer one less.
+        loads = {
+            name: load if name in _IMPOSED else replace(load, opening=load.opening / factor)
+            for name, load in one.loads.items()
+        }
+        return replace(one, held=replace(one.held, material=material), loads=loads)
+
+    return replace(
+        model,
+        closure=body(model.closure),
+        seat=body(model.seat),
+        compliance=model.compliance / factor,
+        harmonics=(model.harmonics[0].stiffer(factor), model.harmonics[1].stiffer(factor)),
+    )
+
+
+@dataclass(frozen=True)
+class UncertainScans:
+    """The spectrum, from the differences between n scans: their mean with random weights.
+
+    The weights are uniform over all sets of n positive numbers with sum one (Bayesian bootstrap): what else the mean
+    of n scans could have been.
+
+    Parameters
+    ----------
+    name : {"spectrum", "seat", "closure"}
+        Which spectrum of the case it is.
+    scans : tuple of PowerSpectrum
+        One of each scan; two or more.
+
+    References
+    ----------
+    D. B. Rubin, Ann. Stat. 9, 130 (1981).
+    """
+
+    name: str
+    scans: tuple[PowerSpectrum, ...]
+
+    @property
+    def dimensions(self) -> int:
+        """Number of random numbers that it takes."""
+        return len(self.scans) - 1
+
+    def values(self, uniform: FloatArray) -> FloatArray:
+        """Weights from numbers between 0 and 1, by breaking a stick; shape (n, scans - 1) to (n, scans)."""
+        left = len(self.scans) - 1 - np.arange(self.dimensions)
+        rest = (1.0 - uniform) ** (1.0 / left)
+        before = np.cumprod(np.column_stack([np.ones(len(uniform)), rest]), axis=1)
+        return np.asarray(before * np.column_stack([1.0 - rest, np.ones(len(uniform))]), dtype=float)
+
+    def scores(self, values: FloatArray) -> FloatArray:
+        """Variables in which a leak rate is a smooth function: all weights but the last."""
+        return values[:, :-1]
+
+    def spectrum(self, weights: FloatArray) -> PowerSpectrum:
+        """Mean spectrum with weights, shape (scans,)."""
+        return weighted_mean(self.scans, weights)
+
+
+def weighted_mean(spectra: Sequence[PowerSpectrum], weights: FloatArray) -> PowerSpectrum:
+    """Weighted mean of spectra.
+
+    Parameters
+    ----------
+    spectra : sequence of PowerSpectrum
+    weights : ndarray
+        One for each; those of 1e-6 or less are left out.
+    """
+    parts = [
+        scaled(one, float(np.sqrt(weight)))
+        for one, weight in zip(spectra, weights, strict=True)
+        if weight > 1e-6
+    ]
+    return reduce(lambda total, one: total + one, parts)
+
+
+def scaled(spectrum: PowerSpectrum, factor: float) -> PowerSpectrum:
+    """Spectrum of a surface with all heights times a factor."""
+    from leak import PowerSpectrum
+
+    return spectrum if factor == 1 else PowerSpectrum(spectrum.wavenumber, spectrum.density * factor**2)
+
+
+AnyInput = UncertainInput | UncertainScans | UncertainHeight | UncertainFinish
+
+
+def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
+    """The uncertain inputs of a case, in the order of the table, then what a finish and too short scans leave open.
+
+    Parameters
+    ----------
+    case : Case
+    settings : Uncertainty
+        Its table [uncertainty], or another one.
+    """
+    inputs: list[AnyInput] = [
+        UncertainInput(name, spread.distribution, spread.relative)
+        for name, spread in settings.spreads.items()
+    ]
+    if settings.spectrum is not None:
+        inputs += [UncertainScans(key, scans) for key, scans in scan_spectra(case.roughness).items()]
+    finishes = uncertain_finishes(case.roughness, known=settings.spreads)
+    heights = uncertain_heights(case.roughness, between_scans=settings.spectrum is not None)
+    return (*inputs, *finishes, *heights)
+
+
+def changed_surface(
+    case: Case,
+    surface: RoughContact,
+    factors: Mapping[str, float],
+    means: Mapping[str, PowerSpectrum] | None = None,
+    shares: Mapping[str, float] | None = None,
+) -> RoughContact:
+    """The rough contact with some of its inputs changed.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact
+        The case's own.
+    factors : mapping
+        Factor of each uncertain input by its key.
+    means : mapping, optional
+        Spectra that stand instead of the case's own, by their key in [roughness].
+    shares : mapping, optional
+        Places in the ranges of what its finishes leave open.
+    """
+    means, shape = dict(means or {}), {key: factors[key] for key in SHAPE if key in factors}
+    key = self_affine_part(case.roughness)
+    if shape and key is not None:
+        means[key] = _reshaped(case, key, factors)
+    spectrum, peklenik = surface.spectrum, surface.peklenik
+    if means or shares or shape:
+        assert case.roughness is not None
+        spectrum, peklenik = case.roughness.combined(means, shares, shape)
+    hardness = surface.hardness
+    return replace(
+        surface,
+        spectrum=scaled(spectrum, factors.get("rms_height", 1.0)),
+        effective_modulus=surface.effective_modulus * factors.get("youngs_modulus", 1.0),
+        hardness=None if hardness is None else hardness * factors.get("hardness", 1.0),
+        peklenik=peklenik,
+    )
+
+
+def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectrum:
+    """Self-affine spectrum with other exponent or ends and the same rms height."""
+    from leak import PowerSpectrum
+
+    assert case.roughness is not None
+    given = case.roughness.parts[key]
+    assert isinstance(given, SelfAffine)
+    q_high = given.q_high * factors.get("q_high", 1.0)
+    q_high = max(q_high, given.q_rolloff, 1.001 * given.q_low)
+    return PowerSpectrum.self_affine(
+        rms_height=given.rms_height,
+        hurst=min(max(given.hurst * factors.get("hurst", 1.0), 0.01), 1.0),
+        q_low=given.q_low,
+        q_rolloff=min(max(given.q_rolloff * factors.get("q_rolloff", 1.0), given.q_low), q_high),
+        q_high=q_high,
+    )

@@ -1,0 +1,196 @@
+"""Whether a seal keeps what is required of it: each load against its limits, and all of them together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from fem_seal.answers.leakage_class import nominal_size, test_of
+from fem_seal.case.leak_rate import Bubbles
+from fem_seal.seal.judgement import Judgement, Limit, SealJudgement, Shares, Verdict, Why, severity
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+    from fem_seal.case.fluid import Fluid
+    from fem_seal.case.requirement import Requirement
+    from fem_seal.errors import LoadProblem
+    from fem_seal.seal.results import LoadResult
+
+OF_LEAK_RATE = "leak rate"
+
+
+def limits(case: Case, fluid_pressure: float, load: LoadResult | None = None) -> tuple[Limit, ...]:
+    """The limits that a case's requirement sets at a fluid pressure; empty without a requirement.
+
+    Parameters
+    ----------
+    case : Case
+    fluid_pressure : float
+        [Pa]
+    load : LoadResult, optional
+        The load that is judged, whose contact says what a test with another fluid would find; without it the limits
+        hold for any gap.
+    """
+    required = case.requirement
+    if required is None or case.fluid is None:
+        return ()
+    own = () if required.leak_rate is None else (_of_rate(required.leak_rate),)
+    of_class = _of_class(case, required, case.fluid, fluid_pressure, load)
+    return own if of_class is None else (*own, of_class)
+
+
+def _of_rate(leak_rate: float) -> Limit:
+    volume = leak_rate.volume if isinstance(leak_rate, Bubbles) else None
+    return Limit(OF_LEAK_RATE, leak_rate, bubble_volume=volume)
+
+
+def _of_class(
+    case: Case, required: Requirement, fluid: Fluid, fluid_pressure: float, load: LoadResult | None
+) -> Limit | None:
+    from leak.standards import STANDARDS, leakage_limits, visible_leak_rate
+
+    wanted = required.standard_and_class
+    if wanted is None:
+        return None
+    size, gas = nominal_size(case), fluid.gas is not None
+    known = leakage_limits(
+        size.size,
+        gas=gas,
+        pressure_drop=fluid_pressure,
+        seat_diameter=size.diameter,
+        rated_capacity=required.rated_capacity,
+        bubble_volume=required.bubble_volume,
+    )
+    found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
+    name = " ".join(wanted)
+    test_fluid, ratio = test_of(fluid, fluid_pressure, load)
+    if not found:
+        # class VI of FCI 70-2 ends at a diameter
+        return Limit(name, math.nan, 0.0, test_fluid, ratio)
+    visible = 0.0 if found[0] else visible_leak_rate(gas=gas, bubble_volume=required.bubble_volume)
+    bubble = required.bubble_volume or STANDARDS[wanted[0]].bubble_volume
+    counts_bubbles = gas and (visible > 0.0 or wanted[0] == "API 598")
+    return Limit(name, found[0], visible, test_fluid, ratio, bubble if counts_bubbles else None)
+
+
+def judged(case: Case, load: LoadResult, *, sampled: bool = True) -> Judgement | None:
+    """What is said of one load; None without a requirement for it.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+        With its validity, what its mesh leaves uncertain and its samples.
+    sampled : bool
+        Whether the interval holds what the inputs leave open.
+    """
+    required = case.requirement
+    if required is None or not required.judges(load.fluid_pressure):
+        return None
+    return max(judgements(case, load, sampled=sampled), key=severity, default=None)
+
+
+def judgements(case: Case, load: LoadResult, *, sampled: bool = True) -> list[Judgement]:
+    """What is said of one load against each limit; where nothing is required of it the target leak rate is the limit.
+
+    Parameters
+    ----------
+    case, load, sampled
+        See `judged`.
+    """
+    required, target = case.requirement, case.load.target_leak_rate
+    if required is not None and required.judges(load.fluid_pressure):
+        against = limits(case, load.fluid_pressure, load)
+    else:
+        against = () if target is None else (_of_rate(target),)
+    ends = load.leak_interval or (math.nan, math.nan)
+    return [Judgement.of(limit, ends, load.leak_validity, sampled=sampled) for limit in against]
+
+
+def with_judgements(
+    case: Case, loads: Sequence[LoadResult], *, sampled: bool = True
+) -> tuple[LoadResult, ...]:
+    """Loads with what is said of them.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of LoadResult
+    sampled : bool
+        See `judged`.
+    """
+    return tuple(load.knowing(judgement=judged(case, load, sampled=sampled)) for load in loads)
+
+
+def seal_judgement(
+    case: Case,
+    loads: Sequence[LoadResult],
+    missing: Mapping[tuple[float, float], LoadProblem],
+    hardness: float | None = None,
+) -> SealJudgement | None:
+    """What is said of the seal; None without a requirement.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of LoadResult
+        With their judgements.
+    missing : mapping
+        Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
+    hardness : float, optional
+        Of the softer body [Pa].
+    """
+    required = case.requirement
+    if required is None:
+        return None
+    found: list[tuple[int, tuple[float, float], Judgement]] = [
+        (number, load.point, load.judgement) for number, load in enumerate(loads) if load.judgement
+    ]
+    left_out = [
+        (None, point, _of_missing(case, point, problem))
+        for point, problem in missing.items()
+        if required.judges(point[0])
+    ]
+    every = [*found, *left_out]
+    if not every:
+        return None
+    number, point, worst = max(every, key=lambda one: severity(one[2]))
+    numbers = tuple(number for number, _, _ in found)
+    shares = _shares([loads[n] for n in numbers], hardness)
+    return SealJudgement(worst, *point, number, numbers, len(left_out), shares)
+
+
+def _of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> Judgement:
+    limit = limits(case, point[0])[0]
+    if problem.kind == "open":
+        return Judgement(Verdict.FAIL, 0.0, Why.OPEN, limit)
+    return Judgement(Verdict.INCONCLUSIVE, math.nan, Why.UNKNOWN, limit, reason=problem.message)
+
+
+def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Shares:
+    stressed = [
+        (float(load.contact.fields[name].von_mises.max()) / limit, name)
+        for load in loads
+        # without a look at the stress, which a model without displacements does not hold
+        for name in ("closure", "seat")
+        if (limit := _yield_stress(load, name)) is not None
+    ]
+    stress, body = max(stressed, default=(None, ""))
+    openings = [load.opening.share for load in loads if load.opening is not None]
+    peaks = [
+        load.contact.profile.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())
+        for load in loads
+    ]
+    return Shares(
+        stress,
+        body,
+        None if hardness is None or not peaks else max(peaks) / hardness,
+        min(openings, default=None),
+    )
+
+
+def _yield_stress(load: LoadResult, body: str) -> float | None:
+    return {"closure": load.contact.model.closure, "seat": load.contact.model.seat}[
+        body
+    ].material.yield_stress

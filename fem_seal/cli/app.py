@@ -1,0 +1,830 @@
+"""The command line: read, call, show. Everything heavy is imported by the command that needs it."""
+
+from __future__ import annotations
+
+import errno
+import gc
+import math
+import os
+import shutil
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperCommand
+
+from fem_seal.cli.explore import explore
+from fem_seal.cli.library import fluids, materials
+from fem_seal.cli.new import new
+from fem_seal.cli.pdf import pdf
+from fem_seal.cli.study import app as study_app
+from fem_seal.cli.table import table
+from fem_seal.cli.terminal import cell, complain, note, say, say_json, show, warn
+from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError, unexpected
+from fem_seal.former_names import said_to
+from fem_seal.units import DIGITS, Unit, fixed_unit, rounded
+from fem_seal.version import __version__
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from fem_seal.case.case import Case
+    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.units import LeakVolume
+
+DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
+
+app = typer.Typer(
+    name="fem-seal",
+    help="Leakage of metal seals: contact pressure, interfacial gap and leak rate from one case file.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+app.add_typer(study_app, name="study")
+for _command in (new, materials, fluids, table, pdf, explore):
+    app.command()(_command)
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON, in SI units.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+def _folder_option(default: str) -> Any:
+    return typer.Option("--output", "-o", metavar="DIR", show_default=default, help="Folder for the results.")
+
+
+@app.callback(invoke_without_command=True)
+def _version(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
+    cite: Annotated[bool, typer.Option("--cite", help="Print how to cite the program, and exit.")] = False,
+) -> None:
+    if cite:
+        from fem_seal.output.citation import citation
+
+        say(*citation().split("\n"))
+        raise typer.Exit(DONE)
+    if version:
+        say(f"fem-seal {__version__}")
+        raise typer.Exit(DONE)
+
+
+@app.command()
+def run(
+    case_file: CaseFile,
+    output: Annotated[Path | None, _folder_option("[output] folder of the case, CASE.out")] = None,
+    variants: Annotated[
+        bool, typer.Option("--variants", help="Also calculate the leak rate with each reading of the theory.")
+    ] = False,
+    levers: Annotated[
+        bool | None,
+        typer.Option(
+            "--levers/--no-levers",
+            show_default="with a [requirement], of elastic bodies",
+            help="Also find which changes of the design change the leak rate most.",
+        ),
+    ] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Solve all loads of a case and write tables, VTK files, mesh and report to the output folder."""
+    from fem_seal.case.case import load_case
+
+    case = load_case(case_file)
+    if variants:
+        case = case.replace({"leak.variants": True})
+    folder = _results_folder(output, case)
+    from fem_seal import result as seal_result
+    from fem_seal.output import files
+    from fem_seal.output.folders import alone
+    from fem_seal.output.tables import leak_rows
+
+    with alone(folder), _progress(quiet) as progress:
+        result = seal_result.run(case, progress=progress, levers=levers)
+        progress("writing results")
+        with _left_alone():
+            failures = files.write(result, folder)
+    warnings = (*result.warnings, *failures)
+    warn(warnings)
+    rows = leak_rows(result)
+    if json:
+        say_json({"folder": str(folder), "loads": rows, "warnings": warnings})
+    elif not quiet:
+        show_leak_table(rows, case.title, result.loads, _volume_of(case))
+        show_leakage(case, result.loads)
+        show_memory(result)
+        show_form(result)
+        show_particles(result)
+        show_verdict(result)
+        _list_files(folder)
+
+
+@contextmanager
+def _left_alone() -> Iterator[None]:
+    """Spare the garbage collector what is there by now: it stays, and figures are collected one by one."""
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+
+
+class _PictureNamedOrNot(TyperCommand):
+    """Takes `--picture` with or without a file behind it; the case file is none."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put an empty name where none is given."""
+        given = list(args)
+        if "--picture" in given:
+            at = given.index("--picture") + 1
+            if at == len(given) or given[at].startswith("-") or given[at].lower().endswith(".toml"):
+                given.insert(at, "")
+        return super().parse_args(ctx, given)
+
+
+@app.command(cls=_PictureNamedOrNot)
+def check(
+    case_file: CaseFile,
+    picture: Annotated[
+        str | None,
+        typer.Option(
+            metavar="[FILE]",
+            show_default=False,
+            help="Draw the section with its dimensions into a .png, .svg or .pdf; CASE.png unless named.",
+        ),
+    ] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Check a case file and print the closed-form results, without solving."""
+    from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
+    from fem_seal.case.case import load_case
+    from fem_seal.output.derived import derived_numbers, requirement_numbers
+    from fem_seal.output.finish import finish_rows
+    from fem_seal.output.report.verdict import requirement_lines
+    from fem_seal.output.temperature import temperature_rows
+    from fem_seal.seal.heating import warmed
+
+    case = warmed(load_case(case_file))
+    drawn = None
+    if picture is not None:
+        from fem_seal.output.pictures.section import write_section
+
+        drawn = write_section(case, Path(picture) if picture else Path(case_file.with_suffix(".png").name))
+    derived = derive(case)
+    numbers = derived_numbers(case, derived)
+    from fem_seal.seal.problem import SealProblem, sizing
+
+    problem = SealProblem.of(case)
+    numbers["contact_size_m"] = sizing(problem).contact_size
+    numbers["requirement"] = requirement_numbers(case)
+    limits = [nearly_open(derived), strain_limit(derived), closed_form_limits(case, derived)]
+    warn([*_remarks(case), *filter(None, limits)])
+    if json:
+        say_json(numbers)
+    elif not quiet:
+        say(f"{case_file} is valid: {case.title}")
+        for name, text in (*finish_rows(case), *temperature_rows(case, problem)):
+            say(f"  {name:30}{text}")
+        show_derived(numbers)
+        for line in requirement_lines(case):
+            say(f"judged: {line}")
+    if drawn is not None and not (json or quiet):
+        say(f"picture in {drawn}")
+
+
+@app.command()
+def mesh(
+    case_file: CaseFile,
+    output: Annotated[Path | None, _folder_option("[output] folder of the case, CASE.out")] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Mesh a case, write mesh.msh and print the quality of the elements."""
+    from dataclasses import asdict
+
+    from fem_seal.case.case import load_case
+
+    case = load_case(case_file)
+    folder = _results_folder(output, case)
+    from fem_seal.output.folders import alone, replaced_together
+    from fem_seal.seal.problem import SealProblem, build_mesh
+
+    seal_mesh = build_mesh(SealProblem.of(case))
+    path = folder / "mesh.msh"
+    with alone(folder), replaced_together(folder, whole=False) as draft:
+        seal_mesh.write(draft / path.name)
+    _warn_of_mixture(folder)
+    quality = asdict(seal_mesh.quality)
+    if json:
+        say_json({"file": str(path), **quality})
+    elif not quiet:
+        say(f"{quality['elements']} triangles, {quality['vertices']} vertices")
+        say(f"shape (1 is equilateral): smallest {quality['smallest']:.3f}, mean {quality['mean']:.3f}")
+        say(f"relative error of the section area {quality['area_error']:.1e}")
+        say(f"Mesh in {path}")
+
+
+@app.command()
+def leak(
+    profile_file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="PROFILE.csv", show_default=False, help="Contact pressure against arc length."
+        ),
+    ],
+    case_file: CaseFile,
+    output: Annotated[Path | None, _folder_option("PROFILE.leak")] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
+    from fem_seal.answers.profile_leak import leak_of_profiles
+    from fem_seal.case.case import load_case
+    from fem_seal.output.folders import alone, replaced_together
+    from fem_seal.output.tables import profile_leak_rows, write_rows
+    from fem_seal.seal.problem import SealProblem
+    from fem_seal.seal.profile_file import read_profiles
+
+    case = load_case(case_file)
+    profiles = read_profiles(profile_file)
+    folder = _made(output or profile_file.with_suffix(".leak"))
+    loads = leak_of_profiles(SealProblem.of(case), profiles)
+    rows = profile_leak_rows(loads)
+    with alone(folder), replaced_together(folder, whole=False) as draft:
+        write_rows(rows, draft / "leak.csv")
+    _warn_of_mixture(folder)
+    if json:
+        say_json({"folder": str(folder), "loads": rows})
+    elif not quiet:
+        show_leak_table(rows, f"{profile_file.name}: {case.title}", loads, _volume_of(case))
+        show_leakage(case, loads)
+        _list_files(folder)
+
+
+@app.command()
+def direct(
+    case_file: CaseFile,
+    output: Annotated[Path | None, _folder_option("[direct] folder of the case, CASE.direct")] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", min=1, show_default="one per core", help="Processes that calculate."),
+    ] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
+    from fem_seal import result as seal_result
+    from fem_seal.case.case import load_case
+    from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows, shown_rows, write_direct
+    from fem_seal.output.folders import alone
+
+    case = load_case(case_file)
+    given = None if case.direct is None else case.direct.folder
+    folder = _made(output or (Path(given) if given else case_file.with_suffix(".direct")))
+    viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
+    with alone(folder), _progress(quiet) as progress:
+        table = seal_result.direct(case, folder=folder, jobs=jobs or os.cpu_count() or 1, progress=progress)
+        progress("drawing")
+        write_direct(table, folder, viscosity)
+    rows = direct_rows(table, viscosity)
+    if json:
+        say_json({"folder": str(folder), **direct_numbers(table), "pressures": rows})
+    elif not quiet:
+        for line in direct_lines(table):
+            say(line)
+        show_table(f"Direct simulation: {case.title}", *shown_rows(rows), keys=2)
+        _list_files(folder)
+
+
+@app.command()
+def surface(
+    files: Annotated[
+        list[Path],
+        typer.Argument(metavar="FILE...", show_default=False, help="Scans or maps of one surface."),
+    ],
+    output: Annotated[Path | None, _folder_option("FILE.surface")] = None,
+    unit: Annotated[
+        str | None,
+        typer.Option(metavar="UNIT", help='If the file states none: "um", or "mm,um" for x and height.'),
+    ] = None,
+    detrend: Annotated[
+        str, typer.Option(metavar="FORM", help='Form to remove: "tilt", "mean" or "curvature".')
+    ] = "tilt",
+    window: Annotated[
+        str, typer.Option(metavar="WINDOW", help='Window of the Fourier transform: "hann" or "none".')
+    ] = "hann",
+    tip_radius: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help='Radius of the stylus tip, such as "2 um".')
+    ] = None,
+    shortest_wavelength: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help='Resolution of the instrument, such as "2.5 um".')
+    ] = None,
+    outliers: Annotated[
+        str, typer.Option(metavar="WHAT", help='Isolated points: "keep" or "remove".')
+    ] = "keep",
+    hurst: Annotated[
+        float | None,
+        typer.Option(
+            metavar="H", help="Hurst exponent to continue the spectrum with, to --q-low and --q-high."
+        ),
+    ] = None,
+    q_low: Annotated[
+        str | None,
+        typer.Option(metavar="WAVENUMBER", help='Lower end of the continued spectrum, such as "1e2 1/m".'),
+    ] = None,
+    q_high: Annotated[
+        str | None,
+        typer.Option(metavar="WAVENUMBER", help='Upper end of the continued spectrum, such as "1e8 1/m".'),
+    ] = None,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Evaluate measured scans of a surface: key figures, power spectrum, picture."""
+    from fem_seal.case.roughness import scan_case
+    from fem_seal.output.folders import alone, replaced_together
+    from fem_seal.output.surface import surface_lines, surface_numbers, write_surface
+
+    entries = {
+        "unit": unit.split(",") if unit and "," in unit else unit,
+        "detrend": detrend,
+        "window": window,
+        "tip_radius": tip_radius,
+        "shortest_wavelength": shortest_wavelength,
+        "outliers": outliers,
+        "extrapolation": "cut" if hurst is None and q_low is None and q_high is None else "self-affine",
+        "hurst": hurst,
+        "q_low": q_low,
+        "q_high": q_high,
+    }
+    measured = scan_case([str(file) for file in files], entries).measured()
+    folder = _made(output or files[0].with_suffix(".surface"))
+    with alone(folder), replaced_together(folder, whole=False) as draft:
+        write_surface(measured, draft)
+    warn(measured.warnings)
+    if json:
+        say_json({"folder": str(folder), **surface_numbers(measured)})
+    elif not quiet:
+        for name, text in surface_lines(measured):
+            say(f"  {name:24}{text}")
+        _list_files(folder)
+
+
+@app.command()
+def view(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", show_default=False, help="Results folder of `fem-seal run`.")
+    ],
+    png: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw into a PNG file instead of a window; needs no display."),
+    ] = None,
+    load: Annotated[
+        int | None,
+        typer.Option(metavar="N", show_default="the last", help="Number of the load, from 1."),
+    ] = None,
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Show a results folder in space: the seal cut open, contact pressure on the seat, a slider over the loads."""
+    from fem_seal.output.pictures import three_d
+
+    _warn_of_mixture(folder)
+    three_d.view(folder, png, load)
+    if png is not None and not quiet:
+        say(f"picture in {png}")
+
+
+@app.command()
+def schema(
+    study: Annotated[bool, typer.Option("--study", help="That of the study file.")] = False,
+) -> None:
+    """Print the JSON Schema of the case file, for completion and checks in an editor."""
+    if study:
+        from fem_seal.studies.schema import study_schema
+
+        say_json(study_schema())
+        return
+    from fem_seal.case.schema import case_schema
+
+    say_json(case_schema())
+
+
+def _results_folder(output: Path | None, case: Case) -> Path:
+    return _made(output or Path(case.output.folder or "fem-seal.out"))
+
+
+def _made(folder: Path) -> Path:
+    """Make a results folder before the work starts, not after it."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = (getattr(error, "strerror", None) or "not a folder name").lower()
+        problem = Problem(
+            "--output", f"cannot be created ({reason}); give a folder that can be written to", str(folder)
+        )
+        raise InputError(problem) from None
+    return folder
+
+
+def _remarks(case: Case) -> list[str]:
+    from fem_seal.answers.left_out import left_out
+    from fem_seal.materials import creep_remarks
+    from fem_seal.seal.problem import SealProblem
+    from fem_seal.validity.materials import temperature_cautions
+
+    remarks = []
+    if case.roughness is None:
+        remarks.append("no [roughness]: no leak rate is calculated")
+    if case.fluid is None:
+        remarks.append("no [fluid]: no leak rate is calculated")
+    if case.roughness is not None:
+        remarks.extend(case.roughness.remarks())
+    if case.form is not None:
+        remarks.append(
+            "[form]: what follows is that of the round seal; `fem-seal run` calculates the form error"
+        )
+        remarks.extend(case.form.without_effect(case.contact.angle))
+    problem = SealProblem.of(case)
+    remarks.extend(problem.beside)
+    remarks.extend(creep_remarks(problem.materials))
+    remarks.extend(one.text for one in temperature_cautions(problem))
+    remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))
+    if case.load.target_leak_rate is not None:
+        from fem_seal.answers.target import target_remarks
+
+        remarks.extend(target_remarks(problem))
+    return remarks
+
+
+def _warn_of_mixture(folder: Path) -> None:
+    from fem_seal.output.folders import unfinished
+
+    said = unfinished(folder)
+    warn([f"{folder}: {said}"] if said else [])
+
+
+def _list_files(folder: Path) -> None:
+    names = sorted(path.name for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    steps = [name for name in names if name.endswith((".vtu", ".vtp"))]
+    others = [name for name in names if name not in steps]
+    listed = ", ".join(others) + (f" and {len(steps)} VTK files" if steps else "")
+    say(f"Results in {os.path.join(folder, '')}: {listed}")
+
+
+@contextmanager
+def _progress(quiet: bool) -> Iterator[Callable[[str], None]]:
+    """Show on stderr what is being done: a changing line on a terminal, lines elsewhere, or nothing."""
+    try:
+        if quiet:
+            yield lambda text: None
+        elif not sys.stderr.isatty():
+            yield note
+        else:
+            from rich.console import Console
+
+            with Console(stderr=True, highlight=False).status("starting") as status:
+                yield lambda text: status.update(cell(text))
+    except KeyboardInterrupt:
+        note("interrupted")
+        raise
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code; no traceback ever reaches the user.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Without the program's name; those of the process unless given.
+
+    Returns
+    -------
+    int
+        0 done, 2 wrong input, 3 no load or design can be calculated, 130 interrupted, 1 anything else.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        with said_to(lambda text: warn([text])):
+            app(args=words, prog_name="fem-seal")
+        sys.stdout.flush()
+    except SystemExit as leave:
+        return leave.code if isinstance(leave.code, int) else DONE
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Exception as error:
+        if "--debug" in words:
+            raise
+        code, message = _explained(error)
+        complain(message)
+        return code
+    return DONE
+
+
+def _explained(error: Exception) -> tuple[int, str]:
+    """Exit code and message of an error."""
+    own = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
+    if isinstance(error, (ConvergenceError, NoLoadLeftError)):
+        return NO_RESULT, str(error)
+    if own and isinstance(error, ValueError):
+        return WRONG_INPUT, str(error)
+    if own or isinstance(error, SealError):
+        return OTHER_FAILURE, str(error)
+    if isinstance(error, ImportError):
+        from leak.extras import extra_with, needed
+
+        if extra := extra_with(error.name):
+            return WRONG_INPUT, f"this {needed(extra, error)}"
+    if isinstance(error, OSError):
+        return OTHER_FAILURE, _said_by_system(error)
+    return OTHER_FAILURE, unexpected(error)
+
+
+def _said_by_system(error: OSError) -> str:
+    """Where and why the system refused; on a full disc, what has no file name was printed."""
+    reason = (error.strerror or str(error)).lower()
+    if error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)):
+        return f"{error.filename or 'output'}: cannot be written ({reason})"
+    return f"{error.filename or 'file'}: {reason}"
+
+
+# Wider than any table.
+_ENDLESS = 100_000
+
+
+def show_leak_table(
+    rows: Sequence[Mapping[str, Any]],
+    title: str,
+    loads: Sequence[LoadResult],
+    volume: LeakVolume | None = None,
+) -> None:
+    """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+    title : str
+    loads : sequence of LoadResult
+        Of the rows: they know how many digits a number is worth.
+    volume : LeakVolume, optional
+        What a volume is that leaks; that of a liquid unless given.
+    """
+    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL
+    from fem_seal.output.report.words import volume_notes
+    from fem_seal.seal.findings import Level
+    from fem_seal.units import LIQUID
+
+    columns = [column for column in LEAK_ON_TERMINAL if any(_filled(row.get(column.name)) for row in rows)]
+    cells = [
+        [_cell(row.get(column.name), column.unit, COLUMNS[column.name].digits(load)) for column in columns]
+        for row, load in zip(rows, loads, strict=True)
+    ]
+    volume, unmeasured = volume or LIQUID, False
+    for line, row in zip(cells, rows, strict=True):
+        for n, column in enumerate(columns):
+            if _not_measurable(row.get(column.name), COLUMNS[column.name].kind, volume):
+                line[n] = "<"
+                unmeasured = True
+            elif column.name == "margin":
+                line[n] = _margin(row.get("margin"), line[n])
+    flows = [column.unit.name for column in columns if COLUMNS[column.name].kind == "flow"]
+    headings = [f"{column.heading}\n{column.unit.name}" for column in columns]
+    levels = [Level(row["validity"]) for row in rows]
+    # what tells the rows apart stays beside every part of a table that is too wide
+    several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
+    keys = 2 if several_forces and columns[1].name == "contact_force_N" else 1
+    if any(level.mark for level in levels):
+        headings.insert(keys, "")
+        for line, level in zip(cells, levels, strict=True):
+            line.insert(keys, level.mark)
+        keys += 1
+    verdicts = [row.get("verdict") for row in rows]
+    if any(verdicts):
+        headings.append("verdict\n")
+        for line, verdict in zip(cells, verdicts, strict=True):
+            line.append(verdict or "-")
+    show_table(title, headings, cells, keys)
+    for level in Level:
+        if level.mark and level in levels:
+            what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
+            say(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
+    for told in volume_notes(volume, flows, unmeasured=unmeasured):
+        say(f"  {told}")
+
+
+def _volume_of(case: Case) -> LeakVolume | None:
+    return None if case.fluid is None else case.fluid.volume
+
+
+def _not_measurable(value: float | None, kind: str, volume: LeakVolume) -> bool:
+    """Whether a leak rate is less than anybody could measure; a throughput is its volume times 101325 Pa."""
+    if value is None or kind not in ("flow", "throughput"):
+        return False
+    rate = value / 101325.0 if kind == "throughput" else value
+    return rate > 0 and not volume.measurable(rate)
+
+
+def _margin(value: float | None, shown: str) -> str:
+    """A margin that is read: none above a million."""
+    if value is None or not value > 1e6:
+        return shown
+    return "sealed" if math.isinf(value) else ">1e6"
+
+
+def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
+    """Print the leak rate of the highest load in the units of leak testing, and its classes.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of LoadResult
+    """
+    from fem_seal.output.report.words import leakage_lines
+    from fem_seal.seal.results import highest_load
+
+    for line in leakage_lines(case, loads[highest_load(loads)], loads):
+        say(line)
+
+
+def show_memory(result: SealSolution) -> None:
+    """Print after which larger load the results hold, if one is given.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    from fem_seal.output.report.words import remembered
+
+    for line in remembered(result):
+        say(line)
+
+
+def show_form(result: SealSolution) -> None:
+    """Print what the form error of a seal means; nothing for a round one.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    if result.form is None:
+        return
+    from fem_seal.output.report.form import form_in_words
+
+    for line in form_in_words(result):
+        say(line)
+
+
+def show_particles(result: SealSolution) -> None:
+    """Print what particles in the fluid do to the leak; nothing without [fluid.particles].
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    if not result.particles:
+        return
+    from fem_seal.output.report.particles import particles_in_words
+
+    for line in particles_in_words(result):
+        say(line)
+
+
+def show_verdict(result: SealSolution) -> None:
+    """Print whether the seal keeps what is required of it, without a requirement which class would be next; levers.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    from fem_seal.output.report.levers import lever_lines
+    from fem_seal.output.report.verdict import verdict_lines
+
+    for line in (*verdict_lines(result), *lever_lines(result)):
+        say(line)
+
+
+def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
+    """Print a table, numbers to the right and none of them cut.
+
+    A terminal that is too narrow gets it in parts below each other. What is no terminal has no width.
+
+    Parameters
+    ----------
+    title : str
+    headings : sequence of str
+        Of two lines at most.
+    rows : sequence of sequence of str
+    keys : int
+        So many first columns say which row it is; they stand in every part.
+    """
+    from rich.console import Console
+
+    # the terminal's own width decides how many columns stand side by side, never how many digits of one
+    console = Console(width=_ENDLESS, highlight=False)
+    # above the table and not its title, which would be broken to the width of the table
+    say(title, bold=True)
+    widths = [
+        max(len(line) for cell in (heading, *column) for line in cell.split("\n"))
+        for heading, *column in zip(headings, *rows, strict=True)
+    ]
+    for part in _parts(widths, keys):
+        show(_table([headings[n] for n in part], [[row[n] for n in part] for row in rows]), console)
+
+
+def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD)
+    for heading in headings:
+        table.add_column(cell(heading), justify="right", no_wrap=True)
+    for row in rows:
+        table.add_row(*map(cell, row))
+    return table
+
+
+def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:
+    """Columns that stand side by side: as many as fit beside the keys, and one at least."""
+    room = shutil.get_terminal_size().columns if sys.stdout.isatty() else _ENDLESS
+    # a blank on either side of each column, one between two and one at either end
+    taken = [width + 3 for width in widths]
+    alone = 1 + sum(taken[:keys])
+    part, used = list(range(keys)), alone
+    for n in range(keys, len(widths)):
+        if len(part) > keys and used + taken[n] > room:
+            yield part
+            part, used = list(range(keys)), alone
+        part.append(n)
+        used += taken[n]
+    yield part
+
+
+def _filled(value: float | None) -> bool:
+    return value is not None and not math.isnan(value)
+
+
+def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
+    if value is None or math.isnan(value):
+        return "-"
+    shown = unit.of(value)
+    if digits < DIGITS and math.isfinite(value) and value:
+        exponent = math.floor(math.log10(abs(rounded(shown, digits))) + 1e-12)
+        if -4 <= exponent < DIGITS:
+            return f"{rounded(shown, digits):.{max(digits - 1 - exponent, 0)}f}"
+    # so many digits, also when they are zeros: columns stay aligned
+    return f"{shown:#.{digits}g}".removesuffix(".")
+
+
+# What `fem-seal check` says of the case as a whole: name in its JSON, words, unit.
+_CHECK_LINES = (
+    ("touch_radius_m", "radius of first touch r0", "mm"),
+    ("contact_angle_rad", "angle of the contact normal", "deg"),
+    ("relative_radius_m", "radius of relative curvature", "mm"),
+    ("effective_modulus_Pa", "effective modulus E*", "GPa"),
+    ("hardness_Pa", "hardness", "GPa"),
+    ("rms_height_m", "rms height", "um"),
+    ("rms_slope", "rms slope", ""),
+    ("decay_length_m", "decay length u0", "um"),
+    ("law_pressure_Pa", "p_c", "GPa"),
+    ("viscosity_Pa_s", "viscosity", "mPa s"),
+    ("contact_size_m", "element size in the contact", "um"),
+)
+
+
+def _dimension(key: str, value: float) -> str:
+    return f"{math.degrees(value):.4g} deg" if key.endswith("angle") else f"{1e3 * value:.4g} mm"
+
+
+def show_derived(numbers: Mapping[str, Any]) -> None:
+    """Print the derived numbers of a case."""
+    from fem_seal.output.case_words import section_text
+    from fem_seal.output.columns import CHECK_ON_TERMINAL
+
+    for body, lengths in numbers["dimensions"].items():
+        shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
+        if body in numbers["sections"]:
+            shown += section_text(numbers["sections"][body]).values()
+        say(f"  {body:10}" + ", ".join(shown))
+    for name, words, unit in _CHECK_LINES:
+        value = numbers[name]
+        if value is not None and math.isfinite(value):
+            say(f"  {words:30}{_cell(value, fixed_unit(unit))} {unit}".rstrip())
+    rows = numbers["loads"]
+    columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
+    closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
+    show_table(
+        "Closed-form pressure profiles" if closed else "Loads (no closed-form profiles: the faces conform)",
+        [f"{column.heading}\n{column.unit.name}" for column in columns],
+        [[_cell(row[column.name], column.unit) for column in columns] for row in rows],
+    )

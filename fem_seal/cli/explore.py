@@ -1,0 +1,59 @@
+"""The command `fem-seal explore`: read, serve, open."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fem_seal.cli.terminal import complain, say
+from fem_seal.errors import InputError, Problem, unexpected
+
+
+def explore(
+    case_file: Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")],
+    port: Annotated[
+        int, typer.Option("--port", min=0, max=65535, help="Of the page; 0 for any that is free.")
+    ] = 8050,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Do not open a browser.")] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            show_default="that of the case file",
+            help="Folder for case files and reports that are written from the page.",
+        ),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+) -> None:
+    """Open a live page of a case on this machine: sliders, and the leak rate that follows them. Ctrl-C ends it."""
+    from fem_seal.case.case import load_case
+
+    case = load_case(case_file)
+    folder = (output or case_file.parent).absolute()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(Problem("--output", f"cannot be created ({error.strerror})", str(folder))) from None
+    from fem_seal.explore.server import serve
+
+    def opened(address: str) -> None:
+        if no_browser or not quiet:
+            # without the token in it nobody can open the page
+            say(f"{case.title}: {address}   (Ctrl-C ends it)")
+        if not no_browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    def failed(error: BaseException) -> None:
+        if debug:
+            traceback.print_exception(error)
+        complain(unexpected(error))
+
+    serve(case, folder, port, opened, failed)

@@ -1,0 +1,134 @@
+"""The commands `fem-seal materials` and `fem-seal fluids`: what the libraries hold."""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Annotated, Any
+
+import typer
+
+from fem_seal.cli.terminal import cell, say, say_json, show
+
+Json = Annotated[bool, typer.Option("--json", help="Print the entries as JSON, in SI units.")]
+Csv = Annotated[bool, typer.Option("--csv", help="Print the entries as CSV, in SI units.")]
+Temperature = Annotated[
+    str, typer.Option("--temperature", "-t", metavar="TEMPERATURE", help='Such as "60 degC".')
+]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+# So wide a terminal has room for a column of words beside the numbers.
+_WIDE = 120
+
+
+def materials(
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="[NAME]", show_default=False, help="One of them, with source and condition."),
+    ] = None,
+    temperature: Temperature = "20 degC",
+    json: Json = False,
+    csv: Csv = False,
+    debug: Debug = False,
+) -> None:
+    """List the materials of the library: modulus, hardness, yield strength, expansion, conductivity, condition, source.
+
+    Numbers that are not known at the temperature are left out.
+    """
+    from fem_seal.case.material_library import material
+    from fem_seal.output.library import (
+        ONE_CONDITION,
+        material_cells,
+        material_lines,
+        material_row,
+        material_rows,
+    )
+    from fem_seal.units import parse_quantity
+
+    kelvin = parse_quantity(temperature, "temperature")
+    rows = material_rows(kelvin) if name is None else [material_row(material(name), kelvin)]
+    if json or csv:
+        _print_rows(rows, name is not None, json)
+    elif name is not None:
+        _print_lines(material_lines(rows[0]))
+    else:
+        _print_table(*material_cells(rows), "condition", [row["condition"] for row in rows])
+        say(
+            f"Numbers at {temperature}. {ONE_CONDITION}",
+            "fem-seal materials NAME tells condition, source and tables over temperature of one; --json of all.",
+        )
+
+
+def fluids(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", show_default=False, help="One of them, with its source.")
+    ] = None,
+    temperature: Temperature = "20 degC",
+    json: Json = False,
+    csv: Csv = False,
+    debug: Debug = False,
+) -> None:
+    """List the fluids of the library: viscosity, density, range of temperature, source."""
+    from fem_seal.output.library import fluid_cells, fluid_lines, fluid_row, fluid_rows
+    from fem_seal.units import parse_quantity
+
+    kelvin = parse_quantity(temperature, "temperature")
+    rows = fluid_rows(kelvin) if name is None else [fluid_row(name, kelvin)]
+    if json or csv:
+        _print_rows(rows, name is not None, json)
+    elif name is not None:
+        _print_lines(fluid_lines(rows[0]))
+    else:
+        _print_table(*fluid_cells(rows), "source", [row["source"] for row in rows])
+        say(
+            f"Viscosity and density at {temperature}. fem-seal fluids NAME tells the source of one; --json of all. "
+            'A name "CoolProp:..." in a case takes any fluid of the optional package CoolProp.'
+        )
+
+
+def _print_rows(rows: Sequence[dict[str, Any]], single: bool, as_json_text: bool) -> None:
+    if as_json_text:
+        say_json(rows[0] if single else rows)
+        return
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    # tables have no place in a cell
+    rows = [{key: cell for key, cell in row.items() if not isinstance(cell, dict)} for row in rows]
+    writer.writerow(rows[0])
+    for row in rows:
+        cells = (", ".join(cell) if isinstance(cell, list) else cell for cell in row.values())
+        writer.writerow("" if cell is None else cell for cell in cells)
+
+
+def _print_lines(lines: Iterable[tuple[str, str]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table.grid(padding=(0, 2))
+    for word, text in lines:
+        table.add_row(word, cell(text))
+    show(table, _console(Console))
+
+
+def _print_table(
+    headings: Sequence[str], cells: Sequence[Sequence[str]], more: str, words: Sequence[str]
+) -> None:
+    """Print numbers beside the names, and where the terminal is wide or the output no terminal, words beside them."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = _console(Console)
+    wide = console.width >= _WIDE
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for number, heading in enumerate(headings):
+        table.add_column(cell(heading), justify="left" if number == 0 else "right", no_wrap=True)
+    if wide:
+        table.add_column(f"{more}\n", justify="left", overflow="fold")
+    for line, text in zip(cells, words, strict=True):
+        table.add_row(*(cell(one) for one in line), *([cell(text)] if wide else []))
+    show(table, console)
+
+
+def _console(make: Any) -> Any:
+    # what is no terminal has no width
+    return make(highlight=False, **({} if sys.stdout.isatty() else {"width": 10_000}))

@@ -1,0 +1,252 @@
+"""The command `fem-seal new`: a commented case from a template, with answers to questions or from options."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fem_seal.cli.terminal import complain, prompt, say
+from fem_seal.errors import InputError, NoLoadLeftError, Problem
+from fem_seal.former_names import say_once
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from fem_seal.case.new_case import Question
+
+NAMES = "ball-valve, check-valve, relief-valve, needle, flat-seat or knife-edge"
+CLASSES = "ISO 5208 A, AA, B, C, CC, D, E, EE, F, G; FCI 70-2 II, III, IV, V, VI; API 598"
+
+
+def _option(words: str, example: str) -> Any:
+    return typer.Option(metavar="VALUE", show_default=False, help=f'{words}, such as "{example}".')
+
+
+def new(
+    name: Annotated[
+        str | None,
+        typer.Option("--template", "-t", metavar="NAME", show_default=False, help=f"{NAMES}; asks nothing."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", show_default="NAME.toml", help="Case file to write."),
+    ] = None,
+    title: Annotated[str | None, _option("Title of the report", "Valve 7")] = None,
+    diameter: Annotated[str | None, _option("Diameter of the closure", "40 mm")] = None,
+    bore: Annotated[str | None, _option("Diameter of the bore", "25 mm")] = None,
+    included_angle: Annotated[str | None, _option("Included angle of the cone", "90 deg")] = None,
+    closure_material: Annotated[str | None, _option("Material of the closure", "316L")] = None,
+    seat_material: Annotated[str | None, _option("Material of the seat", "stellite 6")] = None,
+    ra: Annotated[str | None, _option("Ra on the drawing", "0.2 um")] = None,
+    process: Annotated[str | None, _option("Process that made the face", "lapped")] = None,
+    fluid: Annotated[str | None, _option("Fluid", "water")] = None,
+    pressure: Annotated[str | None, _option("Fluid pressure, one or several", "6 bar, 16 bar")] = None,
+    applied_force: Annotated[str | None, _option("Closing force of spring or actuator", "300 N")] = None,
+    axial_force: Annotated[str | None, typer.Option(hidden=True)] = None,
+    leak_rate: Annotated[str | None, _option("Largest allowed leak rate", "0.1 ml/min")] = None,
+    leakage_class: Annotated[
+        str | None,
+        typer.Option(
+            "--class",
+            metavar="VALUE",
+            show_default=False,
+            help=f'Required leakage class, such as "B" or "FCI 70-2 V"; there are {CLASSES}.',
+        ),
+    ] = None,
+    entries: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            show_default=False,
+            help='Any other entry, such as seat.land_width="1 mm"; may be repeated.',
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+) -> None:
+    """Write a commented case that runs: asks a handful of questions, or none with --template."""
+    from fem_seal.case.new_case import template
+
+    if axial_force is not None:
+        say_once("--axial-force", "--applied-force")
+        applied_force = applied_force or axial_force
+    asks = name is None
+    if asks and not _can_ask():
+        raise InputError(
+            Problem(
+                "--template", f"is missing, and without a terminal nothing can be asked; give one: {NAMES}"
+            )
+        )
+    name = _chosen_template() if name is None else name
+    text = template(name)
+    path = output or Path(f"{name}.toml")
+    _check_place(path, force)
+    answers = {
+        "title": title,
+        "diameter": diameter,
+        "bore": bore,
+        "included-angle": included_angle,
+        "closure-material": closure_material,
+        "seat-material": seat_material,
+        "ra": ra,
+        "process": process,
+        "fluid": fluid,
+        "pressure": pressure,
+        "applied-force": applied_force,
+        "leak-rate": leak_rate,
+        "class": leakage_class,
+    }
+    given = {key: value for key, value in answers.items() if value is not None}
+    text = _with_options(text, name, given, entries or [])
+    text = _with_answers(text, given) if asks else _checked(text)
+    _write(text, path)
+    say(f"{path} is written; next:")
+    say(f"  fem-seal check {_quoted(path)} --picture   (its section as a drawing)")
+    say(f"  fem-seal run {_quoted(path)}   (leak rate and report)")
+
+
+def _can_ask() -> bool:
+    return sys.stdin.isatty()
+
+
+def _chosen_template() -> str:
+    from fem_seal.case.new_case import TEMPLATES, about
+
+    say("What is it like?")
+    for number, one in enumerate(TEMPLATES, start=1):
+        say(f"  {number}  {one:14}{about(one)}")
+    while True:
+        answer = prompt("number or name", "1")
+        if answer.isdecimal() and 1 <= int(answer) <= len(TEMPLATES):
+            return TEMPLATES[int(answer) - 1]
+        if answer in TEMPLATES:
+            return answer
+        say(f"1 to {len(TEMPLATES)}, or one of the names")
+
+
+def _check_place(path: Path, force: bool) -> None:
+    if path.exists() and not force:
+        raise InputError(Problem("--output", "is there already; --force replaces it", str(path)))
+    if path.suffix.lower() != ".toml":
+        raise InputError(Problem("--output", "must end with .toml", str(path)))
+
+
+def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[str]) -> str:
+    from fem_seal.case.new_case import (
+        QUESTIONS,
+        asked,
+        for_angle,
+        required_class,
+        scaled,
+        with_entries,
+        without_entry,
+    )
+
+    paths = {question.name: path for question, path, _ in asked(text)}
+    # a template with a class takes a leak rate beside it, and one with a leak rate a class instead
+    paths.setdefault("leak-rate", "requirement.leak_rate")
+    paths.setdefault("class", "requirement.class")
+    missing = [key for key in given if key not in paths]
+    if missing:
+        known = ", ".join(f"--{one.name}" for one in QUESTIONS if one.name in paths)
+        raise InputError(
+            Problem(
+                f"--{missing[0]}",
+                f"is nothing that the template {name} has; it has {known}, and --set KEY=VALUE",
+            )
+        )
+    changes = {paths[key]: value for key, value in given.items() if key != "class"}
+    for entry in entries:
+        key, equals, value = entry.partition("=")
+        if not (equals and key.strip() and value.strip()):
+            raise InputError(Problem("--set", 'must be KEY=VALUE, such as seat.land_width="1 mm"', entry))
+        changes[key.strip()] = value.strip()
+    # the bore before the closure, which may have its own size
+    leading = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
+    if leading is not None:
+        text = scaled(text, leading, changes[leading], kept=tuple(changes))
+    if "included-angle" in given and "diameter" not in given:
+        text = for_angle(text, given["included-angle"])
+    text = with_entries(text, changes)
+    if "class" in given:
+        text = with_entries(text, required_class(text, given["class"]))
+        if "leak-rate" not in given:
+            text = without_entry(text, "requirement.leak_rate")
+    return text
+
+
+def _checked(text: str) -> str:
+    from fem_seal.case.new_case import read_text_case
+
+    read_text_case(text)
+    return text
+
+
+def _with_answers(text: str, given: Mapping[str, str]) -> str:
+    """Ask for every entry that no option has given; what does not fit together is asked again."""
+    from fem_seal.case.new_case import QUESTIONS, asked, read_text_case
+
+    say("Enter keeps what stands in brackets.")
+    while True:
+        answered: list[str] = []
+        for question in QUESTIONS:
+            found = next((one for one in asked(text) if one[0] is question), None)
+            if found is not None and question.name not in given:
+                text = _answered(text, *found, kept=answered)
+            answered += [] if found is None else [found[1]]
+        try:
+            read_text_case(text)
+        except InputError as error:
+            given = {}
+            for problem in error.problems:
+                complain(str(problem), "")
+            say("Once more:")
+        else:
+            return text
+
+
+def _answered(text: str, question: Question, path: str, value: str, kept: list[str]) -> str:
+    """The text with an answer that may stand at its place; what is not answered yet goes with the size of the valve."""
+    from fem_seal.case.new_case import read_text_case, scaled, with_entries
+
+    while True:
+        answer = prompt(question.words, value)
+        changed = text
+        if answer != value:
+            sized = scaled(text, path, answer, kept) if question.name in ("bore", "diameter") else text
+            changed = with_entries(sized, {path: answer})
+        try:
+            read_text_case(changed)
+        except NoLoadLeftError:
+            # the force, which comes last, may put it right
+            return changed
+        except InputError as error:
+            wrong = [one for one in error.problems if one.key == path or one.key.startswith(f"{path}.")]
+            if not wrong:
+                return changed
+            complain(str(wrong[0]), "")
+        else:
+            return changed
+
+
+def _write(text: str, path: Path) -> None:
+    """The case with the schema for editors beside it."""
+    from fem_seal.case.new_case import SCHEMA_FILE, with_schema
+    from fem_seal.case.schema import case_schema
+    from fem_seal.files import as_json, write_text
+
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_text(path.with_name(SCHEMA_FILE), as_json(case_schema()) + "\n")
+        write_text(path, with_schema(text.replace(" FILE", f" {path.name}"), f"./{SCHEMA_FILE}"))
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(Problem("--output", f"cannot be written ({reason})", str(path))) from None
+
+
+def _quoted(path: Path) -> str:
+    return f'"{path}"' if " " in str(path) else str(path)

@@ -1,0 +1,187 @@
+"""The commands `fem-seal study ...`: read, call, show."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from fem_seal.cli.terminal import say, say_json, warn
+from fem_seal.errors import NoLoadLeftError, Problem
+
+if TYPE_CHECKING:
+    from fem_seal.studies.results import StudyResult
+
+_BEST = 10
+
+
+class _RunUnlessNamed(TyperGroup):
+    """Takes `fem-seal study STUDY.toml` as `fem-seal study run STUDY.toml`."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the command in front of the file."""
+        own = ("--help", "-h")
+        if args and args[0] not in self.commands and args[0] not in own:
+            args = ["run", *args]
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(
+    cls=_RunUnlessNamed,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Calculate many designs of one case: fem-seal study STUDY.toml, fem-seal study report DIR.",
+)
+
+StudyFolder = Annotated[Path, typer.Argument(metavar="DIR", show_default=False, help="Folder of a study.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+@app.command()
+def run(
+    study_file: Annotated[Path, typer.Argument(metavar="STUDY.toml", show_default=False, help="Study file.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="DIR", show_default="STUDY.study", help="Folder for the study."
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            min=0,
+            show_default="one per core",
+            help="Worker processes; 0 calculates in this process.",
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="Address of a running dask scheduler, such as tcp://host:8786.",
+        ),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Continue with the designs that are missing.")
+    ] = False,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="With --resume: recalculate the designs that failed.")
+    ] = False,
+    quiet: Quiet = False,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Calculate the designs of a study, store them in study.sqlite and write report.html."""
+    from fem_seal.studies.progress import shown_progress
+    from fem_seal.studies.session import run_study
+    from fem_seal.studies.study import load_study
+
+    study = load_study(study_file)
+    result = run_study(
+        study,
+        folder=output or study_file.with_suffix(".study"),
+        workers=workers,
+        scheduler=scheduler,
+        resume=resume,
+        retry_failed=retry_failed,
+        progress=shown_progress(quiet),
+        leave=_leave,
+    )
+    result.report()
+    _show(result, quiet, json)
+    counts = result.counts
+    if counts["failed"] and not counts["done"]:
+        raise NoLoadLeftError(Problem("", "none of its designs can be calculated"), file=study_file)
+
+
+def _leave() -> None:
+    """End the process at once, from whatever thread: one that never comes back cannot be waited for."""
+    sys.stdout.flush()
+    os._exit(1)
+
+
+@app.command()
+def report(
+    folder: StudyFolder,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", show_default="DIR/report.html", help="File to write."),
+    ] = None,
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Rewrite report.html; the study may still be running."""
+    from fem_seal.studies.results import StudyResult
+
+    path = StudyResult(folder).report(output)
+    if not quiet:
+        say(f"Page in {path}")
+
+
+@app.command()
+def export(
+    folder: StudyFolder,
+    path: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE", show_default=False, help="File to write: .csv, .parquet or .nc (netCDF)."
+        ),
+    ],
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Write the table of a study as CSV, Parquet or netCDF."""
+    from fem_seal.studies.results import StudyResult
+
+    written = StudyResult(folder).export(path)
+    if not quiet:
+        say(f"Table in {written}")
+
+
+def _show(result: StudyResult, quiet: bool, json: bool) -> None:
+    if json:
+        designs = result.best().reset_index().to_dict("records")
+        say_json(
+            {"folder": str(result.folder), **result.counts, "left_out": result.left_out, "best": designs}
+        )
+        return
+    warn(f"{times} failed: {reason}" for reason, times in result.reasons)
+    if quiet:
+        return
+    _show_best(result.folder)
+    counts = result.counts
+    say(f"{counts['done']} designs done, {counts['failed']} failed, {counts['open']} open")
+    say(f"Results in {result.folder}: study.sqlite, report.html")
+
+
+def _show_best(folder: Path) -> None:
+    """Print the best designs side by side, as many beside each other as fit; numbers are never cut."""
+    from fem_seal.studies.designs_table import Designs
+    from fem_seal.studies.page.display import Display
+    from fem_seal.studies.page.page import outside_left_out
+
+    designs = Designs.open(folder)
+    numbers, columns = Display(designs).best(_BEST)
+    if designs.about["goals"] and designs.left_out:
+        say(f"{outside_left_out(designs)}.")
+    if not numbers:
+        return
+    lines = {"design": [str(number) for number in numbers], **columns}
+    labels = max(map(len, lines))
+    cells = max(len(text) for line in lines.values() for text in line) + 2
+    fitting = max((shutil.get_terminal_size().columns - labels) // cells, 1)
+    say("Best designs", bold=True)
+    for first in range(0, len(numbers), fitting):
+        for label, line in lines.items():
+            shown = "".join(text.rjust(cells) for text in line[first : first + fitting])
+            say(label.ljust(labels) + shown)
+        say()

@@ -1,0 +1,140 @@
+"""The command `fem-seal table`: leak over pressure and force, for the simulation of a system."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fem_seal.cli.terminal import say, say_json, show, warn
+
+if TYPE_CHECKING:
+    from fem_seal.answers.leak_map import LeakMap
+
+_FORM = '"1 bar, 5 bar, 20 bar", or from, to and number of values: "1 bar : 20 bar : 10"'
+
+
+def table(
+    case_file: Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="DIR", show_default="CASE.table", help="Folder for the tables."
+        ),
+    ] = None,
+    pressure: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PRESSURES", show_default="those of the case, at least eight", help=f"Such as {_FORM}."
+        ),
+    ] = None,
+    force: Annotated[
+        str | None,
+        typer.Option(metavar="FORCES", show_default="those of the case", help='Such as "0 N : 2 kN : 5".'),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print the points as JSON, in SI units.")] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+) -> None:
+    """Leak rate and equivalent leakage area over pressure and force: CSV, Modelica and MATLAB tables."""
+    from fem_seal.answers.leak_map import leak_map
+    from fem_seal.case.case import load_case
+    from fem_seal.output.folders import alone, replaced_together
+    from fem_seal.output.leak_map import map_rows, write_map
+
+    case = load_case(case_file)
+    pressures = None if pressure is None else grid(pressure, "pressure")
+    forces = None if force is None else grid(force, "force")
+    folder = output or case_file.with_suffix(".table")
+    with alone(folder):
+        found = leak_map(case, pressures, forces)
+        with replaced_together(folder, whole=False) as draft:
+            write_map(found, draft)
+    whole = found.complete
+    if json:
+        say_json({"folder": str(folder), "points": map_rows(found)})
+    elif not quiet:
+        _show(found)
+    warn(_left_out(found, whole))
+    if not (json or quiet):
+        say(f"Tables in {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.suffix))}")
+
+
+def grid(text: str, dimension: str) -> list[float]:
+    """Values of an axis of the table, SI.
+
+    Parameters
+    ----------
+    text : str
+        Quantities with "," between them, or first, last and number of values with ":" between them.
+    dimension : str
+        "pressure" or "force".
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+
+    Examples
+    --------
+    >>> grid("1 bar : 4 bar : 4", "pressure"), grid("0 N, 2 kN", "force")
+    ([100000.0, 200000.0, 300000.0, 400000.0], [0.0, 2000.0])
+    """
+    from fem_seal.errors import InputError, Problem
+    from fem_seal.units import parse_quantity
+
+    if ":" not in text:
+        return [parse_quantity(one.strip(), dimension) for one in text.split(",")]
+    ends = [one.strip() for one in text.split(":")]
+    if len(ends) != 3 or not ends[2].isdecimal() or not 2 <= int(ends[2]) <= 1000:
+        raise InputError(
+            Problem(dimension, f"write a list or a range with 2 to 1000 values, such as {_FORM}", repr(text))
+        )
+    first, last, number = parse_quantity(ends[0], dimension), parse_quantity(ends[1], dimension), int(ends[2])
+    return [first + (last - first) * n / (number - 1) for n in range(number)]
+
+
+def _show(found: LeakMap) -> None:
+    """Print the leak rates, one line per pressure, with a mark where they are not valid."""
+    from rich import box
+    from rich.table import Table
+
+    from fem_seal.output.report.words import volumes_of_gas
+    from fem_seal.seal.findings import Level
+    from fem_seal.units import digits_within, rounded
+
+    # a volume too small to be seen in ml is read in its power of ten
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("p fluid\nbar", justify="right", no_wrap=True)
+    for force in found.applied_force.tolist():
+        table.add_column(f"{force:.4g} N\nml/min", justify="right", no_wrap=True)
+    for m, pressure in enumerate(found.fluid_pressure.tolist()):
+        cells = []
+        for n, one in enumerate(found.validity[m]):
+            if one is None:
+                cells.append("-")
+                continue
+            # as in the tables of a run: no more digits than the theory leaves
+            digits = min(3, digits_within(one.leak_error))
+            cells.append(f"{rounded(float(found.leak_rate[m, n]) * 6e7, digits):.3g}{Level(one.level).mark}")
+        table.add_row(f"{pressure / 1e5:.4g}", *cells)
+    say(f"Leak rate of {found.fluid}{volumes_of_gas(found.is_gas)}: {found.title}")
+    show(table)
+
+
+def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:
+    from fem_seal.output.leak_map import CSV
+
+    gaps = sum(one is None for row in found.validity for one in row)
+    if not gaps:
+        return []
+    rows, columns = found.fluid_pressure.size, found.applied_force.size
+    kept = (
+        f"{whole.fluid_pressure.size} of {rows} pressures and {whole.applied_force.size} of {columns} forces"
+    )
+    return [
+        f"{gaps} of {rows * columns} points have no result, such as those at which the fluid opens the seal; the "
+        f"tables for simulation hold {kept}, which have no gaps, {CSV} all points",
+        *found.reasons[:1],
+    ]

@@ -1,0 +1,1 @@
+"""One seal: the problem that a case poses, its loads, contacts and leak rates."""

@@ -1,0 +1,457 @@
+"""A load of a seal that is not round: line load, pressure and leak around the axis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+
+from fem_seal.contact.around import line_load_around
+from fem_seal.contact.waves import Stiffening
+from fem_seal.errors import OpenSealError
+from fem_seal.profile import PressureProfile, remembered
+from fem_seal.units import share_text
+from leak import GasLeakResult, LeakResult
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from fem_seal.contact.local_contact import LocalContact
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.form import FormError
+    from fem_seal.seal.leak_model import ProfileFlow
+    from leak import LeakBounds
+
+# Angles for each wave of the highest harmonic.
+ANGLES_PER_WAVE = 64
+# Harmonics to which the bodies are asked, of a form that repeats itself in units of its period; beyond them they answer
+# as half-spaces do (two waves: 5e-5 of the line load, 50 random ones: 3e-4). A wave is strong with this share of all
+# amplitudes.
+_PERIODS, _HARMONICS, _STRONG = 3, 12, 0.05
+# Leak rates are interpolated in a range of ln f whose ends are multiples of the first number and which is no wider than
+# the second: by a polynomial through so many line loads and one, if it gives the same to the last numbers (of the leak
+# rate itself, and of its ratio to the conductivity) without its highest degree, and to five times as much without the
+# highest two, of which one may be none by chance. Mostly that leaves 1e-6, of 196 leak rates 4e-5 at most, also next to
+# sealing; what all but seals may count as sealed (asked at every angle).
+_ENDS, _WIDEST, _PARTS, _AGREE, _AGREE_OF_RATIO = 0.125, 2.0, (4, 8, 16), 4e-4, 1e-4
+_OF_TWO = 0.2
+# Their variable is this power of f, over which ln Q bends least.
+_POWER = 0.25
+# Else, and where places are sealed: between line loads with these steps in ln f, the coarse one far below the mean,
+# where the surfaces stand apart; so many of the fine steps reach there, and so many lie beyond what is asked for.
+_STEP, _COARSE_STEP, _FINE, _BEYOND = 0.125, 2.0, 48, 2
+# What is left of a leak rate after a larger load is interpolated between line loads with these steps in ln f; less than
+# so much of it is none.
+_LATTICE, _SHUT = 0.25, 1e-30
+# What counts as no line load, and as an even one, in ln f over the mean.
+_NOTHING, _EVEN = -500.0, 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Around:
+    """A load around the axis of a seal that is not round.
+
+    Parameters
+    ----------
+    form : FormError
+        Its tolerance filled by a definite number of waves.
+    local : LocalContact
+        The axisymmetric contact at any line load.
+    angle : ndarray, shape (m,)
+        Uniform from 0 on [rad].
+    gap_change : ndarray, shape (m,)
+        What the form error adds to the gap [m].
+    line_load : ndarray, shape (m,)
+        f(phi) [N/m].
+    approach : ndarray, shape (m,)
+        Of closure and seat along the normal [m].
+    bend : ndarray, shape (m,)
+        By how much the waving part of the line load bends the gap across the width, in x^2 [1/m].
+    leak_rate : ndarray, shape (m,), or None
+        Of the fluid that flows straight across at each angle [m^3/s per radian]; None without roughness or fluid.
+    leak : LeakResult or None
+        Of the whole circumference, scratches by their upper bound; its fluid pressure is that at the place where most
+        leaks.
+    bounds : tuple of LeakBounds
+        Of scratches and lay, one by one; of a contact without its leak, none.
+    before : Around or None
+        The same form under the largest load before; None where none is known.
+    """
+
+    form: FormError
+    local: LocalContact = field(repr=False)
+    angle: FloatArray = field(repr=False)
+    gap_change: FloatArray = field(repr=False)
+    line_load: FloatArray = field(repr=False)
+    approach: FloatArray = field(repr=False)
+    bend: FloatArray = field(repr=False)
+    leak_rate: FloatArray | None = field(default=None, repr=False)
+    leak: LeakResult | None = field(default=None, repr=False)
+    bounds: tuple[LeakBounds[Any], ...] = field(default=(), repr=False)
+    before: Around | None = field(default=None, repr=False)
+
+    @property
+    def first_loading(self) -> Around:
+        """The same if no place had carried more before."""
+        return self if self.before is None else replace(self, before=None)
+
+    @property
+    def scratches(self) -> tuple[float, float] | None:
+        """Least and largest leak rate that scratches and lay add [m^3/s]; None without any."""
+        if not self.bounds:
+            return None
+        least, largest = zip(*(one.extra for one in self.bounds), strict=True)
+        return sum(least), sum(largest)
+
+    @property
+    def extremes(self) -> tuple[ContactSolution, ...]:
+        """The contacts at the largest line load, now and under the largest load before."""
+        return (self.most_loaded,) if self.before is None else (self.most_loaded, self.before.most_loaded)
+
+    @cached_property
+    def most_loaded(self) -> ContactSolution:
+        """The contact at the largest line load."""
+        return self.local.at(float(self.line_load.max()))
+
+    @property
+    def over_mean(self) -> FloatArray:
+        """Line load over its mean, shape (m,)."""
+        return self.line_load / self.line_load.mean()
+
+    @property
+    def least_over_mean(self) -> float:
+        """Least line load over the mean."""
+        return float(self.line_load.min() / self.line_load.mean())
+
+    @property
+    def most_over_mean(self) -> float:
+        """Largest line load over the mean."""
+        return float(self.line_load.max() / self.line_load.mean())
+
+    @cached_property
+    def peak_pressure(self) -> FloatArray:
+        """Highest contact pressure at each angle [Pa]."""
+        return self.local.peak_pressure(self.line_load, self.bend)
+
+    @cached_property
+    def fwhm(self) -> FloatArray:
+        """Full width at half maximum at each angle [m]."""
+        return self.local.fwhm(self.line_load)
+
+    def pressure_and_gap(self, step: int = 1) -> tuple[FloatArray, FloatArray]:
+        """Pressure [Pa] and gap [m], (angles, points), at every `step`-th angle."""
+        return self.local.pressure_and_gap(self.line_load[::step], self.approach[::step])
+
+    def profiles(self, step: int = 1) -> list[PressureProfile]:
+        """Profile at every `step`-th angle, with what it remembers."""
+        pressures, gaps = self.pressure_and_gap(step)
+        mean = replace(self.local.mean.profile, largest=None)
+        found = [replace(mean, pressure=p, gap=gap) for p, gap in zip(pressures, gaps, strict=True)]
+        if self.before is None:
+            return found
+        return [_after(one, before) for one, before in zip(found, self.before.profiles(step), strict=True)]
+
+    def with_leak(self, curve: LeakCurve) -> Around:
+        """The same with its leak.
+
+        Parameters
+        ----------
+        curve : LeakCurve
+            Of the same local contact.
+
+        Raises
+        ------
+        OpenSealError
+            If smooth surfaces are apart somewhere: their interface law says nothing of the flow there.
+        """
+        if self.local.opens and self.least_over_mean == 0.0:
+            apart = float(np.mean(self.line_load == 0.0))
+            raise OpenSealError(
+                f"the form error parts the surfaces over {share_text(apart)} of the circumference, and with "
+                '[interface] law = "smooth" nothing is known of the gap\'s roughness there; use law = "spectrum"'
+            )
+        each, most = curve.leak_rates(self.line_load, self.before)
+        bounds = tuple(
+            curve.flow.bounds(self.profile_at(placed.angle), [placed.groove]) for placed in self.form.grooves
+        )
+        total = float(each.mean()) + sum(one.largest_extra for one in bounds)
+        if bounds and not most.leak_rate > 0:
+            # nothing flows through the roughness, but along the grooves
+            most = _above_outlet(max((one.upper for one in bounds), key=lambda one: one.leak_rate))
+        return replace(self, leak_rate=each / (2 * math.pi), leak=most.scaled(total), bounds=bounds)
+
+    def profile_at(self, angle: float | None) -> PressureProfile:
+        """Pressure profile at an angle around the axis [rad], or at the mean line load."""
+        f = (
+            self.line_load.mean()
+            if angle is None
+            else np.interp(angle, self.angle, self.line_load, period=2 * math.pi)
+        )
+        now = self.local.profile(float(f))
+        return now if self.before is None else _after(now, self.before.profile_at(angle))
+
+
+@dataclass(eq=False)
+class LeakCurve:
+    """Leak rate of a contact over its line load, worked out where it is asked for.
+
+    Parameters
+    ----------
+    local : LocalContact
+    flow : ProfileFlow
+    """
+
+    local: LocalContact
+    flow: ProfileFlow
+    _known: dict[float, LeakResult] = field(default_factory=dict, repr=False)
+    _later: dict[tuple[float, float], LeakResult] = field(default_factory=dict, repr=False)
+
+    def leak_rates(
+        self, line_load: FloatArray, before: Around | None = None
+    ) -> tuple[FloatArray, LeakResult]:
+        """Leak rate of the whole circumference at line loads [N/m], (m,) [m^3/s], and the flow where most leaks.
+
+        Parameters
+        ----------
+        line_load : ndarray, shape (m,)
+            [N/m]
+        before : Around, optional
+            Under the largest load before, at the same angles; always the same mean line load.
+        """
+        first, most = self._first_loading(line_load)
+        if before is None:
+            return first, most
+        share, most = self._left(line_load, before)
+        return first * share, most
+
+    def _left(self, line_load: FloatArray, before: Around) -> tuple[FloatArray, LeakResult]:
+        """What is left of the leak rate of first loading at each angle, and the flow where most leaks.
+
+        It is a smooth function of the line loads now and before, interpolated on a lattice in both logarithms.
+        """
+        loads = ((line_load, self.local.mean), (before.line_load, before.local.mean))
+        with np.errstate(divide="ignore"):
+            v = np.stack([np.log(load / mean.line_load) for load, mean in loads])
+        v = np.maximum(v, -_FINE * _STEP) / _LATTICE
+        below = np.floor(v)
+        log_share, flows = np.zeros(line_load.shape), []
+        for corner in product((0.0, 1.0), repeat=2):
+            step = np.array(corner)[:, None]
+            weight = np.prod(np.where(step == 1.0, v - below, 1.0 - (v - below)), axis=0)
+            places, which = np.unique((below + step) * _LATTICE, axis=1, return_inverse=True)
+            found = [self._at_both(float(now), float(then), before.local) for now, then in places.T]
+            firsts = [self._at(float(now)).leak_rate for now in places[0]]
+            left = [
+                flow.leak_rate / first if first > 0 else 1.0
+                for flow, first in zip(found, firsts, strict=True)
+            ]
+            log_share += weight * np.log(np.maximum(left, _SHUT))[which.ravel()]
+            flows += found
+        return np.exp(log_share), max(flows, key=lambda flow: flow.leak_rate)
+
+    def _at_both(self, log_share: float, log_before: float, before: LocalContact) -> LeakResult:
+        if (log_share, log_before) not in self._later:
+            now, then = (
+                local.profile(local.mean.line_load * math.exp(v))
+                for local, v in ((self.local, log_share), (before, log_before))
+            )
+            self._later[log_share, log_before] = self.flow.leak(_after(now, then))
+        return self._later[log_share, log_before]
+
+    def _first_loading(self, line_load: FloatArray) -> tuple[FloatArray, LeakResult]:
+        mean = self.local.mean.line_load
+        with np.errstate(divide="ignore"):
+            v = np.maximum(np.log(line_load / mean), _NOTHING)
+        if np.ptp(v) < _EVEN:
+            flow = self._at(float(v[0]))
+            return np.full(len(v), flow.leak_rate), flow
+        lowest, highest = float(v.min()), float(v.max())
+        rounded = _ENDS * math.floor(lowest / _ENDS), _ENDS * math.ceil(highest / _ENDS)
+        # rounded ranges are those of other forms as well, but may reach to where it is sealed
+        for low, high in (rounded, (lowest, highest)):
+            found = self._smooth(low, high, v)
+            if found is not None:
+                return found, self._at(low)
+        rungs = _rungs(float(v.min()), float(v.max()))
+        flows = self._of(rungs)
+        rates = np.array([flow.leak_rate for flow in flows])
+        return _between(np.array(rungs), rates, v), max(flows, key=lambda flow: flow.leak_rate)
+
+    def _smooth(self, low: float, high: float, v: FloatArray) -> FloatArray | None:
+        """Leak rates at v by a polynomial in a range of ln f; None if there is none that is good enough.
+
+        What is interpolated is the leak rate, or next to sealing its ratio to sigma_eff at the highest pressure, which
+        knows where it would be sealed.
+        """
+        if high - low > _WIDEST or not self._at(high).leak_rate > 0:
+            return None
+        first, last, at = (np.exp(_POWER * one) for one in (low, high, v))
+        for parts in _PARTS:
+            places = first + (last - first) * np.array(_shares(parts))
+            rungs = np.array([low, *np.log(places[1:-1]) / _POWER, high])
+            log_rates = np.log([flow.leak_rate for flow in self._of(rungs.tolist())])
+            off, found = _polynomials(places, log_rates, at)
+            if off < _AGREE:
+                return found
+            at_rungs, at_v = self._at_peak(rungs), self._at_peak(v)
+            if np.isfinite(at_rungs).all():
+                off, found = _polynomials(places, log_rates - at_rungs, at, at_v)
+                if off < _AGREE_OF_RATIO:
+                    return found
+        return None
+
+    def _at_peak(self, v: FloatArray) -> FloatArray:
+        """ln of sigma_eff at the highest pressure, at line loads in ln f over the mean."""
+        peak = self.local.peak_pressure(self.local.mean.line_load * np.exp(v))
+        with np.errstate(divide="ignore"):
+            return np.log(self.flow.conductivity(peak))
+
+    def _at(self, log_share: float) -> LeakResult:
+        return self._of([log_share])[0]
+
+    def _of(self, log_shares: Sequence[float]) -> list[LeakResult]:
+        """Flows at line loads, in ln f over the mean."""
+        new = [v for v in log_shares if v not in self._known]
+        profiles = self.local.profiles([self.local.mean.line_load * math.exp(v) for v in new])
+        self._known.update(zip(new, map(self.flow.leak, profiles), strict=True))
+        return [self._known[v] for v in log_shares]
+
+
+def _after(now: PressureProfile, before: PressureProfile) -> PressureProfile:
+    """A profile that remembers another one on the same line."""
+    return replace(now, largest=remembered(now.pressure, before.pressure))
+
+
+def _polynomials(
+    places: FloatArray, y: FloatArray, at: FloatArray, known: FloatArray | float = 0.0
+) -> tuple[float, FloatArray]:
+    """exp of the polynomial through y plus what is known, and its mean change without the highest degrees."""
+    degree = len(places) - 1
+    through = Chebyshev.fit(places, y, degree, (float(places[0]), float(places[-1])))
+    found = np.exp(known + through(at))
+    less = (np.exp(known + through.truncate(degree + 1 - n)(at)) for n in (1, 2))
+    one, two = (float(np.abs(rates - found).mean() / found.mean()) for rates in less)
+    return max(one, _OF_TWO * two), found
+
+
+@lru_cache(maxsize=len(_PARTS))
+def _shares(parts: int) -> list[float]:
+    """Places from 0 to 1 through which polynomials do not swing; every other one is a place of half as many parts."""
+    return [0.5 - 0.5 * math.cos(math.pi * (n / parts)) for n in range(parts + 1)]
+
+
+def _rungs(lowest: float, highest: float) -> list[float]:
+    """Places in ln f over the mean, the same whatever the range, some of them beyond it."""
+    top = math.ceil(highest / _STEP) + _BEYOND
+    fine = [_STEP * k for k in range(max(math.floor(lowest / _STEP), -_FINE) - _BEYOND, top + 1)]
+    below = math.floor((fine[0] - lowest) / _COARSE_STEP) + _BEYOND if lowest < fine[0] else 0
+    return [fine[0] - _COARSE_STEP * k for k in range(below, 0, -1)] + fine
+
+
+def _between(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
+    """Leak rates interpolated over ln f; nothing from where they are sealed."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    leaks = rates > 0
+    if leaks.sum() < 2:
+        return np.zeros_like(v)
+    # next to where it is sealed the leak rate falls too fast for a spline
+    interpolator = CubicSpline if leaks.all() else PchipInterpolator
+    curve, last = interpolator(rungs[leaks], np.log(rates[leaks])), rungs[leaks][-1]
+    with np.errstate(under="ignore"):
+        return np.where(v <= last, np.exp(curve(np.minimum(v, last))), 0.0)
+
+
+def _above_outlet(flow: LeakResult | GasLeakResult) -> LeakResult:
+    return flow.above_outlet if isinstance(flow, GasLeakResult) else flow
+
+
+def around_after(
+    form: FormError, local: LocalContact, before: LocalContact | None, near: Around | None = None
+) -> Around:
+    """`around`, and with it the same form under the largest load before.
+
+    Parameters
+    ----------
+    form : FormError
+    local : LocalContact
+    before : LocalContact or None
+        Under the larger load; None where none is known.
+    near : Around, optional
+        See `around`.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    found = around(form, local, near)
+    if before is None:
+        return found
+    # the waves that fill a tolerance are not known beforehand
+    near_before = near.before if near is not None and form.tolerance is None else None
+    return replace(found, before=around(found.form, before, near_before))
+
+
+def around(form: FormError, local: LocalContact, near: Around | None = None) -> Around:
+    """Line load around the axis of a seal with a form error.
+
+    Parameters
+    ----------
+    form : FormError
+        A tolerance is filled by the number of waves that hurts most.
+    local : LocalContact
+        At the mean line load, and at any other.
+    near : Around, optional
+        Of a form error with the same waves, whose line load is close: where this one is looked for.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    if form.tolerance is not None:
+        return min(
+            (around(form.with_waves(number), local) for number in form.tolerance.candidates),
+            key=lambda one: one.least_over_mean,
+        )
+    mean, repeats = local.mean, form.symmetry
+    size = ANGLES_PER_WAVE * max(form.highest // repeats, 1)
+    if not form.felt:
+        angle = _angles(size * repeats)
+        even = np.full_like(angle, mean.line_load)
+        nothing = np.zeros_like(angle)
+        return Around(form, local, angle, nothing, even, np.full_like(angle, local.mean_approach), nothing)
+    gap = form.gap(_angles(size) / repeats)
+    stiffening = Stiffening(mean.model, mean.pressure, _asked_of_bodies(form))
+    f, approach = line_load_around(
+        local,
+        stiffening,
+        gap,
+        mean.line_load,
+        symmetry=repeats,
+        guided=form.guided,
+        start=None if near is None else mean.line_load * near.over_mean[:size],
+    )
+    modes = np.fft.rfft(f)
+    felt = range(2 if repeats == 1 and not form.guided else 1, stiffening.highest // repeats + 1)
+    bends = np.zeros_like(modes)
+    for n in felt:
+        bends[n] = stiffening.bend(n * repeats) * modes[n]
+    bend = np.fft.irfft(bends, size)
+    gap, f, approach, bend = (np.tile(values, repeats) for values in (gap, f, approach, bend))
+    return Around(form, local, _angles(size * repeats), gap, f, approach, bend)
+
+
+def _asked_of_bodies(form: FormError) -> int:
+    """Highest harmonic of the line load to which the bodies' own answer is calculated."""
+    total = sum(abs(one.amplitude) for one in form.felt)
+    strong = max(one.waves for one in form.felt if abs(one.amplitude) > _STRONG * total)
+    return max(_PERIODS * form.symmetry if form.symmetry > 1 else _HARMONICS, strong)
+
+
+def _angles(number: int) -> FloatArray:
+    return 2 * math.pi * np.arange(number) / number

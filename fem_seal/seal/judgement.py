@@ -1,0 +1,230 @@
+"""What is said of a leak rate that has a limit: pass, fail, or nobody can tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from fem_seal.seal.findings import VALID, Validity
+
+
+class Verdict(StrEnum):
+    """What is claimed of a requirement, worse and worse."""
+
+    PASS = "pass"
+    INCONCLUSIVE = "inconclusive"
+    FAIL = "fail"
+
+
+class Why(StrEnum):
+    """What decided a verdict, or kept it from being decided."""
+
+    LIMIT = "limit"
+    """The whole interval is on one side of the limit."""
+    OPEN = "open"
+    """The seal is open."""
+    INTERVAL = "interval"
+    """The limit is inside the interval of the leak rate."""
+    TEST_FLUID = "test fluid"
+    """So it is once the interval is that of the fluid of the test."""
+    VISIBLE = "visible"
+    """No visible leakage is allowed, and what leaks may or may not be seen."""
+    OUTSIDE = "outside"
+    """The load is outside the theory."""
+    ACCURACY = "accuracy"
+    """The limit is inside the interval, but outside of what is calculated without what that may be off by."""
+    UNSAMPLED = "unsampled"
+    """What the inputs leave open is not known."""
+    UNKNOWN = "unknown"
+    """There is no leak rate."""
+
+
+RANK = {verdict: rank for rank, verdict in enumerate(Verdict)}
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A largest allowed leak rate, and for which fluid.
+
+    Parameters
+    ----------
+    name : str
+        "leak rate", or standard and class.
+    leak_rate : float
+        Of the fluid that it is for [m^3/s]; zero where no leakage may be visible.
+    visible : float
+        With `leak_rate` zero: what is seen for certain [m^3/s].
+    test_fluid : str
+        Of the standard, where the leak rate of the case is not that of its test; empty otherwise.
+    ratio : tuple of float
+        Leak rate of the test's fluid over that of the case, at least and at most.
+    bubble_volume : float or None
+        Of one bubble, where the limit counts them [m^3].
+    """
+
+    name: str
+    leak_rate: float
+    visible: float = 0.0
+    test_fluid: str = ""
+    ratio: tuple[float, float] = (1.0, 1.0)
+    bubble_volume: float | None = None
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What is said of one load.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    margin : float
+        Allowed leak rate over the upper end of the calculated one: infinite where sealed, zero where open, NaN where
+        one of them is not known.
+    why : Why
+    limit : Limit
+    ends : tuple of float
+        Of the leak rate's interval, of the fluid that the limit is for [m^3/s].
+    reason : str
+        Why the load is outside the theory, or what the calculation may be off by; empty otherwise.
+
+    Examples
+    --------
+    >>> judged = Judgement.of(Limit("leak rate", 2e-9), (0.5e-9, 1e-9))
+    >>> str(judged.verdict), judged.margin
+    ('pass', 2.0)
+    """
+
+    verdict: Verdict
+    margin: float
+    why: Why
+    limit: Limit
+    ends: tuple[float, float] = (math.nan, math.nan)
+    reason: str = ""
+
+    @classmethod
+    def of(
+        cls, limit: Limit, ends: tuple[float, float], validity: Validity = VALID, *, sampled: bool = True
+    ) -> Judgement:
+        """The judgement of a leak rate.
+
+        Parameters
+        ----------
+        limit : Limit
+        ends : tuple of float
+            Lower and upper end of the leak rate's interval, of the case's own fluid, with what the calculation may be
+            off by [m^3/s]; NaN if not known.
+        validity : Validity
+            Of the leak rate, with the factors that are in the interval.
+        sampled : bool
+            Whether the interval holds what the inputs leave open.
+        """
+        if any(map(math.isnan, (*ends, limit.leak_rate))):
+            return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNKNOWN, limit)
+        tested = ends[0] * limit.ratio[0], ends[1] * limit.ratio[1]
+        if math.isinf(ends[0]):
+            return cls(Verdict.FAIL, 0.0, Why.OPEN, limit, tested)
+        verdict, why = _decided(limit, ends, tested)
+        margin = _margin(limit, tested[1])
+        if validity.outside:
+            # of what may not be claimed to be sealed there is no margin
+            margin = math.nan if math.isinf(margin) else margin
+            return cls(Verdict.INCONCLUSIVE, margin, Why.OUTSIDE, limit, tested, validity.reasons[0])
+        if not sampled:
+            return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNSAMPLED, limit, tested)
+        if verdict is Verdict.INCONCLUSIVE:
+            least, most = validity.leak_factor
+            calculated = tested[0] / least, tested[1] / most
+            without, _ = _decided(limit, calculated, calculated)
+            if without is not Verdict.INCONCLUSIVE:
+                reason = validity.leak_reason(more=without is Verdict.PASS)
+                return cls(verdict, margin, Why.ACCURACY, limit, tested, reason)
+        return cls(verdict, margin, why, limit, tested)
+
+
+def _margin(limit: Limit, highest: float) -> float:
+    if highest == 0:
+        return math.inf
+    return limit.leak_rate / highest if limit.leak_rate else math.nan
+
+
+def _decided(limit: Limit, ends: tuple[float, float], tested: tuple[float, float]) -> tuple[Verdict, Why]:
+    low, high = tested
+    if high <= limit.leak_rate:
+        return Verdict.PASS, Why.LIMIT
+    if low > max(limit.leak_rate, limit.visible):
+        return Verdict.FAIL, Why.LIMIT
+    if limit.leak_rate == 0:
+        return Verdict.INCONCLUSIVE, Why.VISIBLE
+    own = ends[1] <= limit.leak_rate or ends[0] > limit.leak_rate
+    return Verdict.INCONCLUSIVE, Why.TEST_FLUID if own else Why.INTERVAL
+
+
+def severity(judged: Judgement) -> tuple[int, float]:
+    """By which judgements are put in order: larger is worse.
+
+    Parameters
+    ----------
+    judged : Judgement
+    """
+    return RANK[judged.verdict], -math.inf if math.isnan(judged.margin) else -judged.margin
+
+
+@dataclass(frozen=True)
+class Shares:
+    """How far the bodies and the asperities are used, of the loads that are judged.
+
+    Parameters
+    ----------
+    yield_stress : float or None
+        Largest von Mises stress over the yield stress of its body; None if none is known.
+    body : str
+        Which body that is; empty without one.
+    hardness : float or None
+        Peak pressure over hardness; None if no hardness is known.
+    opening : float or None
+        Smallest margin to opening, as a share of what acts; None where nothing opens the seal.
+    """
+
+    yield_stress: float | None = None
+    body: str = ""
+    hardness: float | None = None
+    opening: float | None = None
+
+
+@dataclass(frozen=True)
+class SealJudgement:
+    """What is said of the seal: the worst of the loads at which the requirement is to be met.
+
+    Parameters
+    ----------
+    worst : Judgement
+        That of the deciding load.
+    fluid_pressure, applied_force : float
+        Of the deciding load [Pa], [N].
+    number : int or None
+        Of the deciding load among those of the result; None if it has no result.
+    judged : tuple of int
+        Numbers of the loads of the result that are judged.
+    left_out : int
+        Loads that should have been judged and have no result.
+    shares : Shares
+    """
+
+    worst: Judgement
+    fluid_pressure: float
+    applied_force: float
+    number: int | None
+    judged: tuple[int, ...]
+    left_out: int = 0
+    shares: Shares = Shares()
+
+    @property
+    def verdict(self) -> Verdict:
+        """Pass, fail or inconclusive."""
+        return self.worst.verdict
+
+    @property
+    def margin(self) -> float:
+        """Of the deciding load, see `Judgement.margin`."""
+        return self.worst.margin

@@ -1,0 +1,584 @@
+"""Flow of a fluid through a rough contact, for any pressure profile."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
+
+import numpy as np
+
+import leak
+from fem_seal.seal.lazy import Lazy, variant
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.loads import PressureSide
+    from fem_seal.profile import PressureProfile
+    from fem_seal.seal.direct import DirectSettings
+    from leak import (
+        ConductivityTable,
+        Gas,
+        GasConductivityTable,
+        Groove,
+        LeakBounds,
+        LeakResult,
+        PressureLaw,
+        RoughContact,
+    )
+
+
+# Decades between the highest pressure and the end of a table.
+MARGIN = 0.3
+
+Conductivity: TypeAlias = "ConductivityTable | GasConductivityTable"
+
+
+class Seals(Protocol):
+    """What is asked of a surface that may be tight."""
+
+    @property
+    def sealing_pressure(self) -> float:
+        """Contact pressure at which no path is open [Pa]."""
+
+    def sealing_pressure_by(self, method: str, /) -> float:
+        """The same in a reading of the flow conductivity [Pa]."""
+
+
+# The gases that the standards test with, at 5 to 40 °C (ISO 5208) [K], and what stands for them.
+TEST_GASES, TEST_TEMPERATURES, ROOM_TEMPERATURE = ("air", "nitrogen"), (278.15, 313.15), 293.15
+
+
+def gas_of_test(name: str, gas: Gas) -> Gas:
+    """The gas itself where the standards test with it, air at room temperature for any other.
+
+    Parameters
+    ----------
+    name : str
+        What the case calls it.
+    gas : Gas
+    """
+    low, high = TEST_TEMPERATURES
+    own = name.lower() in TEST_GASES and low <= gas.temperature <= high
+    return gas if own else leak.gas(TEST_GASES[0], ROOM_TEMPERATURE)
+
+
+@dataclass(frozen=True)
+class Flow:
+    """A liquid or a gas, and how its way between rough surfaces is calculated.
+
+    Parameters
+    ----------
+    fluid : str
+        Its name.
+    viscosity : float
+        Of a liquid at atmospheric pressure [Pa s].
+    density : float or None
+        Of a gas at 101325 Pa [kg/m^3]; None if unknown.
+    gas : Gas or None
+        None for a liquid.
+    outlet_pressure : float
+        Of a gas: absolute pressure on the low side [Pa].
+    conductivity : {"bruggeman", "critical-junction", "threshold-law", "direct"}
+        Effective medium of all channels, the narrowest junction alone, the closed law near the threshold, or direct
+        simulation.
+    fluid_in_gap : {"uncoupled", "local"}
+        Whether the pressure of a liquid is taken off the load of the asperities, place by place.
+    pressure_side : {"outer", "inner"}
+        Side of the high pressure.
+    direct : DirectSettings or None
+        Of the simulation, with conductivity "direct".
+    end : {-1, 0, 1}
+        Of the interval that a simulation gives.
+    pressure_law : PressureLaw or None
+        How a liquid thickens and is compressed; None where nothing is known of it.
+    """
+
+    fluid: str
+    viscosity: float
+    density: float | None = None
+    gas: Gas | None = None
+    outlet_pressure: float = 0.0
+    conductivity: Literal["bruggeman", "critical-junction", "threshold-law", "direct"] = "bruggeman"
+    fluid_in_gap: Literal["uncoupled", "local"] = "uncoupled"
+    pressure_side: PressureSide = "outer"
+    direct: DirectSettings | None = None
+    end: int = 0
+    pressure_law: PressureLaw | None = None
+
+    def effective_viscosity(self, fluid_pressure: float) -> float | None:
+        """Of a liquid: the viscosity of one that does not thicken and leaks as much [Pa s]; None for a gas.
+
+        Parameters
+        ----------
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        if self.gas is not None:
+            return None
+        return self.viscosity * leak.effective_viscosity_ratio(self.pressure_law, fluid_pressure)
+
+    @property
+    def in_test(self) -> Flow:
+        """The same way for the gas that the standards test with, see `gas_of_test`; itself for a liquid."""
+        tested = None if self.gas is None else gas_of_test(self.fluid, self.gas)
+        if tested is None or tested is self.gas:
+            return self
+        return replace(self, fluid=tested.name, gas=tested, viscosity=tested.viscosity)
+
+    @property
+    def simulated(self) -> DirectSettings | None:
+        """How the conductivity is simulated; None where it is the theory's."""
+        return self.direct if self.conductivity == "direct" else None
+
+    @property
+    def elastic(self) -> Flow:
+        """The same where nothing yields in a simulation; itself without one."""
+        simulated = self.simulated
+        if simulated is None or simulated.elastic is simulated:
+            return self
+        return replace(self, direct=simulated.elastic)
+
+    def sealing_pressure(self, surface: Seals) -> float:
+        """Contact pressure from which nothing flows; of a simulation that of the theory's default [Pa].
+
+        Parameters
+        ----------
+        surface : RoughContact
+        """
+        if self.conductivity == "direct":
+            return surface.sealing_pressure
+        return surface.sealing_pressure_by(self.conductivity)
+
+    def table(
+        self, surface: RoughContact, p_min: float, p_max: float, num: int | None = None
+    ) -> Conductivity:
+        """Flow conductivity of a surface over a range of contact pressures.
+
+        Parameters
+        ----------
+        surface : RoughContact
+        p_min, p_max : float
+            [Pa]
+        num : int, optional
+            Number of pressures; by default as many as the error asks for.
+        """
+        if self.simulated is not None:
+            return self.simulated.table(surface).conductivity_table(p_min, p_max, num, self.end)
+        if self.gas is not None:
+            return leak.gas_conductivity_table(surface, p_min, p_max, num, self.conductivity)
+        return surface.conductivity_table(p_min, p_max, num, method=self.conductivity)
+
+    def table_around(
+        self, surface: RoughContact, log_peaks: Sequence[float], num: int | None = None
+    ) -> Conductivity:
+        """Flow conductivity of a surface over all pressures that occur in contacts with some peak pressures.
+
+        The range reaches six decades below the smallest peak, where the table goes on by the low-pressure law. It is
+        rounded out to whole decades, so that neighbouring contacts share one table.
+
+        Parameters
+        ----------
+        surface : RoughContact
+        log_peaks : sequence of float
+            Decimal logarithms of the peak pressures [Pa].
+        num : int, optional
+            Number of pressures; by default as many as the error asks for.
+        """
+        return self.table(surface, *range_around(log_peaks), num)
+
+    def table_of(self, surface: RoughContact, contacts: Sequence[ContactSolution]) -> Conductivity:
+        """`table_around` the peak pressures of some contacts.
+
+        Parameters
+        ----------
+        surface : RoughContact
+        contacts : sequence of ContactSolution
+        """
+        return self.table_around(surface, log_peaks(contacts))
+
+    def conductivity_at(self, table: Conductivity, pressure: FloatArray, fluid_pressure: float) -> FloatArray:
+        """sigma_eff at contact pressures, of a gas at the mean of its pressures at both ends [m^3/(Pa s)].
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+        pressure : ndarray, shape (n,)
+            [Pa]
+        fluid_pressure : float
+            Pressure difference [Pa].
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Zero where sealed.
+        """
+        log_pressure = np.log(pressure)
+        if isinstance(table, leak.ConductivityTable):
+            return table.at(self.viscosity).at_log_pressure(log_pressure)
+        assert self.gas is not None  # the table is one of a gas
+        mean = np.array(self.outlet_pressure + 0.5 * fluid_pressure)
+        return leak.rarefied_conductivity(table, self.gas, log_pressure)(mean)
+
+    def leak_of(self, table: Conductivity, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
+        """Leak of one contact.
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+            For all pressures of the contact.
+        profile : PressureProfile
+            Not after a larger load with fluid_in_gap = "local", of which the theory says nothing then.
+        fluid_pressure : float
+            Pressure difference [Pa].
+
+        Returns
+        -------
+        LeakResult
+            A `leak.CoupledLeakResult` for fluid_in_gap = "local".
+        """
+        x, pressure, radius, ends = profile.x, profile.pressure, profile.radius, profile.ends
+        side = self.pressure_side
+        if isinstance(table, leak.ConductivityTable):
+            sigma, law = table.at(self.viscosity), self.pressure_law
+            if self.fluid_in_gap == "local":
+                assert profile.largest is None  # the case's own checks refuse it
+                found: LeakResult = leak.coupled_leak_flow(
+                    x,
+                    pressure,
+                    sigma,
+                    fluid_pressure,
+                    radius,
+                    pressure_side=side,
+                    ends=ends,
+                    pressure_law=law,
+                )
+            else:
+                from leak.flow.leak_rate import leak_through
+
+                contact = profile.after_largest(sigma)
+                found = leak_through(contact, x, sigma, fluid_pressure, pressure_side=side, pressure_law=law)
+            return found.with_density(self.density)
+        gas, outlet = self.gas, self.outlet_pressure
+        assert gas is not None  # the table is one of a gas
+        inlet = outlet + fluid_pressure
+        from leak.flow.gas_flow import gas_leak_through
+
+        contact = profile.after_largest(table)
+        return gas_leak_through(
+            contact, x, pressure, table, gas, inlet, outlet, pressure_side=side
+        ).above_outlet
+
+    def bounds(
+        self,
+        table: Conductivity,
+        surface: RoughContact,
+        profile: PressureProfile,
+        fluid_pressure: float,
+        grooves: Sequence[Groove],
+    ) -> LeakBounds[Any]:
+        """Leak of one contact with grooves across it.
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+        surface : RoughContact
+            Of which the table is.
+        profile : PressureProfile
+        fluid_pressure : float
+            Pressure difference [Pa].
+        grooves : sequence of Groove
+        """
+        x, p, radius = profile.x, profile.pressure, profile.radius
+        side, ends, modulus = self.pressure_side, profile.ends, surface.effective_modulus
+        if isinstance(table, leak.ConductivityTable):
+            found = leak.scratch_flow(
+                x,
+                p,
+                grooves,
+                table.at(self.viscosity),
+                fluid_pressure,
+                radius,
+                viscosity=self.viscosity,
+                effective_modulus=modulus,
+                pressure_side=side,
+                ends=ends,
+                largest_pressure=profile.largest,
+                pressure_law=self.pressure_law,
+            )
+            return replace(found, upper=found.upper.with_density(self.density))
+        assert self.gas is not None  # the table is one of a gas
+        return leak.gas_scratch_flow(
+            x,
+            p,
+            grooves,
+            table,
+            self.gas,
+            self.outlet_pressure + fluid_pressure,
+            self.outlet_pressure,
+            radius,
+            effective_modulus=modulus,
+            pressure_side=side,
+            ends=ends,
+            largest_pressure=profile.largest,
+        )
+
+    def goes_round(
+        self,
+        table: Conductivity,
+        profile: PressureProfile,
+        pressure: FloatArray,
+        fluid_pressure: float,
+    ) -> float:
+        """Share by which more leaks where the fluid may also go round than where it keeps to its angle.
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+        profile : PressureProfile
+            Whose x and radius hold for all angles.
+        pressure : ndarray, shape (angles, points)
+            Contact pressure at uniform angles around the axis [Pa].
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        with np.errstate(divide="ignore"):
+            log_pressure = np.maximum(np.log(pressure.T), -600.0)
+        side = self.pressure_side
+        if isinstance(table, leak.ConductivityTable):
+            sigma = table.at(self.viscosity).at_log_pressure(log_pressure)
+            # psi of a liquid that thickens obeys the same equation: it changes no share
+            found = leak.around_flow(profile.x, profile.radius, sigma, fluid_pressure, pressure_side=side)
+            return found.leak_rate / found.radial_leak_rate - 1.0
+        assert self.gas is not None  # the table is one of a gas
+        field, outlet = leak.rarefied_conductivity(table, self.gas, log_pressure), self.outlet_pressure
+        of_gas = leak.gas_around_flow(
+            profile.x,
+            profile.radius,
+            field,
+            self.gas,
+            outlet + fluid_pressure,
+            outlet,
+            pressure_side=side,
+        )
+        return of_gas.mass_flow / of_gas.radial_mass_flow - 1.0
+
+
+def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressureProfile:
+    """Profile of first loading that lets as much through at every point; itself where nothing larger is remembered.
+
+    Parameters
+    ----------
+    table : ConductivityTable or GasConductivityTable
+    profile : PressureProfile
+    """
+    if profile.largest is None:
+        return profile
+    with np.errstate(divide="ignore"):
+        log_p, before = np.log(profile.pressure), np.log(profile.largest)
+    equal = np.exp(table.first_loading(log_p, np.maximum(before, log_p)))
+    return replace(profile, pressure=equal, largest=None)
+
+
+@dataclass(frozen=True)
+class ProfileFlow:
+    """How the fluid of a seal gets through any pressure profile, at one pressure difference.
+
+    Parameters
+    ----------
+    leak : callable
+        Flow through a profile.
+    bounds : callable
+        Flow through a profile with grooves in it.
+    conductivity : callable
+        sigma_eff of the roughness at contact pressures [Pa], see `Flow.conductivity_at`.
+    """
+
+    leak: Callable[[PressureProfile], LeakResult]
+    bounds: Callable[[PressureProfile, Sequence[Groove]], LeakBounds[Any]]
+    conductivity: Callable[[FloatArray], FloatArray]
+
+
+def _made(
+    table: Callable[[Flow, RoughContact, Sequence[float]], Conductivity],
+    peaks: Sequence[float],
+    flow: Flow,
+    surface: RoughContact,
+) -> Conductivity:
+    # by name, because results can be pickled
+    return table(flow, surface, peaks)
+
+
+def _table_of(rough: RoughFlow, flow: Flow, surface: RoughContact) -> Conductivity:
+    if flow.end:
+        return rough.make(flow, surface)
+    # of one surface there are readings that differ in nothing else
+    readings = (rough, rough.conserved, rough.capped, rough.elastic)
+    reading = surface.yielding, surface.hardness
+    known = next(one for one in readings if (one.surface.yielding, one.surface.hardness) == reading)
+    assert known.table is not None  # there is a fluid
+    return known.table
+
+
+def range_around(log_peaks: Sequence[float]) -> tuple[float, float]:
+    """Range of a table for contacts with some peak pressures, see `Flow.table_around` [Pa].
+
+    Parameters
+    ----------
+    log_peaks : sequence of float
+        Decimal logarithms of the peak pressures [Pa].
+    """
+    return 10.0 ** math.floor(min(log_peaks) - 6), 10.0 ** math.ceil(max(log_peaks) + MARGIN)
+
+
+def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
+    """Decimal logarithms of the peak pressures of some contacts, and of those that they remember [Pa]."""
+    peaks = [peak for contact in contacts for peak in (contact.pressure.max(), contact.profile.highest)]
+    return [math.log10(peak) for peak in dict.fromkeys(peaks)]
+
+
+@dataclass(frozen=True, eq=False)
+class RoughFlow(Lazy):
+    """Rough surfaces and the fluid between them, with what contacts share of it, made when it is asked for.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    flow : Flow or None
+        None without a fluid.
+    make : callable
+        Conductivity of a flow between surfaces.
+    peaks : tuple of float
+        Peak pressures of the contacts [Pa]: u_c of all takes little longer than of one.
+    """
+
+    surface: RoughContact
+    flow: Flow | None
+    make: Callable[[Flow, RoughContact], Conductivity]
+    peaks: tuple[float, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        surface: RoughContact | None,
+        flow: Flow | None,
+        contacts: Sequence[ContactSolution],
+        table: Callable[[Flow, RoughContact, Sequence[float]], Conductivity] | None = None,
+    ) -> RoughFlow | None:
+        """With a table over all pressures of some contacts; None without roughness.
+
+        Parameters
+        ----------
+        surface : RoughContact or None
+        flow : Flow or None
+        contacts : sequence of ContactSolution
+        table : callable, optional
+            Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
+        """
+        if surface is None:
+            return None
+        make = partial(_made, table or Flow.table_around, log_peaks(contacts))
+        return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
+
+    @variant
+    def elastic(self) -> RoughFlow:
+        """The same with asperities that never yield."""
+        rough = self._between(self.surface.elastic)
+        flow = None if self.flow is None else self.flow.elastic
+        return rough if flow is self.flow else replace(rough, flow=flow)
+
+    @variant
+    def conserved(self) -> RoughFlow:
+        """The same where yielding conserves the volume everywhere (C_pl)."""
+        return self._between(self.surface.conserved)
+
+    @variant
+    def capped(self) -> RoughFlow:
+        """The same where yielding changes the surface only where it touches."""
+        return self._between(self.surface.capped)
+
+    @cached_property
+    def ends(self) -> tuple[RoughFlow, ...]:
+        """The same at either end of the interval that a direct simulation gives; none without one."""
+        if self.flow is None or self.flow.simulated is None:
+            return ()
+        return tuple(replace(self, flow=replace(self.flow, end=end)) for end in (-1, 1))
+
+    @property
+    def two_readings(self) -> bool:
+        """Whether asperities yield and the theory reads that in two ways; a simulation has its own interval."""
+        yields = self.surface.hardness is not None and not self.ends
+        return yields and self.surface.conserved is not self.surface.capped
+
+    def _between(self, surface: RoughContact) -> RoughFlow:
+        return self if surface is self.surface else replace(self, surface=surface)
+
+    @variant
+    def in_test(self) -> RoughFlow:
+        """The same with the gas that the standards test with; itself where the fluid is one, and of a liquid."""
+        return (
+            self if self.flow is None or self.flow.in_test is self.flow else self.with_flow(self.flow.in_test)
+        )
+
+    def with_flow(self, flow: Flow) -> RoughFlow:
+        """The same with another gas, of which the tables know nothing.
+
+        Parameters
+        ----------
+        flow : Flow
+        """
+        # what is shared is worked out before; a copy of it does not know the other, which would hold it in turn
+        _ = self.table, self.elastic, self.conserved, self.capped
+        return replace(self, flow=flow, make=partial(_table_of, self.knowing()))
+
+    @cached_property
+    def table(self) -> Conductivity | None:
+        """Flow conductivity of the surface; None without a fluid."""
+        return None if self.flow is None else self.make(self.flow, self.surface)
+
+    def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult | None:
+        """Leak of one of the contacts; None without a fluid.
+
+        Parameters
+        ----------
+        profile : PressureProfile
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        if self.flow is None or self.table is None:
+            return None
+        return self.flow.leak_of(self.table, profile, fluid_pressure)
+
+    def at(self, fluid_pressure: float) -> ProfileFlow | None:
+        """Flow at a pressure difference [Pa]; None without a fluid."""
+        flow, table = self.flow, self.table
+        if flow is None or table is None:
+            return None
+        return ProfileFlow(
+            lambda profile: flow.leak_of(table, profile, fluid_pressure),
+            lambda profile, grooves: flow.bounds(table, self.surface, profile, fluid_pressure, grooves),
+            lambda pressure: flow.conductivity_at(table, pressure, fluid_pressure),
+        )
+
+    def critical_separation(self, profile: PressureProfile) -> float:
+        """u_c at the peak pressure of one of the contacts [m].
+
+        Parameters
+        ----------
+        profile : PressureProfile
+            Its peak is best one of `peaks`.
+        """
+        at, peak = profile.peak
+        if profile.largest is not None:
+            before = float(np.interp(at, profile.x, profile.largest))
+            return float(self.surface.critical_separation(peak, largest=before))
+        known = self._separations.get(peak)
+        return float(self.surface.critical_separation(peak)) if known is None else known
+
+    @cached_property
+    def _separations(self) -> dict[float, float]:
+        found = self.surface.critical_separation(np.array(self.peaks)) if self.peaks else ()
+        return dict(zip(self.peaks, np.asarray(found).tolist(), strict=True))

@@ -1,0 +1,658 @@
+"""All loads of a problem: each by its way of closing, on a mesh that fits what was found."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.contact.coupled import FluidAndContact
+from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
+from fem_seal.contact.load_path import (
+    ElastoplasticContact,
+    LoadPath,
+    PlaceOnPath,
+    Unloaded,
+    load_path,
+    yielding_bodies,
+)
+from fem_seal.contact.newton import solve
+from fem_seal.contact.path_loads import FluidLoad, PathLoad
+from fem_seal.contact.penetration import (
+    blow_off_pressure,
+    least_applied_force,
+    solve_at_contact_force,
+    solve_penetration,
+)
+from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.contact.refit import solve_fitted
+from fem_seal.errors import (
+    ConvergenceError,
+    InputError,
+    LoadProblem,
+    NoLoadLeftError,
+    OpenSealError,
+    Problem,
+    SealError,
+    error_text,
+)
+from fem_seal.loads import blow_off_of_sealed_area, contact_force
+from fem_seal.seal.problem import SealProblem, condensed, sizing
+from fem_seal.seal.seal_flow import SealFlow
+from fem_seal.units import briefly
+from meshes import SealMesh, Sizing, build_contact
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from fem_seal.contact.laws import Law
+    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.seal.circumference import Around
+
+
+@dataclass(frozen=True)
+class LoadSolver:
+    """Solves loads of a problem on one model.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    model : ContactModel
+    """
+
+    problem: SealProblem
+    model: ContactModel
+
+    def solve(
+        self, fluid_pressure: float, applied_force: float, start: ContactSolution | None = None
+    ) -> ContactSolution:
+        """Contact under a fluid pressure [Pa] and the force of spring or actuator [N].
+
+        It remembers the largest load before the loads of the problem.
+
+        Raises
+        ------
+        InputError
+            If these leave the seal open.
+        ConvergenceError
+        """
+        if self._on_sealed_area:
+            force = applied_force + self._closes(fluid_pressure)
+            return self._sealed_area(force, start).after(self.earlier)
+        return self._penetrated(self.seal, fluid_pressure, applied_force, start).after(self.earlier)
+
+    @cached_property
+    def earlier(self) -> ContactSolution | None:
+        """Contact under the largest load before those of the problem; None where none is known.
+
+        Raises
+        ------
+        InputError
+            If it leaves the seal open.
+        ConvergenceError
+        """
+        point = self.problem.loads.earlier
+        if point is None:
+            return None
+        fluid_pressure, applied_force = point
+        try:
+            if fluid_pressure == 0.0 or self._on_sealed_area:
+                return self._sealed_area(applied_force + self._closes(fluid_pressure), None)
+            return self._penetrated(self._first_seal, fluid_pressure, applied_force, None)
+        except ConvergenceError as error:
+            raise ConvergenceError(f"the largest earlier load: {error}") from error
+
+    @property
+    def _on_sealed_area(self) -> bool:
+        """Whether the fluid acts on the circle of first touch: its way between the surfaces is not asked for."""
+        return self.problem.loads.closing == "sealed-area"
+
+    def _penetrated(
+        self,
+        seal: FluidAndContact,
+        fluid_pressure: float,
+        applied_force: float,
+        start: ContactSolution | None,
+    ) -> ContactSolution:
+        try:
+            return solve_penetration(
+                seal, applied_force=applied_force, fluid_pressure=fluid_pressure, start=start
+            )
+        except OpenSealError as error:
+            raise self._open_seal(seal, fluid_pressure, applied_force, error) from error
+
+    def open_seal(
+        self, fluid_pressure: float, applied_force: float, error: OpenSealError, model: ContactModel
+    ) -> InputError:
+        """What is said of a load that opens a seal whose bodies are those of a model."""
+        return self._open_seal(replace(self.seal, model=model), fluid_pressure, applied_force, error)
+
+    def _open_seal(
+        self, seal: FluidAndContact, fluid_pressure: float, applied_force: float, error: OpenSealError
+    ) -> InputError:
+        least = least_applied_force(seal, fluid_pressure)
+        allowed = "" if least is None else f"; give an applied_force above {briefly('force', least)}"
+        problem = Problem(
+            "load.applied_force",
+            f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",
+            f"{applied_force:.6g} N",
+        )
+        return InputError(problem, file=self.problem.file)
+
+    def on_path(self, fluid_pressure: float, applied_force: float) -> PathLoad | FluidLoad:
+        """A load of the problem as one on the path of bodies that yield, by its way of closing."""
+        at_rest = self.problem.at_rest(self.model)
+        if self._on_sealed_area:
+            return PathLoad(applied_force + self._closes(fluid_pressure), at_rest)
+        remembers = self._path_after if self.asperities_remember else None
+        return FluidLoad(applied_force, fluid_pressure, self._path, at_rest, remembers)
+
+    def at_contact_force(
+        self,
+        fluid_pressure: float,
+        contact_force: float,
+        start: ContactSolution | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[ContactSolution, float]:
+        """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N].
+
+        Bodies that yield begin as new ones, or after the largest load before those of the problem, and go to this load
+        alone. With the fluid between the surfaces F_N is then what is left of the applied force by the circle of first
+        touch, near to what they carry. `progress` is told now and then how far their path is.
+
+        Raises
+        ------
+        InputError
+            If bodies that yield are open there.
+        ConvergenceError
+        """
+        if self.yields:
+            applied = contact_force - self._closes(fluid_pressure)
+            return _end_of_path(self, [(fluid_pressure, applied)], progress=progress), applied
+        if self.problem.loads.closing == "sealed-area":
+            contact = self._sealed_area(contact_force, start).after(self.earlier)
+            return contact, contact_force - self._closes(fluid_pressure)
+        contact = solve_at_contact_force(
+            self.seal, contact_force=contact_force, fluid_pressure=fluid_pressure, start=start
+        ).after(self.earlier)
+        return contact, contact.applied_force
+
+    def blow_off_pressure(self, applied_force: float, contact: ContactSolution | None = None) -> float:
+        """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not.
+
+        Parameters
+        ----------
+        applied_force : float
+            Of spring or actuator [N].
+        contact : ContactSolution, optional
+            From which the pressure rises, the force staying as it is: bodies that yield keep what they have gone
+            through. Without it they are as new.
+        """
+        loads = self.problem.loads
+        if loads.closing == "penetration":
+            return blow_off_pressure(self._seal_after(contact), applied_force=applied_force)
+        return blow_off_of_sealed_area(self.problem.touch_radius, applied_force, loads.pressure_side)
+
+    def opening_force(self, fluid_pressure: float, contact: ContactSolution | None = None) -> float | None:
+        """Force of spring or actuator [N] below which the seal is open at a fluid pressure [Pa]; None if not found.
+
+        `contact` as in `blow_off_pressure`.
+        """
+        if self.problem.loads.closing == "penetration":
+            return least_applied_force(self._seal_after(contact), fluid_pressure)
+        return -self._closes(fluid_pressure)
+
+    def _seal_after(self, contact: ContactSolution | None) -> FluidAndContact:
+        """The seal with bodies that have gone through the loads up to a contact."""
+        if not isinstance(contact, ElastoplasticContact):
+            return self.seal
+        seal = replace(self.seal, model=contact.unloading)
+        if not self.asperities_remember:
+            return seal
+        pressure = contact.pressure
+        largest = pressure if contact.largest is None else np.maximum(pressure, contact.largest)
+        return replace(seal, path=self._path_after(largest))
+
+    @property
+    def yields(self) -> bool:
+        """Whether a body yields, so that its loads are no questions of their own but a path."""
+        return bool(yielding_bodies(self.model))
+
+    @property
+    def asperities_remember(self) -> bool:
+        """Whether asperities yield, so that a place which was pressed harder before stays tighter."""
+        surface = self.problem.surface
+        return surface is not None and surface.hardness is not None
+
+    @cached_property
+    def flow(self) -> SealFlow | None:
+        """Flow through the contacts; None without roughness or fluid."""
+        return SealFlow.of(self.problem)
+
+    @cached_property
+    def seal(self) -> FluidAndContact:
+        """What stays the same at every load."""
+        earlier = None if self.yields else self.earlier
+        if earlier is None:
+            return self._first_seal
+        return replace(self._first_seal, path=self._path_after(earlier.pressure))
+
+    def _path_after(self, largest: FloatArray) -> FluidPath:
+        """The fluid's way between surfaces of which each place has carried a pressure before [Pa], shape (m,)."""
+        if self.flow is None or not isinstance(self._path, FlowThrough):
+            return self._path
+        return replace(self._path, as_first_loaded=partial(self.flow.as_first_loaded, largest=largest))
+
+    @cached_property
+    def _first_seal(self) -> FluidAndContact:
+        """The same before any load."""
+        return FluidAndContact(self.model, self.problem.law, self._path, self.problem.at_rest(self.model))
+
+    @cached_property
+    def _path(self) -> FluidPath:
+        side, flow = self.problem.loads.pressure_side, self.flow
+        if flow is None:
+            return HeldFluid(side)
+        return FlowThrough(
+            lambda profile, pressure: flow.leak(profile, pressure).fluid_pressure,
+            flow.flow.sealing_pressure(flow.surface),
+            side,
+        )
+
+    def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
+        at_rest = self.problem.at_rest(self.model)
+        return solve(self.model, self.problem.law, contact_force=force, loads=at_rest, start=start)
+
+    def _closes(self, fluid_pressure: float) -> float:
+        return contact_force(self.problem.touch_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side)
+
+
+# What keeps one load from being solved: it opens the seal, does not converge, or its numbers leave their range.
+_NO_SOLUTION = (SealError, ValueError, RuntimeError, ArithmeticError)
+
+
+@dataclass(frozen=True)
+class SolvedLoads:
+    """Contacts of all loads under which the seal is closed, and what is left after the last.
+
+    Parameters
+    ----------
+    contacts : sequence of ContactSolution
+        In the order of the case.
+    unloaded : Unloaded or None
+        None where no body yields: elastic bodies come back.
+    failures : mapping
+        Number of each load without a contact, with the error that says why.
+    not_unloaded : ConvergenceError or None
+        Why it is not known what is left after the last load, though a body yields.
+    formed : sequence of Around
+        Each contact around the axis; empty for a round seal.
+    earlier : ContactSolution or None
+        Under the largest load before them; None where none is known.
+    """
+
+    contacts: Sequence[ContactSolution]
+    unloaded: Unloaded | None = None
+    failures: Mapping[int, Exception] = field(default_factory=dict)
+    not_unloaded: ConvergenceError | None = None
+    formed: Sequence[Around] = ()
+    earlier: ContactSolution | None = None
+
+    @property
+    def around(self) -> Sequence[Around | None]:
+        """Each contact around the axis; None for a round seal."""
+        return self.formed or [None] * len(self.contacts)
+
+    @property
+    def problems(self) -> dict[int, LoadProblem]:
+        """Number of each load without a contact, with the reason."""
+        return {number: _problem(error) for number, error in self.failures.items()}
+
+
+def solve_loads(solver: LoadSolver, progress: Progress | None = None) -> SolvedLoads:
+    """Solve all loads of a problem on a model; those that cannot be solved do not keep the others from it.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+    progress : callable, optional
+        Told now and then how far the path of bodies that yield is.
+    """
+    points = solver.problem.loads.points
+    if solver.yields:
+        return _solved_path(solver, progress)
+    contacts: list[ContactSolution] = []
+    formed: list[Around] = []
+    failures: dict[int, Exception] = {}
+    problem = solver.problem
+    # the number of waves that hurts most is one for all loads, that of the highest fluid pressure
+    order = sorted(range(len(points)), key=lambda number: points[number], reverse=True)
+    found: dict[int, tuple[ContactSolution, Around | None]] = {}
+    for number in order:
+        try:
+            contact = solver.solve(*points[number])
+            around = problem.around(contact)
+        except _NO_SOLUTION as error:
+            failures[number] = error
+            continue
+        if around is not None:
+            problem = replace(problem, form=around.form)
+        found[number] = contact, around
+    for number in sorted(found):
+        contact, around = found[number]
+        contacts.append(contact)
+        formed += [] if around is None else [around]
+    earlier = solver.earlier if contacts else None
+    return SolvedLoads(contacts, failures=dict(sorted(failures.items())), formed=formed, earlier=earlier)
+
+
+def _solved_path(solver: LoadSolver, progress: Progress | None) -> SolvedLoads:
+    """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
+    points = solver.problem.loads.points
+    path, earlier = _path(solver, points, progress=progress)
+    failures: dict[int, Exception] = {
+        number: solver.open_seal(*points[number], opened.error, opened.model)
+        for number, opened in path.opened.items()
+    }
+    closed = [number for number in range(len(points)) if number not in failures]
+    unsolved = closed[len(path.contacts) :]
+    if path.stopped is not None:
+        failures.update(dict.fromkeys(unsolved, path.stopped))
+    not_unloaded = None if unsolved or path.unloaded is not None else path.stopped
+    return SolvedLoads(
+        path.contacts, path.unloaded, dict(sorted(failures.items())), not_unloaded, earlier=earlier
+    )
+
+
+def _problem(error: Exception) -> LoadProblem:
+    if isinstance(error, InputError):
+        first = error.problems[0]
+        return LoadProblem(first.key, first.message, first.value)
+    return LoadProblem("load", error_text(error), kind="solution")
+
+
+def solve_load(
+    solver: LoadSolver, number: int, *, steps: int | None = None, start: ContactSolution | None = None
+) -> ContactSolution:
+    """One load of a problem; the bodies that yield go through those before it.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+    number : int
+        Which of the loads.
+    steps : int, optional
+        Load steps from zero to a load with bodies that yield; those of `PlasticSettings` unless given.
+    start : ContactSolution, optional
+        To start from, if no body yields.
+
+    Raises
+    ------
+    InputError
+        If the load leaves the seal open.
+    ConvergenceError
+    """
+    if not solver.yields:
+        return solver.solve(*solver.problem.loads.points[number], start=start)
+    return _end_of_path(solver, solver.problem.loads.points[: number + 1], steps)
+
+
+def _end_of_path(
+    solver: LoadSolver,
+    points: Sequence[tuple[float, float]],
+    steps: int | None = None,
+    progress: Progress | None = None,
+) -> ElastoplasticContact:
+    path, _ = _path(solver, points, steps, unload=False, progress=progress)
+    last = len(points) - 1
+    if last in path.opened:
+        raise solver.open_seal(*points[last], path.opened[last].error, path.opened[last].model)
+    if path.stopped is not None:
+        raise path.stopped
+    return path.contacts[-1]
+
+
+def _path(
+    solver: LoadSolver,
+    points: Sequence[tuple[float, float]],
+    steps: int | None = None,
+    *,
+    unload: bool = True,
+    progress: Progress | None = None,
+) -> tuple[LoadPath, ElastoplasticContact | None]:
+    """Fluid pressures [Pa] and applied forces [N] one after the other; the largest load before them is the first.
+
+    It is returned beside the path. Where asperities yield each contact remembers all those before it.
+    """
+    problem, settings = solver.problem, PlasticSettings()
+    first = () if problem.loads.earlier is None else (problem.loads.earlier,)
+    loads = [solver.on_path(*point) for point in (*first, *points)]
+    if steps is not None:
+        settings = replace(settings, steps=steps)
+    at_rest = problem.at_rest(solver.model)
+    try:
+        path = load_path(
+            solver.model,
+            problem.law,
+            loads,
+            at_rest=at_rest,
+            settings=settings,
+            partial=True,
+            unload=unload,
+            progress=None if progress is None else _now_and_then(progress, len(first), len(points)),
+        )
+    except ConvergenceError as error:
+        if not isinstance(error.partial, LoadPath):
+            raise
+        path = error.partial
+    if solver.asperities_remember:
+        path = replace(path, contacts=_remembering(path.contacts))
+    if not first:
+        return path, None
+    if 0 in path.opened:
+        raise solver.open_seal(*first[0], path.opened[0].error, path.opened[0].model)
+    if not path.contacts:
+        return replace(path, stopped=ConvergenceError(f"the largest earlier load: {path.stopped}")), None
+    earlier, *contacts = path.contacts
+    opened = {number - 1: one for number, one in path.opened.items()}
+    return replace(path, contacts=tuple(contacts), opened=opened), earlier
+
+
+# So often it is said how far a path is [s].
+_TOLD_EVERY = 5.0
+
+
+def _now_and_then(progress: Progress, before: int, count: int) -> Callable[[PlaceOnPath], None]:
+    """Tells how far a path of `count` loads is, after those before them."""
+    last = time.monotonic()
+
+    def tell(place: PlaceOnPath) -> None:
+        nonlocal last
+        if time.monotonic() - last < _TOLD_EVERY:
+            return
+        last = time.monotonic()
+        number = place.number - before
+        what = "the largest earlier load" if number < 0 else f"load {number + 1} of {count}"
+        what = "unloading" if number == count else what
+        progress(
+            f"{what}: {100 * place.way:.3g} % of the way after {place.steps} load steps, now in steps of "
+            f"{100 * place.step:.2g} %"
+        )
+
+    return tell
+
+
+def _remembering(contacts: Sequence[ElastoplasticContact]) -> tuple[ElastoplasticContact, ...]:
+    """Contacts of a path, each with the largest pressures before it."""
+    found: list[ElastoplasticContact] = []
+    for contact in contacts:
+        found.append(contact.after(found[-1]) if found else contact)
+    return tuple(found)
+
+
+def path_again(solver: LoadSolver) -> list[ContactSolution]:
+    """All loads of a problem on the path of bodies that yield, without what is left after the last.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+
+    Raises
+    ------
+    ConvergenceError
+        If a load opens the seal or does not converge.
+    """
+    points = solver.problem.loads.points
+    path, _ = _path(solver, points, unload=False)
+    if len(path.contacts) < len(points):
+        opened = [str(one.error) for one in path.opened.values()]
+        raise ConvergenceError(opened[0] if opened else str(path.stopped))
+    return list(path.contacts)
+
+
+def linearised_again(contacts: Sequence[ContactSolution], law: Law) -> list[ContactSolution]:
+    """The same loads of bodies that yield with another law, the bodies linearised where they are.
+
+    What they would have yielded otherwise on the way to the last load step of each load is left out.
+
+    Parameters
+    ----------
+    contacts : sequence of ElastoplasticContact
+        All or some of a path. Those that they remember are solved again, too.
+    law : InterfaceLaw or HardContact
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    found: dict[int, ContactSolution] = {}
+    for contact in contacts:
+        for one in reversed([one for one in _history(contact) if id(one) not in found]):
+            assert isinstance(one, ElastoplasticContact) and one.linear is not None
+            again = solve(one.linear, law, contact_force=one.contact_force, loads=one.loads, start=one)
+            found[id(one)] = again.after(found.get(id(one.earlier)))
+    return [found[id(contact)] for contact in contacts]
+
+
+def _history(contact: ContactSolution | None) -> Iterator[ContactSolution]:
+    """A contact and all that it remembers, back in time."""
+    while contact is not None:
+        yield contact
+        contact = contact.earlier
+
+
+def solved_again(
+    contacts: Sequence[ContactSolution],
+    model: ContactModel,
+    law: Law,
+    earlier: ContactSolution | None = None,
+) -> list[ContactSolution]:
+    """The same loads on other bodies or with another law; what the fluid does between the surfaces stays as it is.
+
+    Parameters
+    ----------
+    contacts : sequence of ContactSolution
+        Of bodies that do not yield.
+    model : ContactModel
+    law : InterfaceLaw or HardContact
+    earlier : ContactSolution, optional
+        The one that they remember; it is solved again, too.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+
+    def again(contact: ContactSolution) -> ContactSolution:
+        return solve(model, law, contact_force=contact.contact_force, loads=contact.loads, start=contact)
+
+    before = None if earlier is None else again(earlier)
+    return [again(contact).after(before) for contact in contacts]
+
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Says what is being done and keeps how long it took.
+
+    Parameters
+    ----------
+    progress : callable
+        Told in words what is being done.
+    timings : dict
+        Wall time [s] by name of the step.
+    """
+
+    progress: Progress
+    timings: dict[str, float] = field(default_factory=dict)
+
+    @contextmanager
+    def step(self, name: str, text: str) -> Iterator[None]:
+        """Time what happens inside; a step that comes again adds to its time."""
+        self.progress(text)
+        start = time.perf_counter()
+        yield
+        self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
+
+
+def model_and_contacts(
+    problem: SealProblem, clock: Clock | None = None
+) -> tuple[SealMesh, ContactModel, SolvedLoads]:
+    """All loads of a problem on a mesh whose zone and element sizes fit what was found on it.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    clock : Clock, optional
+        Told what is being done.
+
+    Raises
+    ------
+    NoLoadLeftError
+        If no load has a contact.
+    GeometryError, MeshingError, ConvergenceError
+    """
+    clock = clock or Clock(lambda text: None)
+    size_given = problem.contact_size is not None
+    meshes: list[SealMesh] = []
+    solved: list[SolvedLoads] = []
+    # a load that does not converge is tried on a finer mesh once, before the others go on without it
+    finer_may_help = not (size_given or problem.contact.has_ready_mesh)
+
+    def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
+        nonlocal finer_may_help
+        with clock.step("mesh", "meshing closure and seat"):
+            meshes.append(build_contact(problem.contact, sizing))
+        with clock.step("condense", "condensing both bodies on the contact line"):
+            solver = LoadSolver(problem, condensed(problem, meshes[-1]))
+        along = ", one after the other in load steps, and unloading" if solver.yields else ""
+        with clock.step("contact", f"solving {len(problem.loads.points)} contacts{along}"):
+            found = solve_loads(solver, clock.progress)
+        unconverged = [error for error in found.failures.values() if isinstance(error, ConvergenceError)]
+        if unconverged and finer_may_help:
+            finer_may_help = False
+            raise unconverged[0]
+        if not found.contacts:
+            raise _no_load_left(problem, found)
+        solved.append(found)
+        before = () if found.earlier is None else (found.earlier,)
+        return [*found.contacts, *(one for around in found.formed for one in around.extremes), *before]
+
+    contacts = solve_fitted(sizing(problem), problem.contact, solve_on, size_given=size_given)
+    return meshes[-1], contacts[0].model, solved[-1]
+
+
+def _no_load_left(problem: SealProblem, solved: SolvedLoads) -> Exception:
+    """The error of a problem without a contact at any of its loads."""
+    errors = list(solved.failures.values())
+    if all(isinstance(error, ConvergenceError) for error in errors):
+        return errors[0]
+    problems = {one.kind: one for one in reversed(solved.problems.values())}
+    return NoLoadLeftError(*problems.values(), file=problem.file)

@@ -1,0 +1,622 @@
+"""The problem that a case poses: bodies, surfaces, flow and loads as the calculation knows them.
+
+`SealProblem.of` is the door: behind it nobody asks the tables of the case. A variant of a problem is
+``replace(problem, ...)``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from fem_seal.bodies.supports import Supports
+from fem_seal.case.load_limits import refused_loads
+from fem_seal.case.touched_face import touched_beside
+from fem_seal.contact.laws import HardContact
+from fem_seal.contact.refit import rounded
+from fem_seal.contact.sizing import ContactWidth, Expected, Opening, element_sizes, for_yielding
+from fem_seal.errors import InputError, LoadProblem, Problem
+from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
+from fem_seal.materials import HardeningCurve, Material, effective_modulus
+from fem_seal.seal.heating import Heating, heating, warmed
+from fem_seal.seal.leak_model import Flow
+from meshes import ContactGeometry, SealMesh, Sizing, build_contact
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from fem_seal.case.direct import Direct
+    from fem_seal.case.tables import CaseTables
+    from fem_seal.contact.laws import Law
+    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.other_loads import FurtherLoads
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.form import FormError
+    from fem_seal.seal.circumference import Around
+    from fem_seal.seal.direct import DirectSettings
+    from leak import RoughContact
+
+# Ratio of decay length to rms height of Fischer et al. 2020, below eq. 8.
+DEFAULT_GAMMA = 0.4
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Which law between contact pressure and gap carries the macroscopic contact.
+
+    Parameters
+    ----------
+    law : {"spectrum", "exponential", "smooth"}
+    plastic : bool
+        With "spectrum": p(u) of asperities that yield instead of elastic ones.
+    gamma : float or None
+        With "exponential": decay length over rms height, unless `u0` is given.
+    u0 : float or None
+        With "exponential": decay length [m].
+    p_c : float or None
+        With "exponential": pressure at zero gap [Pa]; that of the spectrum unless given.
+    """
+
+    law: Literal["spectrum", "exponential", "smooth"]
+    plastic: bool = False
+    gamma: float | None = None
+    u0: float | None = None
+    p_c: float | None = None
+
+    def of_surface(self, surface: RoughContact | None) -> Law:
+        """The law of a rough contact; of "smooth", and of "exponential" with its own numbers, without one.
+
+        Parameters
+        ----------
+        surface : RoughContact or None
+        """
+        from leak import ExponentialLaw
+
+        if self.law == "smooth":
+            return HardContact()
+        if self.law == "spectrum":
+            assert surface is not None  # the case's own checks demand a roughness
+            return surface.interface_law(plastic=self.plastic)
+        u0, p_c = self.exponential(surface)
+        assert u0 is not None and p_c is not None
+        return ExponentialLaw(p_c=p_c, u0=u0)
+
+    def exponential(self, surface: RoughContact | None) -> tuple[float | None, float | None]:
+        """Decay length u0 [m] and pressure p_c [Pa] of p = p_c exp(-u/u0); None, None for a smooth interface.
+
+        With law "exponential" as given, or gamma times rms height and p_c of the spectrum; with law "spectrum" the
+        elastic spectrum's at low pressure, which the corrected theory has none of: None, None.
+
+        Parameters
+        ----------
+        surface : RoughContact or None
+        """
+        corrected = surface is not None and surface.theory == "corrected"
+        if self.law == "smooth" or (self.law == "spectrum" and corrected):
+            return None, None
+        if surface is None:
+            return self.u0, self.p_c
+        if self.law == "spectrum":
+            return surface.u0, surface.p_c
+        gamma = DEFAULT_GAMMA if self.gamma is None else self.gamma
+        return self.u0 or gamma * surface.spectrum.rms_height, self.p_c or surface.p_c
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Loads of a seal, and what is asked of them.
+
+    Parameters
+    ----------
+    points : tuple
+        Fluid pressure [Pa] and force of spring or actuator [N] of every load.
+    pressure_side : {"outer", "inner"}
+        Side of the high pressure.
+    closing : {"sealed-area", "penetration"}
+        What the fluid pressure acts on: the circle of first touch, or all that it wets.
+    target_leak_rate : float or None
+        To which the smallest force is asked [m^3/s].
+    refused : mapping
+        Number of each load of which is known beforehand that it cannot be calculated, with the reason.
+    earlier : tuple or None
+        Fluid pressure [Pa] and force of spring or actuator [N] of the largest load before all of them; None if none is
+        known.
+    """
+
+    points: tuple[tuple[float, float], ...]
+    pressure_side: PressureSide = "outer"
+    closing: Literal["sealed-area", "penetration"] = "sealed-area"
+    target_leak_rate: float | None = None
+    refused: Mapping[int, LoadProblem] = field(default_factory=dict)
+    earlier: tuple[float, float] | None = None
+
+    @classmethod
+    def of(cls, case: CaseTables) -> Loads:
+        """Those of a case."""
+        load = case.load
+        return cls(
+            load.points,
+            load.pressure_side,
+            load.closing,
+            load.target_leak_rate,
+            refused_loads(case),
+            load.earlier,
+        )
+
+    @property
+    def fluid_pressure(self) -> tuple[float, ...]:
+        """Fluid pressure of every load [Pa]."""
+        return tuple(pressure for pressure, _ in self.points)
+
+    def without(self, numbers: Collection[int]) -> Loads:
+        """The others.
+
+        Parameters
+        ----------
+        numbers : collection of int
+            Of the loads that go.
+        """
+        kept = [number for number in range(len(self.points)) if number not in numbers]
+        refused = {new: self.refused[old] for new, old in enumerate(kept) if old in self.refused}
+        return replace(self, points=tuple(self.points[number] for number in kept), refused=refused)
+
+
+_FREE = Supports()
+
+
+def _no_larger_housing() -> ContactGeometry | None:
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class SealProblem:
+    """What is solved: a seal with its surfaces, its fluid and its loads.
+
+    Parameters
+    ----------
+    contact : ContactGeometry
+        Closure and seat in first touch.
+    materials : dict
+        Of "closure" and "seat".
+    interface : Interface
+    loads : Loads
+    surface : RoughContact or None
+        With the hardness if asperities yield; None without roughness.
+    flow : Flow or None
+        None without a fluid.
+    form : FormError or None
+        None for a seal that is round.
+    supports : Supports
+        How the seat is held.
+    interference : float
+        How far a held wall is moved inwards, by a press fit and by heat [m]; zero without.
+    expansion : float
+        Thermal strain of the closure beyond that of the seat [-].
+    temperatures : mapping
+        Of "closure" and "seat", or of their faces where it is calculated [K]; empty where they are not given.
+    heating : Heating or None
+        What warms the seal, where its temperature is calculated.
+    contact_size : float or None
+        Size of the elements along the contact line, if the user gives it [m].
+    hardness : float or None
+        Penetration hardness of the softer body, whether asperities yield or not [Pa].
+    asperities_yield : bool
+        Whether the asperities are meant to yield.
+    remarks : tuple of str
+        What the scans themselves say against their use.
+    beside : tuple of str
+        What is said of bodies that touch beside the faces which their shapes are named after.
+    of_finish : bool
+        Whether the surface comes from the finish of a drawing.
+    usual_only : bool
+        Whether it does and its range is not sampled.
+    cutoff : float or None
+        Wave beyond which a finish says nothing of the surface [m]; None without a finish.
+    larger_housing : callable
+        Gives the contact in a seat twice as wide and high, None if the seat has no such lengths; may raise
+        GeometryError. Not made before it is asked for, because it takes as long as the contact itself.
+    file : Path or None
+        That errors name.
+    """
+
+    contact: ContactGeometry
+    materials: dict[str, Material]
+    interface: Interface
+    loads: Loads
+    surface: RoughContact | None = None
+    flow: Flow | None = None
+    form: FormError | None = None
+    supports: Supports = _FREE
+    interference: float = 0.0
+    expansion: float = 0.0
+    temperatures: Mapping[str, float] = field(default_factory=dict)
+    heating: Heating | None = None
+    contact_size: float | None = None
+    hardness: float | None = None
+    asperities_yield: bool = False
+    remarks: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
+    of_finish: bool = False
+    usual_only: bool = False
+    cutoff: float | None = None
+    larger_housing: Callable[[], ContactGeometry | None] = _no_larger_housing
+    file: Path | None = None
+
+    @classmethod
+    def of(cls, case: CaseTables) -> SealProblem:
+        """The problem that a case poses.
+
+        Parameters
+        ----------
+        case : CaseTables
+            Whose tables fit together, as those of a `Case` do.
+        """
+        case = warmed(case)
+        of_finish = case.roughness is not None and bool(case.roughness.finishes)
+        return cls(
+            contact=case.contact,
+            materials={"closure": case.closure.material, "seat": case.seat.material},
+            interface=_interface(case),
+            loads=Loads.of(case),
+            surface=rough_contact(case),
+            flow=flow_of(case),
+            form=None if case.form is None else case.form.error(case.contact.angle, case.touch_radius),
+            supports=Supports(wall=getattr(case.seat, "wall", "free")),
+            interference=case.wall_motion,
+            expansion=case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
+            temperatures=case.body_temperatures,
+            heating=heating(case),
+            contact_size=case.mesh.contact_size,
+            hardness=case.hardness,
+            asperities_yield=case.leak.plasticity and case.roughness is not None,
+            remarks=tuple(case.roughness.remarks()) if case.roughness else (),
+            beside=tuple(touched_beside(case)),
+            of_finish=of_finish,
+            usual_only=of_finish and case.fluid is not None and case.sampled is None,
+            cutoff=case.roughness.cutoff if case.roughness else None,
+            larger_housing=partial(_larger_housing, case),
+            file=case.file,
+        )
+
+    @cached_property
+    def law(self) -> Law:
+        """The law between contact pressure and gap, made when it is asked for."""
+        return self.interface.of_surface(self.surface)
+
+    @property
+    def touch_radius(self) -> float:
+        """Radius r0 of the circle of first touch [m]."""
+        return self.contact.touch_radius
+
+    @cached_property
+    def effective_modulus(self) -> float:
+        """E* of both bodies [Pa]."""
+        return effective_modulus(self.materials["closure"], self.materials["seat"])
+
+    def at_rest(self, model: ContactModel) -> FurtherLoads:
+        """What acts on the bodies without any load: a press fit and heat.
+
+        All is counted from a seal that has grown as the seat does, at the contact: that changes its scale only, by
+        less than what is neglected elsewhere.
+
+        Parameters
+        ----------
+        model : ContactModel
+            Its bodies, condensed with the temperatures of the problem.
+        """
+        from fem_seal.contact.other_loads import FurtherLoads
+
+        bodies = (model.closure, model.seat)
+        found = {body.held.name: body.held.temperature for body in bodies}
+        if self.heating is None:
+            expansion = {"expansion": self.expansion} if self.expansion else {}
+            fit = FurtherLoads.press_fit(self.interference)
+            return FurtherLoads(expansion, fit.seat, temperature=self.temperatures)
+        wall = self.interference + self.heating.wall_motion(model.seat.held, self.materials["seat"])
+        return FurtherLoads(
+            {"heat": 1.0},
+            {"heat": 1.0, **FurtherLoads.press_fit(wall if len(model.seat.held.wall) else 0.0).seat},
+            temperature={name: nodes for name, nodes in found.items() if nodes is not None},
+        )
+
+    @property
+    def curves(self) -> list[HardeningCurve]:
+        """Hardening curves of the bodies that yield; empty if both are elastic."""
+        return [material.hardening for material in self.materials.values() if material.hardening is not None]
+
+    def around(
+        self, contact: ContactSolution, law: Law | None = None, near: Around | None = None
+    ) -> Around | None:
+        """Line load around the axis where one of the problem's contacts carries the mean; None for a round seal.
+
+        Parameters
+        ----------
+        contact : ContactSolution
+        law : Law, optional
+            With which it was solved; the problem's own unless given.
+        near : Around, optional
+            Of a contact between the same points and a form error of the same waves, both close to these.
+
+        Raises
+        ------
+        ConvergenceError
+        """
+        if self.form is None:
+            return None
+        from fem_seal.contact.local_contact import LocalContact
+        from fem_seal.seal.circumference import around_after
+
+        own = law or self.law
+        local = LocalContact(contact, own, None if near is None else near.local)
+        if contact.earlier is None:
+            return around_after(self.form, local, None, near)
+        known = None if near is None or near.before is None else near.before.local
+        return around_after(self.form, local, LocalContact(contact.earlier, own, known), near)
+
+    @property
+    def leaks(self) -> bool:
+        """Whether there is a leak rate: it takes roughness and fluid."""
+        return self.surface is not None and self.flow is not None
+
+
+def _interface(case: CaseTables) -> Interface:
+    given = case.interface
+    return Interface(given.law, given.plastic, given.gamma, given.u0, given.p_c)
+
+
+def rough_contact(case: CaseTables) -> RoughContact | None:
+    """The case's rough contact, with the hardness if its asperities yield; None without roughness.
+
+    Parameters
+    ----------
+    case : CaseTables
+    """
+    from leak import RoughContact
+
+    if case.roughness is None:
+        return None
+    spectrum, peklenik = case.roughness.combined()
+    return RoughContact(
+        spectrum,
+        effective_modulus=case.effective_modulus,
+        hardness=case.hardness if case.leak.plasticity else None,
+        theory=case.leak.theory,
+        percolation_threshold=case.leak.percolation_threshold,
+        peklenik=peklenik,
+    )
+
+
+def flow_of(case: CaseTables) -> Flow | None:
+    """How the case's fluid flows; None without one.
+
+    Parameters
+    ----------
+    case : CaseTables
+    """
+    fluid = case.fluid
+    if fluid is None:
+        return None
+    return Flow(
+        fluid.name,
+        fluid.viscosity,
+        fluid.density,
+        fluid.gas,
+        fluid.outlet_pressure or 0.0,
+        case.leak.conductivity,
+        case.leak.fluid_in_gap,
+        case.load.pressure_side,
+        direct_settings(case),
+        pressure_law=fluid.pressure_law if fluid.gas is None else None,
+    )
+
+
+def direct_settings(case: CaseTables) -> DirectSettings | None:
+    """How the case's surface is simulated directly; None without a table [direct].
+
+    Parameters
+    ----------
+    case : CaseTables
+    """
+    given = case.direct
+    if given is None:
+        return None
+    from fem_seal.seal.direct import DirectSettings
+
+    return DirectSettings(
+        points=given.points,
+        samples=given.samples,
+        seed=given.seed,
+        waves=given.waves,
+        points_per_wave=given.points_per_wave,
+        amplitudes=given.amplitudes,
+        size=given.size,
+        pressures=given.pressure or (),
+        unload=given.unload or (),
+        direction=given.direction,
+        map=None if given.file is None else partial(_periodic_map, given.file, given.unit, given),
+        folder=None if given.folder is None else Path(given.folder),
+        asperities=case.simulated_asperities,
+        yield_stress=given.yield_stress,
+        poissons_ratio=case.softer.poissons_ratio,
+    )
+
+
+def _periodic_map(file: str, unit: tuple[str, ...] | None, given: Direct) -> tuple[FloatArray, float]:
+    """A measured map on no more points than the table says, and its side [m]."""
+    from leak import HeightMap, read_topography
+    from leak.direct import periodic_map
+
+    scan = read_topography(file, unit=unit)
+    if not isinstance(scan, HeightMap):
+        raise InputError(Problem("direct.file", "is a line scan; a map of heights is needed", file))
+    heights, size = periodic_map(scan, continuation=given.continuation)
+    if heights.shape[0] > given.points:
+        heights, size = periodic_map(scan, points=given.points, continuation=given.continuation)
+    return heights, size
+
+
+_LARGER = 2.0
+_LENGTHS = ("outer_radius", "height")
+
+
+def _larger_housing(case: CaseTables) -> ContactGeometry | None:
+    closure, found = case.bodies
+    seat: Any = found
+    known = {field.name for field in fields(seat)} if is_dataclass(seat) else set()
+    if not set(_LENGTHS) <= known:
+        return None
+    larger = replace(seat, **{name: _LARGER * getattr(seat, name) for name in _LENGTHS})
+    return ContactGeometry.of(closure.outline, larger.outline)
+
+
+def exponential_law(case: CaseTables, surface: RoughContact | None) -> tuple[float | None, float | None]:
+    """`Interface.exponential` of a case.
+
+    Parameters
+    ----------
+    case : CaseTables
+    surface : RoughContact or None
+        The case's rough contact.
+    """
+    return _interface(case).exponential(surface)
+
+
+def build_mesh(problem: SealProblem) -> SealMesh:
+    """Mesh of a problem, sized for all its loads.
+
+    Parameters
+    ----------
+    problem : SealProblem
+
+    Raises
+    ------
+    GeometryError, MeshingError
+    """
+    return build_contact(problem.contact, sizing(problem))
+
+
+def expected_contacts(problem: SealProblem, law: Law, forces: Sequence[float] | None = None) -> Expected:
+    """The contacts whose widths `sizing` needs.
+
+    Parameters
+    ----------
+    problem, law, forces
+        See `sizing`.
+    """
+    contact = problem.contact
+    forces = [*(expected_forces(problem) if forces is None else forces), *_expected_earlier(problem)]
+    line_loads = tuple(line_load(force, contact.touch_radius, contact.angle) for force in forces)
+    return Expected(law, line_loads, Opening.of(contact), problem.effective_modulus)
+
+
+def sizing(
+    problem: SealProblem,
+    law: Law | None = None,
+    forces: Sequence[float] | None = None,
+    widths: Sequence[ContactWidth] | None = None,
+) -> Sizing:
+    """Element sizes and contact zone for all loads of a problem, and for the largest one before them.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    law : Law, optional
+        Instead of the problem's own.
+    forces : sequence of float, optional
+        Forces F_N of the contact [N] instead of those of the loads.
+    widths : sequence of ContactWidth, optional
+        Those of the `expected_contacts`, if they are known already.
+
+    Raises
+    ------
+    InputError
+        If [mesh] contact_size is out of range for this contact.
+    """
+    asked = expected_contacts(problem, problem.law if law is None else law, forces)
+    contact, size = problem.contact, problem.contact_size
+    widths = asked.widths if widths is None else widths
+    try:
+        found = element_sizes(asked.law, asked.line_loads, contact, asked.effective_modulus, size, widths)
+    except InputError as error:
+        raise error.in_file(problem.file) from None
+    size_given = size is not None
+    if problem.curves:
+        softest = min(curve.yield_stress for curve in problem.curves)
+        found = for_yielding(found, contact, softest, max(asked.line_loads), size_given=size_given)
+    return rounded(found, contact, size_given=size_given)
+
+
+def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | None = None) -> ContactModel:
+    """The bodies of a problem on a mesh, condensed.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    seal_mesh : SealMesh
+    known : ContactModel, optional
+        Whose closure may be the same, see `fem_seal.contact.model.condense`.
+    """
+    from fem_seal.contact.model import condense
+
+    heat = None if problem.heating is None else problem.heating.of_bodies(seal_mesh, problem.materials)
+    return condense(seal_mesh, problem.materials, problem.supports, heat, known=known)
+
+
+def expected_forces(problem: SealProblem) -> list[float]:
+    """Force F_N that the solid contact is expected to carry at each load that can be calculated [N].
+
+    With closing "sealed-area" it is the force, with "penetration" an estimate.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    loads = problem.loads
+    return [
+        _expected_force(problem, *point)
+        for number, point in enumerate(loads.points)
+        if number not in loads.refused
+    ]
+
+
+def _expected_earlier(problem: SealProblem) -> list[float]:
+    return [] if problem.loads.earlier is None else [_expected_force(problem, *problem.loads.earlier)]
+
+
+def _expected_force(problem: SealProblem, fluid_pressure: float, applied_force: float) -> float:
+    loads = problem.loads
+    return expected_force(
+        problem.touch_radius, fluid_pressure, applied_force, loads.pressure_side, loads.closing
+    )
+
+
+# Half-width of Hertz's contact over the radius of relative curvature, the angle by which the faces turn against each
+# other [rad], where a leak rate by the theory of small strains is some 5 % off, and where 20 %
+# (docs/guide/validity.md).
+TURNED, LARGEST_TURNING = 0.07, 0.25
+
+
+def largest_force(problem: SealProblem) -> float:
+    """Largest force F_N that small strains describe [N], from Hertz's half-width over contact radius and curvature.
+
+    Where a body yields that of full plasticity over a tenth of them as well.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    contact, modulus = problem.contact, problem.effective_modulus
+    r0, R = contact.touch_radius, contact.relative_radius
+    if math.isinf(R):
+        # Faces that fit each other: the pressure at which Hertz' contact would be as wide, all over the face.
+        start, end = contact.reach
+        f = (end - start) * modulus * LARGEST_TURNING / 2
+    else:
+        f = math.pi * modulus * (LARGEST_TURNING * min(r0, R)) ** 2 / (4 * R)
+    if problem.curves:
+        per_line_load = plastic_half_width(1.0, min(curve.stress[-1] for curve in problem.curves))
+        f = min(f, min(r0, R) / 10 / per_line_load)
+    return f / line_load(1.0, r0, contact.angle)

@@ -1,0 +1,820 @@
+"""Where a result leaves the range in which its theory holds: what that makes of it, with the number behind it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from fem_seal.arrays import FloatArray
+from fem_seal.contact.load_path import yielding_bodies
+from fem_seal.contact.model import ContactModel
+from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
+from fem_seal.materials import creep_remarks
+from fem_seal.seal.findings import DIRECT_SCATTER, Caution, Level, Validity, either_way
+from fem_seal.seal.load_names import load_name
+from fem_seal.seal.problem import LARGEST_TURNING, TURNED
+from fem_seal.units import DIGITS, beside, briefly, number, rounded, share_text
+from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
+from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
+from fem_seal.validity.materials import temperature_cautions
+
+if TYPE_CHECKING:
+    from fem_seal.seal.direct import DirectTable
+    from fem_seal.seal.problem import SealProblem
+    from fem_seal.seal.results import DiscretisationError, GivenLoad, LoadResult
+    from leak import PowerSpectrum
+
+
+# Share of what acts that is left to opening below which the contact force is a small difference of large ones.
+_NEAR_OPENING = 0.05
+# Pressure at the ends of the contact zone over the peak pressure above which contact is cut off, and above which what
+# is missing shows in the result.
+_CUT_OFF, _MUCH_CUT_OFF = 1e-6, 1e-2
+# Share of the hardness above which the theory of yielding asperities is stretched; above the hardness it is void.
+_NEAR_HARDNESS = 0.3
+_LARGEST_ERROR = 2e-3
+# With load steps: what 16 of them leave on a perfectly plastic seat (docs/theory/elastoplastic.md).
+_LARGEST_ERROR_OF_PATH = 1e-2
+# The theory's own A/A0 beyond which its flow conductivity differs from direct numerical results by more than 30 %,
+# and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification/verification.md).
+_FEW_CHANNELS = 0.15
+_FACTORS = ((0.2, 1.7), (1.0, 3.3))
+# ... where they end; from there to the percolation threshold the conductivity falls to nothing.
+_DIRECT_END = 0.39
+# With a lay it differs by up to these factors, up to some A/A0, where the fluid crosses the lay and where it flows
+# along it: direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to 0.16.
+# For a lay 10 times longer the factors rise by 10/5 to this power.
+_LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 1.4), (0.1, 1.5), (1.0, 2.5)), 1.4, 0.16
+_LAY_LONG, _LAY_LONGEST, _LAY_POWER = 5.0, 10.0, 0.7
+_WORTH_SAYING = 1.3
+# Factor by which a simulated conductivity may be off without a word.
+_UNSURE = 2.0
+# Share of the height variance in waves too long to be roughness of this contact.
+_LONG_WAVES = 0.1
+# Fluid pressure over peak contact pressure from which on it opens the gap noticeably: a fifth more leaks at 0.1.
+FLUID_OPENS = 0.1
+# ... and from which on a leak rate that does not take it into account says nothing.
+_FLUID_LIFTS = 0.5
+# Plastic strain up to which small-strain theory holds.
+_LARGE_STRAIN = 0.1
+# Separation of the surfaces over the radius to which their faces bend, in the mean over the contact pressure, above
+# which the law of parallel planes is stretched, and above which it means nothing; see docs/theory/geometry.md.
+_THICK_LAYER, _NO_LAYER = 0.1, 1.0
+# Way by which such a layer moves closest approach along the seat, over the radius of first touch: the line load, and
+# with it peak and leak rate, are uncertain by as much.
+_SLIDES = 0.02
+# Turning of the contact normal by heat [rad], and way along the face over that to its end, which are not seen by a
+# contact that stays where it is: line load and contact are then uncertain by some per cent.
+_TURNS, _NEAR_END, _TINY = 0.02, 0.2, 1e-12
+# Beyond this share of the ball's radius the contact is no narrow line any more.
+_NARROW = 0.2
+
+
+class Surface(Protocol):
+    """What the checks ask of a rough contact."""
+
+    @property
+    def spectrum(self) -> PowerSpectrum:
+        """Of the combined roughness."""
+
+    @property
+    def percolation_threshold(self) -> float:
+        """A/A0 from which on no path is open."""
+
+    @property
+    def sealing_pressure(self) -> float:
+        """Nominal pressure at which it is reached [Pa]."""
+
+    def sealing_pressure_by(self, method: str, /) -> float:
+        """The same in a reading of the flow conductivity [Pa]."""
+
+    @property
+    def peklenik(self) -> float:
+        """Correlation length along the flow over that across it."""
+
+    def contact_area(self, pressure: float, /) -> FloatArray | float:
+        """A/A0 under a nominal pressure [Pa]."""
+
+    def most_contact_area(self, pressure: float, /) -> float:
+        """What it does not exceed, at once."""
+
+
+def contact_cautions(
+    problem: SealProblem,
+    model: ContactModel,
+    loads: Sequence[LoadResult],
+    error: DiscretisationError,
+    surface: Surface | None = None,
+) -> tuple[Caution, ...]:
+    """Everything that a user should know before believing the result, one caution of each kind for all loads.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    model : ContactModel
+    loads : sequence of LoadResult
+    error : DiscretisationError
+    surface : RoughContact, optional
+        The problem's rough contact.
+    """
+    # remarks that are nothing against the numbers
+    near = [one for one in temperature_cautions(problem) if one.level is Level.VALID]
+    return (
+        *_of_surface(problem),
+        *load_cautions(problem, model, loads, surface),
+        *_coarse(model, error),
+        *near,
+    )
+
+
+def load_cautions(
+    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult], surface: Surface | None = None
+) -> Iterator[Caution]:
+    """What the numbers of the loads themselves say against them, without mesh and roughness.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    model : ContactModel
+    loads : sequence of LoadResult
+        What is said is about the worst of them.
+    surface : RoughContact, optional
+        The problem's rough contact.
+    """
+    bodies = (
+        _touched_beside,
+        _near_opening,
+        _yielding,
+        _table_left,
+        _turned,
+        _cut_off,
+        _wide,
+        _thick_layer,
+        _slides,
+        _above_hardness,
+        _creeps,
+        _hot,
+        _moved_by_heat,
+    )
+    yield from (caution for check in bodies for caution in check(problem, model, loads))
+    yield from form_cautions(problem, loads)
+    if surface is not None:
+        yield from _interface_cautions(problem, surface, loads)
+
+
+def _interface_cautions(
+    problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    interface = (_sealed, _nearly_sealed, _range, _long_waves)
+    flow = () if problem.flow is None else (_fluid_opens,)
+    yield from (caution for check in (*interface, *flow) for caution in check(problem, surface, loads))
+    if problem.flow is not None:
+        yield from fluid_cautions(problem.flow, loads)
+
+
+def load_validity(
+    problem: SealProblem,
+    load: LoadResult,
+    surface: Surface | None = None,
+    error: DiscretisationError | None = None,
+) -> Validity:
+    """How far the numbers of one load can be trusted, by its own checks alone.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    load : LoadResult
+    surface : RoughContact, optional
+        The problem's rough contact.
+    error : DiscretisationError, optional
+        Of the mesh; left out where it is not known.
+    """
+    model = load.contact.model
+    mesh = () if error is None else _coarse(model, error)
+    own = load_cautions(problem, model, [load], surface)
+    return Validity.of((*_of_surface(problem), *own, *mesh))
+
+
+def profile_validity(problem: SealProblem, surface: Surface, load: GivenLoad) -> Validity:
+    """How far the leak rate of a given pressure profile can be trusted; of its bodies nothing is known.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    surface : RoughContact
+        The problem's rough contact.
+    load : GivenLoad
+    """
+    return Validity.of(
+        (
+            *_of_surface(problem),
+            *_above_hardness(problem, None, [load]),
+            *_creeps(problem, None, [load]),
+            *(one for one in temperature_cautions(problem, bodies=False) if one.level is not Level.VALID),
+            *_interface_cautions(problem, surface, [load]),
+        )
+    )
+
+
+def earlier_cautions(problem: SealProblem, earlier: LoadResult) -> Iterator[Caution]:
+    """What the largest load before all others says against what is remembered of it.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    earlier : LoadResult
+    """
+    for check in (_yielding, _table_left, _turned, _cut_off):
+        for caution in check(problem, earlier.contact.model, [earlier]):
+            reason, text = (
+                f"largest earlier load: {caution.reason}",
+                f"at the largest earlier load: {caution.text}",
+            )
+            yield replace(caution, reason=reason, text=text)
+
+
+def target_cautions(
+    problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    """What a user should know before believing the force for a target leak rate.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    surface : RoughContact
+        The problem's rough contact.
+    answers : sequence of LoadResult
+        At least one.
+    """
+    ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
+    named = dict.fromkeys(
+        f"{briefly('force', one.applied_force)} at {one.fluid_pressure / 1e5:.4g} bar" for one in ends
+    )
+    for caution in _at_target(problem, surface, answers):
+        text = f"at the force for the target leak rate, {' to '.join(named)}: {caution.text}"
+        yield replace(caution, text=text)
+
+
+def target_validity(problem: SealProblem, surface: Surface, answer: LoadResult) -> Validity:
+    """How far the force for a target leak rate can be trusted at one fluid pressure.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    surface : RoughContact
+        The problem's rough contact.
+    answer : LoadResult
+    """
+    return Validity.of(_at_target(problem, surface, [answer]))
+
+
+def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]) -> Iterator[Caution]:
+    model = answers[0].contact.model
+    bodies = (_yielding, _turned, _cut_off, _wide, _above_hardness)
+    yield from (caution for check in bodies for caution in check(problem, model, answers))
+    yield from _nearly_sealed(problem, surface, answers)
+    if problem.flow is not None:
+        yield from molecule_cautions(problem.flow, answers)
+
+
+def _of_surface(problem: SealProblem) -> Iterator[Caution]:
+    if problem.usual_only:
+        yield Caution(
+            "finish",
+            Level.DOUBTFUL,
+            "of a finish the usual surface alone, without its interval",
+            "the drawing's finish leaves much of the surface open, and its interval is not calculated together with "
+            'conductivity = "direct", for given pressure profiles, or for designs of a study without '
+            "leak_rate_high_m3_per_s among their responses: the leak rate is that of the usual surface and may be off "
+            "by a factor of ten",
+            leak_factor=either_way(10.0),
+        )
+    for text in problem.remarks:
+        yield Caution("roughness", Level.DOUBTFUL, text, text)
+
+
+def _touched_beside(
+    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    for text in problem.beside:
+        body = text.partition(".")[0]
+        yield Caution(
+            f"face of the {body}",
+            Level.DOUBTFUL,
+            f"first touch is beside the face that the shape of the {body} is named after",
+            text,
+        )
+
+
+def _near_opening(
+    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    close = [(load.opening, load) for load in loads if load.opening and load.opening.share < _NEAR_OPENING]
+    if close:
+        margin, load = min(close, key=lambda item: item[0].share)
+        share = max(margin.share, 0.0)
+        others = f" ({len(close)} loads are closer than {100 * _NEAR_OPENING:g} %)" if len(close) > 1 else ""
+        counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
+        text = (
+            f"{load_name(load, loads)} is {share_text(share)} from opening the seal: {number(margin.force, 2)} N of "
+            f"the applied {load.applied_force:.6g} N, or {number(margin.pressure / 1e5, 2)} bar{others}. The contact "
+            "force is the small difference of applied force and fluid force: a relative error of either counts "
+            f"{counts} in it, in the peak pressure and in the leak rate"
+        )
+        yield Caution("near opening", Level.DOUBTFUL, f"{share_text(share)} from opening the seal", text)
+
+
+def _yielding_of(problem: SealProblem, load: LoadResult) -> Mapping[str, YieldedZone | PlasticZone]:
+    return yielding_of(load.contact, problem.materials)
+
+
+def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    zones = [(load, zone) for load in loads for zone in _yielding_of(problem, load).values()]
+    elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
+    # the body that is further above its yield stress comes first
+    for name in dict.fromkeys(zone.body for _, zone in sorted(elastic, key=lambda item: -item[1].excess)):
+        over = [(load, zone) for load, zone in elastic if zone.body == name]
+        load, zone = max(over, key=lambda item: item[1].von_mises)
+        first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
+        r, z = zone.place
+        level = Level.OUTSIDE if zone.excess > LARGEST_EXCESS else Level.DOUBTFUL
+        limit, excess = rounded(zone.yield_stress / 1e6, DIGITS), _times(zone.excess, load, 3)
+        stress = _mpa(zone.von_mises, load, limit)
+        yield Caution(
+            "yield stress",
+            level,
+            f"{name}: von Mises stress {excess} times its yield stress",
+            f"{name}: von Mises stress {stress} MPa at {load_name(load, loads)} is {excess} times the yield stress "
+            f"{limit:g} MPa, at r = {r * 1e3:.4g} mm, z = {z * 1e3:.4g} mm, {_um(zone.depth, load, 3)} from the "
+            f"contact line; it is exceeded to a depth of {_um(zone.deepest, load, 3)} (from {first} on). The body is "
+            "solved as elastic: the true contact is wider and its peak pressure lower. A stress_strain curve in its "
+            "material"
+            + (
+                ' together with [load] closing = "sealed-area"'
+                if problem.loads.closing == "penetration"
+                else ""
+            )
+            + " solves it as elastoplastic",
+        )
+
+
+def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    for name, material in problem.materials.items():
+        curve = material.hardening
+        if curve is None:
+            continue
+        found = [(load, _yielding_of(problem, load).get(name)) for load in loads]
+        zones = [(load, zone) for load, zone in found if isinstance(zone, PlasticZone)]
+        if not zones:
+            continue
+        load, zone = max(zones, key=lambda item: item[1].strain)
+        if zone.strain > curve.last_strain:
+            yield Caution(
+                "stress-strain curve",
+                Level.OUTSIDE,
+                f"{name}: plastic strain {100 * zone.strain:.3g} % beyond the end of its stress_strain curve",
+                f"{name}: plastic strain {100 * zone.strain:.3g} % at {load_name(load, loads)} is beyond "
+                f"the end of its stress_strain curve, {100 * curve.last_strain:.3g} %; from there on the stress keeps "
+                f"its last value, {curve.stress[-1] / 1e6:.4g} MPa",
+            )
+        if zone.strain > _LARGE_STRAIN:
+            yield Caution(
+                "large strain",
+                Level.OUTSIDE,
+                f"{name}: plastic strain {100 * zone.strain:.3g} %, too large for small-strain theory",
+                f"{name}: plastic strain reaches {100 * zone.strain:.3g} % at {load_name(load, loads)}; the "
+                f"theory is for small strains, and above {100 * _LARGE_STRAIN:g} % imprint and width are estimates",
+            )
+
+
+def _turned(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    load = max(loads, key=lambda load: load.contact.turning)
+    turned = load.contact.turning
+    if turned > TURNED:
+        much = turned > LARGEST_TURNING
+        yield Caution(
+            "small strain",
+            Level.OUTSIDE if much else Level.DOUBTFUL,
+            f"faces turned against each other by {turned:.2g} rad, too far for small-strain theory",
+            f"at {load_name(load, loads)} the load turns the faces against each other by {turned:.2g} rad (of smooth "
+            "bodies the half-width of the contact over the radius of relative curvature). The theory is for small "
+            f"strains and rotations: above {TURNED:g} rad a leak rate that falls steeply with pressure is off by more "
+            f"than 5 %, above {LARGEST_TURNING:g} rad by more than 20 %. A smaller load, a larger edge radius or "
+            "stiffer materials remove the problem",
+        )
+
+
+def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    for end, side in ((0, "bore"), (-1, "outer")):
+        shares = [float(load.contact.pressure[end]) / load.contact.profile.peak_pressure for load in loads]
+        if max(shares) > _CUT_OFF:
+            load = loads[shares.index(max(shares))]
+            # where faces fit each other along a stretch, that they end is part of the contact
+            fitting = math.isinf(model.relative_radius)
+            much = max(shares) > _MUCH_CUT_OFF and not fitting
+            level = Level.OUTSIDE if much else Level.DOUBTFUL
+            yield Caution(
+                "cut off",
+                level,
+                f"contact cut off at the {side} end of the seat's face with {max(shares):.2g} of its peak pressure",
+                f"at {load_name(load, loads)} the contact reaches the {side} end of the seat's face with "
+                f"{max(shares):.2g} of its peak pressure (x = {model.line.x[end] * 1e3:.4g} mm); it is cut off there",
+            )
+
+
+def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    load = max(loads, key=lambda load: load.contact.profile.std)
+    share = 2 * load.contact.profile.std / model.touch_radius
+    if share > _NARROW:
+        yield Caution(
+            "wide contact",
+            Level.DOUBTFUL,
+            f"wide contact: two standard deviations are {share:.2g} of its radius",
+            f"the contact is wide: two standard deviations of its pressure are {share:.2g} of its radius at "
+            f"{load_name(load, loads)}; line loads and closed-form profiles assume a narrow line",
+        )
+
+
+def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    line = model.line
+    shares = []
+    for load in loads:
+        forces = load.contact.point_forces
+        shares.append(float(np.maximum(load.contact.gap, 0.0) * line.bend @ forces / forces.sum()))
+    share = max(shares)
+    if share > _THICK_LAYER:
+        load = loads[shares.index(share)]
+        apart = float(load.contact.gap[int(np.argmax(load.contact.pressure))])
+        yield Caution(
+            "thick layer",
+            Level.OUTSIDE if share > _NO_LAYER else Level.DOUBTFUL,
+            f"separation of the surfaces is {share:.2g} of the radius of curvature of their faces",
+            f"at {load_name(load, loads)} the surfaces are {1e6 * apart:.3g} um apart, {share:.2g} of the radius of "
+            "curvature of their faces where they carry the load. The interface law is that of parallel planes: peak "
+            "and width are uncertain by about the decay length over that radius. A larger edge radius or smoother "
+            "surfaces remove the problem",
+        )
+
+
+def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    slope = math.sqrt(1 - model.touch_normal_z**2) / model.touch_normal_z / model.touch_radius
+    apart = [float(load.contact.gap[int(np.argmax(load.contact.pressure))]) for load in loads]
+    share = slope * max(apart)
+    if share > _SLIDES:
+        load = loads[apart.index(max(apart))]
+        yield Caution(
+            "thick layer",
+            Level.DOUBTFUL,
+            f"separation of the surfaces on a steep seat: {share:.2g} of the radius of first touch",
+            f"at {load_name(load, loads)} the surfaces are {1e6 * max(apart):.3g} um apart. On a seat as steep as "
+            f"this one, that moves the place of closest approach by up to {share:.2g} of its radius. Peak and leak "
+            "rate are calculated for the radius of first touch and are uncertain by as much",
+        )
+
+
+def _moved_by_heat(
+    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    """How far the faces slide along each other: the place of contact is that of the drawing."""
+    if not problem.temperatures:
+        return
+    at_rest, outwards = problem.at_rest(model), []
+    for body in (model.closure, model.seat):
+        touch = body.held.contact_dofs[0, np.argmin(np.abs(body.contact_x))]
+        outwards.append(float(at_rest.displacement(body, model)[touch]))
+    # the closure follows along the axis, so that the faces stay together
+    beyond = outwards[0] - outwards[1]
+    slide = abs(beyond) / model.touch_normal_z
+    contact = problem.contact
+    bends = abs(contact.closure_curvature * contact.seat_curvature)
+    turn = 0.0 if contact.normal_turns else slide * bends * min(contact.relative_radius, 1 / _TINY)
+    ends = min(abs(end) for end in contact.reach)
+    if turn > _TURNS or slide > _NEAR_END * ends:
+        yield Caution(
+            "heat",
+            Level.DOUBTFUL,
+            f"heat moves the faces {1e6 * slide:.3g} um along each other",
+            f"where they touch the closure moves {1e6 * beyond:.3g} um outwards beyond the seat and slides "
+            f"{1e6 * slide:.3g} um along it, which turns the contact normal by {math.degrees(turn):.2g} deg; the "
+            f"nearest end of a face is {1e6 * ends:.4g} um away. The contact is calculated where the drawing has it: "
+            "give the dimensions of the hot parts instead, with that temperature as reference",
+        )
+
+
+def _creeps(
+    problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    creeping = [name for name, material in problem.materials.items() if material.creeps]
+    for name, text in zip(creeping, creep_remarks(problem.materials), strict=True):
+        yield Caution("creep", Level.DOUBTFUL, f"{name}: {problem.materials[name].name} creeps", text)
+
+
+def _hot(problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    yield from (one for one in temperature_cautions(problem) if one.level is not Level.VALID)
+
+
+def _mpa(pressure: float, load: LoadResult, limit: float) -> str:
+    """A pressure or stress of a load [Pa] in MPa, beside what it is compared with [MPa]."""
+    return beside(pressure / 1e6, limit, load.pressure_digits)
+
+
+def _times(share: float, load: LoadResult, most: int = 2) -> str:
+    """A pressure or stress over its limit."""
+    return beside(share, 1.0, min(load.pressure_digits, most))
+
+
+def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
+    """A length that is as good as the width of the contact, in um."""
+    return f"{rounded(1e6 * length, min(load.digits_of('std'), most)):g} um"
+
+
+def _highest_pressure(load: LoadResult) -> float:
+    """Also before, where it is remembered; of a seal that is not round the highest around its axis [Pa]."""
+    before = load.contact.profile.highest
+    return before if load.formed is None else max(before, float(load.formed.peak_pressure.max()))
+
+
+def _named_pressure(load: LoadResult) -> str:
+    """What `_highest_pressure` is, in words."""
+    profile = load.contact.profile
+    return (
+        "peak pressure"
+        if profile.highest <= profile.peak_pressure * (1.0 + 1e-9)
+        else "largest pressure before"
+    )
+
+
+def _above_hardness(
+    problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
+    load = max(loads, key=_highest_pressure)
+    peak, hardness = _highest_pressure(load), problem.hardness
+    if hardness is None or peak <= (_NEAR_HARDNESS if problem.asperities_yield else 1.0) * hardness:
+        return
+    share, told, limit = peak / hardness, _times(peak / hardness, load), rounded(hardness / 1e6, DIGITS)
+    why = (
+        "no body carries a mean pressure above its hardness"
+        if share > 1
+        else "the theory of yielding asperities is valid only far below the hardness"
+    )
+    yield Caution(
+        "hardness",
+        Level.OUTSIDE if share > 1 else Level.DOUBTFUL,
+        f"{_named_pressure(load)} {told} of the hardness",
+        f"{_named_pressure(load)} {_mpa(peak, load, limit)} MPa at {load_name(load, loads)} is {told} of the hardness; "
+        f"{why}",
+    )
+
+
+def _sealing_pressure(problem: SealProblem, surface: Surface) -> float:
+    return surface.sealing_pressure if problem.flow is None else problem.flow.sealing_pressure(surface)
+
+
+def _is_sealed(load: LoadResult, sealing: float) -> bool:
+    """By the pressure that it carries, or by what a larger one before has left."""
+    profile = load.contact.profile
+    stays = profile.highest >= sealing and load.leak is not None and load.leak.leak_rate == 0.0
+    return profile.peak_pressure >= sealing or stays
+
+
+def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    sealing = _sealing_pressure(problem, surface)
+    tight = [load for load in loads if _is_sealed(load, sealing)]
+    if tight:
+        load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
+        peak = load.contact.profile.highest
+        first = load_name(min(tight, key=lambda load: load.point), loads)
+        limit = rounded(sealing / 1e6, DIGITS)
+        own = problem.surface
+        readings = () if own is None or own.hardness is None else (own.conserved, own.capped)
+        leaky = any(_sealing_pressure(problem, one) > peak for one in readings)
+        yield Caution(
+            "sealed",
+            Level.DOUBTFUL,
+            f"sealed by the percolation threshold, A/A0 = {surface.percolation_threshold:.2g}",
+            f"sealed: at {load_name(load, loads)} the {_named_pressure(load)} {_mpa(peak, load, limit)} MPa is above "
+            f"{limit:g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
+            f"touches and no leak path is open (from {first} on, of the loads calculated). A leak rate of "
+            "zero is only as certain as this percolation threshold",
+            # the reading that is not sealed is next to it
+            (0.0, math.inf) if leaky else (1.0, 1.0),
+        )
+
+
+def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    sealing = _sealing_pressure(problem, surface)
+    leaky = [load for load in loads if load.contact.profile.peak_pressure < sealing]
+    if not leaky:
+        return
+    load = max(leaky, key=lambda load: load.contact.profile.peak_pressure)
+    if problem.flow is not None and problem.flow.simulated is not None and problem.surface is not None:
+        yield from _simulated(problem.flow.simulated.table(problem.surface), load, loads)
+        return
+    most = surface.most_contact_area(load.contact.profile.peak_pressure)
+    if surface.peklenik == 1.0 and most <= _FEW_CHANNELS:
+        return
+    area = float(surface.contact_area(load.contact.profile.peak_pressure))
+    factor = next(factor for limit, factor in _FACTORS if area <= limit) if area > _FEW_CHANNELS else 1.0
+    lay = _lay_factor(area, surface.peklenik)
+    if lay > _WORTH_SAYING and area <= _DIRECT_END:
+        lay = max(lay, factor)
+        unknown = [f"A/A0 = {_LAY_KNOWN:g}"] if area > _LAY_KNOWN else []
+        if max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST:
+            unknown.append(f"a ratio of {_LAY_LONGEST:g} of the correlation lengths")
+        beyond = f"; beyond {' and '.join(unknown)} there are none" if unknown else ""
+        yield Caution(
+            "lay",
+            Level.DOUBTFUL,
+            f"roughness with a lay: leak rate up to a factor {lay:.2g} off",
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. The roughness "
+            f"has a lay (peklenik = {surface.peklenik:.3g}), for which the theory's flow conductivity differs from "
+            f"direct numerical results with elastic asperities by up to a factor {lay:.2g} either way{beyond}",
+            leak_factor=either_way(lay),
+        )
+    elif area > _DIRECT_END:
+        yield Caution(
+            "few channels",
+            Level.DOUBTFUL,
+            f"A/A0 = {area:.2g} at the peak: close to the percolation threshold, leak rate uncertain by orders of "
+            "magnitude",
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}, close to "
+            f"{surface.percolation_threshold:.2g}, where no leak path is open. The leak rate falls there by orders of "
+            f"magnitude. Direct numerical results end at {_DIRECT_END:g}: no bound on the error is known",
+            leak_factor=(0.0, math.inf),
+        )
+    elif area > _FEW_CHANNELS:
+        yield Caution(
+            "few channels",
+            Level.DOUBTFUL,
+            f"A/A0 = {area:.2g} at the peak: few channels, leak rate up to a factor {factor:g} off",
+            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. "
+            f"Above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
+            f"numerical results by up to a factor {factor:g} either way",
+            leak_factor=either_way(factor),
+        )
+
+
+def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    """What a direct simulation says against the conductivity that was taken from it."""
+    peak, (low, high) = load.contact.profile.peak_pressure, table.range
+    ends = [rounded(one / 1e6, DIGITS) for one in (low, high)]
+    at = f"{_mpa(peak, load, min(ends, key=lambda end: abs(end - peak / 1e6)))} MPa"
+    simulated = f"{ends[0]:g} to {ends[1]:g} MPa"
+    if not low <= peak <= high:
+        side = "above" if peak > high else "below"
+        yield Caution(
+            "direct range",
+            Level.DOUBTFUL,
+            f"peak pressure {side} those of the direct simulation, {simulated}",
+            f"the peak pressure {at} at {load_name(load, loads)} is {side} the pressures of the direct simulation that "
+            f"let something through, {simulated}; the conductivity goes on by the slope of the theory",
+        )
+    first = [row for row in table.rows if row.branch == "load"]
+    nearest = min(first, key=lambda row: abs(math.log(row.pressure / peak)))
+    if tight := [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]:
+        n, of, pressed = tight[-1].blocked, tight[-1].samples, f"{tight[-1].pressure / 1e6:.4g} MPa"
+        yield Caution(
+            "tight patches",
+            Level.DOUBTFUL,
+            f"{n} of {of} patches of the direct simulation tight at {pressed}",
+            f"at {pressed} {n} of {of} patches of the direct simulation let nothing through, and the peak pressure at "
+            f"{load_name(load, loads)} is {at}; the conductivity is that of the others",
+        )
+    row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
+    down, up = (math.exp(one) for one in table.log_error(row))
+    octave = (
+        f"changes the conductivity by a factor {1.0 / row.cutoff_ratio:.2g}"
+        if row.cutoff_ratio > 0.0
+        else "decides whether the first patch is tight"
+    )
+    if max(down, up) > _UNSURE:
+        yield Caution(
+            DIRECT_SCATTER,
+            Level.DOUBTFUL,
+            f"conductivity of the direct simulation uncertain by a factor {down:.2g} down and {up:.2g} up",
+            f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
+            f"a factor {down:.2g} smaller or {up:.2g} larger: {_samples(row.samples)}, and waves too short for the "
+            f"grid, of which the last octave that it holds {octave}",
+            leak_factor=(1.0 / down, up),
+        )
+
+
+def _samples(count: int) -> str:
+    return "1 sample" if count == 1 else f"{count} samples"
+
+
+def _lay_factor(area: float, peklenik: float) -> float:
+    """Largest factor by which the theory's flow conductivity differs from direct numerical results because of a lay."""
+    ratio = max(peklenik, 1.0 / peklenik)
+    across = next(factor for limit, factor in _LAY_ACROSS if area <= limit)
+    known = _LAY_ALONG if peklenik >= 1.0 else across
+    return float(known ** min(1.0, math.log2(ratio)) * max(1.0, ratio / _LAY_LONG) ** _LAY_POWER)
+
+
+def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    load = max(loads, key=lambda load: load.contact.profile.std)
+    std, q_low = load.contact.profile.std, surface.spectrum.q_low
+    if q_low * std > 1 and problem.cutoff is not None:
+        yield Caution(
+            "waviness",
+            Level.DOUBTFUL,
+            "the drawing's roughness value says nothing of waves as long as the contact is wide",
+            f"the roughness value of a drawing leaves out all waves longer than the cutoff lambda_c, here "
+            f"{problem.cutoff * 1e6:.4g} um, but waves up to {_um(2 * np.pi * std, load)} fit into the contact "
+            f"at {load_name(load, loads)}. Waviness and flatness of the faces come on top: give them in [form], a "
+            "larger lambda_c at which the value was measured, or scans of the faces",
+        )
+    elif q_low * std > 1:
+        yield Caution(
+            "roughness range",
+            Level.DOUBTFUL,
+            "spectrum starts at too short a wave for the width of the contact",
+            f"the spectrum starts at too short a wave: 2 pi/q_low = {2 * np.pi / q_low * 1e6:.4g} um is "
+            f"less than 2 pi times the standard deviation of the contact, {_um(std, load)} at "
+            f"{load_name(load, loads)}. Longer waves fit into the contact, and if the surface has them it "
+            "leaks more. Start the spectrum below "
+            f"q = {1 / std:.3g} 1/m",
+        )
+
+
+def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    load = min(loads, key=lambda load: load.contact.profile.std)
+    std, spectrum = load.contact.profile.std, surface.spectrum
+    above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
+    if 1 - above > _LONG_WAVES:
+        yield Caution(
+            "long waves",
+            Level.DOUBTFUL,
+            f"{share_text(1 - above)} of the height variance in waves longer than the contact is wide",
+            f"{share_text(1 - above)} of the height variance is in waves longer than 2 pi times the standard "
+            f"deviation of the contact, {_um(std, load)} at {load_name(load, loads)}. They are waviness "
+            "along the contact rather than roughness inside it, and the contact pressure follows them",
+        )
+
+
+def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    local = problem.flow is not None and problem.flow.fluid_in_gap == "local"
+    if local:
+        yield from _blown_open(loads)
+    if local or problem.loads.closing == "penetration":
+        return
+    load = max(loads, key=lambda load: load.fluid_pressure / load.contact.profile.peak_pressure)
+    share = load.fluid_pressure / load.contact.profile.peak_pressure
+    if share > FLUID_OPENS:
+        most = (
+            f"about {1 + 1.7 * share:.2g} times as much" if share < _FLUID_LIFTS else "several times as much"
+        )
+        yield Caution(
+            "fluid opens",
+            Level.OUTSIDE if share > _FLUID_LIFTS else Level.DOUBTFUL,
+            f"fluid pressure is {share:.2g} of the peak contact pressure; its opening of the gap is not calculated",
+            f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure. "
+            'How far it opens the gap is not calculated here. [load] closing = "penetration" calculates it; the '
+            f'upper bound, [leak] fluid_in_gap = "local", is {most}',
+            leak_factor=(1.0, 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf),
+        )
+
+
+def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
+    if blown:
+        load = min(blown, key=lambda load: load.point)
+        peak = _mpa(load.contact.profile.peak_pressure, load, load.fluid_pressure / 1e6)
+        yield Caution(
+            "lifted open",
+            Level.OUTSIDE,
+            "lifted open: fluid pressure not below the peak contact pressure",
+            f"at {load_name(load, loads)} the fluid pressure is not below the peak contact pressure, "
+            f"{peak} MPa: the fluid lifts the seal open and there is no finite leak rate",
+        )
+
+
+def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution]:
+    estimates = (error.peak_pressure, error.std, error.leak_rate or 0.0)
+    if not all(math.isfinite(one) for one in estimates):
+        reason = "discretisation error not estimated"
+        yield Caution("mesh", Level.DOUBTFUL, reason, f"{reason}: the effect of the mesh is not known")
+        return
+    worst = max(estimates)
+    if yielding_bodies(model):
+        if worst > _LARGEST_ERROR_OF_PATH:
+            yield Caution(
+                "mesh",
+                Level.DOUBTFUL,
+                f"estimated error of elements and load steps {share_text(worst)}",
+                f"the estimated error of elements and load steps is {share_text(worst)}; further loads between zero "
+                "and the highest one, and a smaller [mesh] contact_size, reduce it",
+            )
+    elif worst > _LARGEST_ERROR:
+        size = float(np.diff(model.line.vertices).min())
+        yield Caution(
+            "mesh",
+            Level.DOUBTFUL,
+            f"estimated discretisation error {share_text(worst)}",
+            f"the estimated discretisation error (of the mesh alone) is {share_text(worst)}; a [mesh] "
+            f"contact_size below the present {1e6 * size:.3g} um reduces it",
+        )

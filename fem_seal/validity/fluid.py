@@ -1,0 +1,334 @@
+"""Where a fluid is not what the leak rate takes it for: at high pressure, and in gaps as narrow as its molecules."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from fem_seal.seal.findings import Caution, Level, either_way
+from fem_seal.seal.load_names import load_name
+from fem_seal.units import rounded, share_text
+
+if TYPE_CHECKING:
+    from fem_seal.profile import PressureProfile
+    from fem_seal.seal.leak_model import Flow
+    from fem_seal.seal.results import LoadResult
+    from leak import Gas, GasInertia, LeakResult, RealGas
+
+# Pressure from which on the thickening of a liquid should be known [Pa].
+_THICKENS = 2e7
+# Between which a liquid of unknown kind thickens: mixtures with water [1/Pa], and oils of this exponent of Roelands.
+_LEAST, _MOST = 2.5e-9, 0.75
+# Viscosity below which the latter says too little of thin liquids [Pa s].
+_THIN = 5e-4
+# Uncertainty of the leak rate by that of a pressure law, and thickening beyond its range, that are worth saying.
+_UNCERTAIN, _SLIGHTLY = 0.2, 1.05
+
+# Share of what drives a gas that inertia may take, and from which on nothing can be said; Mach number of choking.
+_ACCELERATED, _CHOKED, _CHOKES = 0.05, 0.3, 0.8
+# Reynolds numbers: of the hydraulic diameter, where flow becomes turbulent, and of the gap times gap over width.
+_TURBULENT, _REDUCED = 2000.0, 1.0
+# Share of the pressure that inertia takes where the latter is one: 6/5 of rho v^2 over 12 eta v L/u^2.
+_PRESSURE_SHARE = 0.1
+# Of a liquid of which none is given [kg/m^3].
+_DENSITY = 1000.0
+# Contact pressure below which the gap is as good as open [Pa].
+_NO_PRESSURE = 1e-200
+
+
+def fluid_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    """What the fluid itself says against the leak rates.
+
+    Parameters
+    ----------
+    flow : Flow
+    loads : sequence of LoadResult
+        What is said is about the worst of them.
+    """
+    own = (_thickening, _liquid_inertia) if flow.gas is None else (_dense_gas, _inertia)
+    yield from (caution for check in (molecule_cautions, *own) for caution in check(flow, loads))
+
+
+def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    """Where the critical separation is narrower than a molecule.
+
+    Parameters
+    ----------
+    flow : Flow
+    loads : sequence of LoadResult
+    """
+    from leak.fluids.names import molecular_size
+
+    size = molecular_size(flow.fluid)
+    narrow = [load for load in loads if load.critical_separation and load.critical_separation < size]
+    if narrow:
+        load = min(narrow, key=lambda load: load.critical_separation or 0.0)
+        yield Caution(
+            "molecules",
+            Level.DOUBTFUL,
+            "critical separation below the size of a molecule of the fluid",
+            f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
+            f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm. "
+            "The theory treats the fluid as a continuum; in reality the seal is tight there",
+            leak_factor=(0.0, 1.0),
+        )
+
+
+def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    from leak import effective_viscosity_ratio
+
+    load = max(loads, key=lambda load: load.fluid_pressure)
+    pressure, law = load.fluid_pressure, flow.pressure_law
+    if law is None:
+        yield from _unknown_thickening(flow, load, loads)
+        return
+    if pressure > law.highest_pressure and abs(math.log(_ratio(flow, pressure))) > math.log(_SLIGHTLY):
+        known = f"{law.highest_pressure / 1e5:.4g} bar"
+        yield Caution(
+            "thickening",
+            Level.DOUBTFUL,
+            f"viscosity extrapolated above {known}",
+            f"at {load_name(load, loads)} the viscosity of {flow.fluid} is extrapolated: how it thickens is known up "
+            f"to {known}; {_ratio(flow, pressure):.3g} times the viscosity at atmospheric "
+            "pressure is used on the high side. A liquid may also become solid there",
+        )
+    share = law.uncertainty * abs(math.log(effective_viscosity_ratio(law, pressure)))
+    if share > _UNCERTAIN:
+        yield Caution(
+            "thickening",
+            Level.DOUBTFUL,
+            f"leak rate uncertain by {share_text(share)} because of how the liquid thickens",
+            f"at {load_name(load, loads)} how much {flow.fluid} thickens under pressure is known to "
+            f"{share_text(law.uncertainty)} of the logarithm of its viscosity: the leak rate is uncertain by "
+            f"{share_text(share)}. [fluid] pressure_viscosity or roelands_z takes a measured coefficient",
+            leak_factor=either_way(1.0 + share),
+        )
+
+
+def _ratio(flow: Flow, pressure: float) -> float:
+    """Viscosity at a pressure over that at atmospheric pressure."""
+    return 1.0 if flow.pressure_law is None else float(flow.pressure_law.viscosity_ratio(pressure))
+
+
+def _unknown_thickening(flow: Flow, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    from leak import Barus, Roelands, effective_viscosity_ratio
+
+    pressure = load.fluid_pressure
+    if pressure <= _THICKENS:
+        return
+    little, much = Barus(_LEAST), Roelands(_MOST, max(flow.viscosity, _THIN))
+    most, least = (1.0 / effective_viscosity_ratio(law, pressure) for law in (little, much))
+    bar, share = f"{pressure / 1e5:.4g} bar", f"{least:.2g} to {most:.2g}"
+    yield Caution(
+        "thickening",
+        Level.DOUBTFUL,
+        f"thickening of the liquid at {bar} not known: in truth {share} times the leak rate",
+        f"at {load_name(load, loads)} the viscosity of {flow.fluid} under {bar} is not known and that at atmospheric "
+        f"pressure is used. Liquids thicken by {1e9 * little.coefficient:.2g} (with water) to "
+        f"{1e9 * much.coefficient:.2g} 1/GPa (oils as viscous as this): in truth {share} times as much "
+        "leaks. Give [fluid] pressure_viscosity or roelands_z",
+        leak_factor=(least, most),
+    )
+
+
+def _dense_gas(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    gas = flow.gas
+    assert gas is not None  # of a gas
+    highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
+    if gas.real is not None:
+        yield from _beyond_table(gas, gas.real, highest)
+    elif highest > gas.dilute_pressure:
+        yield from _not_ideal(flow, gas, highest)
+
+
+def _beyond_table(gas: Gas, real: RealGas, highest: float) -> Iterator[Caution]:
+    if highest <= real.highest_pressure:
+        return
+    at, known = f"{highest / 1e5:.4g} bar", f"{real.highest_pressure / 1e5:.4g} bar"
+    if real.condenses:
+        yield Caution(
+            "dense gas",
+            Level.OUTSIDE,
+            f"{gas.name} is a liquid at {at}: it condenses at {known}",
+            f"{gas.name} condenses at {known} and {gas.temperature:.4g} K: at {at} it is a liquid, which the leak rate "
+            "of a gas does not take into account",
+        )
+    else:
+        yield Caution(
+            "dense gas",
+            Level.DOUBTFUL,
+            f"{gas.name} is extrapolated from {known} to {at}",
+            f"density and viscosity of {gas.name} are known up to {known} and extrapolated to {at}",
+        )
+
+
+def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
+    from leak import real_gas_flow_ratio
+    from leak.fluids.dense_gas import estimated_real_gas
+    from leak.fluids.names import coolprop_name
+
+    real, other = estimated_real_gas(gas, highest), coolprop_name(gas.name)
+    said, ratio = "", 1.0
+    if real is not None:
+        ratio = real_gas_flow_ratio(real, highest, flow.outlet_pressure)
+        said = (
+            f". There the compressibility factor is about {float(real.factor(highest)):.2g} and the viscosity "
+            f"{float(real.viscosity_ratio(highest)):.2g} times that of the dilute gas: about {ratio:.2g} times as much "
+            "leaks"
+        )
+    remedy = "" if other is None else f'. [fluid] name = "{other}" calculates with the real gas'
+    yield Caution(
+        "dense gas",
+        Level.DOUBTFUL,
+        f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas"
+        + ("" if real is None else f": about {ratio:.2g} times as much leaks"),
+        f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas: above "
+        f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
+        f"which the leak rate does not take into account{said}{remedy}",
+        leak_factor=(min(ratio, 1.0), max(ratio, 1.0)),
+    )
+
+
+def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    found = _fastest(flow, loads, [(load, load) for load in loads])
+    if found is None:
+        # where the result is slow enough, the other reading may not be
+        found = _fastest(flow, loads, _other_reading(loads), end=True)
+    if found is not None:
+        yield found
+
+
+def _fastest(
+    flow: Flow,
+    loads: Sequence[LoadResult],
+    readings: Sequence[tuple[LoadResult, LoadResult]],
+    *,
+    end: bool = False,
+) -> Caution | None:
+    """What inertia says against the loads in some reading; None if nothing. `end`: only against one end of the leak."""
+    found = [(inertia, load) for load, read in readings if (inertia := _inertia_of(flow, read))]
+    if not found:
+        return None
+    (numbers, reduced), load = max(found, key=lambda one: (one[0][0].acceleration, one[0][1]))
+    worst_reynolds = max(one[0][0].reynolds for one in found)
+    outside = numbers.acceleration > _CHOKED or worst_reynolds > _TURBULENT
+    if not outside and numbers.acceleration <= _ACCELERATED and reduced <= _REDUCED:
+        return None
+    chokes = "it chokes, and " if numbers.mach > _CHOKES else ""
+    least = min(1.0 - numbers.acceleration, 1.0 / (1.0 + _PRESSURE_SHARE * reduced))
+    fast = f"Mach number {_two(numbers.mach)} and Reynolds number {_two(numbers.reynolds)}"
+    return Caution(
+        "inertia",
+        Level.OUTSIDE if outside and not end else Level.DOUBTFUL,
+        f"gas flow with {fast}"
+        + (" where the surface changes only where it touches: upper end too high" if end else ""),
+        f"{_where(load, loads, end=end)} the gas would flow with {fast} through the effective gap; inertia takes about "
+        f"{share_text(numbers.acceleration)} of what drives the flow (limit {100 * _ACCELERATED:.0f} %), and inertia "
+        f"over friction along the gap is {_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth "
+        f"{chokes}less leaks" + (" than the upper end says" if end else ""),
+        (1.0 if end else least, 1.0),
+    )
+
+
+def _liquid_inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    """Where a liquid goes too fast through the gap for viscous flow, in the result or else in its upper end."""
+    for end, readings in ((False, [(load, load) for load in loads]), (True, _other_reading(loads))):
+        found = [(*numbers, load) for load, read in readings if (numbers := _of_liquid(flow, read))]
+        # a turbulent flow before any other
+        worst = max(found, key=lambda one: (one[0] > _TURBULENT, one[1]), default=(0.0, 0.0, None))
+        reynolds, reduced, load = worst
+        if load is None or (reduced <= _REDUCED and reynolds <= _TURBULENT):
+            continue
+        yield Caution(
+            "inertia",
+            Level.OUTSIDE if reynolds > _TURBULENT and not end else Level.DOUBTFUL,
+            f"Reynolds number {_two(reynolds)} in the gap"
+            + (" where the surface changes only where it touches: upper end too high" if end else ""),
+            f"{_where(load, loads, end=end)} {flow.fluid} would flow with a Reynolds number of {_two(reynolds)} "
+            f"through the effective gap (limit {_TURBULENT:g}), and inertia over friction along the gap is "
+            f"{_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth less leaks"
+            + (" than the upper end says" if end else ""),
+            (1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced), 1.0),
+        )
+        return
+
+
+def _of_liquid(flow: Flow, load: LoadResult) -> tuple[float, float] | None:
+    """Reynolds number of the hydraulic diameter, and of the gap times gap over width; None where nothing flows.
+
+    The gap is the uniform one over the width of the contact that lets as much through.
+    """
+    found = _where_most_leaks(load) if _leak_known(load) else None
+    if found is None or not 0 < found[1].leak_rate < math.inf or not load.fluid_pressure > 0:
+        return None
+    (profile, leak), viscosity = found, load.effective_viscosity or flow.viscosity
+    density = leak.mass_flow / leak.leak_rate if leak.mass_flow else _DENSITY
+    radius = float(profile.radius[int(profile.pressure.argmax())])
+    per_length, width = leak.leak_rate / (2 * math.pi * radius), 2.0 * profile.std
+    gap = (12 * viscosity * per_length * width / load.fluid_pressure) ** (1 / 3)
+    reynolds = density * per_length / viscosity
+    return 2 * reynolds, reynolds * gap / width
+
+
+def _other_reading(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, LoadResult]]:
+    """Loads with their other reading of yielding asperities, as far as somebody has asked for its leak."""
+    return [(load, load.capped) for load in loads if load.yields and _leak_known(load.capped)]
+
+
+def _leak_known(load: LoadResult) -> bool:
+    """Whether the leak is worked out, which is not worth doing for a check alone."""
+    return not vars(load).keys().isdisjoint({"leak", "leak_round", "around"})
+
+
+def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | None:
+    """Contact pressure where most leaks around the axis, and the leak of a seal that is so everywhere."""
+    import numpy as np
+
+    if load.formed is None:
+        return None if load.leak is None else (load.contact.profile, load.leak)
+    around = load.around
+    if around is None or around.leak is None or around.leak_rate is None:
+        return None
+    at = int(np.argmax(around.leak_rate))
+    whole = 2.0 * math.pi * float(around.leak_rate[at])
+    return around.profile_at(float(around.angle[at])), around.leak.scaled(whole)
+
+
+def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
+    """At which load and place that is, and in which reading; see `_fastest`."""
+    clauses = [f"at {load_name(load, loads)}"]
+    if load.formed is not None and load.formed.form.felt:
+        clauses.append("where most leaks around the axis")
+    if end:
+        clauses.append("if yielding asperities change the surface only where it touches")
+    return ", ".join(clauses) + ("," if len(clauses) > 1 else "")
+
+
+def _two(value: float) -> str:
+    """A number with two digits, written out."""
+    return f"{rounded(value, 2):g}"
+
+
+def _inertia_of(flow: Flow, load: LoadResult) -> tuple[GasInertia, float] | None:
+    """Numbers of the flow, and Reynolds number of the gap times gap over width."""
+    import numpy as np
+
+    from fem_seal.seal.leak_model import as_first_loaded
+    from leak import gas_inertia
+    from leak.fluids.heat_capacity import heat_capacity_ratio
+
+    found, table = _where_most_leaks(load), None if load.rough is None else load.rough.table
+    if found is None or table is None:
+        return None
+    here, leak = found
+    if not leak.mass_flow or not math.isfinite(leak.mass_flow):
+        return None
+    assert flow.gas is not None  # of a gas
+    profile = as_first_loaded(table, here)
+    with np.errstate(divide="ignore"):
+        gap = np.asarray(table.at_log_pressure(np.log(np.maximum(profile.pressure, _NO_PRESSURE))))
+    pressure = leak.fluid_pressure + flow.outlet_pressure
+    ratio = heat_capacity_ratio(flow.gas.name) or 1.4
+    numbers = gas_inertia(profile.radius, gap, pressure, leak.mass_flow, flow.gas, ratio)
+    return numbers, 0.5 * numbers.reynolds * float(gap.min()) / (2.0 * profile.std)

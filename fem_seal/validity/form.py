@@ -1,0 +1,141 @@
+"""Where a seal that is not round leaves the range of its theory."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.seal.findings import Caution, Level
+from fem_seal.seal.load_names import load_name
+from fem_seal.units import DIGITS, beside, rounded, share_text
+
+if TYPE_CHECKING:
+    from fem_seal.seal.circumference import Around
+    from fem_seal.seal.problem import SealProblem
+    from fem_seal.seal.results import LoadResult
+
+# Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
+# line load, and beyond which it means nothing; see docs/theory/form.md.
+_LONG, _LONGEST = 0.2, 0.6
+# A wave with less than this share of the form error's amplitudes is not what is asked.
+_COUNTS = 0.03
+# Line load over its mean below which a place is called open.
+_OPEN = 1e-2
+# Stress over the yield stress of a body that is solved as elastic from which on the contact is another one.
+LARGEST_EXCESS = 1.5
+# Fluid pressure over the contact's peak somewhere around the axis from which on it opens the gap noticeably there.
+_FLUID_OPENS = 0.5
+
+
+def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    """What a user should know before believing the numbers of a seal that is not round.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    loads : sequence of LoadResult
+        What is said is about the worst of them.
+    """
+    if problem.form is None:
+        return
+    for text in problem.form.remarks:
+        yield Caution("form", Level.DOUBTFUL, text, text)
+    formed = [(load, load.formed) for load in loads if load.formed is not None and load.formed.form.felt]
+    if not formed:
+        return
+    yield from _short_waves(loads, formed)
+    yield from _conforming(formed)
+    yield from _open(loads, formed)
+    yield from _fluid_opens(problem, loads, formed)
+    yield from _crest(problem, loads, formed)
+
+
+_Formed = Sequence[tuple["LoadResult", "Around"]]
+
+
+def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
+    felt = formed[0][1].form.felt
+    total = sum(abs(one.amplitude) for one in felt)
+    waves = max(one.waves for one in felt if abs(one.amplitude) > _COUNTS * total)
+    load, _ = max(formed, key=lambda one: one[0].contact.profile.std)
+    std, r0 = load.contact.profile.std, load.contact.model.touch_radius
+    share = waves * std / r0
+    if share > _LONG:
+        yield Caution(
+            "short waves",
+            Level.OUTSIDE if share > _LONGEST else Level.DOUBTFUL,
+            f"waves of the form error only {1 / share:.2g} times as long as the contact is wide",
+            f"{waves} waves per turn are {2 * math.pi * r0 / waves * 1e3:.3g} mm long, and the contact at "
+            f"{load_name(load, loads)} has a standard deviation of {1e3 * std:.3g} mm: wave number times width is "
+            f"{share:.2g}. The line load around the axis is calculated for long waves, where this is below {_LONG:g}; "
+            "shorter waves are partly roughness",
+        )
+
+
+def _conforming(formed: _Formed) -> Iterator[Caution]:
+    if math.isinf(formed[0][0].contact.model.relative_radius):
+        yield Caution(
+            "form",
+            Level.DOUBTFUL,
+            "form error of faces that fit each other along a stretch",
+            "the faces fit each other along a stretch; there a form error also changes the gap across the width "
+            "(twist, cone errors), which is not calculated",
+        )
+
+
+def _open(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
+    load, around = min(formed, key=lambda one: one[1].least_over_mean)
+    if around.least_over_mean < _OPEN:
+        share = float(np.mean(around.line_load < _OPEN * around.line_load.mean()))
+        yield Caution(
+            "open in part",
+            Level.DOUBTFUL,
+            f"open over {share_text(share)} of the circumference",
+            f"at {load_name(load, loads)} {share_text(share)} of the circumference carry less than {100 * _OPEN:g} % "
+            "of the mean line load: the seal is open there, and what leaks follows from the width of the open gap, and "
+            "so from the form error itself",
+        )
+
+
+def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
+    def share(one: tuple[LoadResult, Around]) -> float:
+        return one[0].fluid_pressure / max(float(one[1].peak_pressure.min()), 1e-300)
+
+    load, around = max(formed, key=share)
+    worst = share((load, around))
+    if problem.flow is not None and worst > _FLUID_OPENS and around.least_over_mean >= _OPEN:
+        yield Caution(
+            "fluid opens",
+            Level.DOUBTFUL,
+            f"fluid pressure {worst:.2g} of the peak contact pressure where the seal carries least",
+            f"at {load_name(load, loads)} the fluid pressure is {worst:.2g} of the peak contact pressure where the "
+            "line load is least; what the fluid does to the gap is taken from the mean line load, which is too little "
+            "there",
+            # several times as much there
+            (1.0, math.inf),
+        )
+
+
+def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
+    """The stress where the line load is largest, from that at the mean: below a line contact it goes with the peak."""
+    limits = [one.yield_stress for one in problem.materials.values() if one.yield_stress is not None]
+    if not limits:
+        return
+    load, around = max(formed, key=lambda one: float(one[1].peak_pressure.max()))
+    ratio = float(around.peak_pressure.max()) / load.contact.profile.peak_pressure
+    stress = ratio * load.max_von_mises
+    if load.max_von_mises <= min(limits) < stress:
+        limit = rounded(min(limits) / 1e6, DIGITS)
+        told = beside(stress / 1e6, limit, min(load.pressure_digits, 3))
+        times = beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
+        yield Caution(
+            "yield stress",
+            Level.OUTSIDE if stress > LARGEST_EXCESS * min(limits) else Level.DOUBTFUL,
+            f"von Mises stress about {times} times the yield stress where the line load is largest",
+            f"at {load_name(load, loads)} the contact pressure reaches {ratio:.3g} times that at the mean line load; "
+            f"the von Mises stress there is about {told} MPa, above the yield stress "
+            f"{limit:g} MPa. A body that yields evens out its form error, so that less leaks",
+        )

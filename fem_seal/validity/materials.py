@@ -1,0 +1,115 @@
+"""Where a number of a material is not that of the temperature of its body."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from fem_seal.materials import ROOM_TEMPERATURE, celsius
+from fem_seal.seal.findings import Caution, Level
+
+if TYPE_CHECKING:
+    from fem_seal.materials import Material
+    from fem_seal.seal.problem import SealProblem
+
+# How far a temperature may lie outside what is known of a number without a word, and from where on the results are
+# doubtful [K]: 316L loses 1 % of its modulus and 5 % of its yield stress in 25 K, 4 % and a fifth in 100 K.
+_NEAR, _FAR = 25.0, 100.0
+# Number of a material -> its name, what a table of it is given in, and the factor to that unit.
+_WORDS = {
+    "youngs_modulus": ("Young's modulus", " GPa", 1e-9),
+    "hardness": ("hardness", " GPa", 1e-9),
+    "yield_stress": ("yield stress", " MPa", 1e-6),
+    "thermal_expansion": ("thermal expansion", "e-6 1/K", 1e6),
+    "thermal_conductivity": ("thermal conductivity", " W/(m K)", 1.0),
+}
+_OF_SURFACE = ("youngs_modulus", "hardness")
+
+
+def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Caution]:
+    """What the temperatures of the bodies say against the numbers of their materials, the nearer ones without doubt.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    bodies : bool, optional
+        Whether the bodies themselves are solved; otherwise only the contact of their roughness is looked at.
+    """
+    for name, temperature in problem.temperatures.items():
+        material = problem.materials[name]
+        plain = []
+        for key in _used(problem, material) if bodies else _OF_SURFACE:
+            value = getattr(material, key)
+            # asperities yield at the hardness of the softer body alone
+            if value is None or (key == "hardness" and value != problem.hardness):
+                continue
+            table = material.table(key)
+            if table is None:
+                plain.append(key)
+                continue
+            at = max(_reached(problem, key, temperature), key=table.beyond)
+            if table.nearest and table.beyond(at) > _NEAR:
+                yield _beyond(name, material, key, at)
+        if plain and abs(temperature - ROOM_TEMPERATURE) > _NEAR:
+            yield _plain(name, material, plain, temperature)
+
+
+def _used(problem: SealProblem, material: Material) -> Iterator[str]:
+    """Keys of the numbers that the result depends on."""
+    yield from _OF_SURFACE
+    if material.hardening is None:
+        yield "yield_stress"
+    if problem.expansion or problem.heating is not None or problem.supports.wall == "fixed":
+        yield "thermal_expansion"
+    if problem.heating is not None:
+        yield "thermal_conductivity"
+
+
+def _reached(problem: SealProblem, key: str, temperature: float) -> list[float]:
+    """Temperatures at which a number is taken [K]: of a body that conducts heat none is outside those around it."""
+    heating = problem.heating
+    if heating is None or key in ("youngs_modulus", "hardness", "yield_stress"):
+        return [temperature]
+    return [temperature, *(face.temperature for face in heating.surroundings.faces.values())]
+
+
+def _said(key: str, value: float) -> str:
+    _, unit, factor = _WORDS[key]
+    return f"{value * factor:.4g}{unit}"
+
+
+def _table(key: str, known: float, at: float, value: str) -> str:
+    # tens further out: a calculated temperature changes a little with the numbers that it depends on
+    tens, outwards = (at - 273.15) / 10.0, math.copysign(1.0, at - known)
+    end = 10.0 * outwards * math.ceil(outwards * tens - 1e-6)
+    ends = [f'"{one}"' for one in (celsius(known), f"{end:.4g} degC")]
+    values = [f'"{value}"', '"..."']
+    order = slice(None, None, int(outwards))
+    return f"{key} = {{ temperature = [{', '.join(ends[order])}], value = [{', '.join(values[order])}] }}"
+
+
+def _beyond(name: str, material: Material, key: str, at: float) -> Caution:
+    table = material.table(key)
+    assert table is not None  # of those that were looked at
+    end = table.temperature[0] if at < table.temperature[0] else table.temperature[-1]
+    words, value = _WORDS[key][0], _said(key, table.at(end))
+    return Caution(
+        f"hot {key}",
+        Level.DOUBTFUL if table.beyond(at) >= _FAR else Level.VALID,
+        f"{name}: {words} of {celsius(end)}, not of {celsius(at)}",
+        f"{name}.material.{key}: the library knows the {words} of {material.name} {table.reach}; the {value} of "
+        f"{celsius(end)} stands for {celsius(at)}; give a table over temperature in the case, "
+        f"{_table(key, end, at, value)}",
+    )
+
+
+def _plain(name: str, material: Material, keys: list[str], temperature: float) -> Caution:
+    value = _said(keys[0], getattr(material, keys[0]))
+    numbers = " and ".join(filter(None, (", ".join(keys[:-1]), keys[-1])))
+    text = (
+        f"{name}.material: {numbers} of the case {'have' if len(keys) > 1 else 'has'} no temperature and "
+        f"{'are' if len(keys) > 1 else 'is'} taken as given for {celsius(temperature)}; a number that belongs to "
+        f"another temperature is written as a table, such as {_table(keys[0], ROOM_TEMPERATURE, temperature, value)}"
+    )
+    return Caution("temperature", Level.VALID, f"{name}: numbers without a temperature", text)
