@@ -59,12 +59,12 @@ def stubborn():
 
 def hang_in(evaluate, how):
     """Make one design never end."""
-    harmless = evaluate.evaluation
+    harmless = evaluate.design_problem
 
-    def armed(case, columns, *, interpolate=True):
+    def armed(case):
         if case.load.applied_force == NEVER:
             how()
-        return harmless(case, columns, interpolate=interpolate)
+        return harmless(case)
 
     return armed
 
@@ -83,7 +83,7 @@ def test_a_design_that_never_ends_is_a_failed_row(tmp_path, monkeypatch, capsys,
 
     before = signal.getsignal(signal.SIGINT)
     with monkeypatch.context() as patch:
-        patch.setattr(responses, "evaluation", hang_in(responses, how))
+        patch.setattr(responses, "design_problem", hang_in(responses, how))
         result = run_study(study(), folder=tmp_path, workers=0, progress=Lines())
     assert signal.getsignal(signal.SIGINT) is before
     assert result.table["status"].tolist() == ["done", "done", "failed", "done"]
@@ -121,7 +121,7 @@ def test_the_time_limit_is_a_time():
 
 @pytest.mark.usefixtures("known_bodies")
 def test_a_search_goes_on_after_a_design_that_never_ends(tmp_path, monkeypatch):
-    monkeypatch.setattr(responses, "evaluation", hang_in(responses, wait))
+    monkeypatch.setattr(responses, "design_problem", hang_in(responses, wait))
     result = run_study(
         study(optimise={"minimise": "line_load_N_per_m", "trials": 8, "batch": 2, "seed": 3}),
         folder=tmp_path,
@@ -140,18 +140,18 @@ from fem_seal.cli.app import main
 from fem_seal.studies import responses, time_limit
 
 time_limit._APART = 0.1
-harmless = responses.evaluation
+harmless = responses.design_problem
 
-def armed(case, columns, *, interpolate=True):
+def armed(case):
     if case.load.applied_force == {NEVER}:
         libc = ctypes.CDLL(None)
         everything = (ctypes.c_ulong * 16)(*[2**64 - 1] * 16)
         libc.pthread_sigmask(0, ctypes.byref(everything), None)
         while True:
             libc.sleep(1000)
-    return harmless(case, columns, interpolate=interpolate)
+    return harmless(case)
 
-responses.evaluation = armed
+responses.design_problem = armed
 sys.exit(main(sys.argv[1:]))
 """
 
@@ -200,7 +200,7 @@ def _plugin():
         """Workers for which one design never ends, those that come later as well."""
 
         def setup(self, worker):
-            responses.evaluation = hang_in(responses, wait)
+            responses.design_problem = hang_in(responses, wait)
 
     return Hanging()
 
@@ -238,7 +238,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
         while not free:
             time.sleep(0.1)
 
-    monkeypatch.setattr(responses, "evaluation", hang_in(responses, wait_here))
+    monkeypatch.setattr(responses, "design_problem", hang_in(responses, wait_here))
     slow_enough = study(run={"time_limit": "6 s"})
     recipe = Recipe.of(slow_enough)
     with (
@@ -410,16 +410,16 @@ def rougher(path):
 
 @pytest.mark.slow
 def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypatch):
-    harmless = responses.evaluation
+    harmless = responses.design_problem
     plan, folder = scanned(tmp_path), tmp_path / "out"
 
-    def edited(case, columns, *, interpolate=True):
+    def edited(case):
         if case.load.applied_force == 2.0:
             rougher(tmp_path / "a.csv")
-        return harmless(case, columns, interpolate=interpolate)
+        return harmless(case)
 
     with monkeypatch.context() as patch:
-        patch.setattr(responses, "evaluation", edited)
+        patch.setattr(responses, "design_problem", edited)
         with pytest.raises(InputError, match=r"a\.csv: was changed or removed while the study ran.*--resume"):
             run_study(plan, folder=folder, workers=0)
     # the design that read the new contents is not kept
@@ -463,14 +463,17 @@ def test_a_data_file_of_a_parameter_is_watched_only_by_its_designs(tmp_path):
 def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeypatch, search):
     """And is no failure of the designs that miss it."""
 
-    def removed(case, columns, *, interpolate=True):
-        if case.load.applied_force == 2.0:
-            (tmp_path / "a.csv").unlink(missing_ok=True)
-            raise OSError("no such file")
-        yield
-        return responses.Evaluation(dict.fromkeys(columns, 1e-6 + 1e-9 * case.load.applied_force), VALID)
+    def removed(batch, cases, columns, *, interpolate=True):
+        def one(number):
+            force = cases[number].load.applied_force
+            if force == 2.0:
+                (tmp_path / "a.csv").unlink(missing_ok=True)
+                raise OSError("no such file")
+            return responses.Evaluation(dict.fromkeys(columns, 1e-6 + 1e-9 * force), VALID)
 
-    monkeypatch.setattr(responses, "evaluation", removed)
+        return batch.each(cases, one)
+
+    monkeypatch.setattr(responses, "evaluate_many", removed)
     plan = scanned(
         tmp_path, **({"optimise": {"maximise": "leak_rate_m3_per_s", "trials": 9}} if search else {})
     )
@@ -510,15 +513,15 @@ def test_workers_notice_an_edited_file_too(tmp_path):
 )
 def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch, how, search):
     folder, begun = tmp_path / "out", []
-    harmless = responses.evaluation
+    harmless = responses.design_problem
 
-    def armed(case, columns, *, interpolate=True):
+    def armed(case):
         begun.append(case.load.applied_force)
         if len(begun) == 2:
             how(folder)
-        return harmless(case, columns, interpolate=interpolate)
+        return harmless(case)
 
-    monkeypatch.setattr(responses, "evaluation", armed)
+    monkeypatch.setattr(responses, "design_problem", armed)
     optimise = {"optimise": {"minimise": "line_load_N_per_m", "trials": 8, "batch": 2}} if search else {}
     with pytest.raises(
         OutputError, match=r"study\.sqlite: was deleted or moved while the study ran, which stops"
@@ -528,7 +531,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
     # nothing is made where the folder was
     assert not folder.exists()
     if (moved := Path(f"{folder}-moved")).exists():
-        monkeypatch.setattr(responses, "evaluation", harmless)
+        monkeypatch.setattr(responses, "design_problem", harmless)
         run_study(study(**optimise), folder=moved, workers=0, resume=True)
         assert StudyResult(moved).counts["open"] == 0
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar, cast
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from meshes import ContactGeometry, MeshingError, Sizing
 if TYPE_CHECKING:
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.profile import PressureProfile
-
-Asked = TypeVar("Asked")
-Answer = TypeVar("Answer")
 
 # Pressure over peak pressure that the ends of the zone may carry.
 _TAIL = 1e-6
@@ -28,6 +25,62 @@ _FINER = 3.0
 # Elements per standard deviation below which the mesh is made anew, and how many it then gets at the peak.
 _FEWEST, _PER_STD = 4.0, 10.0
 _MOST_MESHES = 6
+
+
+@dataclass(frozen=True)
+class MeshFit:
+    """A mesh that is to be tried, and what was found on the one before.
+
+    Parameters
+    ----------
+    sizing : Sizing or None
+        Of the mesh that is to be tried; None when the one before fits, or no better one can be made.
+    contact : ContactGeometry
+    size_given : bool
+        Whether the element size is the user's own; then only the zone grows.
+    found : sequence of ContactSolution
+        On the last mesh that gave any.
+    tried : int
+        How many meshes have been tried.
+    refined : bool
+        Whether elements have been halved because a contact did not converge.
+    """
+
+    sizing: Sizing | None
+    contact: ContactGeometry
+    size_given: bool
+    found: Sequence[ContactSolution] = ()
+    tried: int = 0
+    refined: bool = False
+
+    @classmethod
+    def begun(cls, sizing: Sizing, contact: ContactGeometry, *, size_given: bool = False) -> MeshFit:
+        """Before the first mesh. One that is given cannot be made finer."""
+        return cls(sizing, contact, size_given or contact.has_ready_mesh)
+
+    def after(self, outcome: Sequence[ContactSolution] | Exception) -> MeshFit:
+        """With what was found on the mesh, or why nothing was.
+
+        Raises
+        ------
+        ConvergenceError
+            If a contact does not converge on the finer mesh either.
+        MeshingError
+            If the first mesh cannot be made. A better one that cannot be made is left: the estimate of the
+            discretisation error says what the present one is worth.
+        """
+        assert self.sizing is not None
+        if isinstance(outcome, MeshingError) and self.found:
+            return replace(self, sizing=None)
+        if isinstance(outcome, ConvergenceError) and not (self.refined or self.size_given):
+            return replace(self, sizing=self.sizing.refined(2.0), tried=self.tried + 1, refined=True)
+        if isinstance(outcome, Exception):
+            raise outcome
+        better = None
+        if self.tried + 1 < _MOST_MESHES:
+            profiles = [one.profile for one in outcome]
+            better = better_sizing(self.sizing, self.contact, profiles, size_given=self.size_given)
+        return replace(self, sizing=better, found=outcome, tried=self.tried + 1)
 
 
 def solve_fitted(
@@ -50,55 +103,18 @@ def solve_fitted(
 
     Raises
     ------
-    ConvergenceError
-        If a contact does not converge on the finer mesh either.
-    MeshingError
-        If the first mesh cannot be made. A better one that cannot be made is left: the estimate of the discretisation
-        error says what the present one is worth.
+    ConvergenceError, MeshingError
+        See `MeshFit.after`.
     """
-
-    def at_once(sizing: Sizing) -> Generator[None, None, Sequence[ContactSolution]]:
-        yield
-        return solve_on(sizing)
-
-    steps = fitted(sizing, contact, at_once, size_given=size_given)
-    while True:
+    fit = MeshFit.begun(sizing, contact, size_given=size_given)
+    while fit.sizing is not None:
+        outcome: Sequence[ContactSolution] | Exception
         try:
-            next(steps)
-        except StopIteration as end:
-            return cast("Sequence[ContactSolution]", end.value)
-
-
-def fitted(
-    sizing: Sizing,
-    contact: ContactGeometry,
-    solve_on: Callable[[Sizing], Generator[Asked, Answer, Sequence[ContactSolution]]],
-    *,
-    size_given: bool = False,
-) -> Generator[Asked, Answer, Sequence[ContactSolution]]:
-    """The steps of `solve_fitted`, those of `solve_on` among them."""
-    # A mesh that is given cannot be made finer.
-    size_given = size_given or contact.has_ready_mesh
-    refined = False
-    solutions: Sequence[ContactSolution] | None = None
-    for _ in range(_MOST_MESHES):
-        try:
-            solutions = yield from solve_on(sizing)
-        except MeshingError:
-            if solutions is None:
-                raise
-            break
-        except ConvergenceError:
-            if refined or size_given:
-                raise
-            sizing, refined = sizing.refined(2.0), True
-            continue
-        better = better_sizing(sizing, contact, [s.profile for s in solutions], size_given=size_given)
-        if better is None:
-            break
-        sizing = better
-    assert solutions is not None  # otherwise an error has been raised
-    return solutions
+            outcome = solve_on(fit.sizing)
+        except (MeshingError, ConvergenceError) as error:
+            outcome = error
+        fit = fit.after(outcome)
+    return fit.found
 
 
 def better_sizing(

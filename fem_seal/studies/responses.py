@@ -6,18 +6,21 @@ so that a study gives the same table in whatever order and on however many worke
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeVar
 
 from fem_seal import result as seal_result
 from fem_seal.answers.opening import with_margins
 from fem_seal.answers.verdict import judged
 from fem_seal.case.case import Case
 from fem_seal.contact.laws import Law
-from fem_seal.contact.newton import Pressing
-from fem_seal.contact.refit import fitted
-from fem_seal.contact.solution import ContactSolution
+from fem_seal.contact.newton import Pressing, solve_together
+from fem_seal.contact.refit import MeshFit
+from fem_seal.contact.sizing import widths_together
+from fem_seal.contact.solution import ContactSettings, ContactSolution
+from fem_seal.errors import ConvergenceError
 from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.tables import rows_of
 from fem_seal.seal.conductivity_tables import family_law, family_table
@@ -28,12 +31,17 @@ from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, expected_contacts, expected_forces, sizing
 from fem_seal.seal.results import LoadResult
 from fem_seal.seal.shared_bodies import TabulatedSurface, shared_model
+from fem_seal.studies.batch import Batch
 from fem_seal.studies.complete_runs import takes_complete_run
-from fem_seal.studies.together import Steps, alone
 from fem_seal.validity.checks import load_validity
 from leak import ConductivityTable, GasConductivityTable, RoughContact
-from meshes import Sizing
+from meshes import MeshingError
 
+T = TypeVar("T")
+
+# The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
+# leaves. Mostly Newton's last step falls far below it.
+_TOLERANCE = 1e-6
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
 _OTHER_READING = "leak_rate_capped_m3_per_s"
@@ -75,44 +83,83 @@ def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) ->
     ------
     ConvergenceError, GeometryError, MeshingError
     """
-    return alone(evaluation(case, columns, interpolate=interpolate))
+    return _only(lambda batch: evaluate_many(batch, {0: case}, columns, interpolate=interpolate))
 
 
-def evaluation(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> Steps[Evaluation]:
-    """The steps of `evaluate`."""
-    if takes_complete_run(case, columns):
-        return _complete_run(case, columns)
-    can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
-    problem = SealProblem.of(case)
-    yield None
-    stress = can_yield or "max_von_mises_Pa" in columns
-    load = yield from _load(problem, stress=stress, interpolate=interpolate)
-    yield None
+def evaluate_many(
+    batch: Batch, cases: Mapping[int, Case], columns: Sequence[str], *, interpolate: bool = True
+) -> dict[int, Evaluation]:
+    """`evaluate` of several cases, which share their contact calculations; without those that fail.
+
+    Parameters
+    ----------
+    batch : Batch
+        Keeps time and failures of each.
+    cases : mapping
+        By number.
+    columns, interpolate
+        See `evaluate`.
+    """
+    found = batch.each(
+        [number for number, case in cases.items() if takes_complete_run(case, columns)],
+        lambda number: _complete_run(cases[number], columns),
+    )
+    problems = batch.each([n for n in cases if n not in found], lambda number: design_problem(cases[number]))
+    loads = _loads(
+        batch,
+        problems,
+        stress={number: _with_stress(cases[number], columns) for number in problems},
+        interpolate=interpolate,
+    )
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
-    of_usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
     if leaks:
-        for _ in _leaks(load, other="margin" in columns or _OTHER_READING in columns):
-            yield None
-    validity = _validity(of_usual, load, tabulated=leaks and interpolate)
-    yield None
-    load = load.knowing(validity=validity)
+        bare = loads
+        for step in _leaks(other="margin" in columns or _OTHER_READING in columns):
+            batch.each(bare, lambda number: step(bare[number]))  # noqa: B023
+
+    def judged_load(number: int) -> LoadResult:
+        problem, load = problems[number], loads[number]
+        usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
+        return load.knowing(validity=_validity(usual, load, tabulated=leaks and interpolate))
+
+    loads = batch.each(loads, judged_load)
     if "margin" in columns:
-        load = load.knowing(judgement=judged(case, load))
-        yield None
-    values = _read(Row(load), columns)
-    return Evaluation(values, validity, load.verdict)
+        loads = batch.each(loads, lambda n: loads[n].knowing(judgement=judged(cases[n], loads[n])))
+    return found | batch.each(
+        loads, lambda n: Evaluation(_read(Row(loads[n]), columns), loads[n].validity, loads[n].verdict)
+    )
 
 
-def _leaks(load: LoadResult, *, other: bool) -> Iterator[object]:
-    """The leak rate of a load, and that of the other reading of yielding asperities, each kind of work by itself."""
-    readings = (load.conserved, load.capped) if other and load.yields else (load,)
-    for one in readings:
-        yield one.rough and one.rough.table
-    yield load.contact.profile.contact
-    yield load.contact.profile.contact.panels
-    for one in readings:
-        yield one.leak
+def design_problem(case: Case) -> SealProblem:
+    """What is to be solved of a design."""
+    return SealProblem.of(case)
+
+
+def _only(of_batch: Callable[[Batch], Mapping[int, T]]) -> T:
+    """What is found for the only design of a batch, or why nothing is."""
+    batch = Batch()
+    found = of_batch(batch)
+    for error in batch.failed.values():
+        raise error
+    return found[0]
+
+
+def _with_stress(case: Case, columns: Sequence[str]) -> bool:
+    can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
+    return can_yield or "max_von_mises_Pa" in columns
+
+
+def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
+    """Leak rate of a load, and that of the other reading of yielding asperities, each kind of work by itself."""
+
+    def readings(load: LoadResult) -> tuple[LoadResult, ...]:
+        return (load.conserved, load.capped) if other and load.yields else (load,)
+
+    yield lambda load: [one.rough and one.rough.table for one in readings(load)]
+    yield lambda load: load.contact.profile.contact
+    yield lambda load: load.contact.profile.contact.panels
+    yield lambda load: [one.leak for one in readings(load)]
 
 
 def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
@@ -142,8 +189,9 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     if not _INTERVAL.isdisjoint(columns):
         # which asks for the validity
         return evaluate(case, columns, interpolate=interpolate).values
-    stress = "max_von_mises_Pa" in columns
-    load = alone(_load(SealProblem.of(case), stress=stress, interpolate=interpolate))
+    stress = {0: "max_von_mises_Pa" in columns}
+    problems = {0: design_problem(case)}
+    load = _only(lambda batch: _loads(batch, problems, stress=stress, interpolate=interpolate))
     return _read(Row(load), columns)
 
 
@@ -164,35 +212,81 @@ def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
     return Evaluation(_read(row, columns), Validity.of(cautions), load.verdict)
 
 
-def _load(problem: SealProblem, *, stress: bool, interpolate: bool) -> Steps[LoadResult]:
-    """The only load of a problem, with what designs share: bodies, law and flow conductivity."""
-    load = yield from _bare_load(problem, stress)
-    rough = RoughFlow.of(problem.surface, problem.flow, load.contacts)
-    if rough is not None and interpolate:
-        rough = replace(rough, make=partial(_shared_table, load.contacts[-1]))
-    solver, inner = LoadSolver(problem, load.contact.model), problem.loads.pressure_side == "inner"
-    opens = solver.blow_off_pressure(load.applied_force) if inner else None
-    (load,) = with_margins(solver, [load.knowing(rough=rough, blow_off_pressure=opens)])
-    return load
+def _loads(
+    batch: Batch, problems: Mapping[int, SealProblem], *, stress: Mapping[int, bool], interpolate: bool
+) -> dict[int, LoadResult]:
+    """The only load of each problem, with what designs share: bodies, law and flow conductivity."""
+    bare = _bare_loads(batch, problems, stress)
+
+    def with_flow(number: int) -> LoadResult:
+        problem, load = problems[number], bare[number]
+        rough = RoughFlow.of(problem.surface, problem.flow, load.contacts)
+        if rough is not None and interpolate:
+            rough = replace(rough, make=partial(_shared_table, load.contacts[-1]))
+        solver, inner = LoadSolver(problem, load.contact.model), problem.loads.pressure_side == "inner"
+        opens = solver.blow_off_pressure(load.applied_force) if inner else None
+        (load,) = with_margins(solver, [load.knowing(rough=rough, blow_off_pressure=opens)])
+        return load
+
+    return batch.each(bare, with_flow)
 
 
-def _bare_load(problem: SealProblem, stress: bool) -> Steps[LoadResult]:
-    """The contact of the only load, around the axis if the seal is not round."""
-    point, force, law = problem.loads.points[0], expected_forces(problem)[0], _law(problem)
-    found: list[LoadResult] = []
+def _bare_loads(
+    batch: Batch, problems: Mapping[int, SealProblem], stress: Mapping[int, bool]
+) -> dict[int, LoadResult]:
+    """The contact of the only load of each, around the axis if the seal is not round, on a mesh that fits it."""
+    laws = batch.each(problems, lambda number: _law(problems[number]))
+    asked = batch.each(laws, lambda number: expected_contacts(problems[number], laws[number]))
+    widths = batch.at_once(asked, widths_together)
 
-    def solve_on(sizing: Sizing) -> Steps[Sequence[ContactSolution]]:
-        model = shared_model(problem, sizing, stress=stress)
-        contact: ContactSolution = yield Pressing(model, law, force, problem.at_rest(model))
-        found.append(LoadResult(*point, contact, formed=problem.around(contact, law)))
-        return found[-1].contacts
+    def begun(number: int) -> MeshFit:
+        problem, size_given = problems[number], problems[number].contact_size is not None
+        wanted = sizing(problem, laws[number], widths=_found(widths[number]))
+        return MeshFit.begun(wanted, problem.contact, size_given=size_given)
 
-    size_given = problem.contact_size is not None
-    widths = yield expected_contacts(problem, law)
-    expected = sizing(problem, law, widths=widths)
-    yield None
-    yield from fitted(expected, problem.contact, solve_on, size_given=size_given)
-    return found[-1]
+    fits = batch.each(widths, begun)
+    loads: dict[int, LoadResult] = {}
+
+    def pressed(number: int) -> Pressing | Exception:
+        problem, wanted = problems[number], fits[number].sizing
+        assert wanted is not None
+        try:
+            model = shared_model(problem, wanted, stress=stress[number])
+            return Pressing(model, laws[number], expected_forces(problem)[0], problem.at_rest(model))
+        except MeshingError as error:
+            return error
+
+    def looked_at(number: int) -> MeshFit:
+        outcome: Sequence[ContactSolution] | Exception
+        try:
+            contact = _found(contacts[number])
+            point, formed = problems[number].loads.points[0], problems[number].around(contact, laws[number])
+            loads[number] = LoadResult(*point, contact, formed=formed)
+            outcome = loads[number].contacts
+        except (MeshingError, ConvergenceError) as error:
+            outcome = error
+        return fits[number].after(outcome)
+
+    while left := [number for number, fit in fits.items() if fit.sizing is not None]:
+        asking = batch.each(left, pressed)
+        contacts: dict[int, ContactSolution | Exception] = batch.at_once(
+            {number: one for number, one in asking.items() if isinstance(one, Pressing)}, _pressed_together
+        )
+        contacts |= {number: one for number, one in asking.items() if isinstance(one, Exception)}
+        fits = {number: fit for number, fit in fits.items() if fit.sizing is None} | batch.each(
+            contacts, looked_at
+        )
+    return {number: loads[number] for number in sorted(fits) if number in loads}
+
+
+def _pressed_together(asked: Sequence[Pressing]) -> Sequence[ContactSolution | ConvergenceError]:
+    return solve_together(asked, ContactSettings(_TOLERANCE, _TOLERANCE))
+
+
+def _found(answer: T | Exception) -> T:
+    if isinstance(answer, Exception):
+        raise answer
+    return answer
 
 
 def _law(problem: SealProblem) -> Law:

@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,18 +15,19 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
+from fem_seal.studies.batch import Batch, Turn, untimed
 from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.store import Row
 from fem_seal.studies.stored import storable
 from fem_seal.studies.time_limit import overtime_reason
-from fem_seal.studies.together import Steps, Turn, together, unwatched
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.studies.plan import StudyPlan
+    from fem_seal.studies.responses import Evaluation
 
 # A chunk is what is lost when a worker dies and what travels at once: about a second of work, by these estimates of
 # what new bodies, a new surface and a further design cost [s]; a cone takes less, a land with its edges more.
@@ -137,7 +138,7 @@ class Chunk:
     points: FloatArray
 
 
-def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = unwatched) -> list[Row]:
+def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = untimed) -> list[Row]:
     """Rows of all designs of a chunk; a design that fails is a row with its reason.
 
     Parameters
@@ -157,41 +158,45 @@ def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = unwatched) -> list[Row]
         def own(number: int | None, start: int = start) -> AbstractContextManager[None]:
             return turn(None if number is None else start + number)
 
-        found = together([_row(recipe, point) for point in points], own)
-        rows += (replace(row, seconds=seconds) for row, seconds in found)
+        rows += _rows(recipe, points, own)
     return rows
 
 
-def _row(recipe: Recipe, point: Sequence[float]) -> Steps[Row]:
-    """The row of a design, but for the time it takes."""
-    files = recipe.files_of(point)
-    check_unchanged(files, all_there=False)
-    failure: str | None = None
-    told: tuple[str | None, ...] = ()
-    outputs: tuple[float | None, ...] = (None,) * (len(recipe.columns) + len(recipe.derived))
-    try:
-        outputs, told = yield from _outputs(recipe, point)
-    except Exception as error:  # whatever it is, it is the end of this design and not of the study
-        failure = _reason(error)
+def _rows(recipe: Recipe, points: Sequence[Sequence[float]], turn: Turn) -> list[Row]:
+    from fem_seal.studies.responses import evaluate_many
+
+    batch = Batch(turn)
+
+    def case_of(number: int) -> Case:
+        changes = {
+            one.name: one.entry.written(one.value(value))
+            for one, value in zip(recipe.parameters, points[number], strict=True)
+        }
+        return recipe.case.replace_written(changes)
+
+    files = [recipe.files_of(point) for point in points]
+    for one in files:
+        check_unchanged(one, all_there=False)
+    cases = batch.each(range(len(points)), case_of)
+    found = evaluate_many(batch, cases, recipe.columns, interpolate=recipe.interpolate)
+    outputs = batch.each(found, lambda number: _outputs(recipe, points[number], found[number]))
     # a design reads its files when it needs them: only now is it sure what it has read
-    check_unchanged(files, all_there=False)
-    return Row(recipe.key(point), recipe.inputs(point), outputs, failure, 0.0, *told)
+    for one in files:
+        check_unchanged(one, all_there=False)
+    none = ((None,) * (len(recipe.columns) + len(recipe.derived)), ())
+    rows = []
+    for number, point in enumerate(points):
+        failure = _reason(batch.failed[number]) if number in batch.failed else None
+        numbers, told = outputs.get(number, none)
+        seconds = batch.seconds[number]
+        rows.append(Row(recipe.key(point), recipe.inputs(point), numbers, failure, seconds, *told))
+    return rows
 
 
 def _outputs(
-    recipe: Recipe, point: Sequence[float]
-) -> Steps[tuple[tuple[float | None, ...], tuple[str | None, ...]]]:
+    recipe: Recipe, point: Sequence[float], found: Evaluation
+) -> tuple[tuple[float | None, ...], tuple[str | None, ...]]:
     """Numbers of a design, and what is told of them: validity, its reasons, verdict."""
-    from fem_seal.studies.responses import evaluation
-
-    changes = {
-        one.name: one.entry.written(one.value(number))
-        for one, number in zip(recipe.parameters, point, strict=True)
-    }
-    case = recipe.case.replace_written(changes)
-    yield None
-    found = yield from evaluation(case, recipe.columns, interpolate=recipe.interpolate)
-    yield None
     numbers = {
         one.name: float(number) for one, number in zip(recipe.parameters, point, strict=True) if one.numeric
     }

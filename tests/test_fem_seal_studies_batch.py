@@ -1,4 +1,4 @@
-"""Designs that take their steps together find what each finds alone, fail alone, and are timed alone."""
+"""Designs side by side find what each finds alone, fail alone, and are timed alone."""
 
 import math
 import threading
@@ -15,8 +15,8 @@ from fem_seal.contact.laws import ScaledLaw
 from fem_seal.contact.newton import Pressing, solve, solve_together
 from fem_seal.contact.sizing import Expected, Opening, widths_together
 from fem_seal.errors import ConvergenceError
+from fem_seal.studies.batch import Batch
 from fem_seal.studies.time_limit import Block, Watch
-from fem_seal.studies.together import alone, together
 from leak import PowerSpectrum, RoughContact
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -81,68 +81,39 @@ def test_widths_that_are_expected_together_are_those_of_each_alone(laws):
     assert widths_together([]) == []
 
 
-def test_a_calculation_fails_alone(model, laws):
-    def pressed(force):
-        try:
-            contact = yield Pressing(model, laws[0], force)
-        except ValueError as error:
-            return str(error)
-        yield None
-        return contact.contact_force
-
-    def never():
-        yield None
-        raise ZeroDivisionError
-
-    def guarded():
-        try:
-            yield from never()
-        except ZeroDivisionError:
-            return "its own"
-
-    found = [one for one, _ in together([pressed(1257.0), guarded(), pressed(800.0)])]
-    assert found == [1257.0, "its own", 800.0]
-    with pytest.raises(ZeroDivisionError):
-        alone(never())
+def test_a_design_fails_alone():
+    batch = Batch()
+    assert batch.each(range(3), lambda number: 1.0 / (number - 1)) == {0: -1.0, 2: 1.0}
+    assert isinstance(batch.failed[1], ZeroDivisionError)
+    # and is left out from there on
+    assert batch.each(range(3), lambda number: number) == {0: 0, 2: 2}
 
 
-def test_an_error_in_common_work_is_the_affair_of_one(model, laws, monkeypatch):
-    from fem_seal.contact import newton
+def test_an_error_in_common_work_is_the_affair_of_one():
+    def inverses(asked):
+        return [1.0 / one for one in asked]
 
-    usual = newton.solve_together
-
-    def refuses(pressings, *about):
-        if any(one.contact_force == 800.0 for one in pressings):
-            raise FloatingPointError("its own")
-        return usual(pressings, *about)
-
-    def pressed(force):
-        try:
-            contact = yield Pressing(model, laws[0], force)
-        except FloatingPointError as error:
-            return str(error)
-        return contact.contact_force
-
-    monkeypatch.setattr(newton, "solve_together", refuses)
-    assert [one for one, _ in together([pressed(800.0), pressed(1257.0)])] == ["its own", 1257.0]
+    batch = Batch()
+    found = batch.at_once({3: 2.0, 5: 0.0, 8: 4.0}, inverses)
+    assert (found[3], found[8]) == (0.5, 0.25)
+    assert isinstance(found[5], ZeroDivisionError)
+    assert batch.at_once({}, inverses) == {}
 
 
-def test_the_time_of_others_is_not_that_of_a_calculation():
+def test_the_time_of_others_is_not_that_of_a_design():
     turns = []
-
-    def steps(pause, count):
-        for _ in range(count):
-            time.sleep(pause)
-            yield None
 
     @contextmanager
     def turn(number):
         turns.append(number)
         yield
 
-    (_, quick), (_, slow) = together([steps(0.0, 3), steps(0.02, 5)], turn)
-    assert quick < 0.02 < 0.1 <= slow
-    assert turns == [0, 1, 0, 1, 0, 1, 0, 1, 1, 1]
+    batch = Batch(turn)
+    for _ in range(5):
+        batch.each([0, 1], lambda number: time.sleep(0.02 * number))
+    assert batch.seconds[0] < 0.02 < 0.1 <= batch.seconds[1]
+    batch.at_once({0: None, 1: None}, lambda asked: asked)
+    assert turns == [0, 1] * 5 + [None]
 
 
 def test_a_time_limit_counts_the_turns_of_a_block_alone():
