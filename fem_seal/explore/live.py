@@ -9,7 +9,6 @@ digits that are shown. Those of `fem-seal run` itself follow when the sliders re
 
 from __future__ import annotations
 
-import math
 from collections import OrderedDict
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -27,14 +26,13 @@ from fem_seal.errors import InputError, SealError
 from fem_seal.explore.factors import Factors, factors_of, opened
 from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load, without_leak
 from fem_seal.explore.tables import Missing, TableName, conductivity
-from fem_seal.seal.conductivity_tables import family_law
 from fem_seal.seal.leak_model import Flow, RoughFlow, log_peaks
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, condensed, sizing
 from fem_seal.seal.results import LoadResult, highest_load
-from fem_seal.seal.shared_bodies import TabulatedSurface
-from fem_seal.validity.checks import load_validity
-from leak import ConductivityTable, LeakError, RoughContact
+from fem_seal.seal.shared_bodies import Rounding, rounded, with_shared_law
+from fem_seal.validity.by_table import validity_by_table
+from leak import LeakError, RoughContact
 from meshes import MeshesError, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -49,12 +47,10 @@ _FEW, _SHARES = 3, (0.2, 0.4, 0.6, 0.8)
 _LIVE_LOADS_OF_GAS, _SHARES_OF_GAS = 3, (0.5,)
 # Steps of the sizes in the logarithm to base 2, and how much faster the elements grow into the bodies and along the
 # faces than those of a run: its numbers to 2e-4.
-_STEP, _DEEPER, _ALONG = 0.5, 2.1, 1.41
+_ROUNDING = Rounding(step=0.5, reach_step=0.5, along=1.41, deep=2.1)
 _MODELS, _TABLES = 96, 2048
 # Stops between two designs for which things are made ahead.
 _AHEAD = 4
-# As in `fem_seal.studies.responses`: u_eff [m] above which u_c need not be compared with molecules.
-_NARROW = 20e-9
 # What can go wrong with a design: it is said on the page, which goes on.
 WRONG = (SealError, LeakError, MeshesError, ValueError, RuntimeError, ArithmeticError)
 
@@ -249,14 +245,7 @@ class Session:
         own = len(loads.points)
         loads = replace(loads, points=(*loads.points, *_between(loads.points, gas)))
         problem = replace(whole, loads=loads, form=None)
-        if (
-            problem.surface is not None
-            and problem.interface.law == "spectrum"
-            and not problem.interface.plastic
-        ):
-            # the same law, from that of its family: made once
-            vars(problem)["law"] = family_law(problem.surface)
-        return problem, own
+        return with_shared_law(problem), own
 
     def _contacts(self, design: Mapping[str, str], problem: SealProblem) -> list[LoadResult]:
         """Contacts of all loads that follow the sliders, on bodies that neighbouring designs share."""
@@ -288,8 +277,9 @@ class Session:
             (one.key, design[one.key]) for one in self.factors.sliders if one.group == "dimension"
         )
         stiffness = [(one.youngs_modulus, one.poissons_ratio) for one in problem.materials.values()]
-        rounded = coarsely_rounded(wanted, exact_size=problem.contact_size is not None)
-        return ModelName(dimensions, rounded, repr((stiffness, problem.heating)))
+        exact = problem.contact_size is not None
+        wanted = rounded(wanted, problem.contact, exact_size=exact, rounding=_ROUNDING)
+        return ModelName(dimensions, wanted, repr((stiffness, problem.heating)))
 
     def _model(self, design: Mapping[str, str], problem: SealProblem, wanted: Sizing) -> ContactModel:
         name = self._model_name(design, problem, wanted)
@@ -305,7 +295,7 @@ class Session:
         """Loads of which those have been checked that are shown or judged."""
         required, shown = case.requirement, highest_load(loads[:own])
         return [
-            load.knowing(validity=_validity(problem, load))
+            load.knowing(validity=validity_by_table(_elastic_bodies(problem), load))
             if number == shown or (number < own and required and required.judges(load.fluid_pressure))
             else load
             for number, load in enumerate(loads)
@@ -402,27 +392,6 @@ def _between(points: Sequence[tuple[float, float]], gas: bool) -> list[tuple[flo
     ]
 
 
-def coarsely_rounded(wanted: Sizing, *, exact_size: bool = False) -> Sizing:
-    """A sizing with rounded numbers, so that neighbouring designs share a mesh; never coarser along the contact.
-
-    Parameters
-    ----------
-    wanted : Sizing
-    exact_size : bool
-        Whether the contact size is the user's own and stays.
-    """
-    size = wanted.contact_size if exact_size else _down(wanted.contact_size)
-    return replace(
-        wanted,
-        contact_size=min(size, wanted.far_size),
-        core=size * _up(wanted.core / size),
-        zone=(_end(wanted.zone[0]), _end(wanted.zone[1])),
-        growth_along=_ALONG * _down(wanted.growth_along),
-        growth_deep=_DEEPER * wanted.growth_deep,
-        spots=tuple((place, _down(one)) for place, one in wanted.spots),
-    )
-
-
 def made_model(problem: SealProblem, wanted: Sizing) -> ContactModel:
     """Condensed bodies without the way to stresses inside of them, which takes far more memory.
 
@@ -430,39 +399,9 @@ def made_model(problem: SealProblem, wanted: Sizing) -> ContactModel:
     ----------
     problem : SealProblem
     wanted : Sizing
-        The zone is cut where a face ends.
     """
-    lower, upper = problem.contact.reach
-    zone = (max(wanted.zone[0], lower), min(wanted.zone[1], upper))
-    mesh = build_contact(problem.contact, replace(wanted, zone=zone))
-    full = condensed(_elastic_bodies(problem), mesh)
+    full = condensed(_elastic_bodies(problem), build_contact(problem.contact, wanted))
     return replace(full, closure=full.closure.line_alone, seat=full.seat.line_alone)
-
-
-def _down(size: float) -> float:
-    return float(2.0 ** (_STEP * math.floor(math.log2(size) / _STEP + 1e-9)))
-
-
-def _up(size: float) -> float:
-    return float(2.0 ** (_STEP * math.ceil(math.log2(size) / _STEP - 1e-9)))
-
-
-def _end(end: float) -> float:
-    """An end of the zone, farther out."""
-    return math.copysign(_up(abs(end)), end) if end else end
-
-
-def _validity(problem: SealProblem, load: LoadResult) -> Any:
-    """By the checks of a load, without those that take a complete run: yield stress and mesh."""
-    table = None if load.rough is None or load.rough.flow is None else load.rough.table
-    liquid = getattr(table, "liquid", table)
-    if problem.surface is None or not isinstance(liquid, ConductivityTable) or liquid.acting is not None:
-        return load_validity(_elastic_bodies(problem), load, problem.surface)
-    peak = load.contact.profile.peak_pressure
-    if float(liquid.effective_separation(min(peak, liquid.p_max))) >= _NARROW:
-        load = load.knowing(critical_separation=None)
-    surface = TabulatedSurface(problem.surface, liquid.sealing_pressure)
-    return load_validity(_elastic_bodies(problem), load, surface)
 
 
 def _elastic_bodies(problem: SealProblem) -> SealProblem:

@@ -19,17 +19,14 @@ from typing import TYPE_CHECKING
 # the time limit is that of designs, not of loading what some of them need
 import scipy.interpolate  # noqa: F401
 
-from fem_seal.arrays import FloatArray
 from fem_seal.contact.model import ContactModel, condense, screened
 from fem_seal.materials import Material
-from leak import PowerSpectrum, RoughContact
+from fem_seal.seal.conductivity_tables import family_law
 from meshes import ContactGeometry, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.seal.problem import SealProblem
 
-# Steps of the sizes and of the reach in the logarithm to base 2. A longer reach costs few elements: they grow along it.
-_STEP, _REACH_STEP = 0.25, 1.0
 # Elements in the core of a soft contact, as most are in a study, and what three digits of their size may add.
 _SOFT_CORE = 18.2
 # A model with the displacements of its bodies holds some 20 MB, the condensed one a few hundred kB.
@@ -40,6 +37,27 @@ _WORTH_A_SCREEN = 6
 
 
 @dataclass(frozen=True)
+class Rounding:
+    """How far apart rounded sizes are, and how much coarser than a run's elements are inside the bodies.
+
+    Parameters
+    ----------
+    step, reach_step : float
+        Of the sizes and of the reach, in the logarithm to base 2. A longer reach costs few elements.
+    along, deep : float
+        Factors on the growth of the elements along the faces and into the bodies.
+    """
+
+    step: float = 0.25
+    reach_step: float = 1.0
+    along: float = 1.0
+    deep: float = 1.0
+
+
+OF_STUDIES = Rounding()
+
+
+@dataclass(frozen=True)
 class Bodies:
     """What a condensation depends on."""
 
@@ -47,6 +65,14 @@ class Bodies:
     sizing: Sizing
     closure_material: Material
     seat_material: Material
+
+
+def with_shared_law(problem: SealProblem) -> SealProblem:
+    """The problem with the law of its surface's family, made once for all surfaces of one shape."""
+    interface, surface = problem.interface, problem.surface
+    if interface.law == "spectrum" and not interface.plastic and surface is not None:
+        return replace(problem, given_law=family_law(surface))
+    return problem
 
 
 def shared_model(problem: SealProblem, sizing: Sizing, *, stress: bool) -> ContactModel:
@@ -74,8 +100,10 @@ def shared_model(problem: SealProblem, sizing: Sizing, *, stress: bool) -> Conta
     return _screened_model(bodies, can_yield) if often else _full_model(bodies)
 
 
-def rounded(sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = False) -> Sizing:
-    """Sizing with rounded numbers: never coarser, never narrower; a spot moves by half an element at most.
+def rounded(
+    sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = False, rounding: Rounding = OF_STUDIES
+) -> Sizing:
+    """Sizing with rounded numbers: never coarser nor narrower along the contact; a spot moves by half an element.
 
     Parameters
     ----------
@@ -84,29 +112,32 @@ def rounded(sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = Fals
         The zone still ends where one of the faces ends.
     exact_size : bool
         Whether the contact size is the user's own and stays.
+    rounding : Rounding
     """
     lower, upper = contact.reach
-    start, end = (_up(abs(x), _REACH_STEP) for x in sizing.zone)
-    size = sizing.contact_size if exact_size else min(_down(sizing.contact_size, _STEP), sizing.far_size)
-    elements = _SOFT_CORE * _up(sizing.core / sizing.contact_size / _SOFT_CORE, _STEP)
+    step = rounding.step
+    start, end = (_up(abs(x), rounding.reach_step) for x in sizing.zone)
+    size = sizing.contact_size if exact_size else min(_down(sizing.contact_size, step), sizing.far_size)
+    elements = _SOFT_CORE * _up(sizing.core / sizing.contact_size / _SOFT_CORE, step)
     return replace(
         sizing,
         contact_size=size,
         # so many of the largest elements that are rounded to this size: it brings no meshes of its own beside theirs
-        core=elements * (size if exact_size else 2.0**_STEP * size),
+        core=elements * (size if exact_size else 2.0**step * size),
         zone=(max(-start, lower), min(end, upper)),
-        growth_along=_down(sizing.growth_along, _STEP),
-        spots=_rounded_spots(sizing, contact),
+        growth_along=rounding.along * _down(sizing.growth_along, step),
+        growth_deep=rounding.deep * sizing.growth_deep,
+        spots=_rounded_spots(sizing, contact, step),
     )
 
 
-def _rounded_spots(sizing: Sizing, contact: ContactGeometry) -> tuple[tuple[float, float], ...]:
+def _rounded_spots(sizing: Sizing, contact: ContactGeometry, step: float) -> tuple[tuple[float, float], ...]:
     """Spots with rounded sizes, at multiples of them; edges and ends of the faces stay where they are."""
     lower, upper = contact.reach
     edges = {lower, upper, *contact.breaks.tolist()}
     found = set()
     for place, wanted in sizing.spots:
-        size = _down(wanted, _STEP)
+        size = _down(wanted, step)
         near = min(max(size * round(place / size), lower), upper)
         found.add((place if place in edges else near, size))
     return tuple(sorted(found))
@@ -145,45 +176,3 @@ def _down(size: float, step: float) -> float:
 
 def _up(size: float, step: float) -> float:
     return float(2.0 ** (step * math.ceil(math.log2(size) / step - 1e-9)))
-
-
-@dataclass(frozen=True)
-class TabulatedSurface:
-    """A surface whose sealing pressure is that of its table: to look for it takes longer than a design.
-
-    Parameters
-    ----------
-    surface : RoughContact
-    sealing_pressure : float
-        [Pa]
-    """
-
-    surface: RoughContact
-    sealing_pressure: float
-
-    def sealing_pressure_by(self, method: str) -> float:
-        """The same: the table is that of the reading in use [Pa]."""
-        return self.sealing_pressure
-
-    @property
-    def spectrum(self) -> PowerSpectrum:
-        """Of the surface."""
-        return self.surface.spectrum
-
-    @property
-    def percolation_threshold(self) -> float:
-        """Of the surface."""
-        return self.surface.percolation_threshold
-
-    @property
-    def peklenik(self) -> float:
-        """Of the surface."""
-        return self.surface.peklenik
-
-    def contact_area(self, pressure: float) -> FloatArray | float:
-        """Relative contact area A/A0 at a nominal pressure [Pa]."""
-        return self.surface.contact_area(pressure)
-
-    def most_contact_area(self, pressure: float) -> float:
-        """What it does not exceed."""
-        return self.surface.most_contact_area(pressure)

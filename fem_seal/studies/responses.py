@@ -15,7 +15,6 @@ from fem_seal import result as seal_result
 from fem_seal.answers.opening import with_margins
 from fem_seal.answers.verdict import judged
 from fem_seal.case.case import Case
-from fem_seal.contact.laws import Law
 from fem_seal.contact.newton import Pressing, solve_together
 from fem_seal.contact.refit import MeshFit
 from fem_seal.contact.sizing import widths_together
@@ -23,18 +22,19 @@ from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
 from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.tables import rows_of
-from fem_seal.seal.conductivity_tables import family_law, family_table
+from fem_seal.seal.conductivity_tables import family_table
 from fem_seal.seal.findings import Validity
 from fem_seal.seal.judgement import Verdict
 from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, expected_contacts, expected_forces, sizing
 from fem_seal.seal.results import LoadResult
-from fem_seal.seal.shared_bodies import TabulatedSurface, shared_model
+from fem_seal.seal.shared_bodies import shared_model, with_shared_law
 from fem_seal.studies.batch import Batch
 from fem_seal.studies.complete_runs import takes_complete_run
+from fem_seal.validity.by_table import validity_by_table
 from fem_seal.validity.checks import load_validity
-from leak import ConductivityTable, GasConductivityTable, RoughContact
+from leak import RoughContact
 from meshes import MeshingError
 
 T = TypeVar("T")
@@ -47,8 +47,6 @@ LARGEST_MARGIN = 1e6
 _OTHER_READING = "leak_rate_capped_m3_per_s"
 # What takes the interval of the leak rate, and with it what the calculation may be off by.
 _INTERVAL = frozenset({"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin"})
-# u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
-_NARROW = 20e-9
 
 
 @dataclass(frozen=True)
@@ -121,7 +119,9 @@ def evaluate_many(
     def judged_load(number: int) -> LoadResult:
         problem, load = problems[number], loads[number]
         usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
-        return load.knowing(validity=_validity(usual, load, tabulated=leaks and interpolate))
+        if leaks and interpolate:
+            return load.knowing(validity=validity_by_table(usual, load))
+        return load.knowing(validity=load_validity(usual, load, usual.surface))
 
     loads = batch.each(loads, judged_load)
     if "margin" in columns:
@@ -133,7 +133,7 @@ def evaluate_many(
 
 def design_problem(case: Case) -> SealProblem:
     """What is to be solved of a design."""
-    return SealProblem.of(case)
+    return with_shared_law(SealProblem.of(case))
 
 
 def _only(of_batch: Callable[[Batch], Mapping[int, T]]) -> T:
@@ -235,13 +235,12 @@ def _bare_loads(
     batch: Batch, problems: Mapping[int, SealProblem], stress: Mapping[int, bool]
 ) -> dict[int, LoadResult]:
     """The contact of the only load of each, around the axis if the seal is not round, on a mesh that fits it."""
-    laws = batch.each(problems, lambda number: _law(problems[number]))
-    asked = batch.each(laws, lambda number: expected_contacts(problems[number], laws[number]))
+    asked = batch.each(problems, lambda number: expected_contacts(problems[number], problems[number].law))
     widths = batch.at_once(asked, widths_together)
 
     def begun(number: int) -> MeshFit:
         problem, size_given = problems[number], problems[number].contact_size is not None
-        wanted = sizing(problem, laws[number], widths=_found(widths[number]))
+        wanted = sizing(problem, widths=_found(widths[number]))
         return MeshFit.begun(wanted, problem.contact, size_given=size_given)
 
     fits = batch.each(widths, begun)
@@ -252,7 +251,7 @@ def _bare_loads(
         assert wanted is not None
         try:
             model = shared_model(problem, wanted, stress=stress[number])
-            return Pressing(model, laws[number], expected_forces(problem)[0], problem.at_rest(model))
+            return Pressing(model, problem.law, expected_forces(problem)[0], problem.at_rest(model))
         except MeshingError as error:
             return error
 
@@ -260,7 +259,10 @@ def _bare_loads(
         outcome: Sequence[ContactSolution] | Exception
         try:
             contact = _found(contacts[number])
-            point, formed = problems[number].loads.points[0], problems[number].around(contact, laws[number])
+            point, formed = (
+                problems[number].loads.points[0],
+                problems[number].around(contact, problems[number].law),
+            )
             loads[number] = LoadResult(*point, contact, formed=formed)
             outcome = loads[number].contacts
         except (MeshingError, ConvergenceError) as error:
@@ -289,26 +291,5 @@ def _found(answer: T | Exception) -> T:
     return answer
 
 
-def _law(problem: SealProblem) -> Law:
-    interface, surface = problem.interface, problem.surface
-    if interface.law == "spectrum" and not interface.plastic and surface is not None:
-        return family_law(surface)
-    return problem.law
-
-
 def _shared_table(contact: ContactSolution, flow: Flow, surface: RoughContact) -> Conductivity:
     return family_table(flow, surface) or flow.table_of(surface, [contact])
-
-
-def _validity(problem: SealProblem, load: LoadResult, *, tabulated: bool) -> Validity:
-    """By the checks of a load; its table, if it has one, spares the search for what takes longer than a design."""
-    table = load.rough.table if tabulated and load.rough is not None else None
-    # a gas percolates where a liquid does
-    table = table.liquid if isinstance(table, GasConductivityTable) else table
-    if problem.surface is None or not isinstance(table, ConductivityTable) or table.acting is not None:
-        return load_validity(problem, load, problem.surface)
-    # u_eff falls over the pressure: that of the next one in the table is a bound
-    beyond = table.separation[table.pressure.searchsorted(load.contact.profile.peak_pressure) :]
-    if len(beyond) and beyond[0] >= _NARROW:
-        load = load.knowing(critical_separation=None)
-    return load_validity(problem, load, TabulatedSurface(problem.surface, table.sealing_pressure))

@@ -1,0 +1,77 @@
+"""The checks of one load where a conductivity table spares the search for what takes longer than a design."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fem_seal.arrays import FloatArray
+from fem_seal.seal.findings import Validity
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.results import LoadResult
+from fem_seal.validity.checks import load_validity
+from leak import ConductivityTable, PowerSpectrum, RoughContact
+
+# u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
+_NARROW = 20e-9
+
+
+@dataclass(frozen=True)
+class TabulatedSurface:
+    """A surface whose sealing pressure is that of its table: to look for it takes longer than a design.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    sealing_pressure : float
+        [Pa]
+    """
+
+    surface: RoughContact
+    sealing_pressure: float
+
+    def sealing_pressure_by(self, method: str) -> float:
+        """The same: the table is that of the reading in use [Pa]."""
+        return self.sealing_pressure
+
+    @property
+    def spectrum(self) -> PowerSpectrum:
+        """Of the surface."""
+        return self.surface.spectrum
+
+    @property
+    def percolation_threshold(self) -> float:
+        """Of the surface."""
+        return self.surface.percolation_threshold
+
+    @property
+    def peklenik(self) -> float:
+        """Of the surface."""
+        return self.surface.peklenik
+
+    def contact_area(self, pressure: float) -> FloatArray | float:
+        """Relative contact area A/A0 at a nominal pressure [Pa]."""
+        return self.surface.contact_area(pressure)
+
+    def most_contact_area(self, pressure: float) -> float:
+        """What it does not exceed."""
+        return self.surface.most_contact_area(pressure)
+
+
+def validity_by_table(problem: SealProblem, load: LoadResult) -> Validity:
+    """How far the numbers of a load can be trusted, see `fem_seal.validity.checks.load_validity`.
+
+    Parameters
+    ----------
+    problem, load
+        See there.
+    """
+    table = None if load.rough is None or load.rough.flow is None else load.rough.table
+    # a gas percolates where a liquid does
+    table = getattr(table, "liquid", table)
+    if problem.surface is None or not isinstance(table, ConductivityTable) or table.acting is not None:
+        return load_validity(problem, load, problem.surface)
+    # u_eff falls over the pressure: that of the next one in the table is a bound
+    beyond = table.separation[table.pressure.searchsorted(load.contact.profile.peak_pressure) :]
+    if len(beyond) and beyond[0] >= _NARROW:
+        load = load.knowing(critical_separation=None)
+    return load_validity(problem, load, TabulatedSurface(problem.surface, table.sealing_pressure))
