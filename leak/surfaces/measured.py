@@ -8,22 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from leak.arrays import FloatArray
-from leak.errors import ScanError
-from leak.surfaces.fit import VarianceShare, fit_spectrum
-from leak.surfaces.outliers import find_outliers, without_outliers
-from leak.surfaces.periodogram import Periodogram, evidence, periodogram, pooled
-from leak.surfaces.range import ReliableRange, reliable_range, share_above
+from leak.surfaces.estimate import estimate
+from leak.surfaces.range import share_above
 from leak.surfaces.scans import Topography
-from leak.surfaces.self_affine_fit import RollOff, fit_rolloff
-from leak.surfaces.settings import ScanSettings, SelfAffineContinuation
+from leak.surfaces.self_affine_fit import RollOff
+from leak.surfaces.settings import ScanSettings
 from leak.surfaces.shape import anisotropy, remarks_on_range, remarks_on_shape, shape_moments
 from leak.surfaces.spectrum import PowerSpectrum
-
-# Nodes of the spectrum per decade of q, and how far the fit looks beyond the shortest wave: oblique waves that are
-# shorter show up in a line scan, too.
-_PER_DECADE = 10
-_BEYOND = 10.0
-_FINE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,36 +133,26 @@ def measure(
     (True, True)
     """
     settings = settings or ScanSettings()
-    given = (scans,) if isinstance(scans, Topography) else tuple(scans)
-    if not given:
-        raise ScanError("no scan: at least one is needed")
-    found = tuple(find_outliers(scan) for scan in given)
-    if settings.outliers == "remove":
-        given = tuple(without_outliers(scan, one) for scan, one in zip(given, found, strict=True))
-    flat = tuple(_without_form(scan, settings) for scan in given)
-    modes = [periodogram(scan, settings.window) for scan in flat]
-    ranges = [reliable_range(scan, one, settings) for scan, one in zip(flat, modes, strict=True)]
-    variances = np.array([float(np.mean(scan.heights**2)) for scan in flat])
-    measured, log_error, rolloff = _spectrum(modes, ranges, variances)
-    above = [share_above(one, reliable.q_high) for one, reliable in zip(modes, ranges, strict=True)]
+    found = estimate((scans,) if isinstance(scans, Topography) else tuple(scans), settings)
+    flat, waves = found.scans, found.waves
+    above = [share_above(one, reliable.q_high) for one, reliable in zip(waves, found.ranges, strict=True)]
     skewness, kurtosis = shape_moments(flat)
-    lay = anisotropy(modes, ranges)
-    finest = max(ranges, key=lambda one: one.q_high)
-    height_above = float(np.average(above, weights=variances))
-    spectrum = measured
-    if isinstance(settings.extrapolation, SelfAffineContinuation):
-        spectrum = _continued(measured, settings.extrapolation)
+    lay = anisotropy(waves, found.ranges)
+    finest = max(found.ranges, key=lambda one: one.q_high)
+    height_above = float(np.average(above, weights=found.variances))
+    measured = PowerSpectrum(*found.measured)
+    cut = found.continued is found.measured
     return MeasuredSurface(
-        spectrum=spectrum,
+        spectrum=measured if cut else PowerSpectrum(*found.continued),
         measured=measured,
-        log_error=log_error,
-        rms_height=float(np.sqrt(variances.mean())),
-        scan_rms_heights=tuple(float(one) for one in np.sqrt(variances)),
+        log_error=found.log_error,
+        rms_height=float(np.sqrt(found.variances.mean())),
+        scan_rms_heights=tuple(float(one) for one in np.sqrt(found.variances)),
         skewness=skewness,
         kurtosis=kurtosis,
         anisotropy=lay.ratio if lay else None,
         lay_angle=lay.angle if lay else None,
-        rolloff=rolloff,
+        rolloff=found.rolloff,
         q_low=measured.q_low,
         q_high=measured.q_high,
         limit=finest.limit,
@@ -180,70 +161,7 @@ def measure(
         scans=flat,
         settings=settings,
         warnings=(
-            *remarks_on_shape(flat, modes, settings, skewness, kurtosis, found, lay),
-            *remarks_on_range(flat, finest, settings, rolloff, height_above),
+            *remarks_on_shape(flat, waves, settings, skewness, kurtosis, found.outliers, lay),
+            *remarks_on_range(flat, finest, settings, found.rolloff, height_above),
         ),
     )
-
-
-def _continued(spectrum: PowerSpectrum, by: SelfAffineContinuation) -> PowerSpectrum:
-    """The spectrum with its ends continued."""
-    q, C = list(spectrum.wavenumber), list(spectrum.density)
-    fall = -2.0 * (1.0 + by.hurst)
-    if by.q_low is not None:
-        if not by.q_low < q[0]:
-            raise ScanError(f"q_low = {by.q_low:.4g} 1/m: must be below the reliable range, {q[0]:.4g} 1/m")
-        q, C = [by.q_low, *q], [C[0] * (by.q_low / q[0]) ** fall, *C]
-    if by.q_high is not None:
-        if not by.q_high > q[-1]:
-            raise ScanError(
-                f"q_high = {by.q_high:.4g} 1/m: must be above the reliable range, {q[-1]:.4g} 1/m"
-            )
-        q, C = [*q, by.q_high], [*C, C[-1] * (by.q_high / q[-1]) ** fall]
-    return PowerSpectrum(np.array(q), np.array(C))
-
-
-def _without_form(scan: Topography, settings: ScanSettings) -> Topography:
-    flat = scan.without_form(settings.detrend)
-    if float(np.abs(flat.heights).max()) <= 1e-12 * float(np.abs(scan.heights).max()):
-        raise ScanError(
-            f"{scan.name or 'scan'}: nothing is left without its {settings.detrend}; there is no roughness"
-        )
-    return flat
-
-
-def _spectrum(
-    modes: Sequence[Periodogram], ranges: Sequence[ReliableRange], variances: FloatArray
-) -> tuple[PowerSpectrum, FloatArray, RollOff]:
-    """C(q) over the range of all scans together, the standard deviation of ln C, and its roll-off."""
-    low, high = min(one.q_low for one in ranges), max(one.q_high for one in ranges)
-    count = max(round(_PER_DECADE * np.log10(high / low)), 3)
-    step = np.log(high / low) / count
-    nodes = low * np.exp(step * np.arange(count + 1 + round(np.log(_BEYOND) / step)))
-    pieces = max(round(step / _FINE), 1)
-    edges = low * np.exp(step / pieces * np.arange(pieces * (nodes.size - 1) + 1))
-    seen = [
-        evidence(one, _edges_within(nodes[: count + 1], reliable), edges)
-        for one, reliable in zip(modes, ranges, strict=True)
-    ]
-    held = np.array(
-        [v * (1.0 - share_above(one, r.q_high)) for v, one, r in zip(variances, modes, ranges, strict=True)]
-    )
-    within = np.mean([_overlap(edges, reliable) for reliable in ranges], axis=0)
-    share = VarianceShare(float(held.mean()), np.sqrt(edges[1:] * edges[:-1]), 2.0 * np.pi * within)
-    fit = fit_spectrum(nodes, pooled(seen), share)
-    shape = PowerSpectrum(nodes[: count + 1], np.exp(fit.log_density[: count + 1]))
-    now = 2.0 * np.pi * np.mean([shape.moment(1, one.q_low, one.q_high) for one in ranges])
-    measured = PowerSpectrum(shape.wavenumber, shape.density * held.mean() / now)
-    return measured, fit.log_error[: count + 1], fit_rolloff(nodes[: count + 1], seen, float(held.mean()))
-
-
-def _edges_within(nodes: FloatArray, reliable: ReliableRange) -> FloatArray:
-    """Nodes inside the range of one scan, with its ends."""
-    inner = nodes[(nodes > reliable.q_low * 1.05) & (nodes < reliable.q_high / 1.05)]
-    return np.concatenate([[reliable.q_low], inner, [reliable.q_high]])
-
-
-def _overlap(edges: FloatArray, reliable: ReliableRange) -> FloatArray:
-    """int q dq of each piece within the range of one scan."""
-    return np.diff(0.5 * np.clip(edges, reliable.q_low, reliable.q_high) ** 2)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray, different
 from leak.errors import SpectrumError, positive
+from leak.surfaces.power_laws import not_zero, power_integral, power_law_moment, slopes
 
 if TYPE_CHECKING:
     from leak.surfaces.periodogram import Window
@@ -192,12 +193,13 @@ class PowerSpectrum:
         ScanError
             The scan or a setting cannot be used.
         """
-        from leak.surfaces.measured import measure
+        # only these two ways in need the modules of scans
+        from leak.surfaces.estimate import estimate
         from leak.surfaces.scans import line_scan
         from leak.surfaces.settings import ScanSettings
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
-        return measure(line_scan(x, h), settings).spectrum
+        return cls(*estimate((line_scan(x, h),), settings).continued)
 
     @classmethod
     def from_file(
@@ -227,12 +229,12 @@ class PowerSpectrum:
         ScanError
             A file or a setting cannot be used.
         """
-        from leak.surfaces.measured import measure
+        from leak.surfaces.estimate import estimate
         from leak.surfaces.scan_files import read_topographies
         from leak.surfaces.settings import ScanSettings
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
-        return measure(read_topographies(path, unit=unit), settings).spectrum
+        return cls(*estimate(read_topographies(path, unit=unit), settings).continued)
 
     # ---------------------------------------------------------------- values
 
@@ -345,12 +347,8 @@ class PowerSpectrum:
 
     def moment(self, order: float, q_from: float = 0.0, q_to: float = np.inf) -> float:
         """Exact int q^order C dq between two wavenumbers [m^(3-order)]."""
-        low, high = _log_range(q_from, q_to, self)
-        inside = np.minimum(np.maximum(self._log_q, low), high)
-        left, right = inside[:-1], inside[1:]
-        exponent = order + 1.0 + self._slope
-        start = self._log_C[:-1] + self._slope * (left - self._log_q[:-1]) + (order + 1.0) * left
-        return float(np.sum(np.exp(start) * _power_integral(exponent, right - left)))
+        low, high = np.log(np.clip([q_from, q_to], self.q_low, self.q_high))
+        return power_law_moment(order, self._log_q, self._log_C, self._slope, low, high)
 
     def height_variance_above(self, wavenumber: ArrayLike) -> FloatArray:
         """2 pi int q C dq over wavenumbers above `wavenumber`: roughness not yet seen [m^2]."""
@@ -359,14 +357,14 @@ class PowerSpectrum:
         log_q = np.log(q)
         exponent = 2.0 + self._slope[k]
         log_C = self._log_C[k] + self._slope[k] * (log_q - self._log_q[k])
-        rest = np.exp(log_C + 2.0 * log_q) * _power_integral(exponent, self._log_q[k + 1] - log_q)
+        rest = np.exp(log_C + 2.0 * log_q) * power_integral(exponent, self._log_q[k + 1] - log_q)
         return 2.0 * np.pi * (rest + self._height_above[k + 1])
 
     def slope_moment(self, wavenumber: ArrayLike) -> FloatArray:
         """M(q) = int_{q_low}^q q'^3 C dq' [-]; it is the mean square slope seen up to q over 2 pi."""
         q = np.clip(np.asarray(wavenumber, dtype=float), self.q_low, self.q_high)
         k = self._piece_of(q)
-        piece = self._slope_scale[k] * _power_integral(self._slope_exponent[k], np.log(q) - self._log_q[k])
+        piece = self._slope_scale[k] * power_integral(self._slope_exponent[k], np.log(q) - self._log_q[k])
         return self._slope_moment[k] + piece
 
     @property
@@ -473,7 +471,7 @@ class PowerSpectrum:
         with np.errstate(divide="ignore", invalid="ignore"):
             wanted = np.log(slope / height) - 2.0 * np.log(ends[:-1])
         exponent = _exponent_of(wanted, length)  # of q^2 C
-        first = height / (2.0 * np.pi * _power_integral(exponent, length) * ends[:-1] ** 2)
+        first = height / (2.0 * np.pi * power_integral(exponent, length) * ends[:-1] ** 2)
         C = np.column_stack([first, first * np.exp((exponent - 2.0) * length)])
         C = np.where(known[:, None], C, np.exp(self._at_ends_of(ends[:-1], ends[1:])))
         return PowerSpectrum(np.column_stack([ends[:-1], ends[1:]]).ravel(), C.ravel())
@@ -524,12 +522,11 @@ class PowerSpectrum:
 
     @cached_property
     def _slope(self) -> FloatArray:
-        rise = np.diff(self._log_C)
-        return np.divide(rise, self._length, out=np.zeros_like(rise), where=self._length > 0.0)
+        return slopes(self._log_q, self._log_C)
 
     @cached_property
     def _slope_exponent(self) -> FloatArray:
-        return _not_zero(4.0 + self._slope)
+        return not_zero(4.0 + self._slope)
 
     @cached_property
     def _slope_scale(self) -> FloatArray:
@@ -546,20 +543,15 @@ class PowerSpectrum:
 
     @cached_property
     def _slope_moment(self) -> FloatArray:
-        steps = self._slope_scale * _power_integral(self._slope_exponent, self._length)
+        steps = self._slope_scale * power_integral(self._slope_exponent, self._length)
         return np.concatenate([[0.0], np.cumsum(steps)])
 
     @cached_property
     def _height_above(self) -> FloatArray:
-        steps = np.exp(self._log_C[:-1] + 2.0 * self._log_q[:-1]) * _power_integral(
+        steps = np.exp(self._log_C[:-1] + 2.0 * self._log_q[:-1]) * power_integral(
             2.0 + self._slope, self._length
         )
         return np.concatenate([np.cumsum(steps[::-1])[::-1], [0.0]])
-
-
-def _log_range(q_from: float, q_to: float, spectrum: PowerSpectrum) -> tuple[float, float]:
-    low, high = spectrum.q_low, spectrum.q_high
-    return float(np.log(np.clip(q_from, low, high))), float(np.log(np.clip(q_to, low, high)))
 
 
 def _straight(ends: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -588,18 +580,12 @@ def _self_affine_shape(low: float, rolloff: float, high: float, hurst: float) ->
     return PowerSpectrum(q, np.where(q > rolloff, (q / rolloff) ** (-2.0 * (1.0 + hurst)), 1.0))
 
 
-def _power_integral(exponent: FloatArray, length: FloatArray) -> FloatArray:
-    """int_0^length exp(exponent t) dt, without cancellation when the exponent vanishes."""
-    exponent = _not_zero(exponent)
-    return np.asarray(np.expm1(exponent * length) / exponent)
-
-
 def _exponent_of(log_ratio: FloatArray, length: FloatArray) -> FloatArray:
     """x at which int_0^length exp((x + 2) t) dt over int_0^length exp(x t) dt is exp(log_ratio)."""
     low, high = -_STEEPEST / length, _STEEPEST / length
     x = np.zeros(length.shape)
     for _ in range(_NEWTON_STEPS):
-        above = np.log(_power_integral(x + 2.0, length) / _power_integral(x, length)) - log_ratio
+        above = np.log(power_integral(x + 2.0, length) / power_integral(x, length)) - log_ratio
         low, high = np.where(above < 0.0, x, low), np.where(above < 0.0, high, x)
         newton = x - above / (_mean_place(x + 2.0, length) - _mean_place(x, length))
         following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
@@ -615,8 +601,3 @@ def _mean_place(exponent: FloatArray, length: FloatArray) -> FloatArray:
     small = np.abs(half) < 1e-3
     safe = np.where(small, 1.0, half)
     return np.asarray(0.5 * length * (1.0 + np.where(small, half / 3.0, 1.0 / np.tanh(safe) - 1.0 / safe)))
-
-
-def _not_zero(exponent: FloatArray) -> FloatArray:
-    """An exponent that divides: one of 1e-15 changes nothing that a floating-point number can show."""
-    return np.where(np.abs(exponent) < 1e-15, 1e-15, exponent)
