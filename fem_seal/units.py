@@ -15,6 +15,7 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import QuantityError
+from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -572,8 +573,6 @@ def _in_sentence(value: float, digits: int) -> str:
 
 # Of one molecule [J/K].
 _BOLTZMANN = 1.380649e-23
-# At which volumes of a leaking gas are given [Pa].
-_ATMOSPHERE = 101325.0
 
 
 @dataclass(frozen=True)
@@ -609,7 +608,7 @@ class LeakVolume:
         >>> nitrogen.state, f"{nitrogen.least:.2e}"
         ('20 °C and 1.01325 bar', '1.11e-29')
         """
-        volume = _BOLTZMANN * temperature / _ATMOSPHERE
+        volume = _BOLTZMANN * temperature / STANDARD_PRESSURE
         return cls(
             f"{trimmed(round(temperature - 273.15, 6))} °C and 1.01325 bar",
             volume / 3600.0,

@@ -12,12 +12,12 @@ from pydantic import ConfigDict, Field, model_validator
 from fem_seal.case.fields import Number, Numbers, OneOrMany, Quantity, Table, shown
 from fem_seal.errors import InputError, Problem, QuantityError
 from fem_seal.units import LIQUID, LeakVolume, parse_quantity
+from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
     from leak import Gas, Liquid, ParticleCounts, PressureLaw
 
 _COOLPROP = "CoolProp:"
-_ATMOSPHERE = 101325.0
 _ROOM_TEMPERATURE = 293.15
 # Above this pressure an exponential says too much of most liquids.
 _BARUS_HOLDS = 1e8
@@ -133,7 +133,7 @@ class Fluid(Table):
             return table
         filled = {"viscosity": f"{entry.viscosity!r} Pa s", **table, "name": entry.name}
         if hasattr(entry, "molar_mass"):
-            filled.setdefault("outlet_pressure", f"{_ATMOSPHERE!r} Pa")
+            filled.setdefault("outlet_pressure", f"{STANDARD_PRESSURE!r} Pa")
         return filled
 
     @property
@@ -195,7 +195,7 @@ class Fluid(Table):
         from leak import Liquid
 
         if self.gas is not None:
-            return self.gas.density(_ATMOSPHERE)
+            return self.gas.density(STANDARD_PRESSURE)
         entry = self.library_entry
         return entry.density if isinstance(entry, Liquid) else None
 

@@ -12,6 +12,7 @@ from typing import Any
 from fem_seal.case.fields import shown
 from fem_seal.errors import Problem, QuantityError
 from fem_seal.units import NUMBER, exact_quantity
+from leak.standards import STANDARD_PRESSURE
 
 _WRITTEN = re.compile(rf"\s*({NUMBER})\s*(m?bar|psi|[kM]?Pa)\s?(?:\(([ga])\)|([ga]))\s*")
 # As long as a quantity may be.
@@ -21,7 +22,6 @@ _DIFFERENCES = (
     ("load", "largest_earlier_pressure"),
     ("requirement", "fluid_pressure"),
 )
-_ATMOSPHERE = 101325
 # By how much the outlet may differ from one atmosphere for a gauge pressure to be the difference across the seal.
 _NEAR = 0.05
 
@@ -39,7 +39,7 @@ def is_said_of_one_side(entry: object) -> bool:
     >>> is_said_of_one_side(["1 bar", "20 barg"]), is_said_of_one_side("20 bar")
     (True, False)
     """
-    return any(_match(one) for _, one in _texts(entry))
+    return any(map(_match, _texts(entry)))
 
 
 def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, Any], list[Problem]]:
@@ -95,7 +95,7 @@ class _Differences:
     def _of_text(self, text: str, match: re.Match[str]) -> str:
         plain = _bare(match)
         if _kind(match) == "g":
-            if self.outlet is not None and abs(self.outlet / _ATMOSPHERE - 1) > _NEAR:
+            if self.outlet is not None and abs(self.outlet / STANDARD_PRESSURE - 1) > _NEAR:
                 self._refuse(
                     "is a gauge pressure, above that of the atmosphere, but fluid.outlet_pressure is "
                     f"{self.outlet / 1e5:.6g} bar; give the difference of both sides in bar, or the absolute "
@@ -128,15 +128,14 @@ class _Differences:
         self.wrong.append(Problem(self.key, message, shown(text)))
 
 
-def _texts(entry: object, name: str = "") -> Iterator[tuple[str, object]]:
+def _texts(entry: object) -> Iterator[object]:
     if isinstance(entry, Mapping):
-        for key, value in entry.items():
-            yield from _texts(value, str(key))
-    elif isinstance(entry, (list, tuple)):
+        entry = list(entry.values())
+    if isinstance(entry, (list, tuple)):
         for value in entry:
-            yield from _texts(value, name)
+            yield from _texts(value)
     else:
-        yield name, entry
+        yield entry
 
 
 def _match(entry: object) -> re.Match[str] | None:
@@ -162,7 +161,7 @@ def _outlet(fluid: object) -> tuple[float | None, bool]:
     # whether a fluid of CoolProp is a gas depends on its temperature; with an outlet there is something to subtract
     gas = isinstance(name, str) and (is_gas(name) or (name.startswith("CoolProp:") and outlet is not None))
     if outlet is None:
-        return (_ATMOSPHERE if gas else None), gas
+        return (STANDARD_PRESSURE if gas else None), gas
     match = _match(outlet)
     try:
         return float(exact_quantity(_bare(match) if match else str(outlet), "pressure")), gas

@@ -10,11 +10,14 @@ from typing import Any, Protocol
 from fem_seal.case.fields import Quantity
 from fem_seal.errors import Problem, QuantityError
 from fem_seal.units import NUMBER, parse_quantity, short_text
-
-# At which the volume of a leaking gas is given [Pa].
-_ATMOSPHERE = 101325.0
-# ... and at which a normal volume is, DIN 1343; SEMI defines sccm and slm so, too [K].
-_NORMAL = 273.15
+from leak.standards import (
+    BUBBLE_VOLUME,
+    DROP_VOLUME,
+    STANDARD_PRESSURE,
+    STANDARD_TEMPERATURE,
+    STANDARDS,
+    standard_named,
+)
 
 
 class Throughput(float):
@@ -23,7 +26,7 @@ class Throughput(float):
     @property
     def pressure_volume(self) -> float:
         """As it was written [Pa m^3/s]."""
-        return self * _ATMOSPHERE
+        return self * STANDARD_PRESSURE
 
 
 class Drops(float):
@@ -37,9 +40,9 @@ class NormalVolume(float):
     """As it was written, at 0 degC and 101325 Pa [m^3/s]."""
 
     @classmethod
-    def at(cls, normal: float, temperature: float = _NORMAL) -> NormalVolume:
+    def at(cls, normal: float, temperature: float = STANDARD_TEMPERATURE) -> NormalVolume:
         """The same amount of gas at a temperature [K]."""
-        found = cls(normal * temperature / _NORMAL)
+        found = cls(normal * temperature / STANDARD_TEMPERATURE)
         found.normal = normal
         return found
 
@@ -88,11 +91,9 @@ class LeakRate(Quantity):
             throughput = parse_quantity(plain, "throughput")
         except QuantityError:
             return super().read(text)
-        return Throughput(super().read(f"{throughput / _ATMOSPHERE!r} m^3/s"))
+        return Throughput(super().read(f"{throughput / STANDARD_PRESSURE!r} m^3/s"))
 
     def _counted(self, number: float, what: str, time: str) -> float:
-        from leak.standards import BUBBLE_VOLUME, DROP_VOLUME
-
         volume = BUBBLE_VOLUME if what == "bubble" else DROP_VOLUME
         rate = super().read(f"{number * volume!r} m^3/{time}")
         return Drops(rate) if what == "drop" else Bubbles.of(rate / volume, volume)
@@ -163,8 +164,6 @@ _RATES = (("load", "target_leak_rate"), ("requirement", "leak_rate"), ("requirem
 
 def _bubble_volume(case: Amounts) -> float | None:
     """Of the case, or of the standard that it names [m^3]; None where it names neither."""
-    from leak.standards import STANDARDS, standard_named
-
     required = case.requirement
     if required is None or required.bubble_volume is not None:
         return None if required is None else required.bubble_volume

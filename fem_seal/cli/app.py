@@ -25,15 +25,15 @@ from fem_seal.cli.table import table
 from fem_seal.cli.terminal import cell, complain, note, say, say_json, show, warn
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError, unexpected
 from fem_seal.former_names import said_to
-from fem_seal.units import DIGITS, Unit, fixed_unit, rounded
+from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded
 from fem_seal.version import __version__
+from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from fem_seal.case.case import Case
     from fem_seal.seal.results import LoadResult, SealSolution
-    from fem_seal.units import LeakVolume
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -101,6 +101,7 @@ def run(
         case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
     from fem_seal import result as seal_result
+    from fem_seal.answers.leakage_class import volume_of
     from fem_seal.output import files
     from fem_seal.output.folders import alone
     from fem_seal.output.tables import leak_rows
@@ -116,7 +117,7 @@ def run(
     if json:
         say_json({"folder": str(folder), "loads": rows, "warnings": warnings})
     elif not quiet:
-        show_leak_table(rows, case.title, result.loads, _volume_of(case))
+        show_leak_table(rows, case.title, result.loads, volume_of(case))
         show_leakage(case, result.loads)
         show_memory(result)
         show_form(result)
@@ -248,6 +249,7 @@ def leak(
     debug: Debug = False,
 ) -> None:
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
+    from fem_seal.answers.leakage_class import volume_of
     from fem_seal.answers.profile_leak import leak_of_profiles
     from fem_seal.case.case import load_case
     from fem_seal.output.folders import alone, replaced_together
@@ -266,7 +268,7 @@ def leak(
     if json:
         say_json({"folder": str(folder), "loads": rows})
     elif not quiet:
-        show_leak_table(rows, f"{profile_file.name}: {case.title}", loads, _volume_of(case))
+        show_leak_table(rows, f"{profile_file.name}: {case.title}", loads, volume_of(case))
         show_leakage(case, loads)
         _list_files(folder)
 
@@ -567,7 +569,7 @@ def show_leak_table(
     rows: Sequence[Mapping[str, Any]],
     title: str,
     loads: Sequence[LoadResult],
-    volume: LeakVolume | None = None,
+    volume: LeakVolume = LIQUID,
 ) -> None:
     """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks.
 
@@ -583,14 +585,13 @@ def show_leak_table(
     from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL
     from fem_seal.output.report.words import volume_notes
     from fem_seal.seal.findings import Level
-    from fem_seal.units import LIQUID
 
     columns = [column for column in LEAK_ON_TERMINAL if any(_filled(row.get(column.name)) for row in rows)]
     cells = [
         [_cell(row.get(column.name), column.unit, COLUMNS[column.name].digits(load)) for column in columns]
         for row, load in zip(rows, loads, strict=True)
     ]
-    volume, unmeasured = volume or LIQUID, False
+    unmeasured = False
     for line, row in zip(cells, rows, strict=True):
         for n, column in enumerate(columns):
             if _not_measurable(row.get(column.name), COLUMNS[column.name].kind, volume):
@@ -623,15 +624,11 @@ def show_leak_table(
         say(f"  {told}")
 
 
-def _volume_of(case: Case) -> LeakVolume | None:
-    return None if case.fluid is None else case.fluid.volume
-
-
 def _not_measurable(value: float | None, kind: str, volume: LeakVolume) -> bool:
     """Whether a leak rate is less than anybody could measure; a throughput is its volume times 101325 Pa."""
     if value is None or kind not in ("flow", "throughput"):
         return False
-    rate = value / 101325.0 if kind == "throughput" else value
+    rate = value / STANDARD_PRESSURE if kind == "throughput" else value
     return rate > 0 and not volume.measurable(rate)
 
 

@@ -12,9 +12,9 @@ from leak.extras import needed
 from leak.fluids.pressure_law import PressureTable
 from leak.fluids.properties import Gas, Liquid
 from leak.fluids.real_gas import RealGas
+from leak.standards import STANDARD_PRESSURE
 
 PREFIX = "CoolProp:"
-_ATMOSPHERE = 101325.0
 # Tables over pressure: the highest [Pa], number of values, and the fewest that are of use.
 _HIGHEST, _PRESSURES, _FEWEST = 1e9, 81, 4
 _HIGHEST_OF_GAS, _PRESSURES_OF_GAS = 3e8, 161
@@ -22,7 +22,7 @@ _HIGHEST_OF_GAS, _PRESSURES_OF_GAS = 3e8, 161
 _DILUTE = 1000.0
 
 
-def coolprop_liquid(name: str, temperature: float, pressure: float = _ATMOSPHERE) -> Liquid:
+def coolprop_liquid(name: str, temperature: float, pressure: float = STANDARD_PRESSURE) -> Liquid:
     """Liquid at a temperature [K] and pressure [Pa]; FluidError if it is not a liquid there.
 
     Parameters
@@ -137,7 +137,7 @@ def coolprop_is_gas(name: str, temperature: float) -> bool:
     fluid = name.removeprefix(PREFIX)
     if fluid.startswith("INCOMP::"):
         return False
-    phase = _ask(_package(name).PhaseSI, name, temperature, _ATMOSPHERE, fluid)
+    phase = _ask(_package(name).PhaseSI, name, temperature, STANDARD_PRESSURE, fluid)
     return "gas" in phase or phase == "supercritical"
 
 

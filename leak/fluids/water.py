@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.fluids.pressure_law import PressureTable
+from leak.standards import STANDARD_PRESSURE
 
-_ATMOSPHERE = 101325.0
 # Beyond this pressure the formulation of the density would go wild [Pa]; number of values up to it.
 _HIGHEST, _PRESSURES = 2e8, 65
 # Rows I, J, n of equation (7) of IAPWS R7-97(2012), those with I > 0: the others do not enter the volume.
@@ -149,7 +149,7 @@ def water_law(temperature: float) -> PressureTable:
     '0.992'
     """
     T, p = max(temperature, 273.15), np.linspace(0.0, _HIGHEST, _PRESSURES)
-    density = water_density(T, _ATMOSPHERE + p)
+    density = water_density(T, STANDARD_PRESSURE + p)
     viscosity = water_viscosity(T, density)
     eta, rho = (tuple((values / values[0]).tolist()) for values in (viscosity, density))
     return PressureTable(tuple(p.tolist()), eta, rho)
