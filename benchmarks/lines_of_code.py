@@ -56,7 +56,9 @@ def rooms(root: Path) -> dict[str, Counter[str]]:
     """Lines by room, "leak/flow"; files of a package that stand in no room are under its name."""
     found: dict[str, Counter[str]] = {}
     for package in PACKAGES:
-        for path in sorted((root / package).rglob("*.py")):
+        for path in sorted((root / package).rglob("*.py*")):
+            if path.suffix not in (".py", ".pyi"):
+                continue
             room = "/".join(path.relative_to(root).parts[:-1][:2])
             found.setdefault(room, Counter()).update(counted(path.read_text(encoding="utf-8")))
     return found
