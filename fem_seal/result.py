@@ -13,12 +13,12 @@ import numpy as np
 
 from fem_seal.answers import questions
 from fem_seal.answers.chain import solve
+from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
 from fem_seal.errors import InputError, Problem
 from fem_seal.processes import given_back
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.results import SealSolution
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,36 +35,36 @@ class SealResult(SealSolution):
     case : Case
         Without the loads that could not be calculated.
     problem : SealProblem
-        The same as the calculation knows it.
+        The same as the calculation knows it; `surface` is its RoughContact, None without roughness.
     seal_mesh : SealMesh
     model : ContactModel
-    surface : RoughContact or None
-        With the hardness if asperities yield; None without roughness.
-    loads : tuple of LoadResult
-        In the order of the case.
-    discretisation_error : DiscretisationError
-    interface_variants : tuple of Comparison
-        Elastic and plastic p(u), for `law = "spectrum"` with a hardness; else empty.
-    warnings : tuple of str
-        Everything to know before believing the result, the worst first; each load's `validity` says what it means.
-    timings : dict
-        Wall time of each step [s].
-    uncertainty : LeakInterval or None
-        Leak rates with an interval, if the case has a table [uncertainty].
-    theory_variants : tuple of TheoryVariant
-        Leak rates with every reading of the theory, if asked for.
-    far_field : tuple of Comparison
-        What another housing and another support of its wall do to the strongest load.
+    loads : tuple of JudgedLoad
+        In the order of the case, with what is said of each; `verdicts` is their judgements.
     unloaded : Unloaded or None
         Residual stress and imprint after the last load; None if both bodies are elastic.
+    earlier : ContactSolution or None
+        At the largest load before those of the case; None without one.
+    discretisation_error : DiscretisationError
+    far_field : tuple of Comparison
+        What another housing and another support of its wall do to the strongest load.
     form : FormAnswers or None
         What the form error means at the highest load; None for a round seal.
     particles : tuple of ParticleAnswers
         What particles in the fluid do to the leak of each load that leaks, if the case has [fluid.particles].
+    interface_variants : tuple of Comparison
+        Elastic and plastic p(u), for `law = "spectrum"` with a hardness; else empty.
+    theory_variants : tuple of TheoryVariant
+        Leak rates with every reading of the theory, if asked for.
+    uncertainty : LeakInterval or None
+        Leak rates with an interval, if the case has a table [uncertainty].
     judgement : SealJudgement or None
         Whether the seal keeps what [requirement] asks of it; `verdict` and `margin` are its short form.
     levers : tuple of Lever
         What changes the leak rate, the strongest first, if asked for.
+    warnings : tuple of str
+        Everything to know before believing the result, the worst first; each load's `validity` says what it means.
+    timings : dict
+        Wall time of each step [s].
 
     Examples
     --------

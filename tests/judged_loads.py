@@ -12,8 +12,8 @@ from sample_results import case
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.case.case import Case
 from fem_seal.seal.findings import Caution
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.results import LoadResult
 from fem_seal.validity.checks import load_cautions
 from leak import LeakResult, RoughContact
 

@@ -13,14 +13,13 @@ from around_results import oval_result, smooth_oval_result
 from sample_results import case, run_loads, single_result
 
 import fem_seal
-from fem_seal.answers.form import _limit
+from fem_seal.answers.form import Allowed, _limit
 from fem_seal.contact.newton import solve
 from fem_seal.output.pictures import around as drawn
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report.around import around_in_words, least_loaded, turn_that_leaks
 from fem_seal.output.report.form import form_in_words
 from fem_seal.output.report.page import report
-from fem_seal.seal.results import Allowed
 
 NAMES = {"unrolled", "line_load_around", "leak_around"}
 MAKERS = (drawn.unrolled_picture, drawn.line_load_picture, drawn.leak_around_picture)

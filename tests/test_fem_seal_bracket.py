@@ -19,6 +19,7 @@ from sample_results import case, rough_result, run_loads, single_result, smooth_
 import fem_seal
 import leak
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
+from fem_seal.answers.uncertainty import LeakInterval
 from fem_seal.cli.app import show_leak_table, show_leakage
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import (
@@ -32,7 +33,6 @@ from fem_seal.output.report.words import (
 from fem_seal.output.tables import leak_rows, leakage_table
 from fem_seal.seal.findings import Caution, Level, Validity, either_way
 from fem_seal.seal.leak_model import RoughFlow
-from fem_seal.seal.results import LeakInterval
 from fem_seal.studies.responses import evaluate
 from fem_seal.units import leak_range_text
 from leak import LeakResult, leakage_class, leakage_limits
@@ -105,7 +105,7 @@ def test_each_reading_is_that_of_its_surface_on_the_same_contact():
 
 def test_the_table_of_each_reading_is_made_once_for_all_loads(monkeypatch):
     from fem_seal.seal.leak_model import Flow
-    from fem_seal.seal.results import LoadResult
+    from fem_seal.seal.load_result import LoadResult
 
     result, made, table_around = rough_result(), [], Flow.table_around
     monkeypatch.setattr(

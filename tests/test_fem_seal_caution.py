@@ -18,7 +18,7 @@ from fem_seal.output.report.tables import comparison_note
 from fem_seal.profile import PressureProfile
 from fem_seal.result import run
 from fem_seal.seal.findings import NOT_JUDGED, VALID, Caution, Level, Validity, worst_first
-from fem_seal.seal.results import GivenContact, GivenLoad, LoadResult
+from fem_seal.seal.load_result import GivenContact, GivenLoad, LoadResult
 from fem_seal.validity import checks as warnings
 from fem_seal.validity.checks import load_validity, profile_validity
 
@@ -160,7 +160,7 @@ def test_a_check_that_fails_costs_no_result_and_is_no_clean_bill(monkeypatch):
 
 
 def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
-    from fem_seal.seal.results import DiscretisationError
+    from fem_seal.seal.load_result import DiscretisationError
 
     result, coarse = rough_result(), DiscretisationError(0.01, 0.0, 0.0, None)
     found = load_validity(result.problem, result.loads[0], result.surface, coarse)
@@ -221,7 +221,7 @@ def test_limits_are_those_of_the_documentation():
 
 
 def test_a_mesh_error_that_is_not_known_is_no_clean_bill():
-    from fem_seal.seal.results import DiscretisationError
+    from fem_seal.seal.load_result import DiscretisationError
 
     result, unknown = rough_result(), DiscretisationError(math.nan, math.nan, math.nan, None)
     found = load_validity(result.problem, result.loads[0], result.surface, unknown)

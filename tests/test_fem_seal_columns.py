@@ -20,8 +20,8 @@ from fem_seal.output.columns import (
 from fem_seal.output.report.tables import load_table, valve_table
 from fem_seal.output.report.words import headline
 from fem_seal.output.tables import leak_rows, profile_leak_rows, write_profile_csv
+from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.profile_file import read_profiles
-from fem_seal.seal.results import highest_load
 from fem_seal.studies.study import Study
 from fem_seal.units import kind_of, parse_quantity, split_unit, unit_for
 

@@ -15,7 +15,7 @@ from fem_seal.cli import app as cli
 from fem_seal.output import columns as output_columns
 from fem_seal.seal import findings as caution
 from fem_seal.seal.findings import Caution, Level, Validity
-from fem_seal.seal.results import DiscretisationError, LoadResult
+from fem_seal.seal.load_result import DiscretisationError, LoadResult
 from fem_seal.studies.progress import Lines
 from leak import LeakResult
 

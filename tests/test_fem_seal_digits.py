@@ -27,8 +27,8 @@ from fem_seal.output.report.tables import comparison_table, variant_table
 from fem_seal.output.report.words import facts, headline, leakage_lines, reasons
 from fem_seal.output.tables import rows_of
 from fem_seal.seal.findings import Caution, Level, Validity, either_way
+from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.results import DiscretisationError
 from fem_seal.units import digits_beside, digits_within, quantity_worth, rounded, worth
 from fem_seal.validity.checks import contact_cautions
 

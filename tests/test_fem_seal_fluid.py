@@ -21,7 +21,7 @@ from fem_seal.output.report.words import leakage_lines, leakage_text
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table, leakage_table
 from fem_seal.seal.findings import Level
-from fem_seal.seal.results import LoadResult
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.studies.responses import evaluate
 from fem_seal.units import parse_quantity
 from fem_seal.validity import fluid as fluid_warnings

@@ -87,7 +87,7 @@ def test_far_outside_it_is_called_so():
     chosen = edge(0.4)
     problem = SealProblem.of(chosen)
     _, _, solved = model_and_contacts(problem)
-    from fem_seal.seal.results import LoadResult
+    from fem_seal.seal.load_result import LoadResult
 
     found = load_validity(problem, LoadResult(*chosen.load.points[0], solved.contacts[0]))
     assert found.outside and any("small-strain" in reason for reason in found.reasons)

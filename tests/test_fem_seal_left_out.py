@@ -27,9 +27,9 @@ from fem_seal.output import files
 from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.leak_model import Flow, RoughFlow
+from fem_seal.seal.load_result import LoadResult, digits_near_opening
 from fem_seal.seal.load_solver import LoadSolver, SolvedLoads
 from fem_seal.seal.problem import Loads
-from fem_seal.seal.results import LoadResult, digits_near_opening
 
 # 20 bar lift a closure that touches at 14.142 mm with 1256.64 N.
 OPENS = math.pi * case().touch_radius ** 2 * 20e5

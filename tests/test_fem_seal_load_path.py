@@ -28,9 +28,9 @@ from fem_seal.output.report.words import far_field_sentence, headline, leakage_l
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.load_names import different, load_axis, load_name
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.profile_file import read_profiles
-from fem_seal.seal.results import LoadResult
 from leak import LeakResult
 
 VALVE = {

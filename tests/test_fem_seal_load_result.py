@@ -10,11 +10,12 @@ import pytest
 from sample_results import case, rough_result, single_case, single_result, smooth_result
 
 import fem_seal
+from fem_seal.answers.accuracy import Comparison
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, Row
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.findings import VALID
 from fem_seal.seal.leak_model import Flow, RoughFlow
-from fem_seal.seal.results import Comparison, LoadResult
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.studies import responses
 from fem_seal.studies.complete_runs import FAST
 from leak import effective_viscosity_ratio

@@ -29,9 +29,9 @@ from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Caution, Validity
 from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import linearised_again, model_and_contacts, solved_again
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.results import LoadResult
 from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.validity.checks import earlier_cautions, load_validity
 

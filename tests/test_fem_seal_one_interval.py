@@ -13,6 +13,7 @@ from sample_results import case, rough_result, run_loads, single_result
 
 import fem_seal
 from fem_seal.answers.chain import _with_judgement
+from fem_seal.answers.judgement import Why
 from fem_seal.answers.leakage_class import fluid_of_test, in_the_test
 from fem_seal.answers.leakage_class import test_of as ratios_of
 from fem_seal.explore.screen import shown_load
@@ -24,7 +25,6 @@ from fem_seal.output.report.words import facts, headline, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.findings import Caution, Level, Validity, either_way
-from fem_seal.seal.judgement import Why
 from fem_seal.units import leak_range_text, range_text, worth
 from leak import millilitres_per_minute
 

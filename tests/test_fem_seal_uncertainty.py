@@ -26,7 +26,13 @@ import fem_seal
 import leak
 from fem_seal.answers import uncertainty as module
 from fem_seal.answers.response_surface import fit
-from fem_seal.answers.uncertainty import UncertainScans, leak_interval, uncertain_inputs, weighted_mean
+from fem_seal.answers.uncertainty import (
+    LeakInterval,
+    UncertainScans,
+    leak_interval,
+    uncertain_inputs,
+    weighted_mean,
+)
 from fem_seal.answers.variants import theory_variants
 from fem_seal.case.roughness import UncertainHeight
 from fem_seal.case.uncertainty import Spread, Uncertainty
@@ -37,7 +43,6 @@ from fem_seal.output.tables import variant_rows
 from fem_seal.sampling import LogNormal, Normal, UncertainInput
 from fem_seal.seal.conductivity_tables import family_table
 from fem_seal.seal.leak_model import Flow
-from fem_seal.seal.results import LeakInterval
 from leak import PowerSpectrum
 
 TEN_PER_CENT = Spread(relative=0.1)

@@ -13,6 +13,7 @@ from sample_results import STEEL, ball, case, cone, rough_result
 
 import fem_seal
 from fem_seal.answers.chain import _with_judgement
+from fem_seal.answers.judgement import Judgement, Limit, Verdict, Why
 from fem_seal.answers.leakage_class import leakage_classes, next_class
 from fem_seal.answers.verdict import limits, seal_judgement
 from fem_seal.cli import app as cli
@@ -30,7 +31,6 @@ from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.findings import Caution, Level, Validity, either_way
-from fem_seal.seal.judgement import Judgement, Limit, Verdict, Why
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate
 from fem_seal.units import leak_range_text
 from leak import FluidError

@@ -12,12 +12,12 @@ from sample_results import STEEL, ball, case, cone, run_loads
 import fem_seal
 from fem_seal.answers.accuracy import NOT_ESTIMATED
 from fem_seal.answers.closed_forms import derive
+from fem_seal.answers.judgement import VerdictForce
 from fem_seal.answers.verdict_force import _begins
 from fem_seal.output.report.tables import valve_facts
 from fem_seal.output.report.verdict import force_to_pass, verdict_force_sentences, verdict_lines
 from fem_seal.output.report.words import reasons
 from fem_seal.output.summary import summary
-from fem_seal.seal.results import VerdictForce
 
 DRAWN = {"Ra": "0.4 um", "process": "lapped"}
 

@@ -13,7 +13,6 @@ from plastic_solids import HARDENING, LAW, YIELD, E, seal
 
 import fem_seal
 import leak
-from fem_seal.answers.accuracy import NOT_ESTIMATED
 from fem_seal.answers.uncertainty import _Study
 from fem_seal.bodies.elasticity import node_dofs
 from fem_seal.bodies.supports import Supports
@@ -31,10 +30,11 @@ from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
 from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, linearised_again, model_and_contacts
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.results import LoadResult, SealSolution
 from fem_seal.seal.seal_flow import SealFlow
+from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.studies.responses import evaluate
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))
@@ -413,7 +413,7 @@ MODULI = {"closure": 600e9, "seat": 210e9}
 
 
 @cache
-def sampled() -> tuple[SealProblem, SealSolution]:
+def sampled() -> tuple[SealProblem, SolvedSeal]:
     """One load of the valve as a result."""
     case = valve(fluid_pressure="50 bar", applied_force="4 kN", largest_earlier_force=None).replace(
         {
@@ -427,7 +427,7 @@ def sampled() -> tuple[SealProblem, SealSolution]:
     (contact,) = solved.contacts
     rough = RoughFlow.of(problem.surface, problem.flow, [contact])
     load = LoadResult(*problem.loads.points[0], contact).knowing(rough=rough)
-    return problem, SealSolution(case, problem, mesh, model, problem.surface, (load,), NOT_ESTIMATED)
+    return problem, SolvedSeal(case, problem, mesh, model, (load,))
 
 
 def test_a_design_of_a_study_runs_its_own_path() -> None:

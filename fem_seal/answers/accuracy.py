@@ -6,22 +6,75 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
+from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, condensed
-from fem_seal.seal.results import Comparison, DiscretisationError
 from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
+
+if TYPE_CHECKING:
+    from fem_seal.profile import PressureProfile
+    from leak import LeakResult
 
 # Of a result whose estimate failed.
 NOT_ESTIMATED = DiscretisationError(math.nan, math.nan, math.nan, None)
 # The coarser mesh of the error estimate has elements this much larger, its path load steps.
 COARSER = 2
 _STEPS = PlasticSettings().steps
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The load with the largest closing force once more, with something changed.
+
+    Parameters
+    ----------
+    name : str
+        What was changed.
+    peak_pressure, fwhm, std : float
+        [Pa], [m], [m]; relative where it says so.
+    leak_rate : float or None
+        [m^3/s]; None without one, and relative to one that is zero or infinite.
+    leak_rate_capped : float, optional
+        The other reading of yielding asperities, where it was asked for [m^3/s].
+    """
+
+    name: str
+    peak_pressure: float
+    fwhm: float
+    std: float
+    leak_rate: float | None
+    leak_rate_capped: float | None = None
+
+    @classmethod
+    def of(cls, name: str, profile: PressureProfile, leak: LeakResult | None) -> Comparison:
+        """The numbers of a contact that are compared."""
+        rate = None if leak is None else leak.leak_rate
+        return cls(name, profile.peak_pressure, profile.fwhm, profile.std, rate)
+
+    def relative_to(self, base: Comparison) -> Comparison:
+        """Change of each number relative to that of another contact."""
+        rate = None
+        if self.leak_rate is not None and base.leak_rate is not None and 0 < base.leak_rate < math.inf:
+            rate = self.leak_rate / base.leak_rate - 1
+        return Comparison(
+            self.name,
+            self.peak_pressure / base.peak_pressure - 1,
+            self.fwhm / base.fwhm - 1,
+            self.std / base.std - 1,
+            rate,
+        )
+
+    @property
+    def largest(self) -> float:
+        """Largest of the changes that a user asks for."""
+        return max(abs(self.peak_pressure), abs(self.fwhm), abs(self.leak_rate or 0.0))
 
 
 @dataclass(frozen=True)

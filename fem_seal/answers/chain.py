@@ -9,34 +9,35 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.accuracy import NOT_ESTIMATED, discretisation_error, far_field, on_coarser_mesh
+from fem_seal.answers.accuracy import (
+    NOT_ESTIMATED,
+    Comparison,
+    discretisation_error,
+    far_field,
+    on_coarser_mesh,
+)
 from fem_seal.answers.afterwards import Afterwards
+from fem_seal.answers.judgement import JudgedLoad, VerdictForce
 from fem_seal.answers.left_out import left_out
 from fem_seal.answers.opening import with_margins
 from fem_seal.answers.questions import with_answers
+from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.variants import interface_variants, theory_variants
 from fem_seal.answers.verdict import seal_judgement, with_judgements
 from fem_seal.contact.solution import move_together
 from fem_seal.seal.findings import NOT_JUDGED, Caution, Validity, worst_first
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_result import DiscretisationError, LoadResult, highest_load, strongest_load
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.results import (
-    Comparison,
-    DiscretisationError,
-    LoadResult,
-    ParticleAnswers,
-    SealSolution,
-    VerdictForce,
-    highest_load,
-    strongest_load,
-)
+from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import given
 from fem_seal.validity.checks import contact_cautions, earlier_cautions, load_validity
 from leak import LeakError
 
 if TYPE_CHECKING:
+    from fem_seal.answers.particles import ParticleAnswers
     from fem_seal.case.case import Case
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.errors import LoadProblem
@@ -170,21 +171,20 @@ def solve(
     )
     found = (*remarks, *after.get("checks of what the theory allows", check, ()), *before, *of_answers)
     result = SealSolution(
-        case.without_loads(missing),
-        problem,
-        seal_mesh,
-        model,
-        problem.surface,
-        _judged(after, problem, loads, error, before),
-        error,
-        variants,
-        tuple(caution.text for caution in worst_first(found)),
-        clock.timings,
-        far_field=far,
+        case=case.without_loads(missing),
+        problem=problem,
+        seal_mesh=seal_mesh,
+        model=model,
+        loads=tuple(map(JudgedLoad.of, _judged(after, problem, loads, error, before))),
         unloaded=solved.unloaded,
+        earlier=solved.earlier,
+        discretisation_error=error,
+        far_field=far,
         form=answers,
         particles=particles,
-        earlier=solved.earlier,
+        interface_variants=variants,
+        warnings=tuple(caution.text for caution in worst_first(found)),
+        timings=clock.timings,
     )
     result = _with_theory_variants(result, clock, after)
     result = _with_uncertainty(result, clock, after)
@@ -292,9 +292,7 @@ def _with_verdict_forces(
     return replace(result, loads=tuple(loads))
 
 
-def _alone(
-    result: SealSolution, progress: Progress, fluid_pressure: float, applied_force: float
-) -> LoadResult:
+def _alone(result: SolvedSeal, progress: Progress, fluid_pressure: float, applied_force: float) -> LoadResult:
     """One load of a case that has no other, with validity, mesh error and samples."""
     point = fluid_pressure, applied_force
     loads = replace(result.problem.loads, points=(point,), refused={}, target_leak_rate=None)
@@ -314,9 +312,7 @@ def _alone(
         return load
     from fem_seal.answers.uncertainty import leak_interval
 
-    alone = SealSolution(
-        result.case, problem, seal_mesh, model, problem.surface, (load,), error, earlier=solved.earlier
-    )
+    alone = SolvedSeal(result.case, problem, seal_mesh, model, (load,), earlier=solved.earlier)
     (load,) = leak_interval(alone, progress=progress).of(alone.loads)
     return load
 
@@ -327,7 +323,9 @@ def _with_levers(result: SealSolution, clock: Clock, after: Afterwards, wanted: 
     from fem_seal.answers.sensitivities import levers
 
     with clock.step("levers", "what changes the leak rate most"):
-        return replace(result, levers=after.get("levers on the leak rate", partial(levers, result), ()))
+        judged = result.judgement
+        ask = partial(levers, result, None if judged is None else judged.number)
+        return replace(result, levers=after.get("levers on the leak rate", ask, ()))
 
 
 def _with_judgement(result: SealSolution, missing: Mapping[tuple[float, float], LoadProblem]) -> SealSolution:

@@ -28,7 +28,7 @@ from leak import (
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
-    from fem_seal.seal.results import SealSolution
+    from fem_seal.seal.solved_seal import SolvedSeal
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
 _STIFFER = 0.05
@@ -340,12 +340,12 @@ def widths(profiles: Sequence[Any]) -> FloatArray:
     return np.array([p.fwhm for p in profiles])
 
 
-def profile_sizes(result: SealSolution, derived: Derived) -> dict[str, Sizes]:
+def profile_sizes(result: SolvedSeal, derived: Derived) -> dict[str, Sizes]:
     """Sizes of the "calculated" profiles and of each closed form that the case has, over its loads.
 
     Parameters
     ----------
-    result : SealSolution
+    result : SolvedSeal
     derived : Derived
         Closed forms of the case.
     """

@@ -16,8 +16,8 @@ from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
 from fem_seal.seal.circumference import Around, LeakCurve, around_after
 from fem_seal.seal.leak_model import as_first_loaded
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import largest_force
-from fem_seal.seal.results import CLOSED, Allowed, FormAnswers, FormPoint, LoadResult, WaveAlone
 from leak import Scratch, deepest_scratch
 from leak.numerics.roots import root_between
 
@@ -35,6 +35,125 @@ _FLAT = 0.05
 _ANGLES = 256
 # Largest and first change of the gap that is looked at [m], steps and smallest in the logarithm, and the accuracy.
 _LARGEST, _FIRST, _STEP, _DEEPEST, _ACCURACY = 1e-3, 1e-6, 1.0, 20.0, 1e-3
+
+
+# Least line load over the mean from which on a seal is called closed all around.
+CLOSED = 0.5
+
+
+@dataclass(frozen=True)
+class FormPoint:
+    """A load with another size of its form error.
+
+    Parameters
+    ----------
+    factor : float
+        Size over the one that is given.
+    height : float
+        From the narrowest to the widest place of the gap's change [m].
+    leak_rate : float or None
+        [m^3/s]; None without roughness or fluid.
+    line_load_min_over_mean : float
+    leak_rate_capped : float or None
+        Where asperities yield, in the other reading, see `LoadResult.capped` [m^3/s].
+    """
+
+    factor: float
+    height: float
+    leak_rate: float | None
+    line_load_min_over_mean: float
+    leak_rate_capped: float | None = None
+
+
+@dataclass(frozen=True)
+class WaveAlone:
+    """A load with one wave of its form error alone.
+
+    Parameters
+    ----------
+    waves : int
+    amplitude : float
+        Of the gap's change [m].
+    leak_rate : float or None
+        [m^3/s]
+    line_load_min_over_mean : float
+    leak_rate_capped : float or None
+        Where asperities yield, in the other reading [m^3/s].
+    """
+
+    waves: int
+    amplitude: float
+    leak_rate: float | None
+    line_load_min_over_mean: float
+    leak_rate_capped: float | None = None
+
+
+@dataclass(frozen=True)
+class Allowed:
+    """How large a form error may be for a limit.
+
+    Parameters
+    ----------
+    limit : str
+        What sets it: "leak rate" of the requirement, "target", or standard and class.
+    leak_rate : float
+        [m^3/s]
+    factor : float or None
+        Largest size over the one that is given; None if the round seal leaks more, infinite if none does.
+    zone : float or None
+        Width of the tolerance zone in `direction` [m] that keeps it with the number of waves that hurts most.
+    direction : {"radial", "axial"}
+    waves : int or None
+        That number.
+    """
+
+    limit: str
+    leak_rate: float
+    factor: float | None
+    zone: float | None
+    direction: str
+    waves: int | None
+
+
+@dataclass(frozen=True)
+class FormAnswers:
+    """What is known of a form error at the load with the highest fluid pressure.
+
+    Parameters
+    ----------
+    fluid_pressure, applied_force : float
+        Of the load [Pa], [N].
+    curve : tuple of FormPoint
+        Leak rate over the size of the form error.
+    waves : tuple of WaveAlone
+        The one that hurts most first.
+    tolerance_waves : int or None
+        Waves with which the case's tolerance was filled, the number that hurts most.
+    closing_force : float or None
+        Smallest force of spring or actuator at which the least line load is `CLOSED` of the mean [N]; None if no force
+        does it.
+    allowed : Allowed or None
+        None without a target, and where no class is met even by the round seal.
+    goes_round : float or None
+        Share by which more leaks because fluid goes round tight places; None if not asked.
+    deepest_scratch : tuple of float or None
+        Depth and width [m] of the deepest scratch in place of the widest, of its proportions, with which the limit
+        still holds beside all others, in both readings of yielding asperities; None without scratches or limit, or if
+        none does.
+    allowed_capped : Allowed or None
+        What is allowed in the other reading of yielding asperities; None where there is but one.
+    """
+
+    fluid_pressure: float
+    applied_force: float
+    curve: tuple[FormPoint, ...]
+    waves: tuple[WaveAlone, ...]
+    tolerance_waves: int | None
+    closing_force: float | None
+    allowed: Allowed | None
+    goes_round: float | None = None
+    deepest_scratch: tuple[float, float] | None = None
+    allowed_capped: Allowed | None = None
 
 
 def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormError) -> FormAnswers:

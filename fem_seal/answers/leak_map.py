@@ -20,9 +20,9 @@ from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.units import briefly, given
 
 if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
     from fem_seal.seal.load_solver import Progress
-    from fem_seal.seal.results import SealSolution
 
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
 _PRESSURES, _LEAST, _RANGE = 8, 3, 20.0

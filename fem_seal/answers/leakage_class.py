@@ -12,7 +12,7 @@ from fem_seal.units import LIQUID, LeakVolume, quantity
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.case.fluid import Fluid
-    from fem_seal.seal.results import LoadResult
+    from fem_seal.seal.load_result import LoadResult
     from leak import LeakageClass
 
 # What the standards test with: liquids no thicker than water.

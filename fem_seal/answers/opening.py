@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.loads import PressureSide
-from fem_seal.seal.results import LoadResult, OpeningMargin
+from fem_seal.seal.load_result import LoadResult, OpeningMargin
 
 if TYPE_CHECKING:
     from fem_seal.seal.load_solver import LoadSolver

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -14,7 +14,7 @@ import leak
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.leak_model import RoughFlow, as_first_loaded
-from fem_seal.seal.results import LoadResult, ParticleAnswers, SealSolution, ShutGaps
+from fem_seal.seal.load_result import LoadResult
 
 if TYPE_CHECKING:
     from leak import GapDistribution, ParticleCounts, Paths
@@ -33,6 +33,82 @@ KEPT = 0.9
 Shut = Callable[[RoughFlow, float], RoughFlow]
 
 
+Range: TypeAlias = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class ShutGaps:
+    """A load whose gaps below a size are shut; the ranges are those of both readings of yielding asperities.
+
+    Parameters
+    ----------
+    size : float
+        [m]
+    gaps_below : tuple of float
+        Share of the open area at the peak pressure whose gap is narrower, least and most.
+    leak_rate : tuple of float
+        Of all others, least and most [m^3/s].
+    remaining : tuple of float
+        The same over the leak rate of the clean fluid in the same reading.
+    particles : tuple of float
+        Particles of at least this size per volume, as few and as many as the counts allow [1/m^3]; NaN where they say
+        nothing.
+    """
+
+    size: float
+    gaps_below: Range
+    leak_rate: Range
+    remaining: Range
+    particles: Range
+
+
+@dataclass(frozen=True)
+class ParticleAnswers:
+    """What particles in the fluid do to the leak of a load, an estimate; least and most of both readings everywhere.
+
+    Parameters
+    ----------
+    fluid_pressure, applied_force : float
+        Of the load [Pa], [N].
+    leak_rate : tuple of float
+        Of the clean fluid [m^3/s].
+    narrowest : tuple of float
+        Size from which on a particle finds no way through where the contact pressure is highest [m], by the effective
+        medium and by the critical junction.
+    curve : tuple of ShutGaps
+        Over the size of the particles, increasing.
+    stopped : tuple of float
+        Particles that do not get through, per volume [1/m^3]; NaN, as what follows from it, where they are smaller than
+        anything that the counts speak of.
+    places : tuple of float
+        Places side by side that one particle each can shut.
+    half_volume : tuple of float
+        Volume that leaks until half of the leak is left [m^3]; infinite if nothing clogs, and where a filter keeps more
+        than half.
+    half_time : tuple of float
+        Time until then [s].
+    keeping_filter : tuple of float or None
+        Largest particles that cannot take more than a tenth of the leak, the rating of an absolute filter [m].
+    filter : float or None
+        The one that there is [m].
+    left : tuple of float or None
+        Share of the leak that the particles it lets through cannot shut.
+    """
+
+    fluid_pressure: float
+    applied_force: float
+    leak_rate: Range
+    narrowest: Range
+    curve: tuple[ShutGaps, ...]
+    stopped: Range
+    places: Range
+    half_volume: Range
+    half_time: Range
+    keeping_filter: Range | None
+    filter: float | None
+    left: Range | None
+
+
 def particle_answers(loads: Sequence[LoadResult], counts: ParticleCounts) -> tuple[ParticleAnswers, ...]:
     """Answers for all loads that leak.
 
@@ -48,19 +124,18 @@ def particle_answers(loads: Sequence[LoadResult], counts: ParticleCounts) -> tup
     return tuple(one for one in found if one is not None)
 
 
-def answers_of_highest(result: SealSolution) -> ParticleAnswers | None:
-    """Those of the load with the highest fluid pressure; None if it does not leak or lies outside the theory.
+def answers_of(load: LoadResult, found: Sequence[ParticleAnswers]) -> ParticleAnswers | None:
+    """Those of one load; None if it does not leak or lies outside the theory.
 
     Parameters
     ----------
-    result : SealSolution
+    load : LoadResult
+    found : sequence of ParticleAnswers
+        Of all loads.
     """
-    load = result.highest
     if load.validity.outside:
         return None
-    return next(
-        (one for one in result.particles if (one.fluid_pressure, one.applied_force) == load.point), None
-    )
+    return next((one for one in found if (one.fluid_pressure, one.applied_force) == load.point), None)
 
 
 def _shut() -> Shut:

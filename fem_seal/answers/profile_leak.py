@@ -14,7 +14,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
-from fem_seal.seal.results import GivenContact, GivenLoad
+from fem_seal.seal.load_result import GivenContact, GivenLoad
 from fem_seal.validity.checks import profile_validity
 from leak import RoughContact
 from meshes import ContactGeometry

@@ -19,9 +19,9 @@ from fem_seal.errors import InputError
 from fem_seal.loads import blow_off_of_sealed_area
 from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, condensed, largest_force, sizing
-from fem_seal.seal.results import LoadResult
 from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.units import briefly
 from fem_seal.validity.checks import target_cautions, target_validity

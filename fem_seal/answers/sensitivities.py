@@ -19,9 +19,10 @@ from fem_seal.case.fields import Quantity, quantities_of
 from fem_seal.case.roughness import self_affine_part
 from fem_seal.errors import SealError
 from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow, log_peaks
+from fem_seal.seal.load_result import LoadResult, highest_load
 from fem_seal.seal.load_solver import LoadSolver, model_and_contacts, solve_load
 from fem_seal.seal.problem import SealProblem, build_mesh, condensed
-from fem_seal.seal.results import Lever, LoadResult, SealSolution
+from fem_seal.seal.solved_seal import SolvedSeal
 from leak import LeakError, RoughContact
 from meshes import GeometryError, MeshingError
 
@@ -59,34 +60,77 @@ _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ValueError, Arit
 Rates = tuple[float, ...]
 
 
-def levers(result: SealSolution, number: int | None = None) -> tuple[Lever, ...]:
+@dataclass(frozen=True)
+class Lever:
+    """One thing that can be changed, and what it does.
+
+    Parameters
+    ----------
+    key : str
+        "force", "rms_height", "hurst", "q_rolloff", "hardness", "youngs_modulus", or a dimension such as
+        "closure.radius".
+    before, after : float or None
+        Value, SI; None of what is only scaled.
+    factor : float
+        Value after the step over that before.
+    ratio : tuple of float
+        Leak rate after over before in both readings of yielding asperities, volume conserved and changed only where it
+        touches, or twice in the only one; zero where the step seals.
+    exponents : tuple of float
+        Local d ln Q / d ln x of the same readings; NaN where one does not leak on either side of a small step.
+    """
+
+    key: str
+    before: float | None
+    after: float | None
+    factor: float
+    ratio: tuple[float, float]
+    exponents: tuple[float, float]
+
+    @property
+    def strength(self) -> float:
+        """|ln| of the ratio in the reading that it moves less, by which levers are put in order.
+
+        Infinite where the step seals, zero where the readings contradict each other.
+        """
+        logs = [math.log(one) if one > 0 else -math.inf for one in self.ratio]
+        return min(map(abs, logs)) if logs[0] * logs[1] > 0 else 0.0
+
+    @property
+    def straight(self) -> bool:
+        """Whether the exponents foretell the ratio to within a fifth of its logarithm."""
+        if any(map(math.isnan, self.exponents)) or min(self.ratio) <= 0:
+            return False
+        told = [one * math.log(self.factor) for one in self.exponents]
+        return all(
+            abs(math.log(one) - end) <= max(0.2 * abs(end), 0.02)
+            for one, end in zip(self.ratio, told, strict=True)
+        )
+
+
+def levers(result: SolvedSeal, number: int | None = None) -> tuple[Lever, ...]:
     """Levers of a result at one load, the strongest first.
 
     Parameters
     ----------
-    result : SealSolution
+    result : SolvedSeal
         Where a body yields every step takes the path of loads once more.
     number : int, optional
-        Of the load; the one that decides the verdict, or that with the highest fluid pressure, unless given.
+        Of the load; the one with the highest fluid pressure unless given.
 
     Returns
     -------
     tuple of Lever
         Empty where nothing leaks, the seal is open, or there is no leak rate.
     """
-    load = _asked(result) if number is None else result.loads[number]
-    bench = _Bench(result, load, next(n for n, one in enumerate(result.loads) if one is load))
+    number = highest_load(result.loads) if number is None else number
+    bench = _Bench(result, result.loads[number], number)
     if not bench.usable:
         return ()
     found: list[Lever] = []
     for make in (bench.force, bench.surface_levers, bench.dimensions):
         found += make()
     return tuple(sorted(found, key=lambda one: -one.strength))
-
-
-def _asked(result: SealSolution) -> LoadResult:
-    judged = result.judgement
-    return result.highest if judged is None or judged.number is None else result.loads[judged.number]
 
 
 def _short_table(peaks: Sequence[float], flow: Flow, surface: RoughContact) -> Conductivity:
@@ -99,7 +143,7 @@ def _short_table(peaks: Sequence[float], flow: Flow, surface: RoughContact) -> C
 class _Bench:
     """A load whose inputs can be exchanged one by one."""
 
-    result: SealSolution
+    result: SolvedSeal
     load: LoadResult
     number: int
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -29,9 +29,10 @@ from fem_seal.errors import ConvergenceError, InputError, Problem
 from fem_seal.processes import in_copies
 from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.leak_model import log_peaks, range_around
+from fem_seal.seal.load_result import LoadResult, leak_rates
 from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.seal.problem import condensed
-from fem_seal.seal.results import LeakInterval, LoadResult, SealSolution, leak_rates
+from fem_seal.seal.solved_seal import SolvedSeal
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -55,6 +56,8 @@ _OF_LINEAR = 0.03, 0.06
 # So it is with tables from that of the case: one of their own for every sample unless they are as good as this.
 _OF_TABLES = 0.01, 0.02
 
+Load = TypeVar("Load", bound=LoadResult)
+
 # What is less is no leak: a molecule of a gas in a hundred years [m^3/s], or so much of what the case itself leaks.
 # Next to sealing a sample that leaks so little may be off by a factor, and nobody sees it.
 _NOTHING, _TRACE = 1e-35, 1e-9
@@ -62,8 +65,100 @@ _NOTHING, _TRACE = 1e-35, 1e-9
 _NEARLY_SEALED = 0.95
 
 
+@dataclass(frozen=True)
+class LeakInterval:
+    """Leak rates of all samples at all loads, and what is said about them.
+
+    Parameters
+    ----------
+    inputs : tuple of str
+        Keys of the uncertain inputs.
+    confidence : float
+        Share of the samples between `low` and `high`.
+    seed : int
+    runs : int
+        Samples whose contact and leak rate were calculated; the others follow from a polynomial through them.
+    leak_rate : ndarray, shape (loads, samples)
+        [m^3/s], zero where sealed, infinite where the fluid has blown the contact open.
+    shares : ndarray, shape (loads, inputs)
+        First-order share of each input in the variance of ln Q; their sum falls short of one by what inputs do only
+        together. NaN where a sample is sealed or blown open.
+    error : float or None
+        Largest relative error of samples that were calculated anew beside them, at both ends of the interval, with
+        conductivity tables of their own: of the polynomial and of tables from that of the case; a billionth of what the
+        case itself leaks counts as nothing. None if every sample was calculated so.
+    capped : ndarray, shape (loads, samples), or None
+        The same samples with yielding asperities that change the surface only where it touches [m^3/s]; None where
+        none yields.
+    in_test : LeakInterval or None
+        The same samples with the gas of the standards' tests; None where the fluid is one, and of a liquid.
+    """
+
+    inputs: tuple[str, ...]
+    confidence: float
+    seed: int
+    runs: int
+    leak_rate: FloatArray = field(repr=False)
+    shares: FloatArray
+    error: float | None
+    capped: FloatArray | None = field(default=None, repr=False)
+    in_test: LeakInterval | None = field(default=None, repr=False)
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return int(self.leak_rate.shape[1])
+
+    @cached_property
+    def low(self) -> FloatArray:
+        """Lower end of the interval in the reading that leaks less, at each load, shape (loads,) [m^3/s]."""
+        return np.minimum.reduce(self._quantiles(0.5 - 0.5 * self.confidence))
+
+    @cached_property
+    def median(self) -> FloatArray:
+        """Leak rate that half of the samples exceed, shape (loads,) [m^3/s]."""
+        return self._quantiles(0.5)[0]
+
+    @cached_property
+    def high(self) -> FloatArray:
+        """Upper end of the interval in the reading that leaks more, at each load, shape (loads,) [m^3/s]."""
+        return np.maximum.reduce(self._quantiles(0.5 + 0.5 * self.confidence))
+
+    def _quantiles(self, share: float) -> list[FloatArray]:
+        """Of each reading."""
+        return [
+            # between a finite and an infinite leak rate there is nothing to interpolate
+            np.quantile(rates, share, axis=1, method="linear" if np.isfinite(rates).all() else "nearest")
+            for rates in (self.leak_rate, self.capped)
+            if rates is not None
+        ]
+
+    @cached_property
+    def sealed(self) -> FloatArray:
+        """Share of the samples that do not leak, shape (loads,)."""
+        return (self.leak_rate == 0).mean(axis=1)
+
+    @property
+    def ends(self) -> list[tuple[float, float]]:
+        """`low` and `high` of each load [m^3/s]."""
+        return list(zip(self.low.tolist(), self.high.tolist(), strict=True))
+
+    def of(self, loads: Sequence[Load]) -> tuple[Load, ...]:
+        """The loads of the samples, which know their ends.
+
+        Parameters
+        ----------
+        loads : sequence of LoadResult
+        """
+        in_test = [None] * len(loads) if self.in_test is None else self.in_test.ends
+        return tuple(
+            load.knowing(sampled=ends, sampled_in_test=tested)
+            for load, ends, tested in zip(loads, self.ends, in_test, strict=True)
+        )
+
+
 def leak_interval(
-    result: SealSolution,
+    result: SolvedSeal,
     settings: Uncertainty | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> LeakInterval:
@@ -83,7 +178,7 @@ def leak_interval(
 
     Parameters
     ----------
-    result : SealSolution
+    result : SolvedSeal
         Of a case with roughness and fluid.
     settings : Uncertainty, optional
         Instead of the case's own table [uncertainty].
@@ -136,7 +231,7 @@ _LOADS = 5
 
 
 def _interval_of_finish(
-    result: SealSolution,
+    result: SolvedSeal,
     settings: Uncertainty,
     progress: Callable[[str], None],
     *,
@@ -148,7 +243,7 @@ def _interval_of_finish(
     samples, and the other loads follow over the line load.
     """
     chosen = _representative(result.loads)
-    part = replace(result, loads=tuple(result.loads[n] for n in chosen))
+    part = result.with_loads([result.loads[n] for n in chosen])
     study = _Study.of(part, settings)
     study = replace(study, lenient=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
     usual, viscosity = np.array(study.of_case), study.viscosity[:, None]
@@ -364,7 +459,7 @@ class _Study:
         Which of the loads of the problem are sampled; all unless given.
     """
 
-    result: SealSolution
+    result: SolvedSeal
     inputs: tuple[AnyInput, ...]
     uniform: FloatArray
     lenient: bool = False
@@ -373,7 +468,7 @@ class _Study:
     numbers: Sequence[int] | None = None
 
     @classmethod
-    def of(cls, result: SealSolution, settings: Uncertainty) -> _Study:
+    def of(cls, result: SolvedSeal, settings: Uncertainty) -> _Study:
         inputs = uncertain_inputs(result.case, settings)
         dimensions = sum(one.dimensions for one in inputs)
         uniform = sobol_points(settings.samples, dimensions, settings.seed)

@@ -7,16 +7,11 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Literal
 
+from fem_seal.answers.accuracy import Comparison
 from fem_seal.seal.leak_model import Flow, RoughFlow
+from fem_seal.seal.load_result import LoadResult, leak_rates, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load, solve_loads, solved_again
-from fem_seal.seal.results import (
-    Comparison,
-    LoadResult,
-    SealSolution,
-    TheoryVariant,
-    leak_rates,
-    strongest_load,
-)
+from fem_seal.seal.solved_seal import SolvedSeal
 
 if TYPE_CHECKING:
     from fem_seal.seal.problem import SealProblem
@@ -27,12 +22,43 @@ _THRESHOLDS = (0.42, 0.5)
 _WIDTHS: tuple[Literal["effective", "plain"], ...] = ("effective", "plain")
 
 
-def theory_variants(result: SealSolution) -> tuple[TheoryVariant, ...]:
+@dataclass(frozen=True)
+class TheoryVariant:
+    """One reading of the theory and the leak rates that it gives.
+
+    Parameters
+    ----------
+    plastic : bool or None
+        p(u) of the plastically smoothed (True) or of the elastic surface; None if the case gives the law itself.
+    conductivity : {"bruggeman", "critical-junction", "threshold-law"}
+    separation_width : {"effective", "plain"} or None
+        Width of the Gaussians in P(u); None for the critical junction, which needs no P(u).
+    percolation_threshold : float
+    leak_rate : tuple of float
+        At each load [m^3/s].
+    used : bool
+        Whether it is the one that the case asks for.
+    """
+
+    plastic: bool | None
+    conductivity: str
+    separation_width: str | None
+    percolation_threshold: float
+    leak_rate: tuple[float, ...]
+    used: bool
+
+    @property
+    def interface_law(self) -> str:
+        """The law in a word."""
+        return "given" if self.plastic is None else "plastic" if self.plastic else "elastic"
+
+
+def theory_variants(result: SolvedSeal) -> tuple[TheoryVariant, ...]:
     """Leak rates of all loads with every reading of the theory: p(u), P(u), percolation threshold, channels.
 
     Parameters
     ----------
-    result : SealSolution
+    result : SolvedSeal
 
     Returns
     -------
@@ -61,7 +87,7 @@ def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
     return replace(problem, interface=replace(problem.interface, plastic=plastic))
 
 
-def _loads(result: SealSolution, problem: SealProblem) -> Sequence[LoadResult]:
+def _loads(result: SolvedSeal, problem: SealProblem) -> Sequence[LoadResult]:
     """The loads of a result with another interface law."""
     if result.unloaded is not None:
         contacts = solve_loads(LoadSolver(problem, result.model)).contacts

@@ -6,16 +6,25 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from fem_seal.answers.judgement import (
+    JudgedLoad,
+    Judgement,
+    Limit,
+    SealJudgement,
+    Shares,
+    Verdict,
+    Why,
+    severity,
+)
 from fem_seal.answers.leakage_class import nominal_size, test_of
 from fem_seal.case.leak_rate import Bubbles
-from fem_seal.seal.judgement import Judgement, Limit, SealJudgement, Shares, Verdict, Why, severity
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.case.fluid import Fluid
     from fem_seal.case.requirement import Requirement
     from fem_seal.errors import LoadProblem
-    from fem_seal.seal.results import LoadResult
+    from fem_seal.seal.load_result import LoadResult
 
 OF_LEAK_RATE = "leak rate"
 
@@ -110,7 +119,7 @@ def judgements(case: Case, load: LoadResult, *, sampled: bool = True) -> list[Ju
 
 def with_judgements(
     case: Case, loads: Sequence[LoadResult], *, sampled: bool = True
-) -> tuple[LoadResult, ...]:
+) -> tuple[JudgedLoad, ...]:
     """Loads with what is said of them.
 
     Parameters
@@ -120,12 +129,12 @@ def with_judgements(
     sampled : bool
         See `judged`.
     """
-    return tuple(load.knowing(judgement=judged(case, load, sampled=sampled)) for load in loads)
+    return tuple(JudgedLoad.of(load, judgement=judged(case, load, sampled=sampled)) for load in loads)
 
 
 def seal_judgement(
     case: Case,
-    loads: Sequence[LoadResult],
+    loads: Sequence[JudgedLoad],
     missing: Mapping[tuple[float, float], LoadProblem],
     hardness: float | None = None,
 ) -> SealJudgement | None:

@@ -8,15 +8,15 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from fem_seal.answers.judgement import Judgement, Verdict, VerdictForce
 from fem_seal.answers.target import expected_contact_force
 from fem_seal.answers.verdict import judgements
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
-from fem_seal.seal.judgement import Judgement, Verdict
 from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver, Progress
 from fem_seal.seal.problem import condensed, largest_force, sizing
-from fem_seal.seal.results import LoadResult, VerdictForce
 from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.units import briefly
 from fem_seal.validity.checks import load_validity
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.seal.problem import SealProblem
-    from fem_seal.seal.results import SealSolution
+    from fem_seal.seal.solved_seal import SolvedSeal
     from meshes import Sizing
 
 # ln of the upper end over the limit is kept within this: sealed and open are something, too.
@@ -50,7 +50,7 @@ Added = tuple[float, float]
 
 
 def forces_for_verdict(
-    result: SealSolution, alone: Alone, *, progress: Progress = lambda text: None
+    result: SolvedSeal, alone: Alone, *, progress: Progress = lambda text: None
 ) -> list[VerdictForce]:
     """The smallest force of spring or actuator with which the verdict passes, for each load's fluid pressure.
 
@@ -58,7 +58,7 @@ def forces_for_verdict(
 
     Parameters
     ----------
-    result : SealSolution
+    result : SolvedSeal
         With a leak rate and the target that asks for the force.
     alone : callable
         The same seal under one fluid pressure [Pa] and applied force [N] alone, as a run of such a case gives it: with
@@ -104,7 +104,7 @@ class _Search:
 
     Parameters
     ----------
-    result : SealSolution
+    result : SolvedSeal
     load : LoadResult
     alone : callable
         See `forces_for_verdict`.
@@ -114,7 +114,7 @@ class _Search:
         Told each force that is tried.
     """
 
-    result: SealSolution
+    result: SolvedSeal
     load: LoadResult
     alone: Alone
     benches: list[_Bench]

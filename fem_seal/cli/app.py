@@ -32,8 +32,9 @@ from leak.standards import STANDARD_PRESSURE
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.seal.load_result import LoadResult
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -648,7 +649,7 @@ def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
     loads : sequence of LoadResult
     """
     from fem_seal.output.report.words import leakage_lines
-    from fem_seal.seal.results import highest_load
+    from fem_seal.seal.load_result import highest_load
 
     for line in leakage_lines(case, loads[highest_load(loads)], loads):
         say(line)

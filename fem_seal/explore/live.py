@@ -27,9 +27,9 @@ from fem_seal.explore.factors import Factors, factors_of, opened
 from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load, without_leak
 from fem_seal.explore.tables import Missing, TableName, conductivity
 from fem_seal.seal.leak_model import Flow, RoughFlow, log_peaks
+from fem_seal.seal.load_result import LoadResult, highest_load
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, condensed, sizing
-from fem_seal.seal.results import LoadResult, highest_load
 from fem_seal.seal.shared_bodies import Rounding, rounded, with_shared_law
 from fem_seal.validity.by_table import validity_by_table
 from leak import LeakError, RoughContact

@@ -14,14 +14,14 @@ from fem_seal.answers.verdict import limits
 from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.report.verdict import next_class_in_words, verdict_facts, verdict_sentences
 from fem_seal.seal.findings import Level
-from fem_seal.seal.results import highest_load
+from fem_seal.seal.load_result import highest_load
 from fem_seal.units import LIQUID, LeakVolume
 
 if TYPE_CHECKING:
+    from fem_seal.answers.judgement import SealJudgement
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
-    from fem_seal.seal.judgement import SealJudgement
-    from fem_seal.seal.results import LoadResult
+    from fem_seal.seal.load_result import LoadResult
     from meshes import Outline
 
 # Columns of leak.csv that stand on the page, those of a leak rate among them.

@@ -11,7 +11,8 @@ from fem_seal.output.columns import AROUND_COLUMNS
 from fem_seal.output.tables import write_rows_csv
 
 if TYPE_CHECKING:
-    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.seal.load_result import LoadResult
 
 
 def write_around_csv(result: SealSolution, path: Path) -> Path | None:

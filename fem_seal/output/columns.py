@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.seal.findings import VALIDITY_COLUMNS
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
 
 if TYPE_CHECKING:
-    from fem_seal.seal.results import LoadResult
+    from fem_seal.seal.load_result import LoadResult
     from leak import CoupledLeakResult, LeakResult
 
 
@@ -35,6 +36,16 @@ class Row:
         """Lower (0) or upper (1) end of the leak rate's interval [m^3/s]; None where nothing makes one."""
         ends = self.load.leak_interval
         return ends[which] if ends is not None and self.load.has_interval else None
+
+    @property
+    def margin(self) -> float | None:
+        """Of a load that is judged."""
+        return self.load.margin if isinstance(self.load, JudgedLoad) else None
+
+    @property
+    def force_for_verdict(self) -> float | None:
+        """Of a load that is judged [N]."""
+        return self.load.force_for_verdict if isinstance(self.load, JudgedLoad) else None
 
 
 @dataclass(frozen=True)
@@ -563,7 +574,7 @@ COLUMNS = {
             "with load.target_leak_rate: smallest applied force with which the verdict passes at this fluid pressure, "
             "that on the requirement or, without one, on the target, with the interval of the leak rate and what the "
             "calculation may be off by; nan where none does (summary.json says why)",
-            lambda row: row.load.force_for_verdict,
+            lambda row: row.force_for_verdict,
             heading="applied force for a pass",
             short="to pass",
             shown_in="N",
@@ -592,7 +603,7 @@ COLUMNS = {
             "with `[requirement]`: allowed leak rate over the upper end of the calculated one; infinite where sealed, "
             "zero where the seal is open, nan where the load is not judged, nothing visible may leak, or a zero is "
             "outside the theory",
-            lambda row: row.load.margin,
+            lambda row: row.margin,
             heading="margin",
             short="margin",
             spare_digits=0,

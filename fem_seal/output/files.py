@@ -17,7 +17,7 @@ from fem_seal.output.tables import write_imprint_csv, write_leak_csv, write_prof
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
 
 if TYPE_CHECKING:
-    from fem_seal.seal.results import SealSolution
+    from fem_seal.answers.solution import SealSolution
 
 
 def write(result: SealSolution, folder: Path) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ from fem_seal.seal.load_names import load_name
 if TYPE_CHECKING:
     import pandas as pd
 
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.output.report.tables import ReadableTable
-    from fem_seal.seal.results import SealSolution
 
 # Loads that a text names one by one, and rows that a notebook shows.
 _NAMED = 5

@@ -9,7 +9,8 @@ from fem_seal.output.columns import PARTICLE_COLUMNS
 from fem_seal.output.tables import write_rows_csv
 
 if TYPE_CHECKING:
-    from fem_seal.seal.results import ParticleAnswers, SealSolution
+    from fem_seal.answers.particles import ParticleAnswers
+    from fem_seal.answers.solution import SealSolution
 
 
 def write_particles_csv(result: SealSolution, path: Path) -> Path | None:

@@ -10,7 +10,7 @@ from fem_seal.output.prose import prose
 from fem_seal.output.tables import standards_used
 
 if TYPE_CHECKING:
-    from fem_seal.seal.results import SealSolution
+    from fem_seal.answers.solution import SealSolution
 
 
 @dataclass(frozen=True)

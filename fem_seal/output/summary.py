@@ -26,7 +26,9 @@ from fem_seal.seal.problem import exponential_law
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
-    from fem_seal.seal.results import LeakInterval, LoadResult, SealSolution
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.answers.uncertainty import LeakInterval
+    from fem_seal.seal.load_result import LoadResult
 
 # Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
 FORMAT_VERSION = 1

@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-    from fem_seal.seal.results import GivenLoad, SealSolution
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.seal.load_result import GivenLoad
 
 
 # Ten digits: more than any of the numbers is good for, and the files stay readable.

@@ -16,9 +16,10 @@ from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.output.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_line, write_series, write_surface
 
 if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.seal.circumference import Around
-    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.seal.load_result import LoadResult
 
 BODIES = ("closure", "seat")
 # Most angles of a surface around the axis.

@@ -26,9 +26,11 @@ from leak.direct import (
     Patch,
     PeriodicHalfSpace,
     PressedPatch,
+    patch_flow,
     press,
     press_elastoplastic,
     smoothed,
+    streams,
 )
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ if TYPE_CHECKING:
 
     from fem_seal.arrays import FloatArray
     from fem_seal.case.direct import Asperities
-    from leak.direct import ContactState
+    from leak.direct import ContactState, Flow, Streams
 
 Branch = Literal["load", "unload", "cutoff"]
 # Raised when a finished piece would come out differently.
@@ -370,6 +372,11 @@ class PressedMap(NamedTuple):
         flowed = np.zeros(state.gap.size, bool)
         flowed[state.yielded_points % flowed.size] = True
         return cls(state.gap, state.pressure > 0.0, flowed.reshape(state.gap.shape))
+
+    def flow(self) -> tuple[Flow, Streams]:
+        """Flow from its first row to its last, and where it goes."""
+        found = patch_flow(self.gap)
+        return found, streams(self.gap, found)
 
     @classmethod
     def read(cls, text: str) -> PressedMap:

@@ -12,7 +12,7 @@ from fem_seal.units import Unit, given, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
-    from fem_seal.seal.results import LoadResult
+    from fem_seal.seal.load_result import LoadResult
 
 
 def load_name(load: LoadResult, loads: Sequence[LoadResult]) -> str:

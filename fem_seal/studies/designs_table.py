@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.answers.judgement import Verdict
 from fem_seal.arrays import FloatArray
 from fem_seal.seal.findings import Level
-from fem_seal.seal.judgement import Verdict
 from fem_seal.studies.designs import MORRIS_LEVELS, SENSITIVITY, unit_points
 from fem_seal.studies.expressions import Constraint, Expression
 from fem_seal.studies.store import FILE, Store, open_to_read

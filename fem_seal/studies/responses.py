@@ -12,6 +12,7 @@ from functools import partial
 from typing import TypeVar
 
 from fem_seal import result as seal_result
+from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.opening import with_margins
 from fem_seal.answers.verdict import judged
 from fem_seal.case.case import Case
@@ -24,11 +25,10 @@ from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.tables import rows_of
 from fem_seal.seal.conductivity_tables import family_table
 from fem_seal.seal.findings import Validity
-from fem_seal.seal.judgement import Verdict
 from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, expected_contacts, expected_forces, sizing
-from fem_seal.seal.results import LoadResult
 from fem_seal.seal.shared_bodies import shared_model, with_shared_law
 from fem_seal.studies.batch import Batch
 from fem_seal.studies.complete_runs import takes_complete_run
@@ -116,18 +116,18 @@ def evaluate_many(
         for step in _leaks(other="margin" in columns or _OTHER_READING in columns):
             batch.each(bare, lambda number: step(bare[number]))  # noqa: B023
 
-    def judged_load(number: int) -> LoadResult:
+    def with_validity(number: int) -> JudgedLoad:
         problem, load = problems[number], loads[number]
         usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
         if leaks and interpolate:
-            return load.knowing(validity=validity_by_table(usual, load))
-        return load.knowing(validity=load_validity(usual, load, usual.surface))
+            return JudgedLoad.of(load, validity=validity_by_table(usual, load))
+        return JudgedLoad.of(load, validity=load_validity(usual, load, usual.surface))
 
-    loads = batch.each(loads, judged_load)
+    told = batch.each(loads, with_validity)
     if "margin" in columns:
-        loads = batch.each(loads, lambda n: loads[n].knowing(judgement=judged(cases[n], loads[n])))
+        told = batch.each(told, lambda n: told[n].knowing(judgement=judged(cases[n], told[n])))
     return found | batch.each(
-        loads, lambda n: Evaluation(_read(Row(loads[n]), columns), loads[n].validity, loads[n].verdict)
+        told, lambda n: Evaluation(_read(Row(told[n]), columns), told[n].validity, told[n].verdict)
     )
 
 
@@ -203,8 +203,7 @@ def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
 def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
     asked = "force_for_verdict_N" in columns
     result = seal_result.run(case, levers=False, verdict_force=asked)
-    row, *_ = rows_of(result)
-    load = row.load
+    (row, *_), (load, *_) = rows_of(result), result.loads
     cautions = load.validity.without("mesh").cautions
     if any(name.startswith("force_for_target") for name in columns) and load.target_validity is not None:
         # here the force is what the design is judged by

@@ -8,11 +8,11 @@ from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from fem_seal.answers.judgement import Verdict
 from fem_seal.files import parse_json
 from fem_seal.former_names import VERDICTS, in_present_words
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
-from fem_seal.seal.judgement import Verdict
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.expressions import Constraint, Expression
 from fem_seal.studies.tables import Design, Kind

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from fem_seal.arrays import FloatArray
 from fem_seal.seal.findings import Validity
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.results import LoadResult
 from fem_seal.validity.checks import load_validity
 from leak import ConductivityTable, PowerSpectrum, RoughContact
 

@@ -24,8 +24,8 @@ from fem_seal.validity.materials import temperature_cautions
 
 if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectTable
+    from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
     from fem_seal.seal.problem import SealProblem
-    from fem_seal.seal.results import DiscretisationError, GivenLoad, LoadResult
     from leak import PowerSpectrum
 
 

@@ -13,7 +13,7 @@ from fem_seal.units import rounded, share_text
 if TYPE_CHECKING:
     from fem_seal.profile import PressureProfile
     from fem_seal.seal.leak_model import Flow
-    from fem_seal.seal.results import LoadResult
+    from fem_seal.seal.load_result import LoadResult
     from leak import Gas, GasInertia, LeakResult, RealGas
 
 # Pressure from which on the thickening of a liquid should be known [Pa].

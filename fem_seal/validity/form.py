@@ -14,8 +14,8 @@ from fem_seal.units import DIGITS, beside, rounded, share_text
 
 if TYPE_CHECKING:
     from fem_seal.seal.circumference import Around
+    from fem_seal.seal.load_result import LoadResult
     from fem_seal.seal.problem import SealProblem
-    from fem_seal.seal.results import LoadResult
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
 # line load, and beyond which it means nothing; see docs/theory/form.md.

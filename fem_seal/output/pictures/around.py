@@ -35,7 +35,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.seal.load_result import LoadResult
 
 _BANDS = 12
 # Pressures below this share of the largest stay white.

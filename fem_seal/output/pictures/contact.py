@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fem_seal.answers.closed_forms import Derived, DerivedLoad, Sizes
-    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.seal.load_result import LoadResult
 
 # More lines than this get a scale of colours instead of names.
 _NAMED_LOADS = 6

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -23,7 +24,6 @@ from fem_seal.output.pictures.style import (
 )
 from fem_seal.output.prose import said
 from fem_seal.seal.direct import DirectTable, PressedMap
-from fem_seal.seal.results import SealSolution
 from fem_seal.units import quantity, unit_for
 
 if TYPE_CHECKING:
@@ -136,15 +136,12 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
     """
     from matplotlib.colors import ListedColormap, LogNorm
 
-    from leak.direct import patch_flow, streams
-
     simulation = table.simulation
     pressed = table.pressed(pressure)
     if simulation.direction == "y":
         pressed = PressedMap(pressed.gap.T.copy(), pressed.touches.T, pressed.yielded.T)
     gap, touches, yielded = pressed
-    flow = patch_flow(gap)
-    found = streams(gap, flow)
+    flow, found = pressed.flow()
     size = unit_for("length", simulation.patch.size)
     height = unit_for("length", float(gap.max()) or 1e-6)
     figure, (left, right) = panels(2, height=5.0, width=10.4, side=0.3)

@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.contour import ContourSet
 
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.load_path import Unloaded
-    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.seal.load_result import LoadResult
     from meshes import SealMesh
 
 IntArray = NDArray[np.int64]

@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.solution import SealSolution
 from fem_seal.output.pictures.contact import all_profiles
 from fem_seal.output.pictures.style import BLUE, ORANGE, label, logarithmic, panels, spans_decades, style
 from fem_seal.seal.load_names import different, load_axis
-from fem_seal.seal.results import SealSolution
 from fem_seal.units import percent, unit_for
 
 if TYPE_CHECKING:

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
-    from fem_seal.seal.results import SealSolution
 
 
 def leak_picture(result: SealSolution) -> Picture | None:

@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
-    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.seal.load_result import LoadResult
 
 # How far below the smallest leak rate a band goes that reaches down to a sealed contact.
 _FOOT = 0.1

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.answers.particles import answers_of_highest
+from fem_seal.answers.particles import answers_of
 from fem_seal.output.pictures.style import BLUE, FILL, GREY, ORANGE, Picture, label, logarithmic, panels, svg
 from fem_seal.output.prose import said
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import unit_for
 
 if TYPE_CHECKING:
-    from fem_seal.seal.results import SealSolution
+    from fem_seal.answers.solution import SealSolution
 
 
 def particle_picture(result: SealSolution) -> Picture | None:
@@ -25,7 +25,7 @@ def particle_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
-    answers = answers_of_highest(result)
+    answers = answers_of(result.highest, result.particles)
     if answers is None:
         return None
     sizes = np.array([one.size for one in answers.curve])

@@ -12,8 +12,8 @@ from fem_seal.output.prose import said
 from fem_seal.units import number, quantity
 
 if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.seal.results import SealSolution
     from meshes import ContactGeometry, Outline
     from meshes.geometry.segment import Point
 

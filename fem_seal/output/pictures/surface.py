@@ -29,8 +29,9 @@ from fem_seal.units import number, percent, unit_for
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
-    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.seal.load_result import LoadResult
     from leak import HeightMap, LineScan, MeasuredSurface, RoughContact
 
 # Fractions below this share of the nominal area are not worth a decade of paper.

@@ -34,7 +34,7 @@ from fem_seal.units import given, quantity, split_unit, unit_for
 from meshes.own_process import OwnProcessError, call_apart
 
 if TYPE_CHECKING:
-    from fem_seal.seal.results import SealSolution
+    from fem_seal.answers.solution import SealSolution
 
 IntArray = NDArray[np.int64]
 

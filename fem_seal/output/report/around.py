@@ -13,9 +13,10 @@ from fem_seal.seal.load_names import load_name
 from fem_seal.units import percent
 
 if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.seal.circumference import Around
-    from fem_seal.seal.results import LoadResult, SealSolution
+    from fem_seal.seal.load_result import LoadResult
 
 # Share of the leak whose part of the circumference is told.
 _MOST = 0.8

@@ -27,10 +27,10 @@ from fem_seal.seal.problem import exponential_law
 from fem_seal.units import given, number, percent, quantity, trimmed
 
 if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
     from fem_seal.case.fluid import Fluid
     from fem_seal.materials import Material
-    from fem_seal.seal.results import SealSolution
 
 _FLUID_ACTS_ON = {
     "sealed-area": "the sealed area",

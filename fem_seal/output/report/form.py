@@ -7,23 +7,16 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.verdict import OF_LEAK_RATE
 from fem_seal.output.prose import said
 from fem_seal.output.report.tables import ReadableTable
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.results import (
-    AGREE,
-    CLOSED,
-    Allowed,
-    FormAnswers,
-    FormPoint,
-    LoadResult,
-    SealSolution,
-    WaveAlone,
-)
+from fem_seal.seal.load_result import AGREE, LoadResult
 from fem_seal.units import given, leak_range_text, number, percent, quantity
 
 if TYPE_CHECKING:
+    from fem_seal.answers.form import Allowed, FormAnswers, FormPoint, WaveAlone
     from fem_seal.case.form import BodyForm, Form
 
 _DIRECTIONS = {"radial": "roundness", "axial": "flatness"}
@@ -84,6 +77,9 @@ def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
     formed = load.formed
     if formed is None or not formed.form.felt:
         return
+    # no other result needs that module
+    from fem_seal.answers.form import CLOSED
+
     closed = percent(CLOSED)
     if answers.closing_force is None:
         yield said("form.closing", "never", closed=closed)

@@ -12,8 +12,9 @@ from fem_seal.seal.load_names import load_name
 from fem_seal.units import number, percent, quantity, range_text, trimmed, unit_for, worth
 
 if TYPE_CHECKING:
+    from fem_seal.answers.sensitivities import Lever
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.seal.results import Lever, SealSolution
 
 # So many are told, and no smaller ones: a change of half a per cent is no lever.
 _TOLD, _SMALLEST = 3, 0.005

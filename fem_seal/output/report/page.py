@@ -39,7 +39,7 @@ from fem_seal.version import __version__
 if TYPE_CHECKING:
     from jinja2 import Template
 
-    from fem_seal.seal.results import SealSolution
+    from fem_seal.answers.solution import SealSolution
 
 
 def write_report(result: SealSolution, path: Path) -> Path:

@@ -7,15 +7,16 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.answers.particles import KEPT, answers_of_highest
+from fem_seal.answers.particles import KEPT, answers_of
 from fem_seal.output.prose import said
 from fem_seal.output.report.tables import ReadableTable
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import given, number, percent, quantity, quantity_worth, worth
 
 if TYPE_CHECKING:
+    from fem_seal.answers.particles import ParticleAnswers
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.case.fluid import Particles
-    from fem_seal.seal.results import ParticleAnswers, SealSolution
 
 _PER_ML = 1e-6
 
@@ -27,7 +28,7 @@ def particles_in_words(result: SealSolution) -> list[str]:
     ----------
     result : SealSolution
     """
-    answers = answers_of_highest(result)
+    answers = answers_of(result.highest, result.particles)
     return [] if answers is None else list(_said(result, answers))
 
 
@@ -105,7 +106,7 @@ def particle_table(result: SealSolution) -> ReadableTable:
     ----------
     result : SealSolution
     """
-    answers = answers_of_highest(result)
+    answers = answers_of(result.highest, result.particles)
     if answers is None:
         return ReadableTable((), ())
     digits, state = min(result.highest.leak_digits, 2), volume_of(result.case).state

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.closed_forms import Sizes, closed_form_limits, derive
 from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.variants import ratio_to_case
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
@@ -21,7 +23,7 @@ from fem_seal.output.report.verdict import force_to_pass, verdict_force_sentence
 from fem_seal.output.tables import rows_of
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.results import AGREE, Comparison, LoadResult, SealSolution, highest_load
+from fem_seal.seal.load_result import AGREE, LoadResult, highest_load
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
@@ -39,6 +41,7 @@ from fem_seal.units import (
 )
 
 if TYPE_CHECKING:
+    from fem_seal.answers.judgement import JudgedLoad
     from fem_seal.materials import HardeningCurve
 
 
@@ -417,7 +420,7 @@ def opens_at(load: LoadResult) -> str | None:
     return None if pressure is None or math.isinf(pressure) else quantity("fluid pressure", pressure, _DIGITS)
 
 
-def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, str, str]]:
+def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, str, str]]:
     """Name, value and remark of the pressure that opens the seal and of the force for the target leak rate."""
     if opens := opens_at(load):
         yield (
@@ -450,7 +453,7 @@ def valve_facts(result: SealSolution, load: LoadResult) -> Iterator[tuple[str, s
         )
 
 
-def what_opens(result: SealSolution, load: LoadResult) -> Iterator[str]:
+def what_opens(result: SealSolution, load: JudgedLoad) -> Iterator[str]:
     """How far a load is from opening the seal, and from the target leak rate."""
     if opens := opens_at(load):
         assert load.blow_off_pressure is not None

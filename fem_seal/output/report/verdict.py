@@ -6,12 +6,12 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.answers.leakage_class import next_class, nominal_size, volume_of
 from fem_seal.answers.verdict import OF_LEAK_RATE, limits
 from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
 from fem_seal.output.prose import said
 from fem_seal.seal.findings import Level
-from fem_seal.seal.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import (
     LeakVolume,
@@ -31,8 +31,10 @@ from fem_seal.units import (
 from leak import millibar_litres_per_second, millilitres_per_minute
 
 if TYPE_CHECKING:
+    from fem_seal.answers.judgement import JudgedLoad, VerdictForce
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.seal.results import LoadResult, SealSolution, VerdictForce
+    from fem_seal.seal.load_result import LoadResult
 
 # Factors beyond this are told as "more than".
 _FAR, _FAR_IN_WORDS = 1e6, "a million"
@@ -332,12 +334,12 @@ def verdict_lines(result: SealSolution) -> list[str]:
     ]
 
 
-def verdict_force_sentences(loads: Sequence[LoadResult]) -> list[str]:
+def verdict_force_sentences(loads: Sequence[JudgedLoad]) -> list[str]:
     """The force with which the verdict passes at each fluid pressure, or why none does; empty if nobody asked.
 
     Parameters
     ----------
-    loads : sequence of LoadResult
+    loads : sequence of JudgedLoad
     """
     found = {load.fluid_pressure: load.verdict_force for load in loads if load.verdict_force is not None}
     # what was not looked for has the same reason at each pressure

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size, test_of, volume_of
+from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import COLUMNS, in_words
@@ -24,7 +25,7 @@ from fem_seal.output.report.tables import (
 )
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_names import load_name, load_values
-from fem_seal.seal.results import AGREE, LoadResult, SealSolution, highest_load
+from fem_seal.seal.load_result import AGREE, LoadResult, highest_load
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
@@ -48,6 +49,7 @@ from leak import (
 
 if TYPE_CHECKING:
     from fem_seal.answers.closed_forms import Derived
+    from fem_seal.answers.judgement import JudgedLoad
     from fem_seal.case.case import Case
     from leak import LeakageClass
     from leak.theory.line_contact import HertzLine
@@ -87,7 +89,7 @@ def facts(result: SealSolution) -> list[Fact]:
     ]
 
 
-def _facts(result: SealSolution, load: LoadResult) -> list[Fact]:
+def _facts(result: SealSolution, load: JudgedLoad) -> list[Fact]:
     found = [
         *(Fact(*told) for told in valve_facts(result, load)),
         Fact("Peak contact pressure", *_peak_fact(load)),

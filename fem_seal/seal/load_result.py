@@ -1,11 +1,11 @@
-"""What a calculation leaves behind: numbers without a face."""
+"""One load of a solved seal: what its contact is and what it leaks."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Self, TypeAlias
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -20,18 +20,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from fem_seal.arrays import FloatArray
-    from fem_seal.case.case import Case
-    from fem_seal.contact.load_path import Unloaded
-    from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.profile import PressureProfile
     from fem_seal.seal.circumference import Around
-    from fem_seal.seal.judgement import Judgement, SealJudgement, Verdict
     from fem_seal.seal.leak_model import Flow
-    from fem_seal.seal.problem import SealProblem
     from leak import LeakResult, RoughContact
-    from meshes import SealMesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,16 +57,12 @@ class LoadResult(Lazy):
         The same of `force_for_target`; None without it.
     opening : OpeningMargin or None
         How far the load is from opening the seal; None where neither fluid nor spring opens it, or it is not known.
-    judgement : Judgement or None
-        Whether it keeps what [requirement] asks of it; None where nothing is asked.
     mesh_error : DiscretisationError or None
         What the mesh leaves uncertain; None where nobody asked.
     sampled : tuple of float or None
         Ends of the samples of uncertain inputs, in all readings [m^3/s]; None where none is sampled.
     sampled_in_test : tuple of float or None
         The same with the gas of the standards' tests, see `in_test` [m^3/s].
-    verdict_force : VerdictForce or None
-        The force at which the verdict passes; None if not asked.
     """
 
     fluid_pressure: float
@@ -88,15 +77,13 @@ class LoadResult(Lazy):
     target_validity: Validity | None = None
     opening: OpeningMargin | None = None
     force_for_target_capped: float | None = None
-    judgement: Judgement | None = None
     mesh_error: DiscretisationError | None = None
     sampled: tuple[float, float] | None = None
     sampled_in_test: tuple[float, float] | None = None
-    verdict_force: VerdictForce | None = None
 
     def __repr__(self) -> str:
         at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
-        return f"<{type(self).__name__} at {at}: {self.in_brief}>"
+        return f"<LoadResult at {at}: {self.in_brief}>"
 
     @property
     def in_brief(self) -> str:
@@ -158,21 +145,6 @@ class LoadResult(Lazy):
     def leak_digits(self) -> int:
         """The same of leak rates."""
         return min(self.digits, self.digits_of("leak_rate"))
-
-    @property
-    def verdict(self) -> Verdict | None:
-        """Verdict "pass", "fail" or "inconclusive"; None where nothing is required."""
-        return None if self.judgement is None else self.judgement.verdict
-
-    @property
-    def margin(self) -> float | None:
-        """Allowed over calculated leak rate, see `Judgement.margin`; None where nothing is required."""
-        return None if self.judgement is None else self.judgement.margin
-
-    @property
-    def force_for_verdict(self) -> float | None:
-        """Of `verdict_force` [N]; None if not asked, and where no force passes."""
-        return None if self.verdict_force is None else self.verdict_force.force
 
     @property
     def contacts(self) -> tuple[ContactSolution, ...]:
@@ -395,28 +367,6 @@ class LoadResult(Lazy):
         return self.contact.loads.gap_pressure if self.leak_round is None else self.leak_round.fluid_pressure
 
 
-@dataclass(frozen=True)
-class VerdictForce:
-    """The smallest force with which the verdict passes, its interval and what the calculation may be off by included.
-
-    Parameters
-    ----------
-    force : float or None
-        Of spring or actuator [N]; None if none is found.
-    why_none : str
-        Why not, a clause; empty with a force.
-    looked_for : bool
-        Whether it was, or was too dear unless asked for.
-    begins : str
-        What the load meets where loads leave something behind: "on a new seal", "after the largest earlier load".
-    """
-
-    force: float | None
-    why_none: str = ""
-    looked_for: bool = True
-    begins: str = ""
-
-
 def leak_rates(
     surface: RoughContact,
     flows: Sequence[Flow],
@@ -478,54 +428,6 @@ class GivenLoad(LoadResult):
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """The load with the largest closing force once more, with something changed.
-
-    Parameters
-    ----------
-    name : str
-        What was changed.
-    peak_pressure, fwhm, std : float
-        [Pa], [m], [m]; relative where it says so.
-    leak_rate : float or None
-        [m^3/s]; None without one, and relative to one that is zero or infinite.
-    leak_rate_capped : float, optional
-        The other reading of yielding asperities, where it was asked for [m^3/s].
-    """
-
-    name: str
-    peak_pressure: float
-    fwhm: float
-    std: float
-    leak_rate: float | None
-    leak_rate_capped: float | None = None
-
-    @classmethod
-    def of(cls, name: str, profile: PressureProfile, leak: LeakResult | None) -> Comparison:
-        """The numbers of a contact that are compared."""
-        rate = None if leak is None else leak.leak_rate
-        return cls(name, profile.peak_pressure, profile.fwhm, profile.std, rate)
-
-    def relative_to(self, base: Comparison) -> Comparison:
-        """Change of each number relative to that of another contact."""
-        rate = None
-        if self.leak_rate is not None and base.leak_rate is not None and 0 < base.leak_rate < math.inf:
-            rate = self.leak_rate / base.leak_rate - 1
-        return Comparison(
-            self.name,
-            self.peak_pressure / base.peak_pressure - 1,
-            self.fwhm / base.fwhm - 1,
-            self.std / base.std - 1,
-            rate,
-        )
-
-    @property
-    def largest(self) -> float:
-        """Largest of the changes that a user asks for."""
-        return max(abs(self.peak_pressure), abs(self.fwhm), abs(self.leak_rate or 0.0))
-
-
-@dataclass(frozen=True)
 class DiscretisationError:
     """Estimated error of the load with the largest closing force, from the same solve on elements twice as large.
 
@@ -545,435 +447,6 @@ class DiscretisationError:
     fwhm: float
     std: float
     leak_rate: float | None
-
-
-# Least line load over the mean from which on a seal is called closed all around.
-CLOSED = 0.5
-
-
-@dataclass(frozen=True)
-class FormPoint:
-    """A load with another size of its form error.
-
-    Parameters
-    ----------
-    factor : float
-        Size over the one that is given.
-    height : float
-        From the narrowest to the widest place of the gap's change [m].
-    leak_rate : float or None
-        [m^3/s]; None without roughness or fluid.
-    line_load_min_over_mean : float
-    leak_rate_capped : float or None
-        Where asperities yield, in the other reading, see `LoadResult.capped` [m^3/s].
-    """
-
-    factor: float
-    height: float
-    leak_rate: float | None
-    line_load_min_over_mean: float
-    leak_rate_capped: float | None = None
-
-
-@dataclass(frozen=True)
-class WaveAlone:
-    """A load with one wave of its form error alone.
-
-    Parameters
-    ----------
-    waves : int
-    amplitude : float
-        Of the gap's change [m].
-    leak_rate : float or None
-        [m^3/s]
-    line_load_min_over_mean : float
-    leak_rate_capped : float or None
-        Where asperities yield, in the other reading [m^3/s].
-    """
-
-    waves: int
-    amplitude: float
-    leak_rate: float | None
-    line_load_min_over_mean: float
-    leak_rate_capped: float | None = None
-
-
-@dataclass(frozen=True)
-class Allowed:
-    """How large a form error may be for a limit.
-
-    Parameters
-    ----------
-    limit : str
-        What sets it: "leak rate" of the requirement, "target", or standard and class.
-    leak_rate : float
-        [m^3/s]
-    factor : float or None
-        Largest size over the one that is given; None if the round seal leaks more, infinite if none does.
-    zone : float or None
-        Width of the tolerance zone in `direction` [m] that keeps it with the number of waves that hurts most.
-    direction : {"radial", "axial"}
-    waves : int or None
-        That number.
-    """
-
-    limit: str
-    leak_rate: float
-    factor: float | None
-    zone: float | None
-    direction: str
-    waves: int | None
-
-
-@dataclass(frozen=True)
-class FormAnswers:
-    """What is known of a form error at the load with the highest fluid pressure.
-
-    Parameters
-    ----------
-    fluid_pressure, applied_force : float
-        Of the load [Pa], [N].
-    curve : tuple of FormPoint
-        Leak rate over the size of the form error.
-    waves : tuple of WaveAlone
-        The one that hurts most first.
-    tolerance_waves : int or None
-        Waves with which the case's tolerance was filled, the number that hurts most.
-    closing_force : float or None
-        Smallest force of spring or actuator at which the least line load is `CLOSED` of the mean [N]; None if no force
-        does it.
-    allowed : Allowed or None
-        None without a target, and where no class is met even by the round seal.
-    goes_round : float or None
-        Share by which more leaks because fluid goes round tight places; None if not asked.
-    deepest_scratch : tuple of float or None
-        Depth and width [m] of the deepest scratch in place of the widest, of its proportions, with which the limit
-        still holds beside all others, in both readings of yielding asperities; None without scratches or limit, or if
-        none does.
-    allowed_capped : Allowed or None
-        What is allowed in the other reading of yielding asperities; None where there is but one.
-    """
-
-    fluid_pressure: float
-    applied_force: float
-    curve: tuple[FormPoint, ...]
-    waves: tuple[WaveAlone, ...]
-    tolerance_waves: int | None
-    closing_force: float | None
-    allowed: Allowed | None
-    goes_round: float | None = None
-    deepest_scratch: tuple[float, float] | None = None
-    allowed_capped: Allowed | None = None
-
-
-Range: TypeAlias = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class ShutGaps:
-    """A load whose gaps below a size are shut; the ranges are those of both readings of yielding asperities.
-
-    Parameters
-    ----------
-    size : float
-        [m]
-    gaps_below : tuple of float
-        Share of the open area at the peak pressure whose gap is narrower, least and most.
-    leak_rate : tuple of float
-        Of all others, least and most [m^3/s].
-    remaining : tuple of float
-        The same over the leak rate of the clean fluid in the same reading.
-    particles : tuple of float
-        Particles of at least this size per volume, as few and as many as the counts allow [1/m^3]; NaN where they say
-        nothing.
-    """
-
-    size: float
-    gaps_below: Range
-    leak_rate: Range
-    remaining: Range
-    particles: Range
-
-
-@dataclass(frozen=True)
-class ParticleAnswers:
-    """What particles in the fluid do to the leak of a load, an estimate; least and most of both readings everywhere.
-
-    Parameters
-    ----------
-    fluid_pressure, applied_force : float
-        Of the load [Pa], [N].
-    leak_rate : tuple of float
-        Of the clean fluid [m^3/s].
-    narrowest : tuple of float
-        Size from which on a particle finds no way through where the contact pressure is highest [m], by the effective
-        medium and by the critical junction.
-    curve : tuple of ShutGaps
-        Over the size of the particles, increasing.
-    stopped : tuple of float
-        Particles that do not get through, per volume [1/m^3]; NaN, as what follows from it, where they are smaller than
-        anything that the counts speak of.
-    places : tuple of float
-        Places side by side that one particle each can shut.
-    half_volume : tuple of float
-        Volume that leaks until half of the leak is left [m^3]; infinite if nothing clogs, and where a filter keeps more
-        than half.
-    half_time : tuple of float
-        Time until then [s].
-    keeping_filter : tuple of float or None
-        Largest particles that cannot take more than a tenth of the leak, the rating of an absolute filter [m].
-    filter : float or None
-        The one that there is [m].
-    left : tuple of float or None
-        Share of the leak that the particles it lets through cannot shut.
-    """
-
-    fluid_pressure: float
-    applied_force: float
-    leak_rate: Range
-    narrowest: Range
-    curve: tuple[ShutGaps, ...]
-    stopped: Range
-    places: Range
-    half_volume: Range
-    half_time: Range
-    keeping_filter: Range | None
-    filter: float | None
-    left: Range | None
-
-
-@dataclass(frozen=True)
-class Lever:
-    """One thing that can be changed, and what it does.
-
-    Parameters
-    ----------
-    key : str
-        "force", "rms_height", "hurst", "q_rolloff", "hardness", "youngs_modulus", or a dimension such as
-        "closure.radius".
-    before, after : float or None
-        Value, SI; None of what is only scaled.
-    factor : float
-        Value after the step over that before.
-    ratio : tuple of float
-        Leak rate after over before in both readings of yielding asperities, volume conserved and changed only where it
-        touches, or twice in the only one; zero where the step seals.
-    exponents : tuple of float
-        Local d ln Q / d ln x of the same readings; NaN where one does not leak on either side of a small step.
-    """
-
-    key: str
-    before: float | None
-    after: float | None
-    factor: float
-    ratio: tuple[float, float]
-    exponents: tuple[float, float]
-
-    @property
-    def strength(self) -> float:
-        """|ln| of the ratio in the reading that it moves less, by which levers are put in order.
-
-        Infinite where the step seals, zero where the readings contradict each other.
-        """
-        logs = [math.log(one) if one > 0 else -math.inf for one in self.ratio]
-        return min(map(abs, logs)) if logs[0] * logs[1] > 0 else 0.0
-
-    @property
-    def straight(self) -> bool:
-        """Whether the exponents foretell the ratio to within a fifth of its logarithm."""
-        if any(map(math.isnan, self.exponents)) or min(self.ratio) <= 0:
-            return False
-        told = [one * math.log(self.factor) for one in self.exponents]
-        return all(
-            abs(math.log(one) - end) <= max(0.2 * abs(end), 0.02)
-            for one, end in zip(self.ratio, told, strict=True)
-        )
-
-
-@dataclass(frozen=True)
-class SealSolution:
-    """Everything that a case gave, as numbers.
-
-    `SealResult` has its table and its files besides; see there for the fields.
-    """
-
-    case: Case
-    problem: SealProblem = field(repr=False)
-    seal_mesh: SealMesh
-    model: ContactModel
-    surface: RoughContact | None
-    loads: tuple[LoadResult, ...]
-    discretisation_error: DiscretisationError
-    interface_variants: tuple[Comparison, ...] = ()
-    warnings: tuple[str, ...] = ()
-    timings: dict[str, float] = field(default_factory=dict)
-    uncertainty: LeakInterval | None = None
-    theory_variants: tuple[TheoryVariant, ...] = ()
-    far_field: tuple[Comparison, ...] = ()
-    unloaded: Unloaded | None = None
-    form: FormAnswers | None = None
-    particles: tuple[ParticleAnswers, ...] = ()
-    earlier: ContactSolution | None = None
-    judgement: SealJudgement | None = None
-    levers: tuple[Lever, ...] = ()
-
-    @property
-    def verdict(self) -> Verdict | None:
-        """The worst of the loads that are judged; None without a requirement."""
-        return None if self.judgement is None else self.judgement.verdict
-
-    @property
-    def margin(self) -> float | None:
-        """Allowed over calculated leak rate of the load that decides; None without a requirement."""
-        return None if self.judgement is None else self.judgement.margin
-
-    @property
-    def strongest(self) -> LoadResult:
-        """The load with the largest closing force; for it error, far field and interface laws are compared."""
-        return self.loads[strongest_load(self.loads)]
-
-    @property
-    def highest(self) -> LoadResult:
-        """The load with the highest fluid pressure, which headline, report and terminal explain."""
-        return self.loads[highest_load(self.loads)]
-
-    @property
-    def profiles(self) -> tuple[PressureProfile, ...]:
-        """Pressure profile of each load."""
-        return tuple(load.contact.profile for load in self.loads)
-
-    @property
-    def contact(self) -> tuple[ContactSolution, ...]:
-        """Contact solution of each load."""
-        return tuple(load.contact for load in self.loads)
-
-    @property
-    def leak_ranges(self) -> tuple[tuple[float, float] | None, ...]:
-        """`LoadResult.leak_interval` of each load [m^3/s]; None where nothing makes one."""
-        return tuple(load.leak_interval if load.has_interval else None for load in self.loads)
-
-
-@dataclass(frozen=True)
-class TheoryVariant:
-    """One reading of the theory and the leak rates that it gives.
-
-    Parameters
-    ----------
-    plastic : bool or None
-        p(u) of the plastically smoothed (True) or of the elastic surface; None if the case gives the law itself.
-    conductivity : {"bruggeman", "critical-junction", "threshold-law"}
-    separation_width : {"effective", "plain"} or None
-        Width of the Gaussians in P(u); None for the critical junction, which needs no P(u).
-    percolation_threshold : float
-    leak_rate : tuple of float
-        At each load [m^3/s].
-    used : bool
-        Whether it is the one that the case asks for.
-    """
-
-    plastic: bool | None
-    conductivity: str
-    separation_width: str | None
-    percolation_threshold: float
-    leak_rate: tuple[float, ...]
-    used: bool
-
-    @property
-    def interface_law(self) -> str:
-        """The law in a word."""
-        return "given" if self.plastic is None else "plastic" if self.plastic else "elastic"
-
-
-@dataclass(frozen=True)
-class LeakInterval:
-    """Leak rates of all samples at all loads, and what is said about them.
-
-    Parameters
-    ----------
-    inputs : tuple of str
-        Keys of the uncertain inputs.
-    confidence : float
-        Share of the samples between `low` and `high`.
-    seed : int
-    runs : int
-        Samples whose contact and leak rate were calculated; the others follow from a polynomial through them.
-    leak_rate : ndarray, shape (loads, samples)
-        [m^3/s], zero where sealed, infinite where the fluid has blown the contact open.
-    shares : ndarray, shape (loads, inputs)
-        First-order share of each input in the variance of ln Q; their sum falls short of one by what inputs do only
-        together. NaN where a sample is sealed or blown open.
-    error : float or None
-        Largest relative error of samples that were calculated anew beside them, at both ends of the interval, with
-        conductivity tables of their own: of the polynomial and of tables from that of the case; a billionth of what the
-        case itself leaks counts as nothing. None if every sample was calculated so.
-    capped : ndarray, shape (loads, samples), or None
-        The same samples with yielding asperities that change the surface only where it touches [m^3/s]; None where
-        none yields.
-    in_test : LeakInterval or None
-        The same samples with the gas of the standards' tests; None where the fluid is one, and of a liquid.
-    """
-
-    inputs: tuple[str, ...]
-    confidence: float
-    seed: int
-    runs: int
-    leak_rate: FloatArray = field(repr=False)
-    shares: FloatArray
-    error: float | None
-    capped: FloatArray | None = field(default=None, repr=False)
-    in_test: LeakInterval | None = field(default=None, repr=False)
-
-    @property
-    def samples(self) -> int:
-        """Number of samples."""
-        return int(self.leak_rate.shape[1])
-
-    @cached_property
-    def low(self) -> FloatArray:
-        """Lower end of the interval in the reading that leaks less, at each load, shape (loads,) [m^3/s]."""
-        return np.minimum.reduce(self._quantiles(0.5 - 0.5 * self.confidence))
-
-    @cached_property
-    def median(self) -> FloatArray:
-        """Leak rate that half of the samples exceed, shape (loads,) [m^3/s]."""
-        return self._quantiles(0.5)[0]
-
-    @cached_property
-    def high(self) -> FloatArray:
-        """Upper end of the interval in the reading that leaks more, at each load, shape (loads,) [m^3/s]."""
-        return np.maximum.reduce(self._quantiles(0.5 + 0.5 * self.confidence))
-
-    def _quantiles(self, share: float) -> list[FloatArray]:
-        """Of each reading."""
-        return [
-            # between a finite and an infinite leak rate there is nothing to interpolate
-            np.quantile(rates, share, axis=1, method="linear" if np.isfinite(rates).all() else "nearest")
-            for rates in (self.leak_rate, self.capped)
-            if rates is not None
-        ]
-
-    @cached_property
-    def sealed(self) -> FloatArray:
-        """Share of the samples that do not leak, shape (loads,)."""
-        return (self.leak_rate == 0).mean(axis=1)
-
-    @property
-    def ends(self) -> list[tuple[float, float]]:
-        """`low` and `high` of each load [m^3/s]."""
-        return list(zip(self.low.tolist(), self.high.tolist(), strict=True))
-
-    def of(self, loads: Sequence[LoadResult]) -> tuple[LoadResult, ...]:
-        """The loads of the samples, which know their ends.
-
-        Parameters
-        ----------
-        loads : sequence of LoadResult
-        """
-        in_test = [None] * len(loads) if self.in_test is None else self.in_test.ends
-        return tuple(
-            load.knowing(sampled=ends, sampled_in_test=tested)
-            for load, ends, tested in zip(loads, self.ends, in_test, strict=True)
-        )
 
 
 # Ratio of leak rates up to which two readings are told as one number.

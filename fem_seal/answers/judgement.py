@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from fem_seal.seal.findings import VALID, Validity
+from fem_seal.seal.load_result import LoadResult
 
 
 class Verdict(StrEnum):
@@ -228,3 +229,70 @@ class SealJudgement:
     def margin(self) -> float:
         """Of the deciding load, see `Judgement.margin`."""
         return self.worst.margin
+
+
+@dataclass(frozen=True)
+class VerdictForce:
+    """The smallest force with which the verdict passes, its interval and what the calculation may be off by included.
+
+    Parameters
+    ----------
+    force : float or None
+        Of spring or actuator [N]; None if none is found.
+    why_none : str
+        Why not, a clause; empty with a force.
+    looked_for : bool
+        Whether it was, or was too dear unless asked for.
+    begins : str
+        What the load meets where loads leave something behind: "on a new seal", "after the largest earlier load".
+    """
+
+    force: float | None
+    why_none: str = ""
+    looked_for: bool = True
+    begins: str = ""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class JudgedLoad(LoadResult):
+    """A load of a result, and what is said of it.
+
+    Parameters
+    ----------
+    judgement : Judgement or None
+        Whether it keeps what [requirement] asks of it; None where nothing is asked.
+    verdict_force : VerdictForce or None
+        The force at which the verdict passes; None if not asked.
+    """
+
+    judgement: Judgement | None = None
+    verdict_force: VerdictForce | None = None
+
+    @classmethod
+    def of(cls, load: LoadResult, **known: object) -> JudgedLoad:
+        """A load with what is said of it; what it has worked out already stays.
+
+        Parameters
+        ----------
+        load : LoadResult
+        known : object
+            See `Lazy.knowing`.
+        """
+        judged = object.__new__(cls)
+        vars(judged).update(vars(load))
+        return judged.knowing(**known)
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """Verdict "pass", "fail" or "inconclusive"; None where nothing is required."""
+        return None if self.judgement is None else self.judgement.verdict
+
+    @property
+    def margin(self) -> float | None:
+        """Allowed over calculated leak rate, see `Judgement.margin`; None where nothing is required."""
+        return None if self.judgement is None else self.judgement.margin
+
+    @property
+    def force_for_verdict(self) -> float | None:
+        """Of `verdict_force` [N]; None if not asked, and where no force passes."""
+        return None if self.verdict_force is None else self.verdict_force.force
