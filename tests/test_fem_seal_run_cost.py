@@ -10,15 +10,12 @@ import weakref
 from functools import wraps
 
 import pytest
-from matplotlib.figure import Figure
-from sample_results import case, rough_result
+from sample_results import case
 
 import fem_seal
 from fem_seal.answers import accuracy, chain
-from fem_seal.answers.closed_forms import derive, profile_sizes
 from fem_seal.answers.variants import interface_variants
 from fem_seal.cli.quick_start import POSTPONED
-from fem_seal.output.report.page import pictures
 from leak.flow.rough_contact import _conductivity_table
 
 
@@ -34,20 +31,6 @@ def test_a_command_spares_itself_at_its_start_and_at_its_end():
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1] == "fem_seal.cli.quick_start True True"
-
-
-def test_figures_are_gone_once_they_are_drawn():
-    """Their objects know each other, so that nothing but the collector frees them: a megabyte for each picture."""
-    result = rough_result()
-    derived = derive(result.case)
-    gc.collect()
-
-    def figures() -> int:
-        return sum(type(one) is Figure for one in gc.get_objects())
-
-    before = figures()
-    assert len(pictures(result, derived, profile_sizes(result, derived))) == 10
-    assert figures() == before
 
 
 def test_other_bodies_stand_one_at_a_time_and_are_gone_when_the_run_goes_on(monkeypatch):

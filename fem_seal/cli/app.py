@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import gc
 import math
 import os
 import shutil
@@ -110,8 +109,7 @@ def run(
     with alone(folder), _progress(quiet) as progress:
         result = seal_result.run(case, progress=progress, levers=levers)
         progress("writing results")
-        with _left_alone():
-            failures = files.write(result, folder)
+        failures = files.write(result, folder)
     warnings = (*result.warnings, *failures)
     warn(warnings)
     rows = leak_rows(result)
@@ -125,16 +123,6 @@ def run(
         show_particles(result)
         show_verdict(result)
         _list_files(folder)
-
-
-@contextmanager
-def _left_alone() -> Iterator[None]:
-    """Spare the garbage collector what is there by now: it stays, and figures are collected one by one."""
-    gc.freeze()
-    try:
-        yield
-    finally:
-        gc.unfreeze()
 
 
 class _PictureNamedOrNot(TyperCommand):

@@ -5,7 +5,6 @@ For `fem_seal.__main__` alone. Where fem_seal is a library, the other libraries 
 
 from __future__ import annotations
 
-import gc
 import sys
 from collections.abc import Sequence
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
@@ -67,8 +66,6 @@ class _WithoutProperties(SourceFileLoader):
         finally:
             for name, method in kept.items():
                 setattr(ArtistInspector, name, method)
-            # all of it stays to the end
-            gc.freeze()
 
 
 class _WithoutTables(SourceFileLoader):

@@ -223,9 +223,7 @@ def _warm() -> None:
 
         # names the modules that it wants itself, the first time that it is called
         get_mp_context()
-        multiprocessing.set_forkserver_preload(
-            ["distributed.nanny", "fem_seal.studies.responses", "fem_seal.studies.frozen"]
-        )
+        multiprocessing.set_forkserver_preload(["distributed.nanny", "fem_seal.studies.responses"])
 
 
 @contextmanager

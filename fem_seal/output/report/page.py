@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
@@ -96,14 +95,8 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
     sizes : mapping
         From `fem_seal.answers.closed_forms.profile_sizes`.
     """
-    found = [sketch(result)]
     with style():
-        for picture in _drawn(result, derived, sizes):
-            if picture is not None:
-                found.append(picture)
-                # The objects of a figure know each other: a megabyte each that would wait for the end of all.
-                gc.collect(0)
-    return found
+        return [sketch(result), *filter(None, _drawn(result, derived, sizes))]
 
 
 def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> Iterator[Picture | None]:
