@@ -60,7 +60,21 @@ class ExpressionError(ValueError):
 
 
 @dataclass(frozen=True)
-class Expression:
+class _Formula:
+    text: str
+
+    @cached_property
+    def _body(self) -> ast.expr:
+        return _parsed(self.text)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Columns and parameters that it needs."""
+        return tuple(dict.fromkeys(_names(self._body)))
+
+
+@dataclass(frozen=True)
+class Expression(_Formula):
     """A formula over named numbers.
 
     Parameters
@@ -79,20 +93,9 @@ class Expression:
     3.0
     """
 
-    text: str
-
     def __post_init__(self) -> None:
         if isinstance(self._body, ast.Compare):
             raise ExpressionError("is a comparison; a formula gives a number")
-
-    @cached_property
-    def _body(self) -> ast.expr:
-        return _parsed(self.text)
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Columns and parameters that it needs."""
-        return tuple(dict.fromkeys(_names(self._body)))
 
     def __call__(self, values: Mapping[str, float]) -> float:
         """Value; NaN where it is not defined (division by zero, logarithm of a negative number) or not finite."""
@@ -100,7 +103,7 @@ class Expression:
 
 
 @dataclass(frozen=True)
-class Constraint:
+class Constraint(_Formula):
     """A comparison of two formulas, ``max_von_mises_Pa < "1 GPa"``.
 
     Parameters
@@ -112,21 +115,10 @@ class Constraint:
     ExpressionError
     """
 
-    text: str
-
     def __post_init__(self) -> None:
         body = self._body
         if not isinstance(body, ast.Compare) or len(body.ops) != 1 or type(body.ops[0]) not in _COMPARE:
             raise ExpressionError('is no constraint; write one comparison such as max_von_mises_Pa < "1 GPa"')
-
-    @cached_property
-    def _body(self) -> ast.expr:
-        return _parsed(self.text)
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Columns and parameters that it needs."""
-        return tuple(dict.fromkeys(_names(self._body)))
 
     @property
     def sides(self) -> tuple[ast.expr, ast.expr]:

@@ -68,11 +68,6 @@ class ProfileFilter:
                 f"lambda_s = {self.lambda_s}: must be shorter than lambda_c = {self.lambda_c} [m]"
             )
 
-    @property
-    def evaluation_length(self) -> float:
-        """Five sampling lengths, each as long as lambda_c [m]."""
-        return SECTIONS * self.lambda_c
-
     def transmission(self, wavenumber: ArrayLike) -> FloatArray:
         """Amplitude of a wave after both filters over the one before, G = (1 - 2^-(lambda_c/l)^2) 2^-(lambda_s/l)^2.
 

@@ -313,16 +313,6 @@ def _gaussian(x: FloatArray) -> FloatArray:
     return np.exp(np.negative(x, out=x), out=x)
 
 
-def mean_lost_separation(lost: LostArea) -> FloatArray:
-    """<u> of P(u), each folded Gaussian in closed form, shape (P,) [m]."""
-    from scipy.special import erf
-
-    h, u1 = lost.width, lost.separation
-    x = u1 / (np.sqrt(2.0) * h)
-    mean = h * np.sqrt(2.0 / np.pi) * np.exp(-(x**2)) + u1 * erf(x)
-    return np.where(lost.weight > 0.0, lost.weight * mean, 0.0).sum(axis=1)
-
-
 @dataclass(frozen=True)
 class SeparationGrid:
     """Points u for integrals over P(u), shape (P, U): even in ln u near zero, even in u above h_rms."""
