@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, cast
 
 from pydantic import (
@@ -25,6 +24,8 @@ from fem_seal.case.fields import (
     Pressures,
     Quantity,
     Table,
+    optional,
+    required,
 )
 from fem_seal.case.input_files import TensileTest, read_stress_strain
 from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
@@ -88,31 +89,26 @@ class StressStrain(Table):
     with a column for the temperature.
     """
 
-    file: str | None = Field(
-        None,
-        description="text file with a header and the columns plastic_strain (or strain, elastic and plastic together) "
+    file: str | None = optional(
+        "text file with a header and the columns plastic_strain (or strain, elastic and plastic together) "
         "and stress with its unit, of several temperatures also temperature with its unit; relative to the case file",
-        examples=["seat_curve.csv"],
+        "seat_curve.csv",
     )
-    plastic_strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = Field(
-        None,
-        description="true plastic strain as a number, 0.1 is 10 %, beginning with 0",
-        examples=[[0, 0.02, 0.1]],
+    plastic_strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = optional(
+        "true plastic strain as a number, 0.1 is 10 %, beginning with 0", [0, 0.02, 0.1]
     )
-    strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = Field(
-        None,
-        description="true strain, elastic and plastic together, beginning at the yield point, stress/E; instead of "
+    strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = optional(
+        "true strain, elastic and plastic together, beginning at the yield point, stress/E; instead of "
         "plastic_strain",
-        examples=[[0.00119, 0.02, 0.1]],
+        [0.00119, 0.02, 0.1],
     )
-    stress: Annotated[tuple[float, ...], Pressures(_STRENGTH)] | None = Field(
-        None, description="true stress", examples=[["250 MPa", "310 MPa", "350 MPa"]]
+    stress: Annotated[tuple[float, ...], Pressures(_STRENGTH)] | None = optional(
+        "true stress", ["250 MPa", "310 MPa", "350 MPa"]
     )
-    temperature: Annotated[float, TEMPERATURE] | None = Field(
-        None,
-        description="at which the curve was measured; one curve without it is that of the body at its temperature, "
+    temperature: Annotated[float, TEMPERATURE] | None = optional(
+        "at which the curve was measured; one curve without it is that of the body at its temperature, "
         "whatever that is",
-        examples=["20 degC"],
+        "20 degC",
     )
 
     @model_validator(mode="after")
@@ -217,33 +213,28 @@ class MaterialTable(Table):
         max_length=80,
         examples=["stellite 6"],
     )
-    youngs_modulus: Modulus = Field(description="E", examples=["210 GPa"])
-    poissons_ratio: PoissonsRatio = Field(description="nu", examples=[0.3])
-    hardness: Strength | None = Field(
-        None,
-        description="penetration hardness, the pressure at which asperities yield; about three times the "
+    youngs_modulus: Modulus = required("E", "210 GPa")
+    poissons_ratio: PoissonsRatio = required("nu", 0.3)
+    hardness: Strength | None = optional(
+        "penetration hardness, the pressure at which asperities yield; about three times the "
         'yield stress at 15 % strain; a Vickers hardness may be written as "435 HV"',
-        examples=["3.5 GPa"],
+        "3.5 GPa",
     )
-    yield_stress: Strength | None = Field(
-        None,
-        description="onset of plastic flow in tension; a von Mises stress above it is warned about",
-        examples=["1 GPa"],
+    yield_stress: Strength | None = optional(
+        "onset of plastic flow in tension; a von Mises stress above it is warned about", "1 GPa"
     )
-    stress_strain: Curves | None = Field(
-        None,
-        description="stress-strain curve of a body that is solved as elastoplastic, with isotropic hardening, or a "
+    stress_strain: Curves | None = optional(
+        "stress-strain curve of a body that is solved as elastoplastic, with isotropic hardening, or a "
         "list of curves, each with its temperature; elastic whatever its stress unless given",
-        examples=[{"plastic_strain": [0, 0.1], "stress": ["250 MPa", "350 MPa"]}],
+        {"plastic_strain": [0, 0.1], "stress": ["250 MPa", "350 MPa"]},
     )
-    thermal_expansion: Expansion | None = Field(
-        None,
-        description="mean coefficient of linear expansion from 20 degC to the temperature; of a seal that is heated or "
+    thermal_expansion: Expansion | None = optional(
+        "mean coefficient of linear expansion from 20 degC to the temperature; of a seal that is heated or "
         "cooled",
-        examples=["11.5e-6 1/K"],
+        "11.5e-6 1/K",
     )
-    thermal_conductivity: Conductivity | None = Field(
-        None, description="of a seal whose temperature is calculated", examples=["15 W/(m K)"]
+    thermal_conductivity: Conductivity | None = optional(
+        "of a seal whose temperature is calculated", "15 W/(m K)"
     )
     creeps: bool = Field(
         False,
@@ -444,30 +435,9 @@ def _origin(value: dict[str, Any]) -> dict[str, Any]:
     return {"source": words + known.source, "condition": known.condition}
 
 
-def place_body_files(body: object, folder: Path) -> None:
-    """Make the files of a body's profile and material, as they stand in a case file, relative to that file's folder."""
-    if isinstance(body, dict) and isinstance(body.get("file"), str):
-        body["file"] = str(folder / body["file"])
-    material = body.get("material") if isinstance(body, dict) else None
-    curves = material.get("stress_strain") if isinstance(material, dict) else None
-    for curve in curves if isinstance(curves, list) else [curves]:
-        if isinstance(curve, dict) and isinstance(curve.get("file"), str):
-            curve["file"] = str(folder / curve["file"])
-
-
 MaterialField = Annotated[Material, MaterialEntry()]
 
 
 def material_field() -> Any:
     """Entry for the material of a body."""
-    return Field(description="name from the library, or a table", examples=["steel"])
-
-
-def required(description: str, example: str) -> Any:
-    """Entry for a dimension that has to be given."""
-    return Field(description=description, examples=[example])
-
-
-def dimension(description: str, example: str) -> Any:
-    """Entry for a dimension that may be left open; the description ends with what it is then."""
-    return Field(None, description=description, examples=[example])
+    return required("name from the library, or a table", "steel")

@@ -11,15 +11,13 @@ from typing import Any
 
 from pydantic import PrivateAttr, ValidationError
 
-from fem_seal.case.bodies import library_table, place_body_files
+from fem_seal.case.bodies import library_table
 from fem_seal.case.checks import contradictions
-from fem_seal.case.direct import place_direct_files
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry
-from fem_seal.case.form import place_trace_files
 from fem_seal.case.gauge import as_differences, is_said_of_one_side
 from fem_seal.case.leak_rate import of_this_gas
 from fem_seal.case.messages import choices, problems, tables_of
-from fem_seal.case.roughness import place_files, roughness_like
+from fem_seal.case.roughness import roughness_like
 from fem_seal.case.si_numbers import with_units
 from fem_seal.case.tables import CaseTables
 from fem_seal.case.temperature import with_film_temperature
@@ -229,9 +227,9 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
     if isinstance(source, Mapping):
         return _case_of(source)
     path = Path(source)
-    tables = read_toml(path, "case")
+    tables = _placed(read_toml(path, "case"), path.absolute().parent)
     tables.setdefault("title", path.stem)
-    _place_files(tables, path)
+    _place_results(tables, path)
     try:
         case = Case(**tables)
     except InputError as error:
@@ -269,17 +267,25 @@ def _case_of(tables: Mapping[str, Any]) -> Case:
     return Case(**tables)
 
 
-def _place_files(tables: dict[str, Any], path: Path) -> None:
-    """Make the files named in the tables relative to the case file, and name the results folder after it."""
-    folder = path.absolute().parent
-    place_files(tables.get("roughness"), folder)
-    for body in ("closure", "seat"):
-        place_body_files(tables.get(body), folder)
-    place_trace_files(tables.get("form"), folder)
-    place_direct_files(tables.get("direct"), folder, path.stem)
-    output = tables.setdefault("output", {})
-    if isinstance(output, dict) and isinstance(output.get("folder", ""), str):
-        output["folder"] = str(folder / output.get("folder", f"{path.stem}.out"))
+# Keys of all tables at which a file is named.
+_FILES = ("file", "files", "trace", "profile")
+
+
+def _placed(entry: Any, folder: Path, name: str = "") -> Any:
+    """An entry of a case file, with the files that it names relative to that file's folder."""
+    if isinstance(entry, dict):
+        return {key: _placed(value, folder, key) for key, value in entry.items()}
+    if isinstance(entry, list):
+        return [_placed(value, folder, name) for value in entry]
+    return str(folder / entry) if name in _FILES and isinstance(entry, str) else entry
+
+
+def _place_results(tables: dict[str, Any], path: Path) -> None:
+    """Name the folders of results after the case file, where it names none itself."""
+    for name, given in (("output", tables.setdefault("output", {})), ("direct", tables.get("direct"))):
+        ending = "out" if name == "output" else name
+        if isinstance(given, dict) and isinstance(given.get("folder", ""), str):
+            given["folder"] = str(path.absolute().parent / given.get("folder", f"{path.stem}.{ending}"))
 
 
 def _named_files(entry: Any, name: str = "") -> Iterator[str]:
@@ -289,7 +295,7 @@ def _named_files(entry: Any, name: str = "") -> Iterator[str]:
     elif isinstance(entry, (list, tuple)):
         for value in entry:
             yield from _named_files(value, name)
-    elif name in ("file", "files", "trace", "profile") and isinstance(entry, str):
+    elif name in _FILES and isinstance(entry, str):
         yield entry
 
 

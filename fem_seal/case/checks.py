@@ -18,6 +18,7 @@ from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.errors import InputError, Problem
 from fem_seal.units import given as written
 from meshes import GeometryError
+from meshes.errors import mm
 
 # Interference of a press fit over the radius of the wall, up to which strains are small.
 _LARGEST_FIT = 0.01
@@ -139,8 +140,8 @@ def _bodies(case: CaseTables) -> Iterator[Problem]:
     if size is not None and size > r0 / 4:
         yield Problem(
             "mesh.contact_size",
-            f"too coarse for a contact circle of {_mm(r0)}; allowed is up to {_mm(r0 / 4)}",
-            _mm(size),
+            f"too coarse for a contact circle of {mm(r0)}; allowed is up to {mm(r0 / 4)}",
+            mm(size),
         )
     yield from _press_fit(case)
 
@@ -151,9 +152,9 @@ def _press_fit(case: CaseTables) -> Iterator[Problem]:
     if interference > _LARGEST_FIT * wall:
         yield Problem(
             "seat.interference",
-            f"is {100 * interference / wall:.2g} % of the radius of the wall, {_mm(wall)}; the theory is for small "
-            f"strains and allows up to {100 * _LARGEST_FIT:g} %, {_mm(_LARGEST_FIT * wall)}",
-            _mm(interference),
+            f"is {100 * interference / wall:.2g} % of the radius of the wall, {mm(wall)}; the theory is for small "
+            f"strains and allows up to {100 * _LARGEST_FIT:g} %, {mm(_LARGEST_FIT * wall)}",
+            mm(interference),
         )
 
 
@@ -234,7 +235,7 @@ def _fit(case: CaseTables) -> Iterator[Problem]:
     if moved > _LARGEST_FIT * wall:
         yield Problem(
             "temperature.housing",
-            f"the seat is pressed together by {100 * moved / wall:.2g} % of the radius of its wall, {_mm(wall)}; the "
+            f"the seat is pressed together by {100 * moved / wall:.2g} % of the radius of its wall, {mm(wall)}; the "
             f"theory is for small strains and allows up to {100 * _LARGEST_FIT:g} %",
         )
 
@@ -469,10 +470,6 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
             f"counts particles in a liquid, but {shown(fluid.name)} is a gas; give sizes and per_ml",
             shown(fluid.particles.iso_4406),
         )
-
-
-def _mm(length: float) -> str:
-    return f"{1e3 * length:.6g} mm"
 
 
 def _remembering(case: CaseTables) -> str:

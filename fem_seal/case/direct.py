@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from fem_seal.case.fields import Number, Pressures, Quantity, Table, Whole
+from fem_seal.case.fields import Number, Pressures, Quantity, Table, Whole, optional
 from fem_seal.case.roughness import LengthUnits
 
 Asperities = Literal["elastic", "capped", "von-mises"]
@@ -24,11 +23,10 @@ class Direct(Table):
     seed: Annotated[int, Whole(0, 10**9)] = Field(
         1, description="of the random phases; each sample has the next one"
     )
-    size: Annotated[float, Quantity("length", "1 nm", "1 m")] | None = Field(
-        None,
-        description="side of the patch; waves times the wavelength above which half of the height variance lies, "
+    size: Annotated[float, Quantity("length", "1 nm", "1 m")] | None = optional(
+        "side of the patch; waves times the wavelength above which half of the height variance lies, "
         "unless given",
-        examples=["0.4 mm"],
+        "0.4 mm",
     )
     waves: Annotated[float, Number(1, 100)] = Field(
         8.0, description="waves along a side that make the height, see size"
@@ -41,51 +39,42 @@ class Direct(Table):
         description='"exact": every sample has the spectrum itself, the phases alone are random; "gaussian": as pieces '
         "cut out of a Gaussian surface",
     )
-    pressure: Annotated[tuple[float, ...], Pressures(CONTACT_PRESSURE)] | None = Field(
-        None,
-        description="nominal contact pressures; eight unless given, from a contact area of 0.3 % to one of 30 % in the "
+    pressure: Annotated[tuple[float, ...], Pressures(CONTACT_PRESSURE)] | None = optional(
+        "nominal contact pressures; eight unless given, from a contact area of 0.3 % to one of 30 % in the "
         "theory",
-        examples=[["10 MPa", "50 MPa"]],
+        ["10 MPa", "50 MPa"],
     )
-    unload: Annotated[tuple[float, ...], Pressures(CONTACT_PRESSURE)] | None = Field(
-        None, description="pressures after the largest of pressure, below it", examples=[["10 MPa"]]
+    unload: Annotated[tuple[float, ...], Pressures(CONTACT_PRESSURE)] | None = optional(
+        "pressures after the largest of pressure, below it", ["10 MPa"]
     )
-    direction: Literal["both", "x", "y"] | None = Field(
-        None,
-        description='of the flow: "both": the mean; "x": along the first direction of a map, along the flow of a '
-        "roughness with a lay; both unless there is a lay, x then",
+    direction: Literal["both", "x", "y"] | None = optional(
+        'of the flow: "both": the mean; "x": along the first direction of a map, along the flow of a '
+        "roughness with a lay; both unless there is a lay, x then"
     )
-    asperities: Asperities | None = Field(
-        None,
-        description='what yields: "elastic": nothing; "capped": no pressure exceeds the hardness; "von-mises": metal '
-        "flows below the surface; capped where asperities yield (leak.plasticity) and elastic elsewhere unless given",
+    asperities: Asperities | None = optional(
+        'what yields: "elastic": nothing; "capped": no pressure exceeds the hardness; "von-mises": metal '
+        "flows below the surface; capped where asperities yield (leak.plasticity) and elastic elsewhere unless given"
     )
-    yield_stress: Annotated[float, CONTACT_PRESSURE] | None = Field(
-        None,
-        description='of asperities = "von-mises", in tension; the hardness over 2.9 unless given',
-        examples=["1.2 GPa"],
+    yield_stress: Annotated[float, CONTACT_PRESSURE] | None = optional(
+        'of asperities = "von-mises", in tension; the hardness over 2.9 unless given', "1.2 GPa"
     )
-    file: str | None = Field(
-        None,
-        description="measured map that is simulated instead of random patches, a file of an instrument; relative to "
+    file: str | None = optional(
+        "measured map that is simulated instead of random patches, a file of an instrument; relative to "
         "the case file",
-        examples=["seat.x3p"],
+        "seat.x3p",
     )
-    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = Field(
-        None,
-        description="unit of length of the map and its heights, if the file states none",
-        examples=["um"],
+    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = optional(
+        "unit of length of the map and its heights, if the file states none", "um"
     )
     continuation: Literal["mirror", "window"] = Field(
         "mirror",
         description='how the map becomes periodic: "mirror": with its mirror images, a side twice as long; "window": '
         "its border is brought down to the mean",
     )
-    folder: str | None = Field(
-        None,
-        description="where finished pieces are kept for the next run, relative to the case file; <case name>.direct "
+    folder: str | None = optional(
+        "where finished pieces are kept for the next run, relative to the case file; <case name>.direct "
         "unless given",
-        examples=["ball.direct"],
+        "ball.direct",
     )
 
     @model_validator(mode="after")
@@ -99,23 +88,3 @@ class Direct(Table):
         if self.file is not None and self.size is not None:
             raise ValueError("has size and file, whose map has its own; remove size")
         return self
-
-
-def place_direct_files(table: Any, folder: Path, stem: str) -> None:
-    """Make the names in a table relative to the case file's folder.
-
-    Parameters
-    ----------
-    table : object
-        The table as it stands in the file.
-    folder : Path
-        That of the case file.
-    stem : str
-        The case file's name.
-    """
-    if not isinstance(table, dict):
-        return
-    if isinstance(table.get("file"), str):
-        table["file"] = str(folder / table["file"])
-    if isinstance(table.get("folder", ""), str):
-        table["folder"] = str(folder / table.get("folder", f"{stem}.direct"))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, get_args
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
@@ -355,6 +355,21 @@ class Table(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, strict=True, validate_default=False, defer_build=True
     )
+
+
+def required(description: str, example: object) -> Any:
+    """Entry of a table that has to be given."""
+    return Field(description=description, examples=[example])
+
+
+def optional(description: str, example: object = None) -> Any:
+    """Entry of a table that may be left open; the description says what it is then."""
+    return Field(None, description=description, examples=None if example is None else [example])
+
+
+def preset(value: float, written: str, description: str, example: str) -> Any:
+    """Entry that has a value unless given, which the schema shows as it is written."""
+    return Field(value, description=description, examples=[example], json_schema_extra={"default": written})
 
 
 class Whole(Number):

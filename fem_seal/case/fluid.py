@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
-from fem_seal.case.fields import Number, Numbers, OneOrMany, Quantity, Table, shown
+from fem_seal.case.fields import (
+    Number,
+    Numbers,
+    OneOrMany,
+    Quantity,
+    Table,
+    optional,
+    preset,
+    required,
+    shown,
+)
 from fem_seal.errors import InputError, Problem, QuantityError
 from fem_seal.units import LIQUID, LeakVolume, parse_quantity
 from leak.standards import STANDARD_PRESSURE
@@ -35,21 +45,16 @@ class Particles(Table):
         examples=["18/16/13"],
         max_length=20,
     )
-    sizes: Annotated[float | tuple[float, ...], OneOrMany("length", "1 nm", "1 mm")] | None = Field(
-        None,
-        description="instead of a code: sizes of the particles that were counted, increasing",
-        examples=[["2 um", "5 um", "15 um"]],
+    sizes: Annotated[float | tuple[float, ...], OneOrMany("length", "1 nm", "1 mm")] | None = optional(
+        "instead of a code: sizes of the particles that were counted, increasing", ["2 um", "5 um", "15 um"]
     )
-    per_ml: Annotated[tuple[float, ...], Numbers(Number(0, 1e15, exclusive_low=True))] | None = Field(
-        None,
-        description="with sizes: particles at least so large in a millilitre of the fluid",
-        examples=[[20000, 1200, 40]],
+    per_ml: Annotated[tuple[float, ...], Numbers(Number(0, 1e15, exclusive_low=True))] | None = optional(
+        "with sizes: particles at least so large in a millilitre of the fluid", [20000, 1200, 40]
     )
-    filter: Annotated[float, Quantity("length", "1 nm", "1 mm")] | None = Field(
-        None,
-        description="rating of a filter before the seal, taken as absolute: all particles above it are gone; the "
+    filter: Annotated[float, Quantity("length", "1 nm", "1 mm")] | None = optional(
+        "rating of a filter before the seal, taken as absolute: all particles above it are gone; the "
         "counts are those before the filter",
-        examples=["3 um"],
+        "3 um",
     )
 
     @model_validator(mode="after")
@@ -87,34 +92,27 @@ class Fluid(Table):
         examples=["helium"],
         max_length=80,
     )
-    temperature: Annotated[float, Quantity("temperature", "50 K", "1500 K")] = Field(
-        _ROOM_TEMPERATURE,
-        description="temperature of the fluid, at which its properties are taken",
-        examples=["20 degC"],
-        json_schema_extra={"default": "20 degC"},
+    temperature: Annotated[float, Quantity("temperature", "50 K", "1500 K")] = preset(
+        _ROOM_TEMPERATURE, "20 degC", "temperature of the fluid, at which its properties are taken", "20 degC"
     )
-    viscosity: Annotated[float, Quantity("viscosity", "1e-4 mPa s", "1e6 Pa s")] = Field(
-        description="dynamic viscosity, of a liquid at atmospheric pressure; taken from the library unless given",
-        examples=["1 mPa s"],
+    viscosity: Annotated[float, Quantity("viscosity", "1e-4 mPa s", "1e6 Pa s")] = required(
+        "dynamic viscosity, of a liquid at atmospheric pressure; taken from the library unless given",
+        "1 mPa s",
     )
     pressure_viscosity: (
         Annotated[float, Quantity("pressure-viscosity coefficient", "0 1/GPa", "100 1/GPa")] | None
-    ) = Field(
-        None,
-        description="of a liquid that thickens under pressure: alpha of Barus' law, viscosity times exp(alpha p); the "
+    ) = optional(
+        "of a liquid that thickens under pressure: alpha of Barus' law, viscosity times exp(alpha p); the "
         "library's own law unless given; see guide/fluids in the manual",
-        examples=["20 1/GPa"],
+        "20 1/GPa",
     )
-    roelands_z: Annotated[float, Number(0, 2, exclusive_low=True)] | None = Field(
-        None,
-        description="instead: exponent Z of Roelands' law, which bends less than Barus' above some 500 bar",
-        examples=[0.67],
+    roelands_z: Annotated[float, Number(0, 2, exclusive_low=True)] | None = optional(
+        "instead: exponent Z of Roelands' law, which bends less than Barus' above some 500 bar", 0.67
     )
-    outlet_pressure: Annotated[float, Quantity("pressure", "0 Pa", "10 GPa")] | None = Field(
-        None,
-        description='of a gas: absolute pressure on the low side, "1.01325 bar" unless given; "0 Pa" is vacuum. '
+    outlet_pressure: Annotated[float, Quantity("pressure", "0 Pa", "10 GPa")] | None = optional(
+        'of a gas: absolute pressure on the low side, "1.01325 bar" unless given; "0 Pa" is vacuum. '
         "The pressure on the high side is this plus load.fluid_pressure",
-        examples=["1.01325 bar"],
+        "1.01325 bar",
     )
     particles: Particles | None = None
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from fem_seal.case.fields import Quantity, Table, Whole, shown
+from fem_seal.case.fields import Quantity, Table, Whole, optional, preset, required, shown
 from fem_seal.case.traces import read_lay, read_trace
 from fem_seal.errors import TextTableError
 from fem_seal.form import (
@@ -36,29 +35,22 @@ _ACROSS = 1e-9
 class Harmonic(Table):
     """A wave around the axis, deviation = amplitude cos(waves phi - phase)."""
 
-    waves: Annotated[int, Whole(1, MOST_WAVES)] = Field(description="waves per turn", examples=[2])
-    amplitude: Annotated[float, DEVIATION] = Field(
-        description="half of the deviation from valley to crest", examples=["1 um"]
-    )
-    phase: Annotated[float, TURN] = Field(
-        0.0,
-        description="phase; the first crest stands at phase/waves",
-        examples=["0 deg"],
-        json_schema_extra={"default": "0 deg"},
+    waves: Annotated[int, Whole(1, MOST_WAVES)] = required("waves per turn", 2)
+    amplitude: Annotated[float, DEVIATION] = required("half of the deviation from valley to crest", "1 um")
+    phase: Annotated[float, TURN] = preset(
+        0.0, "0 deg", "phase; the first crest stands at phase/waves", "0 deg"
     )
 
 
 class MeasuredTrace(Table):
     """A measured roundness, flatness or waviness trace; also just the name of its file."""
 
-    file: str = Field(
-        description="text file with the columns angle and deviation and their units, or deviation alone at uniform "
+    file: str = required(
+        "text file with the columns angle and deviation and their units, or deviation alone at uniform "
         "angles around the whole turn",
-        examples=["roundness.csv"],
+        "roundness.csv",
     )
-    unit: str | None = Field(
-        None, description="unit of the deviation, where the file does not say it", examples=["um"]
-    )
+    unit: str | None = optional("unit of the deviation, where the file does not say it", "um")
     waves: Annotated[int, Whole(2, MOST_WAVES)] = Field(
         _USUAL_WAVES, description="most waves per turn that are taken from the trace, like its filter's limit"
     )
@@ -126,21 +118,11 @@ class MeasuredTrace(Table):
 class Scratch(Table):
     """[[form.scratches]]: a scratch across the face, of elliptic section."""
 
-    depth: Annotated[float, SECTION] = Field(
-        description="depth without load, from the undamaged face", examples=["5 um"]
-    )
-    width: Annotated[float, SECTION] = Field(description="full width", examples=["30 um"])
-    angle: Annotated[float, TURN] = Field(
-        0.0,
-        description="where it lies around the axis",
-        examples=["90 deg"],
-        json_schema_extra={"default": "0 deg"},
-    )
-    direction: Annotated[float, Quantity("angle", "-85 deg", "85 deg")] = Field(
-        0.0,
-        description="angle between the scratch and the shortest way across the face",
-        examples=["30 deg"],
-        json_schema_extra={"default": "0 deg"},
+    depth: Annotated[float, SECTION] = required("depth without load, from the undamaged face", "5 um")
+    width: Annotated[float, SECTION] = required("full width", "30 um")
+    angle: Annotated[float, TURN] = preset(0.0, "0 deg", "where it lies around the axis", "90 deg")
+    direction: Annotated[float, Quantity("angle", "-85 deg", "85 deg")] = preset(
+        0.0, "0 deg", "angle between the scratch and the shortest way across the face", "30 deg"
     )
 
     @property
@@ -154,28 +136,23 @@ class Scratch(Table):
 class Lay(Table):
     """[form.lay]: the groove of a turned seat that winds through the contact, not part of [roughness]."""
 
-    pitch: Annotated[float, SECTION] = Field(
-        description="feed per turn, measured along the face; from the profile unless given",
-        examples=["50 um"],
+    pitch: Annotated[float, SECTION] = required(
+        "feed per turn, measured along the face; from the profile unless given", "50 um"
     )
-    depth: Annotated[float, SECTION] = Field(
-        description="depth of the groove without load, from crest to valley; from the profile unless given",
-        examples=["2 um"],
+    depth: Annotated[float, SECTION] = required(
+        "depth of the groove without load, from crest to valley; from the profile unless given", "2 um"
     )
-    profile: str | None = Field(
-        None,
-        description="text file with a profile measured across the lay, columns x and z with their units: pitch and "
+    profile: str | None = optional(
+        "text file with a profile measured across the lay, columns x and z with their units: pitch and "
         "depth are those of its strongest wave",
-        examples=["lay.csv"],
+        "lay.csv",
     )
     section: Literal["sinusoidal", "elliptic"] = Field(
         "sinusoidal",
         description='"sinusoidal": one wave as wide as the pitch; "elliptic": half an ellipse between flat lands',
     )
-    width: Annotated[float, SECTION] | None = Field(
-        None,
-        description='with section = "elliptic": its full width; the pitch unless given',
-        examples=["30 um"],
+    width: Annotated[float, SECTION] | None = optional(
+        'with section = "elliptic": its full width; the pitch unless given', "30 um"
     )
 
     @model_validator(mode="before")
@@ -224,16 +201,13 @@ class BodyForm(Table):
         examples=[[{"waves": 2, "amplitude": "1 um", "phase": "0 deg"}]],
         strict=False,
     )
-    trace: MeasuredTrace | None = Field(
-        None,
-        description="a measured trace instead, the name of its file or a table",
-        examples=["roundness.csv"],
+    trace: MeasuredTrace | None = optional(
+        "a measured trace instead, the name of its file or a table", "roundness.csv"
     )
-    tolerance: Annotated[float, DEVIATION] | None = Field(
-        None,
-        description="a tolerance (ISO 1101) instead: a cosine that fills its zone, with the number of waves that hurts "
+    tolerance: Annotated[float, DEVIATION] | None = optional(
+        "a tolerance (ISO 1101) instead: a cosine that fills its zone, with the number of waves that hurts "
         "most",
-        examples=["2 um"],
+        "2 um",
     )
     tolerance_waves: tuple[Annotated[int, Whole(2, 100)], Annotated[int, Whole(2, 100)]] = Field(
         (2, _USUAL_WAVES),
@@ -271,45 +245,30 @@ class Form(Table):
         description='"free": the closure shifts and tilts until it carries neither lateral force nor moment, which '
         'takes the first harmonic out; "guided": an infinitely stiff guide holds it, eccentric or tilted as it is',
     )
-    eccentricity: Annotated[float, DEVIATION] = Field(
-        0.0,
-        description="distance of the guided closure's axis from that of the seat",
-        examples=["5 um"],
-        json_schema_extra={"default": "0 um"},
+    eccentricity: Annotated[float, DEVIATION] = preset(
+        0.0, "0 um", "distance of the guided closure's axis from that of the seat", "5 um"
     )
-    eccentricity_angle: Annotated[float, TURN] = Field(
-        0.0,
-        description="angle around the axis towards which it stands off",
-        examples=["0 deg"],
-        json_schema_extra={"default": "0 deg"},
+    eccentricity_angle: Annotated[float, TURN] = preset(
+        0.0, "0 deg", "angle around the axis towards which it stands off", "0 deg"
     )
-    tilt: Annotated[float, Quantity("angle", "0 deg", "1 deg")] = Field(
-        0.0,
-        description="angle by which the guided closure leans",
-        examples=["0.02 deg"],
-        json_schema_extra={"default": "0 deg"},
+    tilt: Annotated[float, Quantity("angle", "0 deg", "1 deg")] = preset(
+        0.0, "0 deg", "angle by which the guided closure leans", "0.02 deg"
     )
-    tilt_angle: Annotated[float, TURN] = Field(
-        0.0,
-        description="angle around the axis towards which its top leans",
-        examples=["0 deg"],
-        json_schema_extra={"default": "0 deg"},
+    tilt_angle: Annotated[float, TURN] = preset(
+        0.0, "0 deg", "angle around the axis towards which its top leans", "0 deg"
     )
-    tilt_height: Annotated[float, Quantity("length", "-10 m", "10 m")] = Field(
-        0.0,
-        description="height of the point about which it leans, over the circle of first touch",
-        examples=["14 mm"],
-        json_schema_extra={"default": "0 mm"},
+    tilt_height: Annotated[float, Quantity("length", "-10 m", "10 m")] = preset(
+        0.0, "0 mm", "height of the point about which it leans, over the circle of first touch", "14 mm"
     )
-    seat: BodyForm | None = Field(None, description="deviations of the seat")
-    closure: BodyForm | None = Field(None, description="deviations of the closure")
+    seat: BodyForm | None = optional("deviations of the seat")
+    closure: BodyForm | None = optional("deviations of the closure")
     scratches: tuple[Scratch, ...] = Field(
         (),
         description="scratches and notches from one side of the seal to the other",
         examples=[[{"depth": "5 um", "width": "30 um"}]],
         strict=False,
     )
-    lay: Lay | None = Field(None, description="the spiral groove of a turned seat")
+    lay: Lay | None = optional("the spiral groove of a turned seat")
 
     flow_around: bool = Field(
         False,
@@ -395,19 +354,3 @@ class Form(Table):
 def _normal(angle: float) -> tuple[float, float]:
     """(n_r, n_z) of the contact normal."""
     return -math.sin(angle), math.cos(angle)
-
-
-def place_trace_files(form: object, folder: Path) -> None:
-    """Make the files named in the table, as it stands in a case file, relative to that file's folder."""
-    lay = form.get("lay") if isinstance(form, dict) else None
-    if isinstance(lay, dict) and isinstance(lay.get("profile"), str):
-        lay["profile"] = str(folder / lay["profile"])
-    for key in ("seat", "closure"):
-        part = form.get(key) if isinstance(form, dict) else None
-        if not isinstance(part, dict):
-            continue
-        trace = part.get("trace")
-        if isinstance(trace, str):
-            part["trace"] = str(folder / trace)
-        elif isinstance(trace, dict) and isinstance(trace.get("file"), str):
-            trace["file"] = str(folder / trace["file"])

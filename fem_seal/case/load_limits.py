@@ -9,6 +9,7 @@ from fem_seal.case.tables import CaseTables, curves
 from fem_seal.errors import LoadProblem
 from fem_seal.loads import CONSTRAINT, contact_force, expected_force, line_load
 from fem_seal.units import briefly
+from meshes.errors import mm
 
 # Pressure over effective modulus that the whole face would have to carry in the mean, above which the contact runs over
 # the ends of the faces whatever their shape: even of an edge pressed flat over all of its radius it is less.
@@ -91,7 +92,7 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
             "load.applied_force",
             f"the fluid lifts the closure at {fluid_pressure / 1e5:.6g} bar and no applied force holds it; give an "
             f"applied_force above about {briefly('force', needed)}, the fluid force on the circle of first "
-            f"touch, radius {_mm(r0)}",
+            f"touch, radius {mm(r0)}",
             f"{applied_force:.6g} N",
         )
     if _force(case, fluid_pressure, applied_force) > 0:
@@ -101,7 +102,7 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
         "load.applied_force",
         f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: the fluid {how} "
         f"{briefly('force', abs(needed))} "
-        f"on the sealed area of radius {_mm(r0)}; give an applied_force above {needed:.6g} N",
+        f"on the sealed area of radius {mm(r0)}; give an applied_force above {needed:.6g} N",
         f"{applied_force:.6g} N",
     )
 
@@ -127,7 +128,7 @@ def _too_large(
                 "load",
                 f"a contact force of {briefly('force', force)} is more than the body that yields can carry "
                 "with all of its face, "
-                f"{_mm(length)} long: {briefly('force', force * most / f)} at {CONSTRAINT:g} times the last "
+                f"{mm(length)} long: {briefly('force', force * most / f)} at {CONSTRAINT:g} times the last "
                 "stress of its curve "
                 f"(full plasticity). Lower {lower}, or take a harder body",
                 kind="strain",
@@ -136,13 +137,9 @@ def _too_large(
     if f > most:
         yield LoadProblem(
             "load",
-            f"a contact force of {briefly('force', force)}, spread evenly over all of the face, {_mm(length)} "
+            f"a contact force of {briefly('force', force)}, spread evenly over all of the face, {mm(length)} "
             "long, is a pressure "
             f"above {_CRUSHED:g} of the effective modulus: no contact on these faces carries it. The largest that can "
             f"be calculated is {briefly('force', force * most / f)}. Lower {lower}, or take stiffer materials",
             kind="strain",
         )
-
-
-def _mm(length: float) -> str:
-    return f"{1e3 * length:.6g} mm"

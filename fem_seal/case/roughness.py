@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from fem_seal.case.fields import Entry, Number, Quantity, Table, shown
+from fem_seal.case.fields import Entry, Number, Quantity, Table, optional, required, shown
 from fem_seal.case.finish import HEIGHTS, FinishKeys, FinishTable, Wavenumber, is_finish, read_finish
 from fem_seal.case.input_files import read_spectrum
 from fem_seal.case.messages import problems
@@ -73,22 +73,14 @@ class LengthUnits(Texts):
 class SelfAffine(Table):
     """kind = "self-affine": isotropic, constant up to q_rolloff, then falling as q^(-2 (1 + hurst))."""
 
-    kind: Literal["self-affine"] = Field(description="kind of spectrum", examples=["self-affine"])
-    rms_height: Annotated[float, Quantity("length", "0.01 nm", "1 mm")] = Field(
-        description="root-mean-square height", examples=["1.9 um"]
+    kind: Literal["self-affine"] = required("kind of spectrum", "self-affine")
+    rms_height: Annotated[float, Quantity("length", "0.01 nm", "1 mm")] = required(
+        "root-mean-square height", "1.9 um"
     )
-    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] = Field(
-        description="Hurst exponent", examples=[0.6]
-    )
-    q_low: Wavenumber = Field(
-        description="smallest wavenumber, 2 pi over the longest wavelength", examples=["1e3 1/m"]
-    )
-    q_rolloff: Wavenumber = Field(
-        description="wavenumber above which the spectrum falls", examples=["3.727e4 1/m"]
-    )
-    q_high: Wavenumber = Field(
-        description="largest wavenumber, 2 pi over the shortest wavelength", examples=["3.1416e6 1/m"]
-    )
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] = required("Hurst exponent", 0.6)
+    q_low: Wavenumber = required("smallest wavenumber, 2 pi over the longest wavelength", "1e3 1/m")
+    q_rolloff: Wavenumber = required("wavenumber above which the spectrum falls", "3.727e4 1/m")
+    q_high: Wavenumber = required("largest wavenumber, 2 pi over the shortest wavelength", "3.1416e6 1/m")
 
     def build(self) -> PowerSpectrum:
         """The spectrum as `leak` takes it."""
@@ -100,11 +92,10 @@ class SelfAffine(Table):
 class Tabulated(Table):
     """kind = "table": a two-dimensional isotropic spectrum from a file."""
 
-    kind: Literal["table"] = Field(description="kind of spectrum", examples=["table"])
-    file: str = Field(
-        description="text file with two columns, wavenumber q [1/m] and density C [m^4], relative to the "
-        "case file",
-        examples=["C.csv"],
+    kind: Literal["table"] = required("kind of spectrum", "table")
+    file: str = required(
+        "text file with two columns, wavenumber q [1/m] and density C [m^4], relative to the case file",
+        "C.csv",
     )
 
     @field_validator("file")
@@ -123,24 +114,19 @@ class Tabulated(Table):
 class Measured(Table):
     """kind = "profile": the spectrum of measured line scans or maps; see guide/surfaces in the manual."""
 
-    kind: Literal["profile"] = Field(description="kind of spectrum", examples=["profile"])
-    file: str | None = Field(
-        None,
-        description="scan: text with two columns, position and height, or a file of an instrument; relative to the "
+    kind: Literal["profile"] = required("kind of spectrum", "profile")
+    file: str | None = optional(
+        "scan: text with two columns, position and height, or a file of an instrument; relative to the "
         "case file",
-        examples=["seat.csv"],
+        "seat.csv",
     )
     files: Annotated[tuple[str, ...], Texts(most=_MOST_FILES, what='["scan1.csv", "scan2.csv"]')] | None = (
-        Field(
-            None,
-            description="several scans of one surface, instead of file; they are averaged",
-            examples=[["scan1.csv", "scan2.csv"]],
+        optional(
+            "several scans of one surface, instead of file; they are averaged", ["scan1.csv", "scan2.csv"]
         )
     )
-    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = Field(
-        None,
-        description="unit of length of x and height, or of each, if the file states none; it is never guessed",
-        examples=["um"],
+    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = optional(
+        "unit of length of x and height, or of each, if the file states none; it is never guessed", "um"
     )
     detrend: Literal["tilt", "mean", "curvature"] = Field(
         "tilt",
@@ -151,35 +137,25 @@ class Measured(Table):
         "hann",
         description='weight of the heights along the scan; "none" for calculated, periodic surfaces only',
     )
-    tip_radius: Annotated[float, Quantity("length", "1 nm", "10 mm")] | None = Field(
-        None,
-        description="radius of the stylus tip, limits the range; the one stated in the file unless given",
-        examples=["2 um"],
+    tip_radius: Annotated[float, Quantity("length", "1 nm", "10 mm")] | None = optional(
+        "radius of the stylus tip, limits the range; the one stated in the file unless given", "2 um"
     )
-    shortest_wavelength: Annotated[float, Quantity("length", "0.1 nm", "10 mm")] | None = Field(
-        None,
-        description="resolution of the instrument, limits the range; two points of the scan unless given",
-        examples=["2.5 um"],
+    shortest_wavelength: Annotated[float, Quantity("length", "0.1 nm", "10 mm")] | None = optional(
+        "resolution of the instrument, limits the range; two points of the scan unless given", "2.5 um"
     )
     extrapolation: Literal["cut", "self-affine"] = Field(
         "cut",
         description='outside the range of the scans: "cut": no roughness; "self-affine": continued with hurst to q_low '
         "and q_high",
     )
-    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] | None = Field(
-        None,
-        description='Hurst exponent of the continuation, with extrapolation = "self-affine"',
-        examples=[0.8],
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] | None = optional(
+        'Hurst exponent of the continuation, with extrapolation = "self-affine"', 0.8
     )
-    q_low: Wavenumber | None = Field(
-        None,
-        description="where the continued spectrum begins; the end of the range unless given",
-        examples=["1e2 1/m"],
+    q_low: Wavenumber | None = optional(
+        "where the continued spectrum begins; the end of the range unless given", "1e2 1/m"
     )
-    q_high: Wavenumber | None = Field(
-        None,
-        description="where the continued spectrum ends; the end of the range unless given",
-        examples=["1e8 1/m"],
+    q_high: Wavenumber | None = optional(
+        "where the continued spectrum ends; the end of the range unless given", "1e8 1/m"
     )
 
     outliers: Literal["keep", "remove"] = Field(
@@ -271,27 +247,23 @@ class Roughness(FinishKeys):
     Ra, Rq or Rz with a process in the table itself is the finish of each of both faces, as a drawing means it.
     """
 
-    kind: Literal["finish"] | None = Field(
-        None, description='"finish" where Ra, Rq or Rz stands in this table, where it need not be written'
+    kind: Literal["finish"] | None = optional(
+        '"finish" where Ra, Rq or Rz stands in this table, where it need not be written'
     )
-    spectrum: Spectrum | None = Field(None, description="power spectrum of both surfaces together")
-    seat: Spectrum | None = Field(
-        None,
-        description="power spectrum of the seat, instead of spectrum; without closure that one is smooth",
+    spectrum: Spectrum | None = optional("power spectrum of both surfaces together")
+    seat: Spectrum | None = optional(
+        "power spectrum of the seat, instead of spectrum; without closure that one is smooth"
     )
-    closure: Spectrum | None = Field(
-        None,
-        description="power spectrum of the closure, instead of spectrum; without seat that one is smooth",
+    closure: Spectrum | None = optional(
+        "power spectrum of the closure, instead of spectrum; without seat that one is smooth"
     )
 
-    along: Spectrum | None = Field(
-        None,
-        description="with across, instead of the others: spectrum from scans along the flow, across the seat's face",
+    along: Spectrum | None = optional(
+        "with across, instead of the others: spectrum from scans along the flow, across the seat's face"
     )
-    across: Spectrum | None = Field(
-        None,
-        description="with along: spectrum from scans across the flow, along the circumference; see "
-        "theory/anisotropy in the manual",
+    across: Spectrum | None = optional(
+        "with along: spectrum from scans across the flow, along the circumference; see "
+        "theory/anisotropy in the manual"
     )
     peklenik: Annotated[float, Number(0.001, 1000)] = Field(
         1.0,
@@ -571,20 +543,6 @@ def scan_case(files: Sequence[str], entries: Mapping[str, Any]) -> Measured:
         return Measured.model_validate({"kind": "profile", "files": list(files), **given})
     except ValidationError as error:
         raise InputError(*problems(error, Measured)) from None
-
-
-def place_files(roughness: object, folder: Path) -> None:
-    """Make the files named in the table, as it stands in a case file, relative to that file's folder."""
-    for key in PARTS:
-        spectrum = roughness.get(key) if isinstance(roughness, dict) else None
-        if not isinstance(spectrum, dict):
-            continue
-        if isinstance(spectrum.get("file"), str):
-            spectrum["file"] = str(folder / spectrum["file"])
-        if isinstance(spectrum.get("files"), list):
-            spectrum["files"] = [
-                str(folder / name) if isinstance(name, str) else name for name in spectrum["files"]
-            ]
 
 
 # The long waves of a measured surface end at eight times its roll-off, in ln q; their ln C changes by this at most.

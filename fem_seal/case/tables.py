@@ -15,7 +15,17 @@ from pydantic import Field, PrivateAttr, model_validator
 from fem_seal.case import closures, seats
 from fem_seal.case.direct import Asperities, Direct
 from fem_seal.case.drawn import ClosureProfile, SeatProfile
-from fem_seal.case.fields import NominalSizeEntry, Number, OneOrMany, Pressures, Quantity, Table
+from fem_seal.case.fields import (
+    NominalSizeEntry,
+    Number,
+    OneOrMany,
+    Pressures,
+    Quantity,
+    Table,
+    optional,
+    preset,
+    required,
+)
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.form import Form
 from fem_seal.case.leak_rate import LeakRate, of_this_gas
@@ -50,38 +60,33 @@ class Interface(Table):
         description='with law = "spectrum": p(u) of elastic asperities (false) or of those that yield (true); with '
         'leak.theory = "paper" the latter is that of the plastically smoothed spectrum',
     )
-    gamma: Annotated[float, Number(0.01, 2)] | None = Field(
-        None,
-        description='with law = "exponential": u0 = gamma times the rms height; 0.4 unless given',
-        examples=[0.4],
+    gamma: Annotated[float, Number(0.01, 2)] | None = optional(
+        'with law = "exponential": u0 = gamma times the rms height; 0.4 unless given', 0.4
     )
-    u0: Annotated[float, SEPARATION] | None = Field(
-        None,
-        description='with law = "exponential": decay length of the law, instead of gamma',
-        examples=["0.76 um"],
+    u0: Annotated[float, SEPARATION] | None = optional(
+        'with law = "exponential": decay length of the law, instead of gamma', "0.76 um"
     )
-    p_c: Annotated[float, Quantity("pressure", "1 Pa", "1e6 GPa")] | None = Field(
-        None,
-        description='with law = "exponential": pressure at zero gap; taken from the spectrum unless given. '
+    p_c: Annotated[float, Quantity("pressure", "1 Pa", "1e6 GPa")] | None = optional(
+        'with law = "exponential": pressure at zero gap; taken from the spectrum unless given. '
         "It shifts the gap, not the pressure profile",
-        examples=["10 GPa"],
+        "10 GPa",
     )
 
 
 class Load(Table):
     """[load]: fluid pressures, one result each and in this order, and the force on the closure."""
 
-    fluid_pressure: Annotated[tuple[float, ...], Pressures(FLUID_PRESSURE)] = Field(
-        description='pressure difference across the seal: one, a list, or { start = "1 bar", '
+    fluid_pressure: Annotated[tuple[float, ...], Pressures(FLUID_PRESSURE)] = required(
+        'pressure difference across the seal: one, a list, or { start = "1 bar", '
         'stop = "20 bar", num = 20, spacing = "linear" or "log" }',
-        examples=[["1 bar", "20 bar"]],
+        ["1 bar", "20 bar"],
     )
-    applied_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = Field(
+    applied_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = preset(
         0.0,
-        description="applied force of spring or actuator on the closure, positive when it closes the seal: one, or a "
+        "0 N",
+        "applied force of spring or actuator on the closure, positive when it closes the seal: one, or a "
         "list with one for each fluid pressure; with a single fluid pressure a list of any length, one result each",
-        examples=["250 N"],
-        json_schema_extra={"default": "0 N"},
+        "250 N",
     )
     closing: Literal["sealed-area", "penetration"] = Field(
         "sealed-area",
@@ -94,24 +99,21 @@ class Load(Table):
         description='side of the high pressure: "outer" (around the closure, presses it on the seat) or '
         '"inner" (in the bore, lifts it)',
     )
-    largest_earlier_force: Annotated[float, EARLIER_FORCE] | None = Field(
-        None,
-        description="applied force that once closed the seal, without fluid pressure: yielded asperities stay tighter "
+    largest_earlier_force: Annotated[float, EARLIER_FORCE] | None = optional(
+        "applied force that once closed the seal, without fluid pressure: yielded asperities stay tighter "
         "than on first loading, and bodies with stress_strain carry it first; see theory/memory in the manual",
-        examples=["2 kN"],
+        "2 kN",
     )
-    largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = Field(
-        None,
-        description="fluid pressure that once closed the seal, with the same applied_force, instead of "
+    largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = optional(
+        "fluid pressure that once closed the seal, with the same applied_force, instead of "
         'largest_earlier_force; with pressure_side = "outer"',
-        examples=["64 bar"],
+        "64 bar",
     )
-    target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = Field(
-        None,
-        description="also find the smallest applied_force for which the leak rate stays below this at each fluid "
+    target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = optional(
+        "also find the smallest applied_force for which the leak rate stays below this at each fluid "
         "pressure; of a gas the volume at 101325 Pa and its temperature, at 0 degC (Nml/min, sccm), or pressure times "
         "volume (mbar l/s)",
-        examples=["1e-3 cm^3/s"],
+        "1e-3 cm^3/s",
     )
 
     @model_validator(mode="after")
@@ -184,11 +186,10 @@ class Leak(Table):
         "subtracted from the pressure on the asperities, point by point, and may lift the surfaces apart (liquids); "
         "see theory/fluid_in_gap in the manual",
     )
-    nominal_size: Annotated[float, NominalSizeEntry("length", "1 mm", "5 m")] | None = Field(
-        None,
-        description='nominal size of the valve for the leakage classes, "DN 25", "NPS 1" or a length; the size nearest '
+    nominal_size: Annotated[float, NominalSizeEntry("length", "1 mm", "5 m")] | None = optional(
+        'nominal size of the valve for the leakage classes, "DN 25", "NPS 1" or a length; the size nearest '
         "to the bore of the seat (to the circle of first touch if no bore is given) unless given",
-        examples=["DN 25"],
+        "DN 25",
     )
     variants: bool = Field(
         False,
@@ -200,18 +201,16 @@ class Leak(Table):
 class Mesh(Table):
     """[mesh]: sized from the problem unless given."""
 
-    contact_size: Annotated[float, Quantity("length", "1 nm", "0.1 m")] | None = Field(
-        None, description="size of the elements along the contact line", examples=["20 um"]
+    contact_size: Annotated[float, Quantity("length", "1 nm", "0.1 m")] | None = optional(
+        "size of the elements along the contact line", "20 um"
     )
 
 
 class Output(Table):
     """[output]: where the results are written."""
 
-    folder: str | None = Field(
-        None,
-        description="results folder, relative to the case file; <case name>.out unless given",
-        examples=["out"],
+    folder: str | None = optional(
+        "results folder, relative to the case file; <case name>.out unless given", "out"
     )
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import Field
-
-from fem_seal.case.fields import Quantity, Table
+from fem_seal.case.fields import Quantity, Table, optional, preset, required
 from fem_seal.errors import QuantityError
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import parse_quantity
@@ -19,15 +17,13 @@ Kelvin = Annotated[float, _KELVIN]
 class Face(Table):
     """A face of the seal and what warms it, where temperatures are calculated: guide/temperature in the manual."""
 
-    temperature: Kelvin = Field(
-        description="of the fluid on the face, or without heat_transfer of the face itself",
-        examples=["180 degC"],
+    temperature: Kelvin = required(
+        "of the fluid on the face, or without heat_transfer of the face itself", "180 degC"
     )
     heat_transfer: Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e7 W/(m^2 K)")] | None = (
-        Field(
-            None,
-            description="heat transfer coefficient between face and fluid; the face has the temperature unless given",
-            examples=["500 W/(m^2 K)"],
+        optional(
+            "heat transfer coefficient between face and fluid; the face has the temperature unless given",
+            "500 W/(m^2 K)",
         )
     )
 
@@ -42,32 +38,24 @@ class Temperature(Table):
     See guide/temperature in the manual. The faces are insulated unless they are named.
     """
 
-    uniform: Kelvin | None = Field(
-        None, description="of both bodies and, unless it has its own, of the fluid", examples=["80 degC"]
-    )
-    closure: Kelvin | None = Field(
-        None, description="of the closure; together with seat, instead of uniform", examples=["120 degC"]
-    )
-    seat: Kelvin | None = Field(
-        None, description="of the seat; together with closure, instead of uniform", examples=["60 degC"]
-    )
-    reference: Kelvin = Field(
+    uniform: Kelvin | None = optional("of both bodies and, unless it has its own, of the fluid", "80 degC")
+    closure: Kelvin | None = optional("of the closure; together with seat, instead of uniform", "120 degC")
+    seat: Kelvin | None = optional("of the seat; together with closure, instead of uniform", "60 degC")
+    reference: Kelvin = preset(
         ROOM_TEMPERATURE,
-        description="temperature at which the dimensions of the drawing hold, and an interference",
-        examples=["20 degC"],
-        json_schema_extra={"default": "20 degC"},
+        "20 degC",
+        "temperature at which the dimensions of the drawing hold, and an interference",
+        "20 degC",
     )
-    housing: Kelvin | None = Field(
-        None,
-        description='with seat.wall = "fixed": temperature of what holds the wall; that of the seat unless given',
-        examples=["40 degC"],
+    housing: Kelvin | None = optional(
+        'with seat.wall = "fixed": temperature of what holds the wall; that of the seat unless given',
+        "40 degC",
     )
     housing_expansion: Annotated[float, Quantity("thermal expansion", "-1e-4 1/K", "1e-3 1/K")] | None = (
-        Field(
-            None,
-            description='with seat.wall = "fixed": thermal expansion of what holds the wall; that of the seat unless '
+        optional(
+            'with seat.wall = "fixed": thermal expansion of what holds the wall; that of the seat unless '
             "given",
-            examples=["23e-6 1/K"],
+            "23e-6 1/K",
         )
     )
 
@@ -78,11 +66,10 @@ class Temperature(Table):
     wall: Face | None = None
     contact_conductance: (
         Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e9 W/(m^2 K)")] | None
-    ) = Field(
-        None,
-        description="with faces: thermal conductance of the contact over the width in which the bodies touch; perfect "
+    ) = optional(
+        "with faces: thermal conductance of the contact over the width in which the bodies touch; perfect "
         "unless given",
-        examples=["10 kW/(m^2 K)"],
+        "10 kW/(m^2 K)",
     )
 
     @property

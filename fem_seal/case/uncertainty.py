@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from fem_seal.case.fields import Number, Table, Whole
+from fem_seal.case.fields import Number, Table, Whole, optional, required
 
 
 class Spread(Table):
@@ -18,21 +18,20 @@ class Spread(Table):
         '"normal": mean and relative standard deviation, cut off at three of them; "uniform": the value times '
         "1 - relative to 1 + relative",
     )
-    relative: Annotated[float, Number(0, 0.9, exclusive_low=True)] = Field(
-        description="relative width: 0.1 is ten per cent", examples=[0.1]
+    relative: Annotated[float, Number(0, 0.9, exclusive_low=True)] = required(
+        "relative width: 0.1 is ten per cent", 0.1
     )
 
 
 class Scans(Table):
     """How the spectrum spreads: by the differences between the scans that it was measured from."""
 
-    distribution: Literal["scans"] = Field(
-        description='"scans": the mean over the scans is redrawn with random weights (Bayesian bootstrap)',
-        examples=["scans"],
+    distribution: Literal["scans"] = required(
+        '"scans": the mean over the scans is redrawn with random weights (Bayesian bootstrap)', "scans"
     )
 
 
-_SPREAD = [{"distribution": "lognormal", "relative": 0.1}]
+_SPREAD = {"distribution": "lognormal", "relative": 0.1}
 
 
 class Uncertainty(Table):
@@ -50,32 +49,20 @@ class Uncertainty(Table):
     confidence: Annotated[float, Number(0.5, 0.999)] = Field(
         0.9, description="share of the samples inside the interval; the rest lies half below, half above"
     )
-    viscosity: Spread | None = Field(None, description="of the fluid", examples=_SPREAD)
-    hardness: Spread | None = Field(None, description="of the asperities", examples=_SPREAD)
-    youngs_modulus: Spread | None = Field(
-        None, description="of both bodies, in the same proportion; so does E*", examples=_SPREAD
+    viscosity: Spread | None = optional("of the fluid", _SPREAD)
+    hardness: Spread | None = optional("of the asperities", _SPREAD)
+    youngs_modulus: Spread | None = optional("of both bodies, in the same proportion; so does E*", _SPREAD)
+    rms_height: Spread | None = optional("all heights of the roughness in the same proportion", _SPREAD)
+    hurst: Spread | None = optional(
+        "with a self-affine spectrum for both surfaces together; kept between 0.01 and 1, rms height kept",
+        _SPREAD,
     )
-    rms_height: Spread | None = Field(
-        None, description="all heights of the roughness in the same proportion", examples=_SPREAD
-    )
-    hurst: Spread | None = Field(
-        None,
-        description="with a self-affine spectrum for both surfaces together; kept between 0.01 and 1, rms height kept",
-        examples=_SPREAD,
-    )
-    q_rolloff: Spread | None = Field(
-        None, description="with a self-affine spectrum; kept between q_low and q_high", examples=_SPREAD
-    )
-    q_high: Spread | None = Field(
-        None, description="with a self-affine spectrum; kept above q_rolloff", examples=_SPREAD
-    )
-    form: Spread | None = Field(
-        None, description="all deviations of [form] in the same proportion", examples=_SPREAD
-    )
-    spectrum: Scans | None = Field(
-        None,
-        description='with a spectrum of kind "profile" from two or more files, of both surfaces or of each',
-        examples=[{"distribution": "scans"}],
+    q_rolloff: Spread | None = optional("with a self-affine spectrum; kept between q_low and q_high", _SPREAD)
+    q_high: Spread | None = optional("with a self-affine spectrum; kept above q_rolloff", _SPREAD)
+    form: Spread | None = optional("all deviations of [form] in the same proportion", _SPREAD)
+    spectrum: Scans | None = optional(
+        'with a spectrum of kind "profile" from two or more files, of both surfaces or of each',
+        {"distribution": "scans"},
     )
 
     @property
